@@ -1,0 +1,1 @@
+"""Bounded random disturbances, the same numbers for the same seed wherever they are drawn."""

@@ -1,0 +1,1 @@
+"""Engines: an experiment in, its iterations out."""

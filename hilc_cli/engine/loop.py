@@ -1,0 +1,161 @@
+"""The loop engine: one experiment in plain Python, easy to step through in a debugger."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import DivergedError
+from hilc_cli.laws.law import PreviousIteration, WheelController
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.trial import Trial
+from hilc_cli.robot import euler_step, limit_wheel_speeds
+
+
+def simulate(experiment: Experiment) -> Iterator[Trial]:
+    """Runs iterations 0..N, one at a time: what is not kept by the caller is forgotten.
+
+    Args:
+        experiment: The experiment.
+
+    Yields:
+        Each iteration as it is completed.
+
+    Raises:
+        DivergedError: An iteration left the finite numbers; it is not yielded.
+    """
+    reference = experiment.reference
+    none = [0.0] * (reference.samples + 1)
+    previous = PreviousIteration(
+        experiment.initial_left.tolist(), experiment.initial_right.tolist(), none, none, none
+    )
+    for iteration in range(experiment.iterations + 1):
+        if iteration == 0 and not experiment.learn_in_first:
+            controller = _open_loop(previous)
+        else:
+            controller = experiment.law.controller(previous, reference)
+        trial, output = _run_iteration(experiment, iteration, controller)
+        yield trial
+        previous = PreviousIteration(
+            trial.left.tolist(),
+            trial.right.tolist(),
+            (reference.x - output[0]).tolist(),
+            (reference.y - output[1]).tolist(),
+            (reference.heading - output[2]).tolist(),
+        )
+
+
+def _open_loop(initial: PreviousIteration) -> WheelController:
+    """The initial input as it is."""
+    left, right = initial.left, initial.right
+
+    def wheel_speeds(
+        k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
+    ) -> tuple[float, float]:
+        return left[k], right[k]
+
+    return wheel_speeds
+
+
+def _run_iteration(
+    experiment: Experiment, iteration: int, controller: WheelController
+) -> tuple[Trial, tuple[Floats, Floats, Floats]]:
+    """One pass over the trajectory.
+
+    Returns:
+        The true motion, and the measured output y = q + alpha as x, y and heading.
+
+    Raises:
+        DivergedError: The pass left the finite numbers.
+    """
+    reference, robot = experiment.reference, experiment.robot
+    steps = reference.samples
+    wheel_radius, signed_half_track = robot.wheel_radius, robot.signed_half_track
+    sample_time, speed_limit = reference.sample_time, experiment.speed_limit
+    desired_x = reference.x.tolist()
+    desired_y = reference.y.tolist()
+    desired_heading = reference.heading.tolist()
+    beta = experiment.disturbance.of_state(iteration, steps)
+    alpha = experiment.disturbance.of_output(iteration, steps + 1)
+    state_noise = None if beta is None else beta.tolist()
+    output_noise = None if alpha is None else alpha.tolist()
+
+    offset = experiment.disturbance.of_initial_pose(iteration)
+    x, y, heading = (p + o for p, o in zip(experiment.initial_pose, offset, strict=True))
+    xs, ys, headings = [x], [y], [heading]
+    lefts: list[float] = []
+    rights: list[float] = []
+    saturated = 0
+    try:
+        for k in range(steps):
+            cos, sin = math.cos(heading), math.sin(heading)
+            if output_noise is None:
+                left, right = controller(
+                    k,
+                    cos,
+                    sin,
+                    desired_x[k] - x,
+                    desired_y[k] - y,
+                    desired_heading[k] - heading,
+                )
+            else:
+                # Eq. 11: the controller sees y = q + alpha, its gain heading included.
+                noise_x, noise_y, noise_heading = output_noise[k]
+                measured = heading + noise_heading
+                left, right = controller(
+                    k,
+                    math.cos(measured),
+                    math.sin(measured),
+                    desired_x[k] - (x + noise_x),
+                    desired_y[k] - (y + noise_y),
+                    desired_heading[k] - measured,
+                )
+            limited_left, limited_right = limit_wheel_speeds(left, right, speed_limit)  # Eq. 25
+            if limited_left != left or limited_right != right:
+                saturated += 1
+            # Eq. 8; the limited speeds are also what the next iteration learns from.
+            x, y, heading = euler_step(
+                x,
+                y,
+                heading,
+                cos,
+                sin,
+                limited_left,
+                limited_right,
+                wheel_radius,
+                signed_half_track,
+                sample_time,
+            )
+            if state_noise is not None:
+                noise_x, noise_y, noise_heading = state_noise[k]
+                x, y, heading = x + noise_x, y + noise_y, heading + noise_heading  # Eq. 11
+            lefts.append(limited_left)
+            rights.append(limited_right)
+            xs.append(x)
+            ys.append(y)
+            headings.append(heading)
+    except (ValueError, OverflowError) as error:
+        # The cosine of an infinite heading is Python's "math domain error".
+        raise DivergedError(iteration) from error
+    trial = Trial(
+        iteration,
+        np.array(xs),
+        np.array(ys),
+        np.array(headings),
+        np.array(lefts),
+        np.array(rights),
+        saturated,
+    )
+    # A state that leaves the finite numbers never returns: its last sample tells.
+    if not all(math.isfinite(value) for value in (x, y, heading)):
+        raise DivergedError(iteration)
+    if alpha is None:
+        return trial, (trial.x, trial.y, trial.heading)
+    return trial, (
+        trial.x + alpha[:, 0],
+        trial.y + alpha[:, 1],
+        trial.heading + alpha[:, 2],
+    )

@@ -1,0 +1,78 @@
+"""Every expected failure of hilc: one base class, each with the exit code it leads to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong with what the user wrote, and where.
+
+    Attributes:
+        where: ``FILE:LINE:COLUMN``, or the command-line option that holds the value.
+        path: Dotted path of the key, such as ``robot.wheel_radius``; empty for the whole file.
+        message: What is wrong, the value that was found, and what is allowed.
+    """
+
+    where: str
+    path: str
+    message: str
+
+    def __str__(self) -> str:
+        return ": ".join(part for part in (self.where, self.path, self.message) if part)
+
+
+class HilcError(Exception):
+    """Base of all failures that end in one line on stderr instead of a traceback."""
+
+    exit_code = 1
+
+
+class InvalidInputError(HilcError):
+    """A file or an override is not valid; carries every problem that was found."""
+
+    exit_code = 2
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+class UsageError(HilcError):
+    """The command line, or a call of the Python interface, asks for something that is not there."""
+
+    exit_code = 2
+
+
+class FileAccessError(HilcError):
+    """A file or folder could not be read or written."""
+
+
+class ExistingResultsError(HilcError):
+    """The output folder holds something that must not be overwritten."""
+
+
+class DivergedError(HilcError):
+    """A simulation left the finite numbers.
+
+    Attributes:
+        iteration: The iteration that could not be completed.
+    """
+
+    exit_code = 3
+
+    def __init__(self, iteration: int) -> None:
+        self.iteration = iteration
+        super().__init__(f"the simulation diverged to non-finite values in iteration {iteration}")
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """The nearest known word as ``did you mean 'x'?``, or the list of all known words."""
+    known = sorted(known)
+    near = get_close_matches(word, known, n=1, cutoff=0.6)
+    if near:
+        return f"did you mean '{near[0]}'?"
+    return f"known: {', '.join(known)}"

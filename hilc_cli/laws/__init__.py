@@ -1,0 +1,1 @@
+"""Learning laws, one a file, and the gain matrix that they share."""

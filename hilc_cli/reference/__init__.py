@@ -1,0 +1,1 @@
+"""Reference trajectories: segments, and the sampled path that they make."""

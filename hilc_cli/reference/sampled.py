@@ -1,0 +1,46 @@
+"""The sampled reference that everything downstream works with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reference:
+    """A reference trajectory y_d, sampled at equal times.
+
+    Attributes:
+        name: Name of the trajectory.
+        sample_time: d_t [s].
+        x: Position [m], shape (n + 1,).
+        y: Position [m], shape (n + 1,).
+        heading: Unwrapped heading [rad], shape (n + 1,).
+        segment_ends: Sample index at which each segment ends; empty if it is not known.
+    """
+
+    name: str
+    sample_time: float
+    x: Floats
+    y: Floats
+    heading: Floats
+    segment_ends: tuple[int, ...] = ()
+
+    @property
+    def samples(self) -> int:
+        """Number of sampling intervals n; there are n + 1 samples."""
+        return len(self.x) - 1
+
+    @property
+    def times(self) -> Floats:
+        """Time of each sample [s], shape (n + 1,)."""
+        return np.arange(self.samples + 1) * self.sample_time
+
+    @property
+    def size(self) -> float:
+        """Longer side of the path's bounding box [m], the yardstick of relative errors."""
+        return float(max(np.ptp(self.x), np.ptp(self.y)))

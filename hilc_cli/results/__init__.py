@@ -1,0 +1,1 @@
+"""Results: what an iteration was, how well it tracked, and the folder that holds it all."""

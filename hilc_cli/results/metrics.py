@@ -1,0 +1,123 @@
+"""How well an iteration tracked, and the table of that over all iterations."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.trial import Trial
+
+
+@dataclass(frozen=True, slots=True)
+class IterationMetrics:
+    """The row of one iteration; the fields carry the column names of ``iterations.csv``.
+
+    Position errors are Euclidean distances of the true wheel midpoint from the reference; mean,
+    RMS and maximum run over samples 0..n. The heading error is not wrapped.
+    """
+
+    max_position_error_m: float
+    mean_position_error_m: float
+    rms_position_error_m: float
+    final_position_error_m: float
+    max_abs_error_x_m: float
+    max_abs_error_y_m: float
+    max_abs_error_heading_rad: float
+    max_wheel_speed_rad_s: float
+    saturated_samples: int
+    input_change_rms_rad_s: float
+
+
+METRIC_NAMES: tuple[str, ...] = tuple(IterationMetrics.__dataclass_fields__)
+INTEGER_METRICS = frozenset({"saturated_samples"})
+
+
+def measure(trial: Trial, reference: Reference, before: Trial | None) -> IterationMetrics:
+    """The metrics of one iteration.
+
+    Args:
+        trial: The iteration.
+        reference: The trajectory that it was to follow, of the same number of samples.
+        before: The iteration before it, for the change of the input; None for the first.
+    """
+    error_x = np.abs(reference.x - trial.x)
+    error_y = np.abs(reference.y - trial.y)
+    error_heading = np.abs(reference.heading - trial.heading)
+    position_error = np.hypot(error_x, error_y)
+    change = (
+        0.0
+        if before is None
+        else _rms(np.concatenate([trial.left - before.left, trial.right - before.right]))
+    )
+    return IterationMetrics(
+        max_position_error_m=float(position_error.max()),
+        mean_position_error_m=float(position_error.mean()),
+        rms_position_error_m=_rms(position_error),
+        final_position_error_m=float(position_error[-1]),
+        max_abs_error_x_m=float(error_x.max()),
+        max_abs_error_y_m=float(error_y.max()),
+        max_abs_error_heading_rad=float(error_heading.max()),
+        max_wheel_speed_rad_s=float(max(np.abs(trial.left).max(), np.abs(trial.right).max())),
+        saturated_samples=trial.saturated_samples,
+        input_change_rms_rad_s=change,
+    )
+
+
+def _rms(values: Floats) -> float:
+    """Root mean square, scaled so that the squares of a diverging run do not overflow early."""
+    largest = float(np.abs(values).max())
+    if largest == 0 or not np.isfinite(largest):
+        return largest
+    return largest * float(np.sqrt(np.mean((values / largest) ** 2)))
+
+
+class MetricsTable:
+    """Metrics of iterations 0, 1, ...: a column of eight-byte numbers each, nothing else."""
+
+    def __init__(self) -> None:
+        self._columns = {
+            name: array("q" if name in INTEGER_METRICS else "d") for name in METRIC_NAMES
+        }
+
+    def append(self, metrics: IterationMetrics) -> None:
+        """Adds the next iteration."""
+        for name, column in self._columns.items():
+            column.append(getattr(metrics, name))
+
+    def __len__(self) -> int:
+        return len(self._columns[METRIC_NAMES[0]])
+
+    def __getitem__(self, name: str) -> Floats:
+        """A column, shape (iterations,).
+
+        Raises:
+            KeyError: There is no such metric.
+        """
+        return np.array(self._columns[name], dtype=np.float64)
+
+    def row(self, iteration: int) -> dict[str, float]:
+        """All metrics of one iteration by name; -1 is the last."""
+        return {name: column[iteration] for name, column in self._columns.items()}
+
+    def rows(self) -> Iterator[Mapping[str, float]]:
+        """All rows in order."""
+        return (self.row(iteration) for iteration in range(len(self)))
+
+    def settled_at(self, tolerance: float) -> int | None:
+        """First iteration from which on the maximum position error stays at or below a bound.
+
+        Args:
+            tolerance: The bound [m].
+
+        Returns:
+            The iteration, or None if the last iteration is still above the bound.
+        """
+        above = np.flatnonzero(~(self["max_position_error_m"] <= tolerance))
+        if len(above) == 0:
+            return 0 if len(self) else None
+        first = int(above[-1]) + 1
+        return first if first < len(self) else None

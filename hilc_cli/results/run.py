@@ -1,0 +1,54 @@
+"""The result of a whole experiment, in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.metrics import MetricsTable
+from hilc_cli.results.trial import Trial
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunData:
+    """Everything that tables and figures show of a run; it does not say who made it.
+
+    Attributes:
+        name: Name of the scenario.
+        reference: The trajectory that was to be followed.
+        metrics: A row for each completed iteration.
+        trials: The recorded iterations by number, in order; the last completed one among them.
+        speed_limit: b_w [rad/s]; None for no limit.
+        gravity_center: D_cx, D_cy [m] of the platform.
+        diverged_at: The iteration that left the finite numbers; None if none did.
+    """
+
+    name: str
+    reference: Reference
+    metrics: MetricsTable
+    trials: Mapping[int, Trial] = field(default_factory=dict)
+    speed_limit: float | None = None
+    gravity_center: tuple[float, float] = (0.0, 0.0)
+    diverged_at: int | None = None
+
+    @property
+    def last(self) -> Trial:
+        """The last completed iteration."""
+        return self.trials[max(self.trials)]
+
+    @property
+    def learned_input(self) -> tuple[Floats, Floats]:
+        """Left and right wheel speeds [rad/s] that were learned last, shape (n,) each."""
+        return self.last.left, self.last.right
+
+    def position_error(self, iteration: int) -> Floats:
+        """Distance from the reference at each sample of a recorded iteration [m].
+
+        Raises:
+            KeyError: The samples of that iteration were not recorded.
+        """
+        trial = self.trials[iteration]
+        return np.hypot(self.reference.x - trial.x, self.reference.y - trial.y)

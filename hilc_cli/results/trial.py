@@ -1,0 +1,30 @@
+"""What one iteration did: a trial looks the same whether it was simulated or logged."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hilc_cli.reference.sampled import Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """The true motion of one iteration and the wheel speeds that caused it.
+
+    Attributes:
+        iteration: Number of the iteration, 0 for the first.
+        x: Position of the wheel midpoint [m], shape (n + 1,).
+        y: Position of the wheel midpoint [m], shape (n + 1,).
+        heading: Unwrapped heading [rad], shape (n + 1,).
+        left: Speed of the left wheel [rad/s], shape (n,), after the speed limit.
+        right: Speed of the right wheel [rad/s], shape (n,), after the speed limit.
+        saturated_samples: Number of samples at which the speed limit acted.
+    """
+
+    iteration: int
+    x: Floats
+    y: Floats
+    heading: Floats
+    left: Floats
+    right: Floats
+    saturated_samples: int = 0

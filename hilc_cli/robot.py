@@ -1,0 +1,146 @@
+"""The differential-drive platform: wheel speeds to motion, and the motor speed limit.
+
+The functions work on plain numbers (or arrays of them), so that every engine can call them.
+They take the half track *signed*: positive where a faster left wheel turns the platform left,
+as Eq. 2 of the paper is printed, negative where a faster right wheel does (ROS REP-103). The two
+conventions differ by nothing else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Number = TypeVar("Number", float, NDArray[np.float64])
+
+TurnConvention = Literal["paper", "rep103"]
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """Structural parameters of a platform: the true one, or the one a controller believes in."""
+
+    wheel_radius: float  # R_c [m]
+    half_track: float  # B_c as Eq. 2 uses it [m]
+    turn_convention: TurnConvention = "paper"
+    gravity_center: tuple[float, float] = (0.0, 0.0)  # D_cx, D_cy [m]
+
+    @property
+    def signed_half_track(self) -> float:
+        """Half track [m], negative in the convention of REP-103."""
+        return self.half_track if self.turn_convention == "paper" else -self.half_track
+
+
+def twist_from_wheel_speeds(
+    left: float, right: float, wheel_radius: float, signed_half_track: float
+) -> tuple[float, float]:
+    """Forward speed [m/s] and yaw rate [rad/s] of the wheel midpoint.
+
+    Args:
+        left: Speed of the left wheel [rad/s].
+        right: Speed of the right wheel [rad/s].
+        wheel_radius: R_c [m].
+        signed_half_track: B_c [m], see the module's text for its sign.
+
+    Source:
+        Qiao et al. 2021, Eq. 2.
+    """
+    speed = wheel_radius * (left + right) / 2
+    yaw_rate = wheel_radius * (left - right) / (2 * signed_half_track)
+    return speed, yaw_rate
+
+
+def wheel_speeds_from_twist(
+    speed: Number, yaw_rate: Number, wheel_radius: float, signed_half_track: float
+) -> tuple[Number, Number]:
+    """Left and right wheel speed [rad/s] that give a forward speed [m/s] and yaw rate [rad/s].
+
+    Source:
+        Qiao et al. 2021, Eq. 2 solved for the wheels.
+    """
+    turning = signed_half_track * yaw_rate
+    return (speed + turning) / wheel_radius, (speed - turning) / wheel_radius
+
+
+def euler_step(
+    x: float,
+    y: float,
+    heading: float,
+    cos_heading: float,
+    sin_heading: float,
+    left: float,
+    right: float,
+    wheel_radius: float,
+    signed_half_track: float,
+    sample_time: float,
+) -> tuple[float, float, float]:
+    """Pose of the wheel midpoint one sample later, without disturbance.
+
+    Forward Euler with the heading at the start of the sample; the heading is never wrapped.
+
+    Args:
+        x: Position [m].
+        y: Position [m].
+        heading: Heading [rad].
+        cos_heading: Cosine of the heading, computed by the caller its own way.
+        sin_heading: Sine of the heading.
+        left: Speed of the left wheel [rad/s].
+        right: Speed of the right wheel [rad/s].
+        wheel_radius: R_c [m].
+        signed_half_track: B_c [m], see the module's text for its sign.
+        sample_time: d_t [s].
+
+    Source:
+        Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
+    """
+    # The twist of Eq. 2 is written out: a call here costs the plain loop a tenth of its time.
+    distance = sample_time * (wheel_radius * (left + right) / 2)
+    turn = sample_time * (wheel_radius * (left - right) / (2 * signed_half_track))
+    return x + distance * cos_heading, y + distance * sin_heading, heading + turn
+
+
+def limit_wheel_speeds(left: float, right: float, bound: float) -> tuple[float, float]:
+    """Wheel speeds scaled together, where the faster one exceeds the bound, so that it keeps it.
+
+    The print of Eq. 25 compares without absolute values, which would let a fast reversing wheel
+    pass; the bound of Eq. 14 is on the absolute speed, and so it is here.
+
+    Args:
+        left: Demanded speed of the left wheel [rad/s].
+        right: Demanded speed of the right wheel [rad/s].
+        bound: b_w [rad/s], > 0; infinity for no limit.
+
+    Source:
+        Qiao et al. 2021, Eqs. 14 and 25.
+    """
+    if -bound <= left <= bound and -bound <= right <= bound:
+        return left, right
+    fastest = max(abs(left), abs(right))
+    # Divided first: left / fastest is then exactly 1 for the faster wheel, and no rounding can
+    # lift the result above the bound.
+    return left / fastest * bound, right / fastest * bound
+
+
+def gravity_center_position(
+    x: float, y: float, cos_heading: float, sin_heading: float, offset: tuple[float, float]
+) -> tuple[float, float]:
+    """Position of the gravity centre [m] for a pose of the wheel midpoint.
+
+    Args:
+        x: Position of the wheel midpoint [m].
+        y: Position of the wheel midpoint [m].
+        cos_heading: Cosine of the heading.
+        sin_heading: Sine of the heading.
+        offset: D_cx, D_cy [m] in the platform's frame.
+
+    Source:
+        Qiao et al. 2021, Eq. 7.
+    """
+    ahead, aside = offset
+    return (
+        x + cos_heading * ahead - sin_heading * aside,
+        y + sin_heading * ahead + cos_heading * aside,
+    )

@@ -1,0 +1,1 @@
+"""What people write: YAML with positions, expressions, the models that validate it."""
