@@ -125,8 +125,8 @@ def limit_wheel_speeds(left: float, right: float, bound: float) -> tuple[float, 
 
 
 def gravity_center_position(
-    x: float, y: float, cos_heading: float, sin_heading: float, offset: tuple[float, float]
-) -> tuple[float, float]:
+    x: Number, y: Number, cos_heading: Number, sin_heading: Number, offset: tuple[float, float]
+) -> tuple[Number, Number]:
     """Position of the gravity centre [m] for a pose of the wheel midpoint.
 
     Args:

@@ -87,23 +87,21 @@ class Disturbance:
         stream_word = np.full_like(sample, int(stream))
         # Three of the four words of one counter: x, y and heading of that sample.
         words = philox((sample, pass_word, stream_word, np.zeros_like(sample)), self.seed)[:3]
-        return np.stack(
-            [
-                _scaled(open_unit_interval(word), source.distribution, bound, deviation)
-                for word, bound, deviation in zip(
-                    words, source.bound, source.deviation, strict=True
-                )
-            ],
-            axis=1,
-        )
+        columns = [
+            _scaled(open_unit_interval(word), source.distribution, bound, deviation)
+            for word, bound, deviation in zip(words, source.bound, source.deviation, strict=True)
+        ]
+        offsets: Floats = np.stack(columns, axis=1)
+        return offsets
 
 
 def _scaled(unit: Floats, distribution: Distribution, bound: float, deviation: float) -> Floats:
     """Numbers between 0 and 1 as draws from a bounded distribution about 0."""
     if distribution == "uniform" or bound == 0:
-        return bound * (2 * unit - 1)
+        centred: Floats = 2 * unit - 1
+        return bound * centred
     normal = NormalDist(0.0, deviation)
     below = normal.cdf(-bound)
     probabilities = below + unit * (1 - 2 * below)
-    drawn = np.array([normal.inv_cdf(p) for p in probabilities.tolist()])
-    return np.clip(drawn, -bound, bound)
+    drawn: Floats = np.array([normal.inv_cdf(p) for p in probabilities.tolist()])
+    return drawn.clip(-bound, bound)

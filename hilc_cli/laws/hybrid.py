@@ -148,8 +148,10 @@ class HybridLaw:
 
     def _gain_headings(self, previous: PreviousIteration, reference: Reference) -> list[float]:
         if self.gain_heading == "reference":
-            return reference.heading.tolist()
-        return (reference.heading - np.array(previous.error_heading)).tolist()
+            headings = reference.heading
+        else:
+            headings = reference.heading - np.array(previous.error_heading)
+        return [float(heading) for heading in headings]
 
 
 def _per_component(formula: Callable[[Floats], Floats], previous: PreviousIteration) -> PastErrors:

@@ -38,7 +38,7 @@ class Reference:
     @property
     def times(self) -> Floats:
         """Time of each sample [s], shape (n + 1,)."""
-        return np.arange(self.samples + 1) * self.sample_time
+        return np.arange(self.samples + 1, dtype=np.float64) * self.sample_time
 
     @property
     def size(self) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.trial import Trial
+from hilc_cli.robot import gravity_center_position
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,3 +53,18 @@ class RunData:
         """
         trial = self.trials[iteration]
         return np.hypot(self.reference.x - trial.x, self.reference.y - trial.y)
+
+    def gravity_center_path(self, iteration: int) -> tuple[Floats, Floats, Floats]:
+        """Position x, y [m] and heading [rad] of the gravity centre in a recorded iteration.
+
+        Raises:
+            KeyError: The samples of that iteration were not recorded.
+
+        Source:
+            Qiao et al. 2021, Eq. 7.
+        """
+        trial = self.trials[iteration]
+        x, y = gravity_center_position(
+            trial.x, trial.y, np.cos(trial.heading), np.sin(trial.heading), self.gravity_center
+        )
+        return x, y, trial.heading

@@ -1,0 +1,185 @@
+"""The Python interface: load a scenario, run it, keep it. The command line is built on this."""
+
+from __future__ import annotations
+
+import platform
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Protocol
+
+from hilc_cli.engine.loop import simulate
+from hilc_cli.errors import DivergedError
+from hilc_cli.results.metrics import MetricsTable, measure
+from hilc_cli.results.recording import recorded_iterations
+from hilc_cli.results.run import RunData
+from hilc_cli.results.run_folder import check_output_folder, read_run_folder, write_run_folder
+from hilc_cli.results.summary import Summary, summarise
+from hilc_cli.results.trial import Trial
+from hilc_cli.spec.loading import load_scenario
+from hilc_cli.spec.valid import Scenario
+from hilc_cli.version import __version__
+
+__all__ = ["Run", "RunData", "Scenario", "Summary", "load_scenario", "read_run", "run"]
+
+
+class OnIteration(Protocol):
+    """Told of each completed iteration."""
+
+    def __call__(self, iteration: int) -> None:
+        """Iteration number ``iteration`` is complete."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run(RunData):
+    """The results of a scenario, and how they came to be.
+
+    Attributes:
+        scenario: What was run.
+        started: When, in UTC.
+        timings: Seconds that each step took.
+    """
+
+    scenario: Scenario = field(kw_only=True)
+    started: datetime = field(kw_only=True)
+    timings: dict[str, float] = field(kw_only=True)
+
+    def summary(self) -> Summary:
+        """The few figures that tell how the run went."""
+        return summarise(self)
+
+    def check_folder(self, folder: str | Path, *, force: bool = False) -> None:
+        """Whether `write` may write to a folder, see there."""
+        check_folder(self.scenario, folder, force=force)
+
+    def write(
+        self,
+        folder: str | Path,
+        *,
+        force: bool = False,
+        formats: Sequence[str] = ("png",),
+        plots: bool = True,
+        command: Sequence[str] = (),
+    ) -> None:
+        """Writes the run folder: tables, resolved scenario, manifest and pictures.
+
+        Args:
+            folder: The very folder that is written; it is there as a whole or not at all.
+            force: Replace the folder of another scenario's run.
+            formats: Of the pictures: png, svg, pdf.
+            plots: Whether to draw pictures.
+            command: Command line to note in the manifest.
+
+        Raises:
+            ExistingResultsError: The folder holds another scenario's run, or is no run folder.
+            FileAccessError: It cannot be written.
+            UsageError: There is no such picture format.
+        """
+
+        def draw(into: Path) -> list[Path]:
+            from hilc_cli.figures.catalogue import save_figures  # Matplotlib starts slowly
+
+            return save_figures([self], into, formats=formats)
+
+        write_run_folder(
+            Path(folder),
+            self,
+            self.scenario.resolved_yaml(),
+            self._manifest(command),
+            initial_input=self.scenario.initial_input,
+            gravity_center=self.scenario.spec.record.gravity_center,
+            force=force,
+            draw=draw if plots else None,
+        )
+
+    def _manifest(self, command: Sequence[str]) -> Mapping[str, Any]:
+        import numpy as np
+
+        spec = self.scenario.spec
+        return {
+            "name": self.name,
+            "trajectory": self.reference.name,
+            "iterations": len(self.metrics) - 1,
+            "compensation": self.scenario.compensates,
+            "speed_limit_rad_s": self.speed_limit,
+            "diverged_at": self.diverged_at,
+            "seed": spec.disturbance.seed,
+            "versions": {
+                "hilc": __version__,
+                "python": platform.python_version(),
+                "numpy": np.__version__,
+            },
+            "platform": f"{sys.platform} {platform.machine()}",
+            "command": list(command),
+            "started": self.started.isoformat(timespec="seconds"),
+            "timings_s": self.timings,
+            "inputs_sha256": dict(self.scenario.checksums),
+        }
+
+
+def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
+    """Simulates a scenario.
+
+    A simulation that diverges ends early: the result then holds the iterations before, and
+    says so in ``diverged_at``.
+
+    Args:
+        scenario: From `load_scenario`.
+        on_iteration: Told of each completed iteration.
+
+    Raises:
+        DivergedError: Not even the first iteration stayed within the finite numbers.
+    """
+    started, clock = datetime.now(UTC), time.perf_counter()
+    experiment = scenario.experiment()
+    kept = recorded_iterations(scenario.spec.record.iterations, experiment.iterations)
+    metrics = MetricsTable()
+    trials: dict[int, Trial] = {}
+    before: Trial | None = None
+    diverged_at: int | None = None
+    try:
+        for trial in simulate(experiment):
+            metrics.append(measure(trial, experiment.reference, before))
+            if trial.iteration in kept:
+                trials[trial.iteration] = trial
+            before = trial
+            if on_iteration is not None:
+                on_iteration(trial.iteration)
+    except DivergedError as error:
+        if before is None:
+            raise
+        diverged_at = error.iteration
+        trials[before.iteration] = before  # the last one always is kept
+    return Run(
+        name=scenario.name,
+        reference=experiment.reference,
+        metrics=metrics,
+        trials=trials,
+        speed_limit=scenario.speed_limit,
+        gravity_center=experiment.robot.gravity_center,
+        diverged_at=diverged_at,
+        scenario=scenario,
+        started=started,
+        timings={"simulation": time.perf_counter() - clock},
+    )
+
+
+def read_run(folder: str | Path) -> RunData:
+    """The results in a run folder, from its tables alone.
+
+    Raises:
+        HilcError: There is no such folder, or a table is missing or damaged.
+    """
+    return read_run_folder(Path(folder))
+
+
+def check_folder(scenario: Scenario, folder: str | Path, *, force: bool = False) -> None:
+    """Whether the results of a scenario may be written to a folder, before it is simulated.
+
+    Raises:
+        ExistingResultsError: The folder holds another scenario's run, or is no run folder.
+    """
+    check_output_folder(Path(folder), scenario.resolved_yaml(), scenario.initial_input, force=force)

@@ -1,0 +1,93 @@
+"""The kinds of picture by name."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.figures.error import error_figure
+from hilc_cli.figures.final_path import final_path_figure
+from hilc_cli.figures.path_change import check_iterations, path_change_figure
+from hilc_cli.figures.save import check_format, save_figure
+from hilc_cli.figures.summary import summary_figure
+from hilc_cli.figures.wheel_speeds import wheel_speeds_figure
+from hilc_cli.results.run import RunData
+
+KINDS: tuple[str, ...] = ("path-change", "final-path", "error", "wheel-speeds", "summary")
+
+
+def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None = None) -> Figure:
+    """Draws one kind of picture.
+
+    Args:
+        kind: One of ``KINDS``.
+        runs: The run, or several to lay over each other.
+        iterations: The iterations whose paths are shown; None for all that are recorded.
+
+    Raises:
+        UsageError: There is no such kind, no run, or no such iteration in any of the runs.
+    """
+    _check(runs, [kind], iterations)
+    match kind:
+        case "path-change":
+            return path_change_figure(runs, iterations)
+        case "final-path":
+            return final_path_figure(runs)
+        case "error":
+            return error_figure(runs)
+        case "wheel-speeds":
+            return wheel_speeds_figure(runs)
+        case _:
+            return summary_figure(runs, iterations)
+
+
+def save_figures(
+    runs: Sequence[RunData],
+    folder: Path,
+    kinds: Sequence[str] = KINDS,
+    formats: Sequence[str] = ("png",),
+    dpi: int = 150,
+    iterations: Collection[int] | None = None,
+) -> list[Path]:
+    """Draws pictures and writes each to ``KIND.FORMAT``.
+
+    Args:
+        runs: The run, or several to lay over each other.
+        folder: Where the files go; it must exist.
+        kinds: Some of ``KINDS``.
+        formats: Some of ``FORMATS``.
+        dpi: Dots per inch of PNG files.
+        iterations: The iterations whose paths are shown; None for all that are recorded.
+
+    Returns:
+        The files, in the order of kinds and formats.
+
+    Raises:
+        UsageError: A kind, a format or an iteration is not known; nothing is written then.
+        OSError: A file cannot be written.
+    """
+    _check(runs, kinds, iterations)
+    for name in formats:
+        check_format(name)
+    written = []
+    for kind in dict.fromkeys(kinds):
+        figure = draw(kind, runs, iterations)
+        for name in dict.fromkeys(formats):
+            path = folder / f"{kind}.{name}"
+            save_figure(figure, path, dpi)
+            written.append(path)
+    return written
+
+
+def _check(
+    runs: Sequence[RunData], kinds: Sequence[str], iterations: Collection[int] | None
+) -> None:
+    if not runs:
+        raise UsageError("there is no run to draw; give at least one")
+    for kind in kinds:
+        if kind not in KINDS:
+            raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, KINDS)}")
+    check_iterations(runs, iterations)

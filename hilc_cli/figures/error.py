@@ -1,0 +1,215 @@
+"""How the position error falls over the iterations, and where the speed limit acted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
+
+from hilc_cli.figures import labels, layout, style
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.run import RunData
+
+ZERO_LABEL = "Exactly zero"
+STRIP_LABEL = "Samples at the speed limit, 0 to 100 %"
+
+# A logarithmic axis of double precision ends a little inside of what its numbers can hold.
+_SMALLEST, _LARGEST = 1e-300, 1e300
+_MARKED_UP_TO = 30  # iterations that are marked one by one
+_STRIP, _STRIPS = 0.05, 0.2  # height of a strip, and of all of them, of the panel's
+_HEADROOM = 0.06  # free space above and below the lines, of the panel's height
+_SINGLE = (
+    ("max_position_error_m", "Maximum", style.BLUE, "-"),
+    ("rms_position_error_m", "RMS", style.VERMILLION, style.DASHED),
+    ("mean_position_error_m", "Mean", style.GREEN, style.DOTTED),
+)
+
+
+def drawable(errors: Floats) -> Floats:
+    """Errors as a logarithmic axis can show them: what is zero or not finite becomes a gap."""
+    with np.errstate(invalid="ignore"):
+        return np.where((errors >= _SMALLEST) & (errors <= _LARGEST), errors, np.nan)
+
+
+def saturated_share(run: RunData) -> Floats:
+    """Share of the samples of each iteration at which the speed limit acted, 0..1."""
+    return run.metrics["saturated_samples"] / max(1, run.reference.samples)
+
+
+def draw_error(axes: Axes, runs: Sequence[RunData]) -> None:
+    """Draws the position error against the iteration.
+
+    Of a single run the maximum, RMS and mean; of several the maximum, and the mean as a thin line.
+
+    Args:
+        axes: Where to draw.
+        runs: At least one.
+    """
+    several = len(runs) > 1
+    shares = [share for share in map(saturated_share, runs) if share.any()]
+    strip = min(_STRIP, _STRIPS / max(1, len(shares)))
+    floor = strip * len(shares) + _HEADROOM
+
+    lines: list[Floats] = []
+    zeros = False
+    for index, (run, name) in enumerate(zip(runs, labels.run_labels(runs), strict=True)):
+        color = style.run_color(index)
+        columns = (
+            ((_SINGLE[0][0], name, color, "-"), (_SINGLE[2][0], "_mean", color, style.DOTTED))
+            if several
+            else _SINGLE
+        )
+        for place, (metric, label, line_color, line_style) in enumerate(columns):
+            errors = drawable(run.metrics[metric])
+            lines.append(errors)
+            count = len(errors)
+            marker = style.run_marker(index, len(runs)) or "o"
+            marked = place == 0 if several else count <= _MARKED_UP_TO
+            axes.plot(
+                np.arange(count),
+                errors,
+                color=line_color,
+                linestyle=line_style,
+                linewidth=style.THIN if several and place else style.PATH_WIDTH,
+                marker=marker if marked else "",
+                markersize=style.MARKER_SIZE - (0 if several else 1),
+                markevery=style.sparse(count, index, runs) if count > _MARKED_UP_TO else None,
+                label=label,
+            )
+        at_zero = np.flatnonzero(run.metrics["max_position_error_m"] < _SMALLEST)
+        if len(at_zero):
+            zeros = True
+            axes.plot(
+                at_zero,
+                np.full(len(at_zero), floor - 0.025),
+                transform=axes.get_xaxis_transform(),
+                color=color if several else style.BLUE,
+                linestyle="none",
+                marker="v",
+                markersize=style.MARKER_SIZE,
+                markerfacecolor="white",
+                label="_zero",
+            )
+        if run.diverged_at is not None:
+            axes.axvline(
+                run.diverged_at,
+                color=color,
+                linestyle=style.DOTTED,
+                linewidth=1.0,
+                label="_diverged",
+            )
+    _legend_proxies(axes, several=several, zeros=zeros)
+    _scale_iterations(axes, runs)
+    _scale_errors(axes, lines, floor)
+    _draw_strips(axes, runs, strip)
+    labels.set_title(axes, "Position error", [*_gap_notes(runs), *labels.divergence_notes(runs)])
+
+
+def _legend_proxies(axes: Axes, *, several: bool, zeros: bool) -> None:
+    """Names what the lines of a kind have in common."""
+    if several:
+        axes.plot([], [], color="black", linewidth=style.PATH_WIDTH, label="Maximum")
+        axes.plot(
+            *([], []),
+            color="black",
+            linewidth=style.THIN,
+            linestyle=style.DOTTED,
+            label="Mean",
+        )
+    if zeros:
+        axes.plot(
+            *([], []),
+            color="black",
+            linestyle="none",
+            marker="v",
+            markersize=style.MARKER_SIZE,
+            markerfacecolor="white",
+            label=ZERO_LABEL,
+        )
+
+
+def _scale_iterations(axes: Axes, runs: Sequence[RunData]) -> None:
+    last = max(
+        max(len(run.metrics) - 1, 0 if run.diverged_at is None else run.diverged_at) for run in runs
+    )
+    border = max(0.5, 0.02 * last)
+    axes.set_xlim(-border, last + border)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10], integer=True))
+    axes.set_xlabel("Iteration")
+
+
+def _scale_errors(axes: Axes, lines: Sequence[Floats], floor: float) -> None:
+    """Sets up the logarithmic axis, with the lines above the strips."""
+    values = np.concatenate([*lines, np.empty(0)])
+    values = values[~np.isnan(values)]
+    low, high = (float(values.min()), float(values.max())) if len(values) else (0.1, 1.0)
+    # At least about a decade: an error that stays the same is a line in the middle.
+    spread = max(0.0, 1 - np.log10(high / low)) / 2
+    bottom, top = np.log10(low) - spread, np.log10(high) + spread
+    per_height = (top - bottom) / (1 - floor - _HEADROOM)
+    bottom, top = bottom - floor * per_height, top + _HEADROOM * per_height
+    axes.set_yscale("log")
+    first, last = int(np.ceil(bottom)), int(np.floor(top))
+    # Fixed ticks in plain characters are set many times faster than those of LogFormatter.
+    if last - first >= 3:
+        step = -(-(last - first) // 9)
+        exponents = range(-(-first // step) * step, last + 1, step)
+        axes.set_yticks([10.0**e for e in exponents], [labels.power_text(e) for e in exponents])
+        digits = range(2, 10) if last - first <= 5 else range(0)
+    else:
+        ticks = [d * 10.0**e for e in range(first - 1, last + 1) for d in (1, 2, 5)]
+        ticks = [tick for tick in ticks if bottom <= np.log10(tick) <= top]
+        axes.set_yticks(ticks, [labels.number_text(tick) for tick in ticks])
+        digits = range(2, 10)
+    minor = [d * 10.0**e for e in range(first - 1, last + 1) for d in digits]
+    axes.set_yticks(minor, [""] * len(minor), minor=True)
+    axes.set_ylim(10.0**bottom, 10.0**top)
+    axes.set_ylabel("Position error [m]", labelpad=2)
+    axes.grid(visible=True)
+
+
+def _draw_strips(axes: Axes, runs: Sequence[RunData], height: float) -> None:
+    """Draws for each run that was limited a strip along the bottom, filled by the share."""
+    several = len(runs) > 1
+    bottom = 0.0
+    for index, run in enumerate(runs):
+        share = saturated_share(run)
+        if not share.any():
+            continue
+        full = Rectangle((0, bottom), 1, 0.92 * height, transform=axes.transAxes)
+        full.set(color=style.STRIP_COLOR, linewidth=0)
+        axes.add_patch(full)
+        axes.stairs(
+            bottom + 0.92 * height * share,
+            np.arange(len(share) + 1) - 0.5,
+            baseline=bottom,
+            fill=True,
+            color=style.run_color(index) if several else "0.35",
+            transform=axes.get_xaxis_transform(),
+            label="_share",
+        )
+        bottom += height
+    if bottom:
+        axes.fill([], [], color="0.35", linewidth=0, label=STRIP_LABEL)
+
+
+def _gap_notes(runs: Sequence[RunData]) -> list[str]:
+    """Says how many errors are too large for the axis, and for a number."""
+    gaps = sum(
+        int(np.count_nonzero(~(run.metrics["max_position_error_m"] <= _LARGEST))) for run in runs
+    )
+    return [f"{gaps} errors above {labels.number_text(_LARGEST)} m are not drawn"] if gaps else []
+
+
+def error_figure(runs: Sequence[RunData]) -> Figure:
+    """The position error of one or several runs against the iteration."""
+    with style.applied():
+        width = 5.8
+        figure, axes = layout.single_panel(layout.heading_of(labels.run_labels(runs)), width)
+        draw_error(axes, runs)
+        layout.finish(figure, axes, width)
+        return figure

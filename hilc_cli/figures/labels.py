@@ -1,0 +1,138 @@
+"""What pictures say in words and numbers."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.ticker import Formatter
+
+from hilc_cli.figures.style import NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
+from hilc_cli.results.run import RunData
+
+LONGEST_LABEL = 64
+_TITLE_PAD = 5.0  # [pt]
+_LINE_PITCH = 10.5  # [pt], of notes
+_NOTES = "notes"
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def run_labels(runs: Sequence[RunData]) -> list[str]:
+    """The names of runs, shortened where they are very long and told apart where they are equal."""
+    labels: list[str] = []
+    for run in runs:
+        name = shortened(run.name)
+        # Matplotlib leaves labels that start with an underscore out of the legend.
+        name = f" {name}" if name.startswith("_") else name
+        label, count = name, 1
+        while label in labels:
+            count += 1
+            label = f"{name} ({count})"
+        labels.append(label)
+    return labels
+
+
+def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
+    """A name that is not longer than so many characters; both its ends stay, they differ most."""
+    if len(name) <= longest:
+        return name
+    head = (longest - 1) // 2
+    return f"{name[:head]}…{name[len(name) - (longest - 1 - head) :]}"
+
+
+def wrapped(text: str, width: float) -> str:
+    """A title broken into lines, at most two, that fit a panel of so many inches."""
+    characters = int(width * 72 / (0.62 * TITLE_SIZE))
+    return "\n".join(textwrap.wrap(shortened(text, 2 * characters - 4), characters))
+
+
+def number_text(value: float, digits: int = 10) -> str:
+    """A number as an axis shows it, with a true minus sign and a short exponent."""
+    text = f"{value:.{digits}g}"
+    mantissa, _, exponent = text.partition("e")
+    text = f"{mantissa}e{int(exponent)}" if exponent else mantissa
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def power_text(exponent: int) -> str:
+    """A power of ten, in plain characters: Matplotlib's own formulas take long to set."""
+    return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
+
+
+def plain_ticks(axes: Axes) -> None:
+    """Shows the tick values as they are, never as an offset or factor in a far corner."""
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(PlainFormatter())
+
+
+class PlainFormatter(Formatter):
+    """Tick labels of one length behind the point; exponents only where there is no room."""
+
+    def __call__(self, value: float, pos: int | None = None) -> str:
+        """The label of one tick."""
+        return number_text(value)
+
+    def format_ticks(self, values: Iterable[float]) -> list[str]:
+        """The labels of all ticks."""
+        values = [float(value) for value in values]
+        texts = [number_text(value) for value in values]
+        if any("e" in text for text in texts) or max(map(abs, values), default=0) >= 1e7:
+            return [number_text(value, 4) for value in values]
+        places = max((len(text.partition(".")[2]) for text in texts), default=0)
+        return [f"{value:.{places}f}".replace("-", "\N{MINUS SIGN}") for value in values]
+
+
+def set_title(axes: Axes, title: str, notes: Iterable[str] = ()) -> None:
+    """Titles a panel; what the reader must know stands between title and panel, a line each."""
+    notes = list(notes)
+    axes.set_title(title, loc="left", pad=_TITLE_PAD + _LINE_PITCH * len(notes))
+    if notes:
+        axes.annotate(
+            "\n".join(notes),
+            xy=(0, 1),
+            xycoords="axes fraction",
+            xytext=(0, 3),
+            textcoords="offset points",
+            color=NOTE_COLOR,
+            fontsize=SMALL_SIZE - 0.5,
+            linespacing=1.15,
+            annotation_clip=False,
+            gid=_NOTES,
+        )
+
+
+def spare_room(panels: Iterable[Axes]) -> float:
+    """Height above panels that is kept for two notes and that none of them needs [inch]."""
+    lines = [
+        text.get_text().count("\n") + 1
+        for axes in panels
+        for text in axes.texts
+        if text.get_gid() == _NOTES
+    ]
+    return max(0, 2 - max(lines, default=0)) * _LINE_PITCH / 72
+
+
+def divergence_notes(runs: Sequence[RunData]) -> list[str]:
+    """Says which runs ended because their numbers did."""
+    if len(runs) == 1:
+        at = runs[0].diverged_at
+        return [] if at is None else [f"diverged to non-finite values in iteration {at}"]
+    ended = [
+        f"{shortened(label, 24)} in iteration {run.diverged_at}"
+        for label, run in zip(run_labels(runs), runs, strict=True)
+        if run.diverged_at is not None
+    ]
+    if len(ended) > 1:
+        return [f"{len(ended)} of {len(runs)} runs diverged to non-finite values"]
+    return [f"diverged: {ended[0]}"] if ended else []
+
+
+def last_iteration_text(runs: Sequence[RunData]) -> str:
+    """``iteration 100``, or the range of the last iterations of several runs."""
+    last = sorted({max(run.trials) for run in runs if run.trials})
+    if not last:
+        return "no iteration completed"
+    if len(last) == 1:
+        return f"iteration {last[0]}"
+    return f"last iterations, {last[0]} to {last[-1]}"

@@ -1,0 +1,79 @@
+"""The one place that turns a figure into a file: the same data gives the same bytes."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.figures import style
+
+FORMATS = ("png", "svg", "pdf")
+
+
+def check_format(name: str) -> None:
+    """Makes sure that pictures can be saved in a format.
+
+    Raises:
+        UsageError: They cannot; names the formats that are known.
+    """
+    if name not in FORMATS:
+        raise UsageError(f"unknown picture format '{name}'; {suggestion(name, FORMATS)}")
+
+
+def render(figure: Figure, picture_format: str, dpi: int = 150) -> bytes:
+    """A figure as the content of a picture file, without dates or versions of anything.
+
+    Args:
+        figure: The figure.
+        picture_format: One of ``FORMATS``.
+        dpi: Dots per inch of a PNG; an SVG or PDF is drawn in lines.
+
+    Raises:
+        UsageError: The format is not known.
+    """
+    check_format(picture_format)
+    buffer = BytesIO()
+    before = figure.dpi
+    figure.dpi = dpi
+    try:
+        # Straight to the canvas: Figure.savefig draws everything twice. The canvases are not typed,
+        # and those of the vector formats are imported only where they are needed.
+        canvas: Any
+        with style.applied():
+            if picture_format == "png":
+                canvas = FigureCanvasAgg(figure)
+                canvas.print_png(buffer, metadata={"Software": None})
+            elif picture_format == "svg":
+                from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+                canvas = FigureCanvasSVG(figure)
+                canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
+            else:
+                from matplotlib.backends.backend_pdf import FigureCanvasPdf
+
+                canvas = FigureCanvasPdf(figure)
+                nothing = {"CreationDate": None, "Creator": None, "Producer": None}
+                canvas.print_pdf(buffer, metadata=nothing)
+    finally:
+        figure.dpi = before
+    return buffer.getvalue()
+
+
+def save_figure(figure: Figure, path: Path, dpi: int = 150) -> None:
+    """Writes a figure, in one go, in the format that the name of the file ends with.
+
+    Args:
+        figure: The figure.
+        path: The file; its folder must exist.
+        dpi: Dots per inch of a PNG.
+
+    Raises:
+        UsageError: The name does not end with a known format.
+        OSError: The file cannot be written.
+    """
+    path.write_bytes(render(figure, path.suffix.removeprefix("."), dpi))

@@ -1,0 +1,116 @@
+"""Colours, line styles and sizes of all pictures; applied locally, never on import."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import Colormap, ListedColormap
+
+# Okabe and Ito's colours, which survive colour blindness, and four more for long comparisons.
+# Neighbours differ in luminance too, so that they stay apart in grey.
+BLUE, ORANGE, GREEN, VERMILLION = "#0072B2", "#E69F00", "#009E73", "#D55E00"
+RUN_COLORS = (
+    *(BLUE, ORANGE, "#882255", "#56B4E9", VERMILLION, GREEN),
+    *("#332288", "#CC79A7", "#666666", "#999933"),
+)
+# Sparse markers tell runs apart where colour cannot.
+RUN_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
+REFERENCE_COLOR = "black"
+LIMIT_COLOR = "0.25"
+STRIP_COLOR = "0.9"
+NOTE_COLOR = "#A03C00"
+
+DASHED = (0, (5, 2.5))
+DOTTED = (0, (1.2, 1.6))
+PATH_WIDTH = 1.3  # [pt]
+THIN = 0.8  # [pt]
+MARKER_SIZE = 4.0  # [pt]
+
+HEADING_SIZE = 10.0  # [pt]
+TITLE_SIZE = 9.5  # [pt]
+TEXT_SIZE = 8.5  # [pt]
+SMALL_SIZE = 8.0  # [pt]
+
+_PALEST = 0.9  # viridis beyond this is too pale for a thin line on white
+
+_RC: dict[Any, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],  # comes with Matplotlib: the same on every machine
+    "font.size": TEXT_SIZE,
+    "text.usetex": False,
+    "text.parse_math": False,  # a name is shown as it is, dollar signs included
+    "axes.unicode_minus": True,
+    "axes.facecolor": "white",
+    "axes.edgecolor": "0.15",
+    "axes.linewidth": 0.7,
+    "axes.labelsize": TEXT_SIZE,
+    "axes.labelcolor": "black",
+    "axes.titlesize": TITLE_SIZE,
+    "axes.titleweight": "normal",
+    "axes.titlecolor": "black",
+    "axes.axisbelow": True,
+    "axes.grid": False,
+    "axes.spines.top": True,
+    "axes.spines.right": True,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.5,
+    "grid.linestyle": "-",
+    "figure.facecolor": "white",
+    "figure.autolayout": False,
+    "figure.constrained_layout.use": False,
+    "legend.fontsize": SMALL_SIZE,
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+    "xtick.labelsize": SMALL_SIZE,
+    "ytick.labelsize": SMALL_SIZE,
+    "xtick.color": "0.15",
+    "ytick.color": "0.15",
+    "text.color": "black",
+    "path.simplify": True,
+    "pdf.fonttype": 42,  # journals ask for TrueType
+    "svg.fonttype": "path",
+    "svg.hashsalt": "hilc",  # the same ids in every file, so that the same data gives the same file
+}
+
+
+def applied() -> AbstractContextManager[None]:
+    """The settings of all pictures, for as long as a figure is built or saved."""
+    return matplotlib.rc_context(_RC)
+
+
+def iteration_colors() -> Colormap:
+    """Colours of iterations from first (dark) to last (bright, for the dashes on top of it).
+
+    Viridis: equal steps look equal, in grey and to the colour-blind as well.
+    """
+    return ListedColormap(matplotlib.colormaps["viridis"](np.linspace(0, _PALEST, 256)))
+
+
+def run_color(index: int) -> str:
+    """Colour of the run at a place in a comparison."""
+    return RUN_COLORS[index % len(RUN_COLORS)]
+
+
+def run_marker(index: int, runs: int) -> str:
+    """Marker of the run at a place in a comparison; none for a run on its own."""
+    # The second round of colours starts one marker later, so that no pair comes twice.
+    return RUN_MARKERS[(index + index // len(RUN_COLORS)) % len(RUN_MARKERS)] if runs > 1 else ""
+
+
+def sparse(points: int, index: int, runs: Sequence[object]) -> tuple[int, int]:
+    """Places of a run's markers along its line: about ten, not on top of those of other runs.
+
+    Args:
+        points: Number of points of the line.
+        index: Place of the run in the comparison.
+        runs: The comparison.
+
+    Returns:
+        First point and step, as ``markevery`` takes them.
+    """
+    step = max(1, points // 10)
+    return (index * step // len(runs), step)

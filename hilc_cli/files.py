@@ -1,0 +1,193 @@
+"""Files and folders: bounded reading, and writing that is whole or not there at all."""
+
+from __future__ import annotations
+
+import ctypes
+import errno
+import os
+import shutil
+import stat
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
+
+_KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFIFO: "a named pipe",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFSOCK: "a socket",
+}
+
+
+def reason(error: OSError) -> str:
+    """What the system says of a failure, in lower case, for the middle of a sentence."""
+    text = error.strerror or str(error)
+    return text[:1].lower() + text[1:]
+
+
+def read_file(path: Path, limit: int) -> bytes:
+    """The content of a regular file of bounded size.
+
+    Args:
+        path: The file.
+        limit: Largest size [bytes].
+
+    Raises:
+        UsageError: There is no such file, it is a folder, pipe or device, or it is too large.
+        FileAccessError: It cannot be read.
+    """
+    try:
+        # Not blocking: opening a named pipe that nobody writes to would wait for ever.
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    except (FileNotFoundError, NotADirectoryError):
+        raise UsageError(f"{path}: there is no such file; check the path") from None
+    except (OSError, ValueError) as error:
+        why = reason(error) if isinstance(error, OSError) else str(error)
+        raise FileAccessError(f"{path}: cannot be read: {why}") from error
+    with os.fdopen(descriptor, "rb") as file:
+        mode = os.fstat(descriptor).st_mode
+        if not stat.S_ISREG(mode):
+            kind = _KINDS.get(stat.S_IFMT(mode), "no regular file")
+            raise UsageError(f"{path}: is {kind}; give a regular file")
+        try:
+            content = file.read(limit + 1)
+        except OSError as error:
+            raise FileAccessError(f"{path}: cannot be read: {reason(error)}") from error
+    if len(content) > limit:
+        raise UsageError(f"{path}: is larger than {limit} bytes, the most that is read; shorten it")
+    return content
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Turns failures to write below a path into one line that names it.
+
+    Raises:
+        FileAccessError: The system refused.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise FileAccessError(f"{path}: cannot be written: {reason(error)}") from error
+
+
+def write_file(path: Path, write: Callable[[Path], None]) -> None:
+    """Replaces a file as a whole.
+
+    Args:
+        path: The file.
+        write: Writes the content to the path that it is given.
+
+    Raises:
+        FileAccessError: The system refused; the old file is as it was.
+    """
+    with writing(path):
+        descriptor, name = tempfile.mkstemp(
+            prefix=f".{path.stem[:40]}-", suffix=path.suffix, dir=path.parent
+        )
+        os.close(descriptor)
+        draft = Path(name)
+        try:
+            write(draft)
+            _open_to_others(draft, 0o666)
+            _sync(draft)
+            draft.replace(path)
+        except BaseException:
+            draft.unlink(missing_ok=True)
+            raise
+
+
+def write_folder(
+    path: Path, fill: Callable[[Path], None], may_replace: Callable[[Path], bool]
+) -> None:
+    """Writes a folder beside its final place and puts it there as a whole.
+
+    Args:
+        path: The folder. An empty one counts as not there.
+        fill: Writes the content into the folder that it is given.
+        may_replace: Whether a folder that stands in the final place may be replaced; asked
+            again at the last moment, since another process may have put one there.
+
+    Raises:
+        ExistingResultsError: Something stands there that may not be replaced.
+        FileAccessError: The system refused. In either case what stood there is as it was.
+    """
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        draft = Path(tempfile.mkdtemp(prefix=f".{path.name[:40]}-", dir=path.parent))
+        try:
+            fill(draft)
+            _open_to_others(draft, 0o777)
+            for file in draft.iterdir():
+                _sync(file)
+            _put_in_place(draft, path, may_replace)
+        finally:
+            # After an exchange this is the old folder, after a failure the unfinished new one.
+            shutil.rmtree(draft, ignore_errors=True)
+
+
+def _put_in_place(draft: Path, path: Path, may_replace: Callable[[Path], bool]) -> None:
+    for _ in range(10):
+        try:
+            draft.rename(path)  # succeeds if nothing, or an empty folder, stands there
+        except OSError as error:
+            if error.errno not in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
+                raise
+        else:
+            return
+        if not may_replace(path):
+            raise ExistingResultsError(f"{path}: exists and holds something else")
+        # The folder may have gone, or come, since it was looked at: then once more.
+        with suppress(FileNotFoundError):
+            _exchange(draft, path)
+            return
+    raise FileAccessError(f"{path}: cannot be written: other programs keep replacing it")
+
+
+def _exchange(one: Path, other: Path) -> None:
+    """Swaps two folders: at no moment is either name without a whole folder, where Linux helps."""
+    if _rename_exchange(one, other):
+        return
+    aside = Path(tempfile.mkdtemp(prefix=f".{other.name[:40]}-", dir=other.parent))
+    other.rename(aside)
+    try:
+        one.rename(other)
+    except BaseException:
+        aside.rename(other)
+        raise
+    aside.rename(one)
+
+
+def _rename_exchange(one: Path, other: Path) -> bool:
+    """Linux's renameat2 with RENAME_EXCHANGE; False where the system has none."""
+    try:
+        renameat2 = ctypes.CDLL(None, use_errno=True).renameat2
+    except (OSError, AttributeError, TypeError):
+        return False
+    here, exchange = -100, 2  # AT_FDCWD, RENAME_EXCHANGE
+    if renameat2(here, os.fsencode(one), here, os.fsencode(other), exchange) == 0:
+        return True
+    code = ctypes.get_errno()
+    if code in (errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM):
+        return False
+    raise OSError(code, os.strerror(code), str(other))
+
+
+def _open_to_others(path: Path, mode: int) -> None:
+    """Gives the permissions that the user's umask asks for; temporary names are private."""
+    mask = os.umask(0)
+    os.umask(mask)
+    path.chmod(mode & ~mask)
+
+
+def _sync(path: Path) -> None:
+    """Waits until a file is on the disk: a full disk may tell only then."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

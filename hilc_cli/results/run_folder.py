@@ -1,0 +1,202 @@
+"""The folder of a run: what is in it, when it may be replaced, and how it is read back."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hilc_cli.errors import ExistingResultsError, UsageError
+from hilc_cli.files import read_file, write_folder
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.run import RunData
+from hilc_cli.results.tables import (
+    read_iterations,
+    read_samples,
+    write_gravity_center,
+    write_input,
+    write_iterations,
+    write_samples,
+)
+
+SCENARIO = "scenario.yaml"
+MANIFEST = "manifest.json"
+ITERATIONS = "iterations.csv"
+SAMPLES = "samples.csv"
+INPUT = "input.csv"
+INITIAL_INPUT = "initial-input.csv"
+GRAVITY_CENTER = "gravity-center.csv"
+TABLES = frozenset({SCENARIO, MANIFEST, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER})
+
+KIND = "hilc run"
+_MAX_MANIFEST_BYTES = 10_000_000
+
+
+def write_run_folder(
+    path: Path,
+    run: RunData,
+    scenario_yaml: str,
+    manifest: Mapping[str, Any],
+    *,
+    initial_input: tuple[Floats, Floats] | None = None,
+    gravity_center: bool = False,
+    force: bool = False,
+    draw: Callable[[Path], list[Path]] | None = None,
+) -> None:
+    """Writes a run folder as a whole.
+
+    Args:
+        path: The folder.
+        run: The results.
+        scenario_yaml: The resolved scenario.
+        manifest: What else is to be known of the run; the file names are added.
+        initial_input: Left and right wheel speeds of the input file that the scenario names.
+        gravity_center: Whether to write the path of the gravity centre.
+        force: Replace the folder of another run.
+        draw: Draws the pictures into the folder that it is given.
+
+    Raises:
+        ExistingResultsError: The folder holds another run, or is no run folder.
+        FileAccessError: It cannot be written.
+    """
+
+    def fill(folder: Path) -> None:
+        (folder / SCENARIO).write_text(scenario_yaml, encoding="utf-8")
+        write_iterations(folder / ITERATIONS, run.metrics)
+        write_samples(folder / SAMPLES, run.reference, run.trials.values())
+        write_input(folder / INPUT, run.reference.sample_time, *run.learned_input)
+        if initial_input is not None:
+            write_input(folder / INITIAL_INPUT, run.reference.sample_time, *initial_input)
+        if gravity_center:
+            paths = {number: run.gravity_center_path(number) for number in run.trials}
+            write_gravity_center(folder / GRAVITY_CENTER, run.reference.times, paths)
+        if draw is not None:
+            draw(folder)
+        files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
+        text = json.dumps({"kind": KIND, **manifest, "files": files}, indent=2)
+        (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
+        _keep_what_others_put_there(path, folder)
+
+    def may_replace(folder: Path) -> bool:
+        check_output_folder(folder, scenario_yaml, initial_input, force=force)
+        return True
+
+    write_folder(path, fill, may_replace)
+
+
+def check_output_folder(
+    path: Path,
+    scenario_yaml: str,
+    initial_input: tuple[Floats, Floats] | None = None,
+    *,
+    force: bool = False,
+) -> None:
+    """Whether a run may be written to a folder; to be asked before a long simulation.
+
+    Args:
+        path: The folder.
+        scenario_yaml: The resolved scenario of the run.
+        initial_input: Left and right wheel speeds of the input file that the scenario names.
+        force: Replace the folder of another run.
+
+    Raises:
+        ExistingResultsError: The folder holds another run, or is no run folder.
+    """
+    if not path.is_dir():
+        if path.exists() or path.is_symlink():
+            raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
+        return
+    if not any(path.iterdir()):
+        return
+    if not is_run_folder(path):
+        raise ExistingResultsError(
+            f"{path}: exists and is no run folder, so it is left as it is; "
+            "choose another with --out"
+        )
+    if force or _same_scenario(path, scenario_yaml, initial_input):
+        return
+    raise ExistingResultsError(
+        f"{path}: holds the results of another scenario; "
+        "choose another folder with --out, or replace it with --force"
+    )
+
+
+def is_run_folder(path: Path) -> bool:
+    """Whether a folder has been written by `write_run_folder`."""
+    return read_manifest(path).get("kind") == KIND
+
+
+def read_manifest(path: Path) -> dict[str, Any]:
+    """The manifest of a run folder; empty if there is none that can be read."""
+    try:
+        manifest = json.loads(read_file(path / MANIFEST, _MAX_MANIFEST_BYTES))
+    except (UsageError, ValueError, RecursionError):
+        return {}
+    return manifest if isinstance(manifest, dict) else {}
+
+
+def read_run_folder(path: Path) -> RunData:
+    """The results in a run folder, from its tables.
+
+    The manifest adds the names and the speed limit, if it is there.
+
+    Raises:
+        HilcError: There is no such folder, or a table is missing or damaged.
+    """
+    if not path.is_dir():
+        raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
+    manifest = read_manifest(path)
+    metrics = read_iterations(path / ITERATIONS)
+    reference, trials = read_samples(path / SAMPLES, str(manifest.get("trajectory", path.name)))
+    if max(trials) >= len(metrics):
+        raise UsageError(f"{path / SAMPLES}: is damaged: it has iterations that {ITERATIONS} lacks")
+    saturated = metrics["saturated_samples"]
+    limit, diverged_at = manifest.get("speed_limit_rad_s"), manifest.get("diverged_at")
+    return RunData(
+        name=str(manifest.get("name", path.resolve().name)),
+        reference=reference,
+        metrics=metrics,
+        trials={
+            number: replace(trial, saturated_samples=int(saturated[number]))
+            for number, trial in trials.items()
+        },
+        speed_limit=float(limit) if isinstance(limit, int | float) else None,
+        diverged_at=diverged_at if isinstance(diverged_at, int) else None,
+    )
+
+
+def _same_scenario(
+    path: Path, scenario_yaml: str, initial_input: tuple[Floats, Floats] | None
+) -> bool:
+    try:
+        text = read_file(path / SCENARIO, _MAX_MANIFEST_BYTES).decode("utf-8")
+    except (UsageError, UnicodeDecodeError):
+        return False
+    if text != scenario_yaml:
+        return False
+    if initial_input is None:
+        return True
+    try:
+        stored = np.loadtxt(path / INITIAL_INPUT, delimiter=",", skiprows=1, ndmin=2)
+    except (OSError, ValueError):
+        return False
+    return np.array_equal(stored[:, 2:], np.stack(initial_input, axis=1))
+
+
+def _keep_what_others_put_there(old: Path, new: Path) -> None:
+    """Copies what hilc has not written, such as notes, to its successor."""
+    if not old.is_dir():
+        return
+    own = {*TABLES, *read_manifest(old).get("files", [])}
+    for entry in old.iterdir():
+        if entry.name in own:
+            continue
+        if entry.is_dir() and not entry.is_symlink():
+            shutil.copytree(entry, new / entry.name, symlinks=True)
+        else:
+            shutil.copy2(entry, new / entry.name, follow_symlinks=False)

@@ -1,0 +1,240 @@
+"""The CSV files of a run: written so that every number reads back exactly."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from hilc_cli.errors import UsageError
+from hilc_cli.files import read_file
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.metrics import INTEGER_METRICS, METRIC_NAMES, IterationMetrics, MetricsTable
+from hilc_cli.results.trial import Trial
+
+ITERATIONS_HEADER = ("iteration", *METRIC_NAMES)
+SAMPLES_HEADER = (
+    "iteration", "sample", "t_s",
+    "reference_x_m", "reference_y_m", "reference_heading_rad",
+    "x_m", "y_m", "heading_rad",
+    "error_x_m", "error_y_m", "error_heading_rad",
+    "left_wheel_rad_s", "right_wheel_rad_s",
+)  # fmt: skip
+INPUT_HEADER = ("sample", "t_s", "left_wheel_rad_s", "right_wheel_rad_s")
+GRAVITY_CENTER_HEADER = ("iteration", "sample", "t_s", "x_m", "y_m", "heading_rad")
+
+MAX_CSV_BYTES = 2_000_000_000
+
+_REFERENCE_COLUMNS = slice(2, 6)
+
+
+def write_iterations(path: Path, metrics: MetricsTable) -> None:
+    """Writes ``iterations.csv``: a row per iteration."""
+    rows = (",".join(map(repr, row.values())) for row in metrics.rows())
+    _write(path, ITERATIONS_HEADER, (f"{i},{row}" for i, row in enumerate(rows)))
+
+
+def write_samples(path: Path, reference: Reference, trials: Iterable[Trial]) -> None:
+    """Writes ``samples.csv``: for each recorded iteration a row per sample."""
+    _write(path, SAMPLES_HEADER, _sample_rows(reference, trials))
+
+
+def _sample_rows(reference: Reference, trials: Iterable[Trial]) -> Iterator[str]:
+    # The columns that are the same in every iteration are put into words once.
+    desired = [
+        f"{k},{t!r},{x!r},{y!r},{heading!r}"
+        for k, (t, x, y, heading) in enumerate(
+            zip(*_lists(reference.times, reference.x, reference.y, reference.heading), strict=True)
+        )
+    ]
+    for trial in trials:
+        motion = _lists(
+            trial.x,
+            trial.y,
+            trial.heading,
+            reference.x - trial.x,
+            reference.y - trial.y,
+            reference.heading - trial.heading,
+        )
+        wheels = [
+            f"{left!r},{right!r}"
+            for left, right in zip(*_lists(trial.left, trial.right), strict=True)
+        ]
+        wheels.append(",")  # no wheel speeds belong to the last sample
+        for row, x, y, heading, error_x, error_y, error_heading, speeds in zip(
+            desired, *motion, wheels, strict=True
+        ):
+            yield (
+                f"{trial.iteration},{row},{x!r},{y!r},{heading!r},"
+                f"{error_x!r},{error_y!r},{error_heading!r},{speeds}"
+            )
+
+
+def write_input(path: Path, sample_time: float, left: Floats, right: Floats) -> None:
+    """Writes ``input.csv``, or any input that a scenario may start from."""
+    times = np.arange(len(left), dtype=np.float64) * sample_time
+    rows = zip(*_lists(times, left, right), strict=True)
+    _write(path, INPUT_HEADER, (f"{k},{t!r},{lw!r},{rw!r}" for k, (t, lw, rw) in enumerate(rows)))
+
+
+def write_gravity_center(
+    path: Path, times: Floats, paths: Mapping[int, tuple[Floats, Floats, Floats]]
+) -> None:
+    """Writes ``gravity-center.csv``: the pose of the gravity centre by recorded iteration."""
+    _write(
+        path,
+        GRAVITY_CENTER_HEADER,
+        (
+            f"{iteration},{k},{t!r},{x!r},{y!r},{heading!r}"
+            for iteration, pose in paths.items()
+            for k, (t, x, y, heading) in enumerate(zip(*_lists(times, *pose), strict=True))
+        ),
+    )
+
+
+def read_iterations(path: Path) -> MetricsTable:
+    """Reads ``iterations.csv``.
+
+    Raises:
+        HilcError: There is no such table, or it is damaged.
+    """
+    table = MetricsTable()
+    for line, row in _rows(path, ITERATIONS_HEADER):
+        if row[0] != len(table):
+            raise _damaged(path, line, f"iteration {len(table)} should stand here")
+        values = dict(zip(METRIC_NAMES, row[1:], strict=True))
+        for name in INTEGER_METRICS:
+            values[name] = int(values[name])
+        table.append(IterationMetrics(**values))  # type: ignore[arg-type]  # made whole above
+    return table
+
+
+def read_samples(path: Path, name: str) -> tuple[Reference, dict[int, Trial]]:
+    """Reads ``samples.csv``.
+
+    Args:
+        path: The file.
+        name: Name of the trajectory, which the table does not hold.
+
+    Returns:
+        The reference and the recorded iterations by number.
+
+    Raises:
+        HilcError: There is no such table, or it is damaged.
+    """
+    table = _array(path, SAMPLES_HEADER)
+    if len(table) < 2:
+        raise UsageError(f"{path}: holds no samples")
+    starts = np.flatnonzero(table[:, 1] == 0)
+    samples = len(table) // max(1, len(starts))
+    if len(starts) == 0 or len(table) % len(starts) or samples < 2:
+        raise UsageError(f"{path}: is damaged: its iterations are of different length")
+    blocks = table.reshape(len(starts), samples, len(SAMPLES_HEADER))
+    if not np.array_equal(blocks[:, :, 1], np.broadcast_to(np.arange(samples), blocks.shape[:2])):
+        raise UsageError(f"{path}: is damaged: its samples are not in order")
+    times, x, y, heading = blocks[0, :, _REFERENCE_COLUMNS].T
+    reference = Reference(name, float(times[1]), x, y, heading)
+    trials = {
+        int(block[0, 0]): Trial(
+            int(block[0, 0]), block[:, 6], block[:, 7], block[:, 8], block[:-1, 12], block[:-1, 13]
+        )
+        for block in blocks
+    }
+    return reference, trials
+
+
+def read_input(path: Path, content: bytes, steps: int) -> tuple[Floats, Floats]:
+    """Wheel speeds from an input table.
+
+    Args:
+        path: What to call it in errors.
+        content: The table.
+        steps: Number of rows that it must have.
+
+    Returns:
+        Left and right wheel speeds [rad/s], shape (steps,) each.
+
+    Raises:
+        UsageError: It is no such table, has another number of rows, or holds non-finite numbers.
+    """
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise UsageError(f"{path}: is not UTF-8 text; give an input CSV file") from None
+    rows = list(_parse(path, text.splitlines(), INPUT_HEADER))
+    if len(rows) != steps:
+        raise UsageError(
+            f"{path}: has {len(rows)} rows, but the trajectory has {steps} samples to drive; "
+            "give an input of the same trajectory"
+        )
+    for k, (line, row) in enumerate(rows):
+        if row[0] != k:
+            raise _damaged(path, line, f"sample {k} should stand here")
+        if not all(map(math.isfinite, row)):
+            raise _damaged(path, line, "numbers must be finite")
+    table = np.array([row for _, row in rows], dtype=np.float64)
+    return table[:, 2].copy(), table[:, 3].copy()
+
+
+def _lists(*columns: Floats) -> list[list[float]]:
+    return [column.tolist() for column in columns]
+
+
+def _write(path: Path, header: Sequence[str], rows: Iterable[str]) -> None:
+    with path.open("w", encoding="ascii", newline="") as file:
+        file.write(",".join(header) + "\n")
+        file.writelines(f"{row}\n" for row in rows)
+
+
+def _rows(path: Path, header: Sequence[str]) -> Iterator[tuple[int, list[float]]]:
+    content = read_file(path, MAX_CSV_BYTES)
+    return _parse(path, content.decode("utf-8", "replace").splitlines(), header)
+
+
+def _array(path: Path, header: Sequence[str]) -> Floats:
+    """A large table of numbers; empty cells become 0."""
+    content = read_file(path, MAX_CSV_BYTES)
+    first, _, body = content.partition(b"\n")
+    _check_header(path, first.decode("utf-8", "replace").rstrip("\r").split(","), header)
+    try:
+        table: Floats = np.loadtxt(
+            io.BytesIO(body), delimiter=",", ndmin=2, converters=_number_or_zero
+        )
+    except ValueError as error:
+        raise UsageError(f"{path}: is damaged: {str(error).splitlines()[0]}") from None
+    if table.size == 0:
+        return np.empty((0, len(header)))
+    if table.shape[1] != len(header):
+        raise UsageError(f"{path}: is damaged: its rows have {table.shape[1]} cells")
+    return table
+
+
+def _number_or_zero(cell: str) -> float:
+    return float(cell) if cell else 0.0
+
+
+def _parse(
+    path: Path, lines: Iterable[str], header: Sequence[str]
+) -> Iterator[tuple[int, list[float]]]:
+    reader = csv.reader(lines)
+    _check_header(path, next(reader, []), header)
+    for row in reader:
+        if len(row) != len(header):
+            raise _damaged(path, reader.line_num, f"{len(header)} cells should stand here")
+        try:
+            yield reader.line_num, [float(cell) for cell in row]
+        except ValueError:
+            raise _damaged(path, reader.line_num, "holds something that is no number") from None
+
+
+def _check_header(path: Path, found: Sequence[str], header: Sequence[str]) -> None:
+    if tuple(found) != tuple(header):
+        raise UsageError(f"{path}: is no such table; its first line must be {','.join(header)}")
+
+
+def _damaged(path: Path, line: int, what: str) -> UsageError:
+    return UsageError(f"{path}:{line}: is damaged: {what}")

@@ -1,0 +1,107 @@
+"""From YAML, a dictionary of overrides and the files they name to a valid scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.tables import MAX_CSV_BYTES, read_input
+from hilc_cli.spec.nodes import MapNode, Node, Scalar, describe, to_data
+from hilc_cli.spec.overrides import apply_override, data_override, parse_override
+from hilc_cli.spec.problems import problems_of
+from hilc_cli.spec.reading import Inputs
+from hilc_cli.spec.scenario import ScenarioSpec
+from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
+
+Overrides = Mapping[str, object] | Sequence[str]
+
+
+def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
+    """Reads and validates a scenario with everything that it refers to.
+
+    Args:
+        path: A file, ``-`` for standard input, or ``example:NAME``.
+        overrides: Values by dotted key, or texts ``KEY=VALUE`` as on the command line.
+
+    Raises:
+        InvalidInputError: The scenario or its trajectory is not valid; names every problem.
+        UsageError: There is no such file.
+        FileAccessError: A file cannot be read.
+    """
+    inputs = Inputs()
+    tree = inputs.tree(str(path))
+    changes = _changes(overrides)
+    _check_kind(tree)
+    assert isinstance(tree, MapNode)  # _check_kind
+    for keys, value in changes:
+        tree = apply_override(tree, keys, value, inputs.with_trajectory)
+    problems: list[Problem] = []
+    try:
+        tree = inputs.with_trajectory(tree)
+    except InvalidInputError as error:
+        problems = list(error.problems)
+    spec = _validated(tree, problems)
+    return Scenario(spec, _initial_input(spec, tree, inputs), dict(inputs.checksums))
+
+
+def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
+    if isinstance(overrides, Mapping):
+        return [data_override(key, value) for key, value in overrides.items()]
+    problems: list[Problem] = []
+    changes = []
+    for text in overrides:
+        try:
+            changes.append(parse_override(text))
+        except InvalidInputError as error:
+            problems.extend(error.problems)
+    if problems:
+        raise InvalidInputError(problems)
+    return changes
+
+
+def _check_kind(tree: Node) -> None:
+    if not isinstance(tree, MapNode):
+        message = f"is no scenario, got {describe(tree)}; write a mapping of keys and values"
+    elif "segments" in tree.entries and "controller" not in tree.entries:
+        message = "is a trajectory, not a scenario; name it under 'trajectory:' in a scenario"
+    else:
+        return
+    raise InvalidInputError([Problem(str(tree.place), "", message)])
+
+
+def _validated(tree: MapNode, trajectory_problems: list[Problem]) -> ScenarioSpec:
+    """The scenario, if there is no problem in it and none has been found in its trajectory."""
+    data = to_data(tree)
+    assert isinstance(data, dict)  # of a mapping
+    if trajectory_problems:
+        # Its problems are known; what else is wrong is to be told with them.
+        del data["trajectory"]
+    try:
+        spec = ScenarioSpec.model_validate(data)
+    except ValidationError as error:
+        found = problems_of(error, tree, ScenarioSpec)
+        if trajectory_problems:
+            found = [problem for problem in found if problem.path != "trajectory"]
+        raise InvalidInputError([*trajectory_problems, *found]) from None
+    return spec
+
+
+def _initial_input(
+    spec: ScenarioSpec, tree: MapNode, inputs: Inputs
+) -> tuple[Floats, Floats] | None:
+    """The wheel speeds of the input file that the scenario names, if it names one."""
+    if spec.initial_input in NAMED_INPUTS:
+        return None
+    node = tree.entries["initial_input"]
+    assert isinstance(node, Scalar)  # validated as text
+    path = node.place.source.folder / spec.initial_input
+    steps = spec.trajectory.reference().samples
+    try:
+        return read_input(path, inputs.file(path, MAX_CSV_BYTES), steps)
+    except HilcError as error:
+        choices = f"{error} (initial_input is {', '.join(NAMED_INPUTS)} or such a file)"
+        raise InvalidInputError([Problem(str(node.place), "initial_input", choices)]) from None

@@ -1,0 +1,153 @@
+"""Field types for Pydantic models: numbers with a unit, bounds and an expression behind them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import PydanticCustomError, core_schema
+
+from hilc_cli.spec.expressions import PLAIN, ExpressionError, Unit, evaluate
+from hilc_cli.spec.scalars import LONGEST_NUMBER
+
+
+def wrong(problem: str, remedy: str) -> PydanticCustomError:
+    """A validation error: what is wrong, and what is allowed."""
+    return PydanticCustomError(
+        "hilc", "{problem}; {remedy}", {"problem": problem, "remedy": remedy}
+    )
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation of a float field that may be written as an expression.
+
+    Attributes:
+        unit: The unit that the value must have, if it is written with one.
+        example: What to write, for error messages and editors.
+        above: Exclusive lower bound.
+        least: Inclusive lower bound.
+        most: Inclusive upper bound.
+        whole: Only whole numbers, as int.
+    """
+
+    unit: Unit
+    example: str
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
+    whole: bool = False
+
+    def __call__(self, value: object) -> float:
+        """The number in SI units.
+
+        Raises:
+            PydanticCustomError: It is no number, has another unit, or exceeds a bound.
+        """
+        number = self._bounded(self._number(value))
+        if not self.whole:
+            return number
+        if number != round(number):
+            raise wrong("must be a whole number", self.remedy)
+        return round(number)
+
+    @property
+    def remedy(self) -> str:
+        """What is allowed, as a sentence."""
+        kind = "a whole number" if self.whole else "a number"
+        bounds = []
+        if self.above is not None:
+            bounds.append(f"above {self.above:g}")
+        if self.least is not None:
+            bounds.append(f"from {self.least:.15g}")
+        if self.most is not None:
+            bounds.append(f"up to {self.most:.20g}")
+        return " ".join([f"give {kind}", *bounds, f"such as {self.example}"])
+
+    def _number(self, value: object) -> float:
+        if self.whole and isinstance(value, int) and not isinstance(value, bool):
+            return value  # as it is: a float does not hold every seed
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise wrong("must be a number", self.remedy)
+        if isinstance(value, str):
+            if len(value) > LONGEST_NUMBER and value.lstrip("+-").isdigit():
+                raise wrong(f"has {len(value)} digits", self.remedy)
+            try:
+                result = evaluate(value)
+            except ExpressionError as error:
+                raise wrong(str(error).partition(";")[0], _remedy(error, self.remedy)) from None
+            if result.unit not in (PLAIN, self.unit):
+                raise wrong("has the wrong unit", self.remedy)
+            number = result.number.constant
+        else:
+            try:
+                number = float(value)
+            except OverflowError:
+                number = math.inf
+        if not math.isfinite(number):
+            raise wrong("must be finite", self.remedy)
+        return number
+
+    def _bounded(self, number: float) -> float:
+        if self.above is not None and not number > self.above:
+            raise wrong(f"must be above {self.above:g}", self.remedy)
+        if self.least is not None and not number >= self.least:
+            raise wrong(f"must be at least {self.least:.15g}", self.remedy)
+        if self.most is not None and not number <= self.most:
+            raise wrong(f"must be at most {self.most:.20g}", self.remedy)
+        return number
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        """Pydantic's hook: this object validates the field."""
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Pydantic's hook: a number within the bounds, or an expression."""
+        number: dict[str, object] = {"type": "integer" if self.whole else "number"}
+        if self.above is not None:
+            number["exclusiveMinimum"] = self.above
+        if self.least is not None:
+            number["minimum"] = self.least
+        if self.most is not None:
+            number["maximum"] = self.most
+        return {
+            "anyOf": [
+                number,
+                {"type": "string", "description": f"an expression, such as {self.example}"},
+            ]
+        }
+
+
+def _remedy(error: ExpressionError, fallback: str) -> str:
+    """The remedy that the error itself carries, or the field's."""
+    return str(error).partition("; ")[2] or fallback
+
+
+_LENGTH, _TIME, _ANGLE = Unit(length=1), Unit(time=1), Unit(angle=1)
+_LARGEST = 1e9  # keeps squares and products far from overflow; nothing real is larger
+
+Coordinate = Annotated[float, Quantity(_LENGTH, "1.5 or 20 cm", least=-_LARGEST, most=_LARGEST)]
+PositiveLength = Annotated[float, Quantity(_LENGTH, "0.2 or 20 cm", above=0, most=_LARGEST)]
+LengthBound = Annotated[float, Quantity(_LENGTH, "0.001 or 1 mm", least=0, most=_LARGEST)]
+Angle = Annotated[float, Quantity(_ANGLE, "pi/2 or 90 deg", least=-_LARGEST, most=_LARGEST)]
+PositiveAngle = Annotated[float, Quantity(_ANGLE, "pi or 180 deg", above=0, most=_LARGEST)]
+AngleBound = Annotated[float, Quantity(_ANGLE, "0.001 or 0.1 deg", least=0, most=_LARGEST)]
+PositiveTime = Annotated[float, Quantity(_TIME, "0.5 or 500 ms", above=0, most=_LARGEST)]
+PositiveSpeed = Annotated[
+    float, Quantity(Unit(length=1, time=-1), "2 or 2 m/s", above=0, most=_LARGEST)
+]
+PositiveWheelSpeed = Annotated[
+    float, Quantity(Unit(angle=1, time=-1), "180 or 1700 rpm", above=0, most=1e12)
+]
+Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, most=1e12)]
+Tolerance = Annotated[float, Quantity(PLAIN, "1e-9", least=0, most=_LARGEST)]
+Iterations = Annotated[int, Quantity(PLAIN, "100", least=0, most=10_000_000, whole=True)]
+Samples = Annotated[int, Quantity(PLAIN, "200", least=1, most=1_000_000, whole=True)]
+Seed = Annotated[int, Quantity(PLAIN, "0", least=0, most=2**64 - 1, whole=True)]

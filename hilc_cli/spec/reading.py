@@ -1,0 +1,95 @@
+"""Trees from files and standard input, and a trajectory put in the place of its path."""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
+from hilc_cli.files import read_file, reason
+from hilc_cli.shipped_files import PREFIX, resolve_example
+from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, with_entry
+from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
+
+STDIN = "-"
+
+
+@dataclass(slots=True)
+class Inputs:
+    """Reads files and remembers what was read.
+
+    Attributes:
+        checksums: SHA-256 of each input, by the name that the user knows it by.
+    """
+
+    checksums: dict[str, str] = field(default_factory=dict)
+
+    def file(self, path: Path, limit: int, label: str | None = None) -> bytes:
+        """The content of a file.
+
+        Raises:
+            HilcError: It cannot be read, or is no regular file.
+        """
+        content = read_file(path, limit)
+        self.checksums[label or str(path)] = hashlib.sha256(content).hexdigest()
+        return content
+
+    def tree(self, name: str) -> Node:
+        """The YAML tree of a file, of standard input (``-``), or of an example.
+
+        Raises:
+            HilcError: It cannot be read, or is no valid YAML.
+        """
+        if name == STDIN:
+            content = _read_stdin()
+            self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
+            return parse_yaml(content, Source("<stdin>", Path.cwd()))
+        path = resolve_example(name)
+        return parse_yaml(self.file(path, MAX_BYTES), Source(str(path), path.parent))
+
+    def with_trajectory(self, tree: MapNode) -> MapNode:
+        """The scenario with its trajectory file, if it names one, in the place of the path.
+
+        Raises:
+            InvalidInputError: The file cannot be read, or is no trajectory.
+        """
+        node = tree.entries.get("trajectory")
+        if not isinstance(node, Scalar) or not isinstance(node.value, str):
+            return tree
+        try:
+            trajectory = self._trajectory_tree(node.value, node.place.source.folder)
+        except (UsageError, FileAccessError) as error:
+            raise InvalidInputError([Problem(str(node.place), "trajectory", str(error))]) from None
+        if isinstance(trajectory, MapNode) and "controller" in trajectory.entries:
+            message = f"is a scenario, not a trajectory, got {node.value}; name a trajectory file"
+            raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
+        return with_entry(tree, "trajectory", trajectory, trajectory.place)
+
+    def _trajectory_tree(self, name: str, folder: Path) -> Node:
+        if name.startswith(PREFIX):
+            path = resolve_example(name, "trajectories")
+        else:
+            path = _short(folder / name)
+        return parse_yaml(self.file(path, MAX_BYTES), Source(str(path), path.parent))
+
+
+def _read_stdin() -> bytes:
+    """Standard input as bytes, no more than may be read."""
+    try:
+        content = sys.stdin.buffer.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise FileAccessError(f"<stdin>: cannot be read: {reason(error)}") from error
+    if len(content) > MAX_BYTES:
+        raise UsageError(f"<stdin>: is larger than {MAX_BYTES} bytes, the most that is read")
+    return content
+
+
+def _short(path: Path) -> Path:
+    """The path without its detours, ``scenarios/../trajectories``, where that changes nothing."""
+    try:
+        resolved, here = path.resolve(), Path.cwd().resolve()
+        return resolved.relative_to(here) if resolved.is_relative_to(here) else path
+    except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL character
+        return path

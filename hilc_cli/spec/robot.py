@@ -1,0 +1,72 @@
+"""What a scenario says of the platform, and of what the controller believes of it."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from hilc_cli.robot import Robot, TurnConvention
+from hilc_cli.spec.model import Model, wrong_at
+from hilc_cli.spec.quantities import Coordinate, PositiveLength
+
+
+class RobotSpec(Model):
+    """The plant as it really is."""
+
+    wheel_radius: PositiveLength = Field(description="R_c [m]")
+    half_track: PositiveLength | None = Field(
+        None, description="B_c [m] as Eq. 2 uses it: half the distance between the wheels"
+    )
+    wheel_separation: PositiveLength | None = Field(
+        None, description="distance between the wheels [m], instead of half_track"
+    )
+    turn_convention: TurnConvention = Field(
+        "paper", description="paper: left wheel faster turns left; rep103: right wheel does"
+    )
+    gravity_center: tuple[Coordinate, Coordinate] = Field(
+        (0.0, 0.0), description="D_cx, D_cy [m] in the platform's frame; only reported"
+    )
+
+    @model_validator(mode="after")
+    def _one_track(self) -> Self:
+        if (self.half_track is None) == (self.wheel_separation is None):
+            raise wrong_at(
+                (), "needs exactly one of half_track and wheel_separation", "give one of them"
+            )
+        return self
+
+    def robot(self) -> Robot:
+        """The platform."""
+        half_track = _half_track(self.half_track, self.wheel_separation)
+        assert half_track is not None  # see _one_track
+        return Robot(self.wheel_radius, half_track, self.turn_convention, self.gravity_center)
+
+
+class ModelSpec(Model):
+    """What the controller believes; what is left out is as the robot really is."""
+
+    wheel_radius: PositiveLength | None = Field(None, description="R_rs [m]")
+    half_track: PositiveLength | None = Field(None, description="B_rs [m]")
+    wheel_separation: PositiveLength | None = Field(
+        None, description="distance between the wheels [m], instead of half_track"
+    )
+
+    @model_validator(mode="after")
+    def _one_track(self) -> Self:
+        if self.half_track is not None and self.wheel_separation is not None:
+            raise wrong_at((), "has both half_track and wheel_separation", "give one of them")
+        return self
+
+    def model(self, robot: Robot) -> Robot:
+        """The platform as the controller believes it to be."""
+        half_track = _half_track(self.half_track, self.wheel_separation)
+        return Robot(
+            robot.wheel_radius if self.wheel_radius is None else self.wheel_radius,
+            robot.half_track if half_track is None else half_track,
+            robot.turn_convention,
+        )
+
+
+def _half_track(half_track: float | None, wheel_separation: float | None) -> float | None:
+    return half_track if wheel_separation is None else wheel_separation / 2

@@ -1,0 +1,173 @@
+"""What a trajectory file says."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from hilc_cli.reference.path import (
+    POSITION_TOLERANCE,
+    ArcPlan,
+    LinePlan,
+    PathBuilder,
+    PathError,
+    SegmentPlan,
+)
+from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.segments import Turn
+from hilc_cli.spec.model import Flag, Model, Name, Text, wrong_at
+from hilc_cli.spec.quantities import (
+    Angle,
+    Coordinate,
+    PositiveAngle,
+    PositiveLength,
+    PositiveSpeed,
+    PositiveTime,
+)
+
+Point = tuple[Coordinate, Coordinate]
+
+
+class PoseSpec(Model):
+    """A position and a heading."""
+
+    x: Coordinate = Field(description="m")
+    y: Coordinate = Field(description="m")
+    heading: Angle = Field(description="rad, counterclockwise from the x axis")
+
+
+class _Timed(Model):
+    duration: PositiveTime | None = Field(None, description="s, a whole number of samples")
+    speed: PositiveSpeed | None = Field(
+        None, description="m/s, instead of duration; rounded so that the samples are whole"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_duration_and_speed(self) -> Self:
+        if (self.duration is None) == (self.speed is None):
+            raise wrong_at((), "needs exactly one of duration and speed", "give one of them")
+        return self
+
+
+class SemicircleSpec(_Timed):
+    """An arc of 180 degrees."""
+
+    center: Point | None = Field(None, description="m, in the world frame")
+    radius: PositiveLength | None = Field(
+        None, description="m; without a center it lies perpendicular to the running heading"
+    )
+    turn: Turn = Field(description="left is counterclockwise")
+
+    @model_validator(mode="after")
+    def _center_or_radius(self) -> Self:
+        if self.center is None and self.radius is None:
+            raise wrong_at((), "needs a center or a radius", "give one of them, or both")
+        return self
+
+    def plan(self) -> SegmentPlan:
+        """The segment for the path builder."""
+        return ArcPlan(math.pi, self.turn, self.center, self.radius, self.duration, self.speed)
+
+
+class ArcSpec(SemicircleSpec):
+    """A circular arc."""
+
+    sweep: PositiveAngle = Field(description="rad; more than 2*pi is more than one turn")
+
+    def plan(self) -> SegmentPlan:
+        """The segment for the path builder."""
+        return ArcPlan(self.sweep, self.turn, self.center, self.radius, self.duration, self.speed)
+
+
+class LineSpec(_Timed):
+    """A straight line."""
+
+    to: Point | None = Field(None, description="m, in the world frame")
+    length: PositiveLength | None = Field(None, description="m, along the running heading")
+
+    @model_validator(mode="after")
+    def _one_of_to_and_length(self) -> Self:
+        if (self.to is None) == (self.length is None):
+            raise wrong_at((), "needs exactly one of to and length", "give one of them")
+        return self
+
+    def plan(self) -> SegmentPlan:
+        """The segment for the path builder."""
+        return LinePlan(self.to, self.length, self.duration, self.speed)
+
+
+class SegmentSpec(Model):
+    """One piece of the path: its kind, and below that its shape."""
+
+    arc: ArcSpec | None = None
+    semicircle: SemicircleSpec | None = None
+    line: LineSpec | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> Self:
+        if len(self._given()) != 1:
+            raise wrong_at(
+                (), "needs exactly one of arc, semicircle and line", "write '- arc: {...}'"
+            )
+        return self
+
+    def _given(self) -> dict[str, ArcSpec | SemicircleSpec | LineSpec]:
+        kinds = {"arc": self.arc, "semicircle": self.semicircle, "line": self.line}
+        return {kind: shape for kind, shape in kinds.items() if shape is not None}
+
+    @property
+    def kind(self) -> str:
+        """arc, semicircle or line."""
+        return next(iter(self._given()))
+
+    def plan(self) -> SegmentPlan:
+        """The segment for the path builder."""
+        return self._given()[self.kind].plan()
+
+
+class TrajectorySpec(Model):
+    """A reference trajectory: where it starts and the segments that it is made of."""
+
+    name: Name
+    description: Text = ""
+    sample_time: PositiveTime = Field(description="s")
+    start: PoseSpec
+    segments: list[SegmentSpec] = Field(min_length=1, max_length=10_000)
+    closed: Flag = Field(False, description="the path must end where it starts")
+    corners: Literal["forbid", "allow"] = Field(
+        "forbid", description="whether the heading may jump between segments"
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        self._path()
+        return self
+
+    def reference(self) -> Reference:
+        """The sampled trajectory."""
+        return self._path().sample(self.name)
+
+    def _path(self) -> PathBuilder:
+        start = self.start
+        path = PathBuilder(
+            start.x, start.y, start.heading, self.sample_time, corners=self.corners == "allow"
+        )
+        for index, segment in enumerate(self.segments):
+            try:
+                path.add(segment.plan())
+            except PathError as error:
+                field = (error.field,) if error.field else ()
+                at = ("segments", index, segment.kind, *field)
+                problem, _, remedy = str(error).partition("; ")
+                raise wrong_at(at, problem, remedy) from None
+        gap = path.gap()
+        if self.closed and gap > POSITION_TOLERANCE:
+            last = len(self.segments) - 1
+            raise wrong_at(
+                ("segments", last, self.segments[last].kind),
+                f"ends {gap:.3g} m from the start of the path, which is said to be closed",
+                "close the gap or set 'closed: false'",
+            )
+        return path

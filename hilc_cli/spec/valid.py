@@ -1,0 +1,123 @@
+"""A valid scenario: as an experiment for the engines, and as resolved YAML."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.spec.dump import to_yaml
+from hilc_cli.spec.scenario import ScenarioSpec
+
+NAMED_INPUTS = ("zero", "feedforward")
+INITIAL_INPUT_FILE = "initial-input.csv"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scenario:
+    """A scenario that has been read and validated.
+
+    Attributes:
+        spec: What its author wrote, with defaults filled in.
+        initial_input: Left and right wheel speeds of the input file that it names, if any.
+        checksums: SHA-256 of each file that was read.
+    """
+
+    spec: ScenarioSpec
+    initial_input: tuple[Floats, Floats] | None = None
+    checksums: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The scenario's name."""
+        return self.spec.name
+
+    @property
+    def compensates(self) -> bool:
+        """The position of Fig. 2's switch: whether the run compensates an initial error."""
+        return self.spec.controller.compensates(
+            self.spec.initial_error, self.spec.disturbance.initial_pose.bound
+        )
+
+    @property
+    def speed_limit(self) -> float | None:
+        """b_w [rad/s]; None for no limit."""
+        return self.spec.controller.b_w
+
+    def experiment(self) -> Experiment:
+        """The scenario with every number resolved."""
+        spec = self.spec
+        reference = spec.trajectory.reference()
+        robot = spec.robot.robot()
+        left, right = self._first_input(reference)
+        return Experiment(
+            reference=reference,
+            robot=robot,
+            law=spec.controller.law_for(
+                spec.model.model(robot), reference, compensation=self.compensates
+            ),
+            initial_pose=spec.start_pose,
+            initial_left=left,
+            initial_right=right,
+            learn_in_first=spec.initial_trial == "feedback",
+            iterations=spec.iterations,
+            speed_limit=math.inf if self.speed_limit is None else self.speed_limit,
+            disturbance=spec.disturbance.disturbance(),
+        )
+
+    def _first_input(self, reference: Reference) -> tuple[Floats, Floats]:
+        if self.initial_input is not None:
+            return self.initial_input
+        if self.spec.initial_input == "feedforward":
+            return feedforward(reference, self.spec.model.model(self.spec.robot.robot()))
+        return np.zeros(reference.samples), np.zeros(reference.samples)
+
+    def warnings(self) -> list[str]:
+        """What is legal but probably not meant."""
+        found = []
+        gains = self.spec.controller.gains
+        if self.compensates and (gains.l2 > 0 or gains.l3 > 0):
+            found.append(
+                "controller.gains.l2 and l3 are not used: with an initial error the law is "
+                "Eq. 21, which has l1 only; set 'compensation: off' for Eq. 17"
+            )
+        if abs(self.spec.initial_error[2]) > math.pi:
+            found.append(
+                "initial_pose.heading differs by more than half a turn from the trajectory's "
+                "start; headings are not wrapped, so the robot will turn all the way back"
+            )
+        return found
+
+    def resolved(self) -> dict[str, Any]:
+        """The scenario as plain data with every default, file and relation filled in."""
+        spec = self.spec
+        data = spec.model_dump(mode="json")
+        robot = spec.robot.robot()
+        model = spec.model.model(robot)
+        data["trajectory"] = spec.trajectory.model_dump(mode="json", exclude_none=True)
+        for key, platform in (("robot", robot), ("model", model)):
+            data[key]["half_track"] = platform.half_track
+            del data[key]["wheel_separation"]
+        data["model"]["wheel_radius"] = model.wheel_radius
+        data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
+        if self.initial_input is not None:
+            data["initial_input"] = INITIAL_INPUT_FILE
+        data["controller"]["h"] = spec.controller.resolved_h(spec.trajectory.reference().samples)
+        for source in ("state", "output", "initial_pose"):
+            disturbance = data["disturbance"][source]
+            if disturbance["distribution"] == "uniform":
+                del disturbance["standard_deviation"]
+            else:
+                bounded = getattr(spec.disturbance, source).bounded()
+                disturbance["standard_deviation"] = list(bounded.deviation)
+        return data
+
+    def resolved_yaml(self) -> str:
+        """The resolved scenario as a scenario file that gives the same results."""
+        return to_yaml(self.resolved())

@@ -1,0 +1,179 @@
+"""A bounded, safe YAML reader that keeps line and column of every value.
+
+It composes its own tree from PyYAML's events, one at a time: nothing that a file can say makes
+it recurse deeply, expand aliases without end, or construct objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import yaml
+
+from hilc_cli.errors import InvalidInputError, Problem
+from hilc_cli.spec.nodes import ListNode, MapNode, Node, Place, Scalar, Source
+from hilc_cli.spec.scalars import resolve_plain
+
+MAX_BYTES = 1_000_000
+MAX_DEPTH = 20
+MAX_VALUES = 50_000
+"""Values in a file, each use of an alias counted with all that it stands for."""
+
+_Loader: type = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_SYNTAX_HELP = "check quotes, colons, brackets and indentation"
+
+
+class _Stop(Exception):
+    """Reading cannot go on."""
+
+
+def parse_yaml(content: bytes, source: Source) -> Node:
+    """One YAML document as a tree.
+
+    Args:
+        content: The text in UTF-8.
+        source: Where it comes from.
+
+    Raises:
+        InvalidInputError: It is no UTF-8 or YAML, holds duplicate keys, tags, merge keys or
+            several documents, or exceeds a budget.
+    """
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        column = error.start - content.rfind(b"\n", 0, error.start)
+        byte = content[error.start]
+        message = f"is not UTF-8 text, got byte 0x{byte:02x}; save the file as UTF-8"
+        raise InvalidInputError([Problem(str(Place(source, line, column)), "", message)]) from None
+    composer = _Composer(source)
+    tree: Node | None = None
+    loader = _Loader(text)
+    try:
+        tree = composer.document(_events(loader))
+    except _Stop:
+        pass
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        composer.problem(
+            composer.place(mark),
+            f"is not valid YAML: {error.problem or error.context}; {_SYNTAX_HELP}",
+        )
+    except yaml.YAMLError as error:
+        why = str(error).splitlines()[0]
+        composer.problem(Place(source), f"is not valid YAML: {why}; {_SYNTAX_HELP}")
+    finally:
+        loader.dispose()
+    if composer.problems or tree is None:
+        raise InvalidInputError(composer.problems)
+    return tree
+
+
+def _events(loader: yaml.SafeLoader) -> Iterator[yaml.Event]:
+    while loader.check_event():
+        yield loader.get_event()  # type: ignore[no-untyped-call]
+
+
+@dataclass(slots=True)
+class _Composer:
+    source: Source
+    problems: list[Problem] = field(default_factory=list)
+    values: int = 0
+    anchors: dict[str, tuple[Node, int] | None] = field(default_factory=dict)  # None: unfinished
+
+    def place(self, mark: yaml.error.Mark | yaml._yaml.Mark | None) -> Place:
+        if mark is None:
+            return Place(self.source)
+        return Place(self.source, mark.line + 1, mark.column + 1)
+
+    def problem(self, place: Place, message: str, path: str = "") -> None:
+        self.problems.append(Problem(str(place), path, message))
+
+    def stop(self, place: Place, message: str) -> _Stop:
+        self.problem(place, message)
+        return _Stop()
+
+    def document(self, events: Iterator[yaml.Event]) -> Node:
+        """The only document of a stream."""
+        tree: Node | None = None
+        for event in events:
+            if isinstance(event, yaml.DocumentStartEvent):
+                if tree is not None:
+                    raise self.stop(
+                        self.place(event.start_mark),
+                        "holds a second YAML document; keep one document in a file",
+                    )
+                tree = self.node(next(events), events, ())
+        if tree is None:
+            raise self.stop(Place(self.source), "is empty; write a mapping of keys and values")
+        return tree
+
+    def node(self, event: yaml.Event, events: Iterator[yaml.Event], path: tuple[str, ...]) -> Node:
+        place = self.place(event.start_mark)
+        if len(path) > MAX_DEPTH:
+            raise self.stop(place, f"is nested more than {MAX_DEPTH} deep; flatten it")
+        if isinstance(event, yaml.AliasEvent):
+            return self.alias(str(event.anchor), place)
+        assert isinstance(event, yaml.ScalarEvent | yaml.CollectionStartEvent)  # what is left
+        before = self.values
+        self.count(1, place)
+        anchor: str | None = event.anchor
+        if anchor is not None:
+            self.anchors[anchor] = None
+        if event.tag is not None:
+            self.problem(place, f"has the tag {event.tag}; leave tags out", ".".join(path))
+        node: Node
+        if isinstance(event, yaml.ScalarEvent):
+            value = resolve_plain(event.value) if event.implicit[0] else event.value
+            node = Scalar(place, value, event.value)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            items: list[Node] = []
+            while not isinstance(event := next(events), yaml.SequenceEndEvent):
+                items.append(self.node(event, events, (*path, str(len(items)))))
+            node = ListNode(place, tuple(items))
+        else:
+            node = self.mapping(place, events, path)
+        if anchor is not None:
+            self.anchors[anchor] = (node, self.values - before)
+        return node
+
+    def mapping(self, place: Place, events: Iterator[yaml.Event], path: tuple[str, ...]) -> MapNode:
+        entries: dict[str, Node] = {}
+        key_places: dict[str, Place] = {}
+        while not isinstance(event := next(events), yaml.MappingEndEvent):
+            key_place = self.place(event.start_mark)
+            if not isinstance(event, yaml.ScalarEvent):
+                raise self.stop(key_place, "has a key that is no plain word; use words as keys")
+            key: str = event.value
+            here = (*path, key)
+            value = self.node(next(events), events, here)
+            if key == "<<" and event.implicit[0]:
+                self.problem(
+                    key_place, "merge keys are not part of YAML 1.2; write the keys out", "<<"
+                )
+            elif key in entries:
+                first = key_places[key].line
+                self.problem(
+                    key_place,
+                    f"is given twice, first in line {first}; keep one of them",
+                    ".".join(here),
+                )
+            else:
+                entries[key], key_places[key] = value, key_place
+        return MapNode(place, entries, key_places)
+
+    def alias(self, anchor: str, place: Place) -> Node:
+        if anchor not in self.anchors:
+            raise self.stop(place, f"alias *{anchor} has no anchor; define &{anchor} before it")
+        found = self.anchors[anchor]
+        if found is None:
+            raise self.stop(place, f"alias *{anchor} contains itself; write the value out")
+        node, size = found
+        self.count(size, place)
+        return node
+
+    def count(self, size: int, place: Place) -> None:
+        self.values += size
+        if self.values > MAX_VALUES:
+            raise self.stop(place, f"holds more than {MAX_VALUES} values; shorten it")

@@ -1,0 +1,60 @@
+"""What the paper's circle must show at full size: 2000 samples, 100 updates."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from hilc_cli.engine.loop import simulate
+from hilc_cli.reference.sampled import Floats
+from tests.engine.experiments import LIMIT, SITUATIONS, experiment_of, law_of
+from tests.reference.paths import paper_reference
+
+
+def largest_errors(
+    l1: float, l2: float = 0.0, l3: float = 0.0, *, speed_limit: float = LIMIT
+) -> Floats:
+    """The largest distance from the circle in each of 101 iterations [m]."""
+    reference = paper_reference("circle")
+    experiment = experiment_of(
+        reference, law_of(l1, l2, l3), iterations=100, speed_limit=speed_limit
+    )
+    return np.array(
+        [
+            np.sqrt((trial.x - reference.x) ** 2 + (trial.y - reference.y) ** 2).max()
+            for trial in simulate(experiment)
+        ]
+    )
+
+
+def test_platform_at_rest_is_a_diameter_away_in_the_first_iteration() -> None:
+    assert largest_errors(0.0)[[0, 100]].tolist() == [20.0, 20.0]
+
+
+def test_gain_10_tracks_within_the_speed_limit() -> None:
+    errors = largest_errors(SITUATIONS["4c"].l1)
+    assert errors.min() < 1.0
+    assert errors[-1] < 1.0
+
+
+def test_gain_10_runs_away_without_the_speed_limit() -> None:
+    assert largest_errors(10.0, speed_limit=math.inf).max() > 1e3
+
+
+def test_gain_25_never_tracks() -> None:
+    assert largest_errors(25.0).min() > 1.0
+
+
+def test_gain_1_tracks_but_gain_a_tenth_is_too_slow_for_100_iterations() -> None:
+    slow, normal = largest_errors(0.1), largest_errors(1.0)
+    assert normal[-1] < 0.5
+    assert slow[-1] > 2 * normal[-1]
+
+
+def test_wheels_never_exceed_the_limit() -> None:
+    experiment = experiment_of(
+        paper_reference("circle"), law_of(25.0), iterations=30, speed_limit=LIMIT
+    )
+    for trial in simulate(experiment):
+        assert max(np.abs(trial.left).max(), np.abs(trial.right).max()) <= LIMIT

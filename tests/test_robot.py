@@ -1,0 +1,198 @@
+"""Kinematics and the speed limit, against numbers by hand and their own definitions."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import pytest
+from hypothesis import assume, example, given
+from hypothesis import strategies as st
+
+from hilc_cli.robot import (
+    Robot,
+    euler_step,
+    gravity_center_position,
+    limit_wheel_speeds,
+    twist_from_wheel_speeds,
+    wheel_speeds_from_twist,
+)
+
+speeds = st.floats(-1e4, 1e4)
+lengths = st.floats(0.01, 10)
+any_finite = st.floats(allow_nan=False, allow_infinity=False)
+bounds = st.floats(1e-300, 1e300)
+
+
+# Eq. 2 with R = 0.2 m, B = 0.5 m: v = 0.1 (l + r), yaw rate = 0.2 (l - r).
+@pytest.mark.parametrize(
+    ("left", "right", "speed", "yaw_rate"),
+    [
+        (10.0, 10.0, 2.0, 0.0),
+        (10.0, -10.0, 0.0, 4.0),
+        (20.0, 10.0, 3.0, 2.0),
+        (10.0, 20.0, 3.0, -2.0),
+        (-5.0, 0.0, -0.5, -1.0),
+    ],
+)
+def test_twist_is_that_of_equation_2(
+    left: float, right: float, speed: float, yaw_rate: float
+) -> None:
+    twist = twist_from_wheel_speeds(left, right, 0.2, 0.5)
+    assert twist == pytest.approx((speed, yaw_rate), abs=1e-14)
+
+
+def test_circle_of_the_paper_needs_a_faster_left_wheel() -> None:
+    # 10 m radius in 2 s: v = 10 pi m/s, yaw rate pi rad/s; Eq. 2 solved by hand for the wheels.
+    left, right = wheel_speeds_from_twist(10 * math.pi, math.pi, 0.2, 0.518)
+    assert left == pytest.approx(math.pi * (10 + 0.518) / 0.2)
+    assert right == pytest.approx(math.pi * (10 - 0.518) / 0.2)
+
+
+@given(left=speeds, right=speeds, radius=lengths, half_track=lengths, sign=st.sampled_from([1, -1]))
+def test_wheel_speeds_survive_the_way_over_the_twist(
+    left: float, right: float, radius: float, half_track: float, sign: int
+) -> None:
+    twist = twist_from_wheel_speeds(left, right, radius, sign * half_track)
+    back = wheel_speeds_from_twist(*twist, radius, sign * half_track)
+    size = max(abs(left), abs(right)) + 1e-290  # the floor is for subnormal numbers
+    assert back == pytest.approx((left, right), rel=1e-12, abs=1e-14 * size)
+
+
+@given(speed=speeds, yaw_rate=speeds, radius=lengths, half_track=lengths)
+def test_twist_survives_the_way_over_the_wheel_speeds(
+    speed: float, yaw_rate: float, radius: float, half_track: float
+) -> None:
+    wheels = wheel_speeds_from_twist(speed, yaw_rate, radius, half_track)
+    back = twist_from_wheel_speeds(*wheels, radius, half_track)
+    # Each wheel carries both parts, so that each part is known to the rounding of the larger;
+    # the floor is for subnormal numbers.
+    size = abs(speed) + half_track * abs(yaw_rate) + 1e-290
+    assert back[0] == pytest.approx(speed, abs=1e-14 * size)
+    assert back[1] == pytest.approx(yaw_rate, abs=1e-14 * size / half_track)
+
+
+@given(left=speeds, right=speeds, radius=lengths, half_track=lengths)
+def test_rep103_is_the_paper_with_its_wheels_swapped(
+    left: float, right: float, radius: float, half_track: float
+) -> None:
+    paper = Robot(radius, half_track, "paper").signed_half_track
+    rep103 = Robot(radius, half_track, "rep103").signed_half_track
+    assert twist_from_wheel_speeds(left, right, radius, paper) == twist_from_wheel_speeds(
+        right, left, radius, rep103
+    )
+
+
+@given(left=speeds, right=speeds, radius=lengths, half_track=lengths)
+def test_rep103_turns_left_by_the_right_wheel_over_the_wheel_separation(
+    left: float, right: float, radius: float, half_track: float
+) -> None:
+    signed = Robot(radius, half_track, "rep103").signed_half_track
+    _, yaw_rate = twist_from_wheel_speeds(left, right, radius, signed)
+    separation = 2 * half_track
+    assert yaw_rate == pytest.approx(radius * (right - left) / separation, rel=1e-12)
+
+
+@given(speed=speeds, yaw_rate=speeds, radius=lengths, half_track=lengths)
+def test_inverse_kinematics_of_rep103_swaps_the_wheels_exactly(
+    speed: float, yaw_rate: float, radius: float, half_track: float
+) -> None:
+    left, right = wheel_speeds_from_twist(speed, yaw_rate, radius, half_track)
+    assert wheel_speeds_from_twist(speed, yaw_rate, radius, -half_track) == (right, left)
+
+
+def test_euler_step_runs_along_the_heading_at_its_start() -> None:
+    # R = 0.2, B = 0.5, wheels 20 and 10: 3 m/s and 2 rad/s for 0.1 s, heading 30 degrees.
+    heading = math.pi / 6
+    step = euler_step(
+        1.0, 2.0, heading, math.cos(heading), math.sin(heading), 20.0, 10.0, 0.2, 0.5, 0.1
+    )
+    assert step == pytest.approx((1 + 0.15 * math.sqrt(3), 2.15, heading + 0.2), abs=1e-15)
+
+
+def test_euler_step_does_not_wrap_the_heading() -> None:
+    assert euler_step(0, 0, 100.0, 1.0, 0.0, 5.0, -5.0, 0.2, 0.5, 1.0)[2] == pytest.approx(102.0)
+
+
+@given(left=any_finite, right=any_finite, bound=bounds)
+@example(left=180.00000000000003, right=-180.00000000000003, bound=180.0)
+@example(left=5e-324, right=1.7976931348623157e308, bound=1e-300)
+def test_limited_speeds_never_exceed_the_bound(left: float, right: float, bound: float) -> None:
+    limited = limit_wheel_speeds(left, right, bound)
+    assert max(abs(speed) for speed in limited) <= bound
+
+
+@given(left=any_finite, right=any_finite, bound=bounds)
+def test_faster_wheel_meets_the_bound_exactly_where_it_exceeded_it(
+    left: float, right: float, bound: float
+) -> None:
+    assume(max(abs(left), abs(right)) > bound)
+    limited = limit_wheel_speeds(left, right, bound)
+    assert max(abs(speed) for speed in limited) == bound
+
+
+@given(left=speeds, right=speeds, bound=st.floats(0.1, 1e4))
+def test_limit_keeps_the_ratio_and_the_signs_of_the_wheels(
+    left: float, right: float, bound: float
+) -> None:
+    assume(max(abs(left), abs(right)) > bound)
+    limited_left, limited_right = limit_wheel_speeds(left, right, bound)
+    # Exact fractions: limited_left / limited_right == left / right up to the two roundings of
+    # each wheel, with an absolute floor where a wheel is next to standing still.
+    cross = abs(Fraction(limited_left) * Fraction(right) - Fraction(limited_right) * Fraction(left))
+    size = abs(Fraction(limited_left) * Fraction(right))
+    assert cross <= size * Fraction(1, 10**15) + Fraction(1, 10**290)
+    assert math.copysign(1, limited_left) == math.copysign(1, left)
+    assert math.copysign(1, limited_right) == math.copysign(1, right)
+
+
+@given(left=any_finite, right=any_finite, bound=bounds)
+def test_speeds_within_the_bound_are_left_alone(left: float, right: float, bound: float) -> None:
+    assume(max(abs(left), abs(right)) <= bound)
+    assert limit_wheel_speeds(left, right, bound) == (left, right)
+
+
+@pytest.mark.parametrize(
+    ("demanded", "limited"),
+    [
+        ((-360.0, 90.0), (-180.0, 45.0)),  # as printed, Eq. 25 would let this pass
+        ((90.0, -360.0), (45.0, -180.0)),
+        ((-360.0, -720.0), (-90.0, -180.0)),
+        ((360.0, 90.0), (180.0, 45.0)),
+        ((360.0, -360.0), (180.0, -180.0)),
+        ((180.0, -180.0), (180.0, -180.0)),
+    ],
+)
+def test_limit_acts_on_the_absolute_speed_of_the_faster_wheel(
+    demanded: tuple[float, float], limited: tuple[float, float]
+) -> None:
+    assert limit_wheel_speeds(*demanded, 180.0) == limited
+
+
+@given(left=any_finite, right=any_finite)
+def test_infinite_bound_limits_nothing(left: float, right: float) -> None:
+    assert limit_wheel_speeds(left, right, math.inf) == (left, right)
+
+
+@given(left=speeds, right=speeds, bound=st.floats(0.1, 1e4))
+def test_limiting_twice_changes_nothing_more(left: float, right: float, bound: float) -> None:
+    once = limit_wheel_speeds(left, right, bound)
+    assert limit_wheel_speeds(*once, bound) == once
+
+
+def test_gravity_center_is_the_offset_turned_by_the_heading() -> None:
+    # Eq. 7 by hand: (0.3, 0.1) turned by 90 degrees is (-0.1, 0.3).
+    center = gravity_center_position(5.0, 7.0, 0.0, 1.0, (0.3, 0.1))
+    assert center == pytest.approx((4.9, 7.3), abs=1e-15)
+
+
+@given(x=st.floats(-100, 100), y=st.floats(-100, 100), heading=st.floats(-20, 20))
+def test_gravity_center_keeps_its_place_in_the_frame_of_the_platform(
+    x: float, y: float, heading: float
+) -> None:
+    ahead, aside = 0.340, -0.05
+    cos, sin = math.cos(heading), math.sin(heading)
+    center_x, center_y = gravity_center_position(x, y, cos, sin, (ahead, aside))
+    # Projected back on the axes of the driving-fixed frame.
+    assert (center_x - x) * cos + (center_y - y) * sin == pytest.approx(ahead, abs=1e-12)
+    assert -(center_x - x) * sin + (center_y - y) * cos == pytest.approx(aside, abs=1e-12)
