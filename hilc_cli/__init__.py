@@ -16,7 +16,7 @@ from hilc_cli.errors import HilcError
 from hilc_cli.version import __version__
 
 if TYPE_CHECKING:
-    from hilc_cli.api import Run, RunData, Scenario, Summary, load_scenario, read_run, run
+    from hilc_cli.api import Run, RunData, Scenario, Summary, load_scenario, plot, read_run, run
 
 __all__ = [
     "HilcError",
@@ -26,6 +26,7 @@ __all__ = [
     "Summary",
     "__version__",
     "load_scenario",
+    "plot",
     "read_run",
     "run",
 ]

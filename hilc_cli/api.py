@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
+from hilc_cli.files import merge_folder
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.recording import recorded_iterations
 from hilc_cli.results.run import RunData
@@ -23,7 +24,7 @@ from hilc_cli.spec.loading import load_scenario
 from hilc_cli.spec.valid import Scenario
 from hilc_cli.version import __version__
 
-__all__ = ["Run", "RunData", "Scenario", "Summary", "load_scenario", "read_run", "run"]
+__all__ = ["Run", "RunData", "Scenario", "Summary", "load_scenario", "plot", "read_run", "run"]
 
 
 class OnIteration(Protocol):
@@ -174,6 +175,49 @@ def read_run(folder: str | Path) -> RunData:
         HilcError: There is no such folder, or a table is missing or damaged.
     """
     return read_run_folder(Path(folder))
+
+
+def plot(
+    runs: Sequence[RunData],
+    folder: str | Path,
+    *,
+    kinds: Sequence[str] = (),
+    formats: Sequence[str] = ("png",),
+    dpi: int = 150,
+    iterations: Collection[int] | None = None,
+    may_replace: Callable[[Path], bool] = lambda file: False,
+) -> list[Path]:
+    """Draws pictures of one run, or of several laid over each other.
+
+    Args:
+        runs: From `read_run` or `run`.
+        folder: Where to put KIND.FORMAT; made if it is not there.
+        kinds: path-change, final-path, error, wheel-speeds, summary; all by default.
+        formats: png, svg, pdf.
+        dpi: Resolution of png.
+        iterations: Recorded iterations to draw; all by default.
+        may_replace: Whether a picture of the same name that stands there may be replaced.
+
+    Returns:
+        The pictures written.
+
+    Raises:
+        UsageError: There is no such kind, format or recorded iteration.
+        ExistingResultsError: A picture stands there that may not be replaced.
+        FileAccessError: They cannot be written.
+    """
+    from hilc_cli.figures.catalogue import KINDS, save_figures  # Matplotlib starts slowly
+
+    names: list[str] = []
+
+    def draw(into: Path) -> None:
+        drawn = save_figures(
+            runs, into, kinds=kinds or KINDS, formats=formats, dpi=dpi, iterations=iterations
+        )
+        names.extend(path.name for path in drawn)
+
+    merge_folder(Path(folder), draw, may_replace)
+    return [Path(folder) / name for name in names]
 
 
 def check_folder(scenario: Scenario, folder: str | Path, *, force: bool = False) -> None:

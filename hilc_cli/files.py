@@ -130,6 +130,40 @@ def write_folder(
             shutil.rmtree(draft, ignore_errors=True)
 
 
+def merge_folder(
+    path: Path, fill: Callable[[Path], None], may_replace: Callable[[Path], bool]
+) -> None:
+    """Adds files to a folder, each as a whole, after all of them could be made.
+
+    Args:
+        path: The folder; made if it is not there.
+        fill: Writes the files into the folder that it is given.
+        may_replace: Whether a file of the same name that stands there may be replaced.
+
+    Raises:
+        ExistingResultsError: One may not; nothing has been added then.
+        FileAccessError: The system refused.
+    """
+    with writing(path):
+        path.mkdir(parents=True, exist_ok=True)
+        draft = Path(tempfile.mkdtemp(prefix=".hilc-", dir=path))
+        try:
+            fill(draft)
+            files = sorted(draft.iterdir())
+            for file in files:
+                there = path / file.name
+                if os.path.lexists(there) and not may_replace(there):
+                    raise ExistingResultsError(
+                        f"{there}: exists; choose another folder with --out, "
+                        "or replace it with --force"
+                    )
+                _sync(file)
+            for file in files:
+                file.replace(path / file.name)
+        finally:
+            shutil.rmtree(draft, ignore_errors=True)
+
+
 def _put_in_place(draft: Path, path: Path, may_replace: Callable[[Path], bool]) -> None:
     for _ in range(10):
         try:

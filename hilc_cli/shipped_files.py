@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
-from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.errors import ExistingResultsError, UsageError, suggestion
+from hilc_cli.files import write_file, writing
 
 PREFIX = "example:"
 FOLDERS = ("scenarios", "trajectories")
@@ -36,3 +38,41 @@ def resolve_example(text: str, folder: str = "scenarios") -> Path:
     if name not in known:
         raise UsageError(f"{text}: there is no such example; {suggestion(name, known)}")
     return known[name]
+
+
+def copy_examples(folder: Path, *, force: bool = False) -> list[Path]:
+    """Writes all examples below a folder, each file as a whole.
+
+    Args:
+        folder: Where to put ``scenarios/`` and ``trajectories/``.
+        force: Replace files of the same name that differ.
+
+    Returns:
+        The files written.
+
+    Raises:
+        ExistingResultsError: A file of the same name differs; nothing has been written then.
+        FileAccessError: The system refused.
+    """
+    files = {
+        folder / kind / path.name: path.read_bytes() for kind in FOLDERS for path in examples(kind)
+    }
+    with writing(folder):
+        changed = [path for path, new in files.items() if path.exists() and _differs(path, new)]
+        if changed and not force:
+            raise ExistingResultsError(
+                f"{changed[0]}: exists and differs from the example; "
+                "choose another folder, or replace it with --force"
+            )
+        for path, content in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_file(path, partial(_write_bytes, content))
+    return list(files)
+
+
+def _differs(path: Path, content: bytes) -> bool:
+    return not path.is_file() or path.read_bytes() != content
+
+
+def _write_bytes(content: bytes, path: Path) -> None:
+    path.write_bytes(content)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,7 +16,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
 
 ZERO_LABEL = "Exactly zero"
-STRIP_LABEL = "Samples at the speed limit, 0 to 100 %"
+STRIP_LABEL = "Samples at speed limit (0 to 100 %)"
 
 # A logarithmic axis of double precision ends a little inside of what its numbers can hold.
 _SMALLEST, _LARGEST = 1e-300, 1e300
@@ -52,7 +53,7 @@ def draw_error(axes: Axes, runs: Sequence[RunData]) -> None:
     several = len(runs) > 1
     shares = [share for share in map(saturated_share, runs) if share.any()]
     strip = min(_STRIP, _STRIPS / max(1, len(shares)))
-    floor = strip * len(shares) + _HEADROOM
+    strips = strip * len(shares)
 
     lines: list[Floats] = []
     zeros = False
@@ -85,7 +86,7 @@ def draw_error(axes: Axes, runs: Sequence[RunData]) -> None:
             zeros = True
             axes.plot(
                 at_zero,
-                np.full(len(at_zero), floor - 0.025),
+                np.full(len(at_zero), strips + _HEADROOM / 2),
                 transform=axes.get_xaxis_transform(),
                 color=color if several else style.BLUE,
                 linestyle="none",
@@ -104,7 +105,7 @@ def draw_error(axes: Axes, runs: Sequence[RunData]) -> None:
             )
     _legend_proxies(axes, several=several, zeros=zeros)
     _scale_iterations(axes, runs)
-    _scale_errors(axes, lines, floor)
+    _scale_errors(axes, lines, strips)
     _draw_strips(axes, runs, strip)
     labels.set_title(axes, "Position error", [*_gap_notes(runs), *labels.divergence_notes(runs)])
 
@@ -138,12 +139,15 @@ def _scale_iterations(axes: Axes, runs: Sequence[RunData]) -> None:
     )
     border = max(0.5, 0.02 * last)
     axes.set_xlim(-border, last + border)
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10], integer=True))
+    axes.xaxis.set_major_locator(
+        MaxNLocator(nbins=8, steps=[1, 2, 5, 10], integer=True, min_n_ticks=1)
+    )
     axes.set_xlabel("Iteration")
 
 
-def _scale_errors(axes: Axes, lines: Sequence[Floats], floor: float) -> None:
-    """Sets up the logarithmic axis, with the lines above the strips."""
+def _scale_errors(axes: Axes, lines: Sequence[Floats], strips: float) -> None:
+    """Sets up the logarithmic axis, with the lines above the strips at the bottom."""
+    floor = strips + _HEADROOM
     values = np.concatenate([*lines, np.empty(0)])
     values = values[~np.isnan(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.1, 1.0)
@@ -153,23 +157,31 @@ def _scale_errors(axes: Axes, lines: Sequence[Floats], floor: float) -> None:
     per_height = (top - bottom) / (1 - floor - _HEADROOM)
     bottom, top = bottom - floor * per_height, top + _HEADROOM * per_height
     axes.set_yscale("log")
-    first, last = int(np.ceil(bottom)), int(np.floor(top))
+    major, texts, minor = _ticks(bottom + strips * per_height, top)
     # Fixed ticks in plain characters are set many times faster than those of LogFormatter.
-    if last - first >= 3:
-        step = -(-(last - first) // 9)
-        exponents = range(-(-first // step) * step, last + 1, step)
-        axes.set_yticks([10.0**e for e in exponents], [labels.power_text(e) for e in exponents])
-        digits = range(2, 10) if last - first <= 5 else range(0)
-    else:
-        ticks = [d * 10.0**e for e in range(first - 1, last + 1) for d in (1, 2, 5)]
-        ticks = [tick for tick in ticks if bottom <= np.log10(tick) <= top]
-        axes.set_yticks(ticks, [labels.number_text(tick) for tick in ticks])
-        digits = range(2, 10)
-    minor = [d * 10.0**e for e in range(first - 1, last + 1) for d in digits]
+    axes.set_yticks(major, texts)
     axes.set_yticks(minor, [""] * len(minor), minor=True)
     axes.set_ylim(10.0**bottom, 10.0**top)
     axes.set_ylabel("Position error [m]", labelpad=2)
     axes.grid(visible=True)
+
+
+def _ticks(bottom: float, top: float) -> tuple[list[float], list[str], list[float]]:
+    """Ticks of a logarithmic axis between two exponents: major ones, their labels, minor ones."""
+    first, last = math.ceil(bottom), math.floor(top)
+    digits = range(2, 10) if last - first <= 5 else range(0)
+    if last - first >= 3:
+        step = next(step for step in (1, 2, 5, 10, 20, 50, 100) if (last - first) / step <= 9)
+        exponents = range(-(-first // step) * step, last + 1, step)
+        major = [10.0**exponent for exponent in exponents]
+        texts = [labels.power_text(exponent) for exponent in exponents]
+    else:
+        values = [d * 10.0**e for e in range(first - 1, last + 1) for d in (1, 2, 5)]
+        major = [value for value in values if bottom <= math.log10(value) <= top]
+        texts = [labels.tick_text(value) for value in major]
+    values = [d * 10.0**e for e in range(first - 1, last + 1) for d in digits]
+    minor = [v for v in values if bottom <= math.log10(v) <= top and v not in major]
+    return major, texts, minor
 
 
 def _draw_strips(axes: Axes, runs: Sequence[RunData], height: float) -> None:

@@ -12,6 +12,7 @@ from hilc_cli.figures.style import NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
 from hilc_cli.results.run import RunData
 
 LONGEST_LABEL = 64
+_LONG = 1e5  # numbers from here on are written with an exponent
 _TITLE_PAD = 5.0  # [pt]
 _LINE_PITCH = 10.5  # [pt], of notes
 _NOTES = "notes"
@@ -42,9 +43,13 @@ def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
 
 
 def wrapped(text: str, width: float) -> str:
-    """A title broken into lines, at most two, that fit a panel of so many inches."""
-    characters = int(width * 72 / (0.62 * TITLE_SIZE))
-    return "\n".join(textwrap.wrap(shortened(text, 2 * characters - 4), characters))
+    """A title broken into at most two lines that fit a panel of so many inches."""
+    longest = int(width * 72 / (0.6 * TITLE_SIZE))
+    lines = textwrap.wrap(text, longest)
+    if len(lines) > 2:  # no good place for a break
+        text = shortened(text, 2 * longest)
+        lines = [text[:longest], text[longest:]]
+    return "\n".join(lines)
 
 
 def number_text(value: float, digits: int = 10) -> str:
@@ -53,6 +58,19 @@ def number_text(value: float, digits: int = 10) -> str:
     mantissa, _, exponent = text.partition("e")
     text = f"{mantissa}e{int(exponent)}" if exponent else mantissa
     return text.replace("-", "\N{MINUS SIGN}")
+
+
+def exponent_text(value: float) -> str:
+    """A large number in few characters, such as 1.5e6."""
+    if value == 0:
+        return "0"
+    mantissa, _, exponent = f"{value:.3e}".partition("e")
+    return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}".replace("-", "\N{MINUS SIGN}")
+
+
+def tick_text(value: float) -> str:
+    """A number as an axis shows it if it need not match its neighbours."""
+    return exponent_text(value) if abs(value) >= _LONG else number_text(value)
 
 
 def power_text(exponent: int) -> str:
@@ -71,14 +89,19 @@ class PlainFormatter(Formatter):
 
     def __call__(self, value: float, pos: int | None = None) -> str:
         """The label of one tick."""
-        return number_text(value)
+        return tick_text(value)
 
     def format_ticks(self, values: Iterable[float]) -> list[str]:
         """The labels of all ticks."""
         values = [float(value) for value in values]
+        if max(map(abs, values), default=0) >= _LONG:
+            texts = [exponent_text(value) for value in values]
+            # Large coordinates of a small path, such as those of a map, need all their digits.
+            if len(set(texts)) == len(texts):
+                return texts
         texts = [number_text(value) for value in values]
-        if any("e" in text for text in texts) or max(map(abs, values), default=0) >= 1e7:
-            return [number_text(value, 4) for value in values]
+        if any("e" in text for text in texts):
+            return texts
         places = max((len(text.partition(".")[2]) for text in texts), default=0)
         return [f"{value:.{places}f}".replace("-", "\N{MINUS SIGN}") for value in values]
 
@@ -86,7 +109,8 @@ class PlainFormatter(Formatter):
 def set_title(axes: Axes, title: str, notes: Iterable[str] = ()) -> None:
     """Titles a panel; what the reader must know stands between title and panel, a line each."""
     notes = list(notes)
-    axes.set_title(title, loc="left", pad=_TITLE_PAD + _LINE_PITCH * len(notes))
+    # A fixed height spares Matplotlib from measuring all tick labels to find a free one.
+    axes.set_title(title, loc="left", y=1.0, pad=_TITLE_PAD + _LINE_PITCH * len(notes))
     if notes:
         axes.annotate(
             "\n".join(notes),

@@ -14,12 +14,12 @@ from hilc_cli.figures.labels import spare_room
 from hilc_cli.figures.style import HEADING_SIZE
 
 # Room around a panel for its labels [inch].
-LEFT, RIGHT, TOP, BOTTOM = 0.8, 0.3, 0.56, 0.5
+LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.3, 0.56, 0.5
 HEADING = 0.3  # for the name of the run above all panels [inch]
 
 _LEGEND_ROW = 0.185  # [inch]
 _CHARACTER = 0.072  # generous width of a legend's character [inch]
-_HANDLE = 0.55  # line and gaps of a legend's entry [inch]
+_HANDLE = 0.5  # line and gaps of a legend's entry [inch]
 
 
 def new_sheet(width: float, height: float, heading: str = "") -> Figure:
@@ -72,7 +72,7 @@ def legend_below(axes: Axes, width: float, without: Collection[str] = ()) -> flo
     entries = _entries(axes, without=without)
     if not entries:
         return 0.0
-    columns = _columns(entries, width)
+    columns = _columns(entries, width + RIGHT)
     below = ScaledTranslation(0, -BOTTOM, _figure_of(axes).dpi_scale_trans)
     axes.legend(
         list(entries.values()),
@@ -82,7 +82,7 @@ def legend_below(axes: Axes, width: float, without: Collection[str] = ()) -> flo
         bbox_transform=axes.transAxes + below,
         borderaxespad=0,
         borderpad=0,
-        columnspacing=1.5,
+        columnspacing=1.2,
         ncols=columns,
     )
     return _height(entries, columns)
@@ -114,7 +114,7 @@ def shared_legend(
         bbox_transform=figure.transFigure + ScaledTranslation(left, -top, figure.dpi_scale_trans),
         borderaxespad=0,
         borderpad=0,
-        columnspacing=1.5,
+        columnspacing=1.2,
         ncols=columns,
     )
     return _height(entries, columns)

@@ -64,7 +64,7 @@ _RC: dict[Any, Any] = {
     "figure.constrained_layout.use": False,
     "legend.fontsize": SMALL_SIZE,
     "legend.frameon": False,
-    "legend.handlelength": 2.6,
+    "legend.handlelength": 2.3,
     "xtick.labelsize": SMALL_SIZE,
     "ytick.labelsize": SMALL_SIZE,
     "xtick.color": "0.15",

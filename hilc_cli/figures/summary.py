@@ -12,7 +12,7 @@ from hilc_cli.figures.final_path import draw_final_path
 from hilc_cli.figures.wheel_speeds import draw_wheel_speeds
 from hilc_cli.results.run import RunData
 
-_PANEL = (4.4, 3.3)  # [inch]
+_PANEL = (4.1, 3.1)  # [inch]
 _WIDTH_OF_SEVERAL = 13.95  # [inch]
 _GUTTER = 0.55  # between a panel and the labels of its neighbour [inch]
 _LEGEND = 0.45  # room for the legends between the two rows [inch]

@@ -23,12 +23,22 @@ MARGIN = 0.05  # empty border of a view, of its size
 
 # A pose seen from above, at the origin and with heading 0: the body and where it drives. On a
 # closed path the square of the end lies within the circle of the start.
-_HALF_ARROW = [(0.0, 0.045), (0.62, 0.045), (0.62, 0.17), (1.0, 0.0)]
-_ARROW = Path([*_HALF_ARROW, *((x, -y) for x, y in reversed(_HALF_ARROW)), (0, 0)], closed=True)
-_SQUARE = Path([(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2)], closed=True)
-_START = Path.make_compound_path(_ARROW, Path.circle((0, 0), 0.3))
-_END = Path.make_compound_path(_ARROW, _SQUARE)
-_START_SIZE, _END_SIZE = 34.0, 23.0  # [pt], twice the length
+_CIRCLE, _SQUARE = 0.3, 0.2  # half the size of the body, in lengths of the arrow
+_START_SIZE, _END_SIZE = 30.0, 23.0  # [pt], twice the length
+
+
+def _arrow(start: float) -> Path:
+    """An arrow along the x axis, from the edge of the body to 1."""
+    half = [(start, 0.045), (0.62, 0.045), (0.62, 0.17), (1.0, 0.0)]
+    return Path([*half, *((x, -y) for x, y in reversed(half)), half[0]], closed=True)
+
+
+_START = Path.make_compound_path(_arrow(_CIRCLE), Path.circle((0, 0), _CIRCLE))
+_END = Path.make_compound_path(
+    _arrow(_SQUARE),
+    Path(_SQUARE * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]), closed=True),
+)
+_AS_LEGEND = Affine2D().translate(-0.2, 0)  # flat, and centred in the place of a line
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,11 +145,8 @@ def leaving_note(view: View, reference: Reference, trials: Sequence[Trial]) -> l
     farthest = max(
         float(np.hypot(trial.x - reference.x, trial.y - reference.y).max()) for trial in leaving
     )
-    paths = "path leaves" if len(trials) == 1 else "paths leave"
-    return [
-        f"{len(leaving)} of {len(trials)} {paths} the view, error up to "
-        f"{number_text(farthest, 3)} m"
-    ]
+    who = "the path leaves" if len(trials) == 1 else f"{len(leaving)} of {len(trials)} paths leave"
+    return [f"{who} the view, error up to {number_text(farthest, 3)} m"]
 
 
 def draw_reference(axes: Axes, reference: Reference, color: str = REFERENCE_COLOR) -> None:
@@ -156,42 +163,44 @@ def draw_reference(axes: Axes, reference: Reference, color: str = REFERENCE_COLO
 
 def draw_start(axes: Axes, trial: Trial, color: str = "black") -> None:
     """Draws the pose at which an iteration starts: an open circle that points ahead."""
-    x, y, heading = trial.x[:1], trial.y[:1], float(trial.heading[0])
-    _draw_pose(axes, x, y, heading, _START, _START_SIZE, "white", color)
+    turned = Affine2D().rotate(math.remainder(float(trial.heading[0]), math.tau))
+    _draw_pose(axes, trial.x[:1], trial.y[:1], MarkerStyle(_START, transform=turned), color)
 
 
 def draw_end(axes: Axes, trial: Trial, color: str = "black") -> None:
     """Draws the pose at which an iteration ends: a full square that points ahead."""
-    x, y, heading = trial.x[-1:], trial.y[-1:], float(trial.heading[-1])
-    _draw_pose(axes, x, y, heading, _END, _END_SIZE, color, color)
+    turned = Affine2D().rotate(math.remainder(float(trial.heading[-1]), math.tau))
+    marker = MarkerStyle(_END, transform=turned)
+    _draw_pose(axes, trial.x[-1:], trial.y[-1:], marker, color, full=True)
 
 
 def name_poses(axes: Axes, *, end: bool) -> None:
-    """Names the marks of start and end in the legend, where all of them lie flat."""
+    """Names the marks of start and end in the legend."""
     none = np.empty(0)
-    _draw_pose(axes, none, none, 0.0, _START, _START_SIZE, "white", "black", "Start")
+    start = MarkerStyle(_START, transform=_AS_LEGEND)
+    _draw_pose(axes, none, none, start, "black", label="Start")
     if end:
-        _draw_pose(axes, none, none, 0.0, _END, _END_SIZE, "black", "black", "End")
+        full = MarkerStyle(_END, transform=_AS_LEGEND)
+        _draw_pose(axes, none, none, full, "black", full=True, label="End")
 
 
 def _draw_pose(
     axes: Axes,
     x: Floats,
     y: Floats,
-    heading: float,
-    shape: Path,
-    size: float,
-    face: str,
-    edge: str,
+    marker: MarkerStyle,
+    color: str,
+    *,
+    full: bool = False,
     label: str = "_pose",
 ) -> None:
     axes.plot(
         *(x, y),
         linestyle="none",
-        marker=MarkerStyle(shape, transform=Affine2D().rotate(math.remainder(heading, math.tau))),
-        markersize=size,
-        markerfacecolor=face,
-        markeredgecolor=edge,
+        marker=marker,
+        markersize=_END_SIZE if full else _START_SIZE,
+        markerfacecolor=color if full else "white",
+        markeredgecolor=color,
         markeredgewidth=THIN,
         label=label,
         zorder=6,

@@ -15,7 +15,7 @@ from hilc_cli.results.run import RunData
 
 LIMIT_LABEL = "Speed limit"
 LIMIT_ROOM = 0.4  # for the values of the limits, to the right of the panel [inch]
-_LIMIT_IN_VIEW = 3.0  # a limit farther out than this, in largest speeds, would squash the lines
+_LIMIT_IN_VIEW = 10.0  # a limit farther out than this, in largest speeds, would squash the lines
 
 
 def held(speeds: Floats) -> Floats:
@@ -82,7 +82,7 @@ def draw_wheel_speeds(axes: Axes, runs: Sequence[RunData]) -> None:
 def _draw_limits(axes: Axes, runs: Sequence[RunData], largest: float) -> list[str]:
     """Draws each limit as two lines with their values; says so if one is out of view."""
     limits = sorted({run.speed_limit for run in runs if run.speed_limit is not None})
-    near = [limit for limit in limits if limit <= _LIMIT_IN_VIEW * largest]
+    near = [limit for limit in limits if largest == 0 or limit <= _LIMIT_IN_VIEW * largest]
     for limit in near:
         for value, sign in ((limit, "+"), (-limit, "\N{MINUS SIGN}")):
             axes.axhline(

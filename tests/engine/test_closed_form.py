@@ -24,7 +24,7 @@ MOTIONS: list[Motion] = ["line", "spot"]
 
 def reference_of(motion: Motion) -> Reference:
     """A line along x at constant speed, or a turn on the spot at constant yaw rate."""
-    rising, zero = RATE * DT * np.arange(STEPS + 1), np.zeros(STEPS + 1)
+    rising, zero = RATE * DT * np.arange(STEPS + 1, dtype=np.float64), np.zeros(STEPS + 1)
     if motion == "line":
         return Reference("line", DT, rising, zero, zero)
     return Reference("spot", DT, zero, zero, rising)

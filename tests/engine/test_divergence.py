@@ -16,7 +16,9 @@ from hilc_cli.results.trial import Trial
 from hilc_cli.robot import Robot
 from tests.engine.experiments import LIMIT, experiment_of, law_of
 
-LINE = Reference("line", 0.01, np.arange(101) * 0.01, np.zeros(101), np.zeros(101))
+LINE = Reference(
+    "line", 0.01, np.arange(101, dtype=np.float64) * 0.01, np.zeros(101), np.zeros(101)
+)
 HUGE = 1.7e308
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -37,7 +38,7 @@ def test_weight_is_zero_from_h_on(h: int, beyond: int, sample_time: float) -> No
 @given(h=st.integers(2, 500), sample_time=sample_times)
 def test_weight_falls_and_stays_positive_before_h(h: int, sample_time: float) -> None:
     weights = [compensation_gain(k, h, sample_time) for k in range(h)]
-    assert all(later < earlier for earlier, later in zip(weights, weights[1:], strict=False))
+    assert all(later < earlier for earlier, later in pairwise(weights))
     assert weights[-1] > 0
 
 

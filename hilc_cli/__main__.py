@@ -1,0 +1,5 @@
+"""``python -m hilc_cli``."""
+
+from hilc_cli.cli.main import main
+
+main()

@@ -1,0 +1,37 @@
+"""The commands of ``hilc``, in the order of ``hilc --help``."""
+
+from __future__ import annotations
+
+import typer
+
+from hilc_cli.cli.examples import examples
+from hilc_cli.cli.options import Version
+from hilc_cli.cli.plot import plot
+from hilc_cli.cli.run import run
+from hilc_cli.cli.schema import schema
+
+app = typer.Typer(
+    name="hilc",
+    rich_markup_mode=None,  # plain text reads the same in a terminal, a pipe and a log
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+
+
+@app.callback(invoke_without_command=True)
+def hilc(context: typer.Context, version: Version = False) -> None:
+    """Iterative learning control for differential-drive robots.
+
+    \b
+    Example:
+      hilc run example:fig3-circle
+      hilc plot runs/fig3-circle --kind error --format svg
+    """
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+app.command()(run)
+app.command()(plot)
+app.command()(examples)
+app.command()(schema)

@@ -1,0 +1,55 @@
+"""``hilc examples``: list and copy the scenarios and trajectories that travel with hilc."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hilc_cli.cli.options import Json, Quiet, Verbose, Version
+
+
+def examples(
+    copy: Annotated[
+        Path | None,
+        typer.Option(
+            "--copy",
+            metavar="DIR",
+            help="Write them to DIR/scenarios and DIR/trajectories.",
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace changed files of the same name.")
+    ] = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    version: Version = False,
+) -> None:
+    """List the example scenarios, or copy them.
+
+    They run as example:NAME; copy them to edit them.
+
+    \b
+    Examples:
+      hilc examples
+      hilc examples --copy my-experiments
+    """
+    from hilc_cli.cli.terminal import print_json, print_table, print_text, two_columns
+    from hilc_cli.shipped_files import copy_examples, examples
+    from hilc_cli.spec.describing import description_of
+
+    if copy is not None:
+        written = copy_examples(copy, force=force)
+        if json:
+            print_json({"folder": str(copy), "files": [str(path) for path in written]})
+        elif not quiet:
+            print_text(f"Wrote {len(written)} files to {copy}")
+        return
+    listed = [(f"example:{path.stem}", description_of(path)) for path in examples()]
+    if json:
+        print_json([{"name": name, "description": text} for name, text in listed])
+    elif not quiet:
+        print_table(two_columns("Scenarios", listed))

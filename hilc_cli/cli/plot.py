@@ -1,0 +1,89 @@
+"""``hilc plot``: draw pictures of runs from their tables, one run or several together."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hilc_cli.cli.options import (
+    Force,
+    Formats,
+    Json,
+    OutputFolder,
+    PictureFormat,
+    PictureKind,
+    Quiet,
+    Verbose,
+    Version,
+)
+
+if TYPE_CHECKING:
+    from hilc_cli.api import RunData
+
+
+def plot(
+    runs: Annotated[
+        list[Path],
+        typer.Argument(metavar="RUN...", help="Run folders.", show_default=False),
+    ],
+    kind: Annotated[
+        list[PictureKind] | None,
+        typer.Option("--kind", help="What to draw; repeatable. [default: all]"),
+    ] = None,
+    formats: Formats = None,
+    iterations: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LIST",
+            help="Recorded iterations to draw, such as 0,1,5..10,100. [default: all]",
+            show_default=False,
+        ),
+    ] = None,
+    dpi: Annotated[int, typer.Option(min=20, max=1200, help="Resolution of png.")] = 150,
+    out: OutputFolder = None,
+    force: Force = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    version: Version = False,
+) -> None:
+    """Draw pictures of runs from their tables.
+
+    One run is drawn into its own folder; several are laid over each other and drawn into --out,
+    by default runs/A-vs-B. Nothing is simulated.
+
+    \b
+    Examples:
+      hilc plot runs/fig3-circle --kind error --format svg
+      hilc plot runs/fig7a runs/fig7b --out limit --iterations 0,1,10,100
+    """
+    from hilc_cli import api
+    from hilc_cli.cli.ranges import parse_whole_numbers
+    from hilc_cli.cli.terminal import print_json, print_text
+
+    chosen = None if iterations is None else parse_whole_numbers("--iterations", iterations)
+    results = [api.read_run(folder) for folder in runs]
+    in_place = out is None and len(runs) == 1
+    folder = out or (runs[0] if in_place else Path("runs") / _name_together(results))
+    pictures = api.plot(
+        results,
+        folder,
+        kinds=[choice.value for choice in kind or []],
+        formats=[choice.value for choice in formats or [PictureFormat.PNG]],
+        dpi=dpi,
+        iterations=chosen,
+        # Pictures of a run in its own folder are made from what stands beside them.
+        may_replace=lambda file: force or in_place,
+    )
+    if json:
+        print_json({"folder": str(folder), "files": [str(picture) for picture in pictures]})
+    elif not quiet:
+        print_text("\n".join(map(str, pictures)))
+
+
+def _name_together(results: list[RunData]) -> str:
+    if len(results) == 2:
+        return f"{results[0].name}-vs-{results[1].name}"
+    return f"{results[0].name}-and-{len(results) - 1}-more"

@@ -1,0 +1,61 @@
+"""``--require 'METRIC<=VALUE'``: what the last iteration must have reached."""
+
+from __future__ import annotations
+
+import math
+import operator
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.spec.expressions import ExpressionError, evaluate
+
+_RELATIONS: Mapping[str, Callable[[float, float], bool]] = {
+    "<=": operator.le,
+    ">=": operator.ge,
+    "<": operator.lt,
+    ">": operator.gt,
+}
+_FORM = re.compile(r"\s*(\w+)\s*(<=|>=|<|>)\s*(.+)")
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """A bound on a metric of the last iteration."""
+
+    text: str
+    metric: str
+    relation: str
+    bound: float
+
+    def met(self, metrics: Mapping[str, float]) -> bool:
+        """Whether the metrics of an iteration keep the bound; not-a-number keeps none."""
+        return _RELATIONS[self.relation](metrics[self.metric], self.bound)
+
+
+def parse_requirements(texts: Sequence[str]) -> list[Requirement]:
+    """The requirements that a command line states.
+
+    Raises:
+        UsageError: One has another form, an unknown metric, or a bound that is no number.
+    """
+    return [_parse(text) for text in texts]
+
+
+def _parse(text: str) -> Requirement:
+    label = f"--require {text}"
+    match = _FORM.fullmatch(text)
+    if match is None:
+        raise UsageError(f"{label}: must read METRIC<=VALUE, such as max_position_error_m<=0.01")
+    metric, relation, value = match.groups()
+    if metric not in METRIC_NAMES:
+        raise UsageError(f"{label}: '{metric}' is no metric; {suggestion(metric, METRIC_NAMES)}")
+    try:
+        bound = evaluate(value).number.constant
+    except ExpressionError as error:
+        raise UsageError(f"{label}: the bound {error}; give a number such as 0.01") from None
+    if not math.isfinite(bound):
+        raise UsageError(f"{label}: the bound must be finite; give a number such as 0.01")
+    return Requirement(text, metric, relation, bound)

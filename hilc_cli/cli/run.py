@@ -1,0 +1,125 @@
+"""``hilc run``: simulate a scenario, write its run folder, print a summary."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hilc_cli.cli.options import (
+    Force,
+    Formats,
+    Json,
+    OutputFolder,
+    PictureFormat,
+    Overrides,
+    Quiet,
+    ScenarioArgument,
+    Verbose,
+    Version,
+)
+
+if TYPE_CHECKING:
+    from hilc_cli.api import Run
+    from hilc_cli.cli.requirements import Requirement
+    from hilc_cli.results.summary import Summary
+
+NOT_MET = 3
+
+
+def run(
+    scenario: ScenarioArgument,
+    set_: Overrides = None,
+    out: OutputFolder = None,
+    force: Force = False,
+    require: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="'METRIC<=VALUE'",
+            help="Exit with 3 unless a metric of the last iteration keeps a bound; repeatable.",
+            show_default=False,
+        ),
+    ] = None,
+    formats: Formats = None,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no pictures.")] = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    version: Version = False,
+) -> None:
+    """Simulate a scenario.
+
+    Writes tables and pictures to a run folder, by default runs/NAME, and prints a summary.
+
+    \b
+    Examples:
+      hilc run scenarios/fig3-circle.yaml
+      hilc run example:fig6c --set controller.b_w=null --set iterations=20 --out runs/free
+      hilc run my.yaml --json --no-plots --require 'max_position_error_m<=0.05'
+    """
+    from hilc_cli import api
+    from hilc_cli.cli.requirements import parse_requirements
+    from hilc_cli.cli.terminal import print_json, print_table, print_text, progress, say
+
+    requirements = parse_requirements(require or [])
+    valid = api.load_scenario(scenario, set_ or [])
+    folder = Path("runs") / valid.name if out is None else out
+    api.check_folder(valid, folder, force=force)
+    if not quiet:
+        for warning in valid.warnings():
+            say(f"warning: {warning}")
+    with progress(valid.name, valid.spec.iterations, quiet=quiet) as on_iteration:
+        result = api.run(valid, on_iteration=on_iteration)
+    result.write(
+        folder,
+        force=force,
+        formats=[choice.value for choice in formats or [PictureFormat.PNG]],
+        plots=not no_plots,
+        command=sys.argv,
+    )
+    summary = result.summary()
+    unmet = [requirement for requirement in requirements if not requirement.met(summary.final)]
+    if json:
+        print_json(_document(result, summary, folder, requirements))
+    elif not quiet:
+        from hilc_cli.cli.summary_table import summary_table
+
+        print_table(summary_table(summary, valid.speed_limit))
+        print_text(f"Written to {folder}")
+    if verbose:
+        for step, seconds in result.timings.items():
+            say(f"{step}: {seconds:.3f} s")
+    if summary.diverged_at is not None:
+        say(
+            f"the simulation diverged to non-finite values in iteration {summary.diverged_at}; "
+            f"the iterations before it are in {folder}"
+        )
+    for requirement in unmet:
+        say(f"not met: {requirement.text}, got {summary.final[requirement.metric]:.6g}")
+    if unmet or summary.diverged_at is not None:
+        raise typer.Exit(NOT_MET)
+
+
+def _document(
+    result: Run, summary: Summary, folder: Path, requirements: list[Requirement]
+) -> dict[str, object]:
+    last = result.last.iteration
+    gravity_x, gravity_y, heading = result.gravity_center_path(last)
+    return {
+        "folder": str(folder),
+        **asdict(summary),
+        "compensation": result.scenario.compensates,
+        "final_gravity_center": {
+            "x_m": float(gravity_x[-1]),
+            "y_m": float(gravity_y[-1]),
+            "heading_rad": float(heading[-1]),
+        },
+        "warnings": result.scenario.warnings(),
+        "requirements": [
+            {"text": requirement.text, "met": requirement.met(summary.final)}
+            for requirement in requirements
+        ],
+    }

@@ -1,0 +1,120 @@
+"""What goes to the terminal: results to stdout, everything else to stderr."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, TextIO
+
+from hilc_cli.errors import FileAccessError
+from hilc_cli.files import reason
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from hilc_cli.api import OnIteration
+
+_WIDTH_WITHOUT_TERMINAL = 100
+
+
+def say(message: str) -> None:
+    """A message to the user, on stderr."""
+    print(f"hilc: {message}", file=sys.stderr, flush=True)
+
+
+def print_text(text: str) -> None:
+    """Results to stdout.
+
+    Raises:
+        BrokenPipeError: Nobody reads any more.
+        FileAccessError: They cannot be written.
+    """
+    try:
+        sys.stdout.write(text + "\n")
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise FileAccessError(f"standard output: cannot be written: {reason(error)}") from error
+
+
+def print_json(document: Any) -> None:
+    """One JSON document to stdout; not-a-number has no place in it."""
+    print_text(json.dumps(document, indent=2, allow_nan=False))
+
+
+def print_table(table: Table) -> None:
+    """A table to stdout, with colours on a terminal only."""
+    from rich.console import Console
+
+    decorated = is_decorated(sys.stdout)
+    console = Console(
+        force_terminal=decorated,
+        no_color=not decorated,
+        highlight=False,
+        width=None if decorated else _WIDTH_WITHOUT_TERMINAL,
+    )
+    with console.capture() as capture:
+        console.print(table)
+    print_text(capture.get().rstrip("\n"))
+
+
+def two_columns(title: str, rows: Sequence[tuple[str, str]]) -> Table:
+    """A table of names and values under a title."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(
+        title=title,
+        box=box.SIMPLE_HEAD,
+        show_header=False,
+        title_justify="left",
+        title_style="bold",
+    )
+    table.add_column()
+    table.add_column(justify="right")
+    for name, value in rows:
+        table.add_row(name, value)
+    return table
+
+
+def is_decorated(stream: TextIO) -> bool:
+    """Whether colours, progress bars and other escape codes belong on a stream."""
+    return stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+
+
+@contextmanager
+def progress(title: str, iterations: int, *, quiet: bool) -> Iterator[OnIteration | None]:
+    """A progress bar on stderr while iterations run; None where there is to be none.
+
+    Args:
+        title: What is going on.
+        iterations: Number of the last iteration.
+        quiet: No bar at all.
+    """
+    if quiet or not is_decorated(sys.stderr):
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        transient=True,
+    )
+    with bar:
+        task = bar.add_task(title, total=iterations + 1)
+        yield lambda iteration: bar.update(task, completed=iteration + 1)
