@@ -143,7 +143,10 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
     diverged_at: int | None = None
     try:
         for trial in simulate(experiment):
-            metrics.append(measure(trial, experiment.reference, before))
+            row = measure(trial, experiment.reference, before)
+            if not row.is_finite:
+                raise DivergedError(trial.iteration)
+            metrics.append(row)
             if trial.iteration in kept:
                 trials[trial.iteration] = trial
             before = trial

@@ -72,7 +72,11 @@ class DivergedError(HilcError):
 def suggestion(word: str, known: Iterable[str]) -> str:
     """The nearest known word as ``did you mean 'x'?``, or the list of all known words."""
     known = sorted(known)
-    near = get_close_matches(word, known, n=1, cutoff=0.6)
-    if near:
-        return f"did you mean '{near[0]}'?"
-    return f"known: {', '.join(known)}"
+    near = near_word(word, known)
+    return f"did you mean '{near}'?" if near else f"known: {', '.join(known)}"
+
+
+def near_word(word: str, known: Iterable[str]) -> str | None:
+    """The nearest known word, if one is near."""
+    near = get_close_matches(word, sorted(known), n=1, cutoff=0.6)
+    return near[0] if near else None

@@ -113,7 +113,7 @@ def _usage(error: Exception) -> str:
     context = getattr(error, "ctx", None)
     command = "hilc" if context is None else context.command_path
     message: str = error.format_message()  # type: ignore[attr-defined]
-    message = " ".join(message.split()).rstrip(".")
+    message = " ".join(message.replace("Value error, ", "").split()).rstrip(".")
     return f"hilc: {message[:1].lower()}{message[1:]}; see '{command} --help'"
 
 

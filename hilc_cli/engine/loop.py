@@ -89,57 +89,56 @@ def _run_iteration(
     lefts: list[float] = []
     rights: list[float] = []
     saturated = 0
-    try:
-        for k in range(steps):
+    for k in range(steps):
+        try:
             cos, sin = math.cos(heading), math.sin(heading)
-            if output_noise is None:
-                left, right = controller(
-                    k,
-                    cos,
-                    sin,
-                    desired_x[k] - x,
-                    desired_y[k] - y,
-                    desired_heading[k] - heading,
-                )
-            else:
-                # Eq. 11: the controller sees y = q + alpha, its gain heading included.
-                noise_x, noise_y, noise_heading = output_noise[k]
-                measured = heading + noise_heading
-                left, right = controller(
-                    k,
-                    math.cos(measured),
-                    math.sin(measured),
-                    desired_x[k] - (x + noise_x),
-                    desired_y[k] - (y + noise_y),
-                    desired_heading[k] - measured,
-                )
-            limited_left, limited_right = limit_wheel_speeds(left, right, speed_limit)  # Eq. 25
-            if limited_left != left or limited_right != right:
-                saturated += 1
-            # Eq. 8; the limited speeds are also what the next iteration learns from.
-            x, y, heading = euler_step(
-                x,
-                y,
-                heading,
+        except ValueError as error:  # Python's "math domain error" of an infinite heading
+            raise DivergedError(iteration) from error
+        if output_noise is None:
+            left, right = controller(
+                k,
                 cos,
                 sin,
-                limited_left,
-                limited_right,
-                wheel_radius,
-                signed_half_track,
-                sample_time,
+                desired_x[k] - x,
+                desired_y[k] - y,
+                desired_heading[k] - heading,
             )
-            if state_noise is not None:
-                noise_x, noise_y, noise_heading = state_noise[k]
-                x, y, heading = x + noise_x, y + noise_y, heading + noise_heading  # Eq. 11
-            lefts.append(limited_left)
-            rights.append(limited_right)
-            xs.append(x)
-            ys.append(y)
-            headings.append(heading)
-    except (ValueError, OverflowError) as error:
-        # The cosine of an infinite heading is Python's "math domain error".
-        raise DivergedError(iteration) from error
+        else:
+            # Eq. 11: the controller sees y = q + alpha, its gain heading included.
+            noise_x, noise_y, noise_heading = output_noise[k]
+            measured = heading + noise_heading
+            left, right = controller(
+                k,
+                math.cos(measured),
+                math.sin(measured),
+                desired_x[k] - (x + noise_x),
+                desired_y[k] - (y + noise_y),
+                desired_heading[k] - measured,
+            )
+        limited_left, limited_right = limit_wheel_speeds(left, right, speed_limit)  # Eq. 25
+        if limited_left != left or limited_right != right:
+            saturated += 1
+        # Eq. 8; the limited speeds are also what the next iteration learns from.
+        x, y, heading = euler_step(
+            x,
+            y,
+            heading,
+            cos,
+            sin,
+            limited_left,
+            limited_right,
+            wheel_radius,
+            signed_half_track,
+            sample_time,
+        )
+        if state_noise is not None:
+            noise_x, noise_y, noise_heading = state_noise[k]
+            x, y, heading = x + noise_x, y + noise_y, heading + noise_heading  # Eq. 11
+        lefts.append(limited_left)
+        rights.append(limited_right)
+        xs.append(x)
+        ys.append(y)
+        headings.append(heading)
     trial = Trial(
         iteration,
         np.array(xs),

@@ -51,8 +51,7 @@ def draw_final_path(axes: Axes, runs: Sequence[RunData]) -> None:
             markevery=style.sparse(len(trial.x), index, runs),
             label=name if len(runs) > 1 else f"Iteration {trial.iteration}",
         )
-        left = view.leaving_note(shown, run.reference, [trial])
-        notes += left
+        notes += view.leaving_note(shown, run.reference, [trial], name if len(runs) > 1 else "")
         pose_color = color if len(runs) > 1 else "black"
         view.draw_start(axes, trial, pose_color)
         view.draw_end(axes, trial, pose_color)

@@ -14,7 +14,8 @@ from hilc_cli.results.run import RunData
 
 _PANEL = (4.1, 3.1)  # [inch]
 _WIDTH_OF_SEVERAL = 13.95  # [inch]
-_GUTTER = 0.55  # between a panel and the labels of its neighbour [inch]
+_BAR = 0.75  # right of a panel of paths, for the colours of the iterations [inch]
+_GUTTER = 0.55  # right of the other panels, for the speed limit [inch]
 _LEGEND = 0.45  # room for the legends between the two rows [inch]
 
 
@@ -39,10 +40,12 @@ def _summary_of_one(runs: Sequence[RunData], iterations: Collection[int] | None)
     """Two by two panels."""
     (run,) = runs
     width, height = _PANEL
-    column = layout.LEFT + width + _GUTTER
+    column = layout.LEFT + width + _BAR
     row = layout.TOP + height + layout.BOTTOM
     top = layout.HEADING
-    figure = layout.new_sheet(2 * column, top + 2 * row + _LEGEND, labels.shortened(run.name))
+    figure = layout.new_sheet(
+        2 * column - _BAR + _GUTTER, top + 2 * row + _LEGEND, labels.shortened(run.name)
+    )
     panels = [
         layout.add_panel(figure, left, below, width, height)
         for below in (top + layout.TOP, top + row + _LEGEND + layout.TOP)

@@ -12,7 +12,7 @@ from matplotlib.markers import MarkerStyle
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
-from hilc_cli.figures.labels import number_text, plain_ticks
+from hilc_cli.figures.labels import number_text, plain_ticks, shortened
 from hilc_cli.figures.layout import panel_size
 from hilc_cli.figures.style import DASHED, REFERENCE_COLOR, THIN
 from hilc_cli.reference.sampled import Floats, Reference
@@ -137,7 +137,9 @@ def show(axes: Axes, view: View) -> View:
     return filled
 
 
-def leaving_note(view: View, reference: Reference, trials: Sequence[Trial]) -> list[str]:
+def leaving_note(
+    view: View, reference: Reference, trials: Sequence[Trial], name: str = ""
+) -> list[str]:
     """Says how many paths are not shown whole, and how far from the reference they get."""
     leaving = [trial for trial in trials if not view.shows_all_of(trial)]
     if not leaving:
@@ -145,7 +147,10 @@ def leaving_note(view: View, reference: Reference, trials: Sequence[Trial]) -> l
     farthest = max(
         float(np.hypot(trial.x - reference.x, trial.y - reference.y).max()) for trial in leaving
     )
-    who = "the path leaves" if len(trials) == 1 else f"{len(leaving)} of {len(trials)} paths leave"
+    if len(trials) == 1:
+        who = f"{shortened(name, 24) or 'the path'} leaves"
+    else:
+        who = f"{len(leaving)} of {len(trials)} paths leave"
     return [f"{who} the view, error up to {number_text(farthest, 3)} m"]
 
 

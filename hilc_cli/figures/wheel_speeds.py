@@ -16,6 +16,7 @@ from hilc_cli.results.run import RunData
 LIMIT_LABEL = "Speed limit"
 LIMIT_ROOM = 0.4  # for the values of the limits, to the right of the panel [inch]
 _LIMIT_IN_VIEW = 10.0  # a limit farther out than this, in largest speeds, would squash the lines
+_TOGETHER = 0.05  # limits closer to zero than this, in largest speeds, share a label
 
 
 def held(speeds: Floats) -> Floats:
@@ -84,7 +85,7 @@ def _draw_limits(axes: Axes, runs: Sequence[RunData], largest: float) -> list[st
     limits = sorted({run.speed_limit for run in runs if run.speed_limit is not None})
     near = [limit for limit in limits if largest == 0 or limit <= _LIMIT_IN_VIEW * largest]
     for limit in near:
-        for value, sign in ((limit, "+"), (-limit, "\N{MINUS SIGN}")):
+        for value in (limit, -limit):
             axes.axhline(
                 value,
                 color=style.LIMIT_COLOR,
@@ -93,6 +94,10 @@ def _draw_limits(axes: Axes, runs: Sequence[RunData], largest: float) -> list[st
                 label=LIMIT_LABEL,
                 zorder=1,
             )
+        # A run without a limit may be so much faster that both lines fall together.
+        together = limit < _TOGETHER * largest
+        values = {0.0: "±"} if together else {limit: "+", -limit: "\N{MINUS SIGN}"}
+        for value, sign in values.items():
             axes.annotate(
                 f"{sign}{labels.number_text(limit, 4)}",
                 xy=(1, value),

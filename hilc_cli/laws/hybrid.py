@@ -157,7 +157,9 @@ class HybridLaw:
 def _per_component(formula: Callable[[Floats], Floats], previous: PreviousIteration) -> PastErrors:
     """A formula over each component of the previous iteration's error."""
     components = (previous.error_x, previous.error_y, previous.error_heading)
-    x, y, heading = (formula(np.array(component)).tolist() for component in components)
+    # On the way to divergence products overflow; the engine sees that in the state they lead to.
+    with np.errstate(over="ignore", invalid="ignore"):
+        x, y, heading = (formula(np.array(component)).tolist() for component in components)
     return x, y, heading
 
 

@@ -111,7 +111,10 @@ class PathBuilder:
         return math.dist(self._pose[:2], self._start[:2])
 
     def sample(self, name: str) -> Reference:
-        """The reference at all samples; the joint of two segments belongs to the later one.
+        """The reference at all samples.
+
+        The joint of two segments belongs to the later one, which tells where corners are
+        allowed; sample 0 has the heading of the start in any case.
 
         Args:
             name: Name of the trajectory.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -31,6 +32,11 @@ class IterationMetrics:
     saturated_samples: int
     input_change_rms_rad_s: float
 
+    @property
+    def is_finite(self) -> bool:
+        """Whether all of them are finite numbers."""
+        return all(math.isfinite(getattr(self, name)) for name in METRIC_NAMES)
+
 
 METRIC_NAMES: tuple[str, ...] = tuple(IterationMetrics.__dataclass_fields__)
 INTEGER_METRICS = frozenset({"saturated_samples"})
@@ -44,33 +50,40 @@ def measure(trial: Trial, reference: Reference, before: Trial | None) -> Iterati
         reference: The trajectory that it was to follow, of the same number of samples.
         before: The iteration before it, for the change of the input; None for the first.
     """
-    error_x = np.abs(reference.x - trial.x)
-    error_y = np.abs(reference.y - trial.y)
-    error_heading = np.abs(reference.heading - trial.heading)
-    position_error = np.hypot(error_x, error_y)
-    change = (
-        0.0
-        if before is None
-        else _rms(np.concatenate([trial.left - before.left, trial.right - before.right]))
-    )
-    return IterationMetrics(
-        max_position_error_m=float(position_error.max()),
-        mean_position_error_m=float(position_error.mean()),
-        rms_position_error_m=_rms(position_error),
-        final_position_error_m=float(position_error[-1]),
-        max_abs_error_x_m=float(error_x.max()),
-        max_abs_error_y_m=float(error_y.max()),
-        max_abs_error_heading_rad=float(error_heading.max()),
-        max_wheel_speed_rad_s=float(max(np.abs(trial.left).max(), np.abs(trial.right).max())),
-        saturated_samples=trial.saturated_samples,
-        input_change_rms_rad_s=change,
-    )
+    # Errors of a run that is about to diverge may overflow: their metrics are then infinite.
+    with np.errstate(over="ignore", invalid="ignore"):
+        error_x = np.abs(reference.x - trial.x)
+        error_y = np.abs(reference.y - trial.y)
+        error_heading = np.abs(reference.heading - trial.heading)
+        position_error = np.hypot(error_x, error_y)
+        change = (
+            0.0
+            if before is None
+            else _rms(np.concatenate([trial.left - before.left, trial.right - before.right]))
+        )
+        return IterationMetrics(
+            max_position_error_m=float(position_error.max()),
+            mean_position_error_m=_mean(position_error),
+            rms_position_error_m=_rms(position_error),
+            final_position_error_m=float(position_error[-1]),
+            max_abs_error_x_m=float(error_x.max()),
+            max_abs_error_y_m=float(error_y.max()),
+            max_abs_error_heading_rad=float(error_heading.max()),
+            max_wheel_speed_rad_s=float(max(np.abs(trial.left).max(), np.abs(trial.right).max())),
+            saturated_samples=trial.saturated_samples,
+            input_change_rms_rad_s=change,
+        )
+
+
+def _mean(values: Floats) -> float:
+    """Mean, divided first so that the sum of a diverging run does not overflow early."""
+    return float((values / len(values)).sum())
 
 
 def _rms(values: Floats) -> float:
     """Root mean square, scaled so that the squares of a diverging run do not overflow early."""
     largest = float(np.abs(values).max())
-    if largest == 0 or not np.isfinite(largest):
+    if largest == 0 or not math.isfinite(largest):
         return largest
     return largest * float(np.sqrt(np.mean((values / largest) ** 2)))
 

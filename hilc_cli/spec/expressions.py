@@ -23,7 +23,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from hilc_cli.errors import suggestion
+from hilc_cli.errors import near_word
 from hilc_cli.laws.gain_matrix import Affine
 
 LONGEST_EXPRESSION = 120
@@ -180,9 +180,9 @@ class _Parser:
         if token in self.units:
             raise ExpressionError(f"has the unit '{token}' without a number before it")
         if token[:1].isalpha() or token[:1] == "_":
-            raise ExpressionError(
-                f"has the unknown name '{token}'; " + suggestion(token, [*self.names, *self.units])
-            )
+            near = near_word(token, [*self.names, *self.units])
+            hint = f"; did you mean '{near}'?" if near else ""
+            raise ExpressionError(f"has the unknown name '{token}'{hint}")
         if token:
             raise ExpressionError(f"has '{token}' where a number should be")
         raise ExpressionError("ends where a number should be")

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from pydantic import PlainValidator, WithJsonSchema
+from pydantic_core import PydanticCustomError
 
 from hilc_cli.errors import suggestion
 from hilc_cli.laws.gain_matrix import Affine, GainMatrix, model_gain, unit_gain
 from hilc_cli.robot import Robot
 from hilc_cli.spec.expressions import ExpressionError, evaluate
-from hilc_cli.spec.model import wrong_at
-from hilc_cli.spec.quantities import wrong
+from hilc_cli.spec.model import Located, located, together, wrong, wrong_at
 
 Entry = int | float | str
 Rows = tuple[tuple[Entry, Entry, Entry], tuple[Entry, Entry, Entry]]
@@ -64,11 +64,18 @@ def gain_matrix(choice: Named | Rows, model: Robot) -> GainMatrix:
         "R": Affine(model.wheel_radius),
         "B": Affine(model.half_track),
     }
-    left, right = (
-        tuple(_entry(entry, names, (row, column)) for column, entry in enumerate(entries))
-        for row, entries in enumerate(choice)
-    )
-    return GainMatrix(left, right)  # type: ignore[arg-type]  # three entries each
+    problems: list[Located] = []
+    entries: list[Affine] = []
+    for row, expressions in enumerate(choice):
+        for column, expression in enumerate(expressions):
+            try:
+                entries.append(_entry(expression, names, (row, column)))
+            except PydanticCustomError as error:
+                problems += located(error)
+    if problems:
+        raise together(problems)
+    a, b, c, d, e, f = entries
+    return GainMatrix((a, b, c), (d, e, f))
 
 
 def _entry(entry: object, names: Mapping[str, Affine], at: tuple[int, int]) -> Affine:

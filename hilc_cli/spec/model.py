@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Strict, StringConstraints
@@ -16,10 +17,19 @@ Text = Annotated[str, StringConstraints(max_length=10_000)]
 Flag = Annotated[bool, Strict()]
 
 
+Located = tuple[PathKeys, str, str]
+"""Keys down to the offending value, what is wrong, and what is allowed."""
+
+
 class Model(BaseModel):
     """Frozen, and with no keys but its own."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def wrong(problem: str, remedy: str) -> PydanticCustomError:
+    """A validation error: what is wrong, and what is allowed."""
+    return wrong_at((), problem, remedy)
 
 
 def wrong_at(at: PathKeys, problem: str, remedy: str) -> PydanticCustomError:
@@ -30,6 +40,20 @@ def wrong_at(at: PathKeys, problem: str, remedy: str) -> PydanticCustomError:
         problem: What is wrong.
         remedy: What is allowed.
     """
-    return PydanticCustomError(
-        "hilc", "{problem}; {remedy}", {"at": at, "problem": problem, "remedy": remedy}
-    )
+    return together([(at, problem, remedy)])
+
+
+def together(problems: Sequence[Located]) -> PydanticCustomError:
+    """Several problems of one value as one validation error.
+
+    Args:
+        problems: Of each the keys from the value down, what is wrong, and what is allowed.
+    """
+    text = "; ".join(problem for _, problem, _ in problems)
+    return PydanticCustomError("hilc", "{text}", {"text": text, "problems": list(problems)})
+
+
+def located(error: PydanticCustomError) -> list[Located]:
+    """The problems of an error made by `wrong`, `wrong_at` or `together`."""
+    problems: list[Located] = (error.context or {})["problems"]
+    return problems

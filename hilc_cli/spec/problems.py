@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from hilc_cli.errors import Problem, suggestion
-from hilc_cli.spec.nodes import MapNode, Node, PathKeys, describe, nearest
+from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest
 
 # What is wrong and what is allowed, by Pydantic's name of the error.
 _MESSAGES: Mapping[str, tuple[str, str]] = {
@@ -37,36 +37,52 @@ def problems_of(error: ValidationError, tree: Node, model: type[BaseModel]) -> l
         tree: The tree that was validated.
         model: The model that it was validated against.
     """
-    return [_problem(dict(details), tree, model) for details in error.errors(include_url=False)]
+    found: list[tuple[Place, Problem]] = []
+    for details in error.errors(include_url=False):
+        context: Mapping[str, Any] = details.get("ctx", {})
+        keys: PathKeys = details["loc"]
+        if details["type"] == "hilc":
+            for at, problem, remedy in context["problems"]:
+                found.append(_located(tree, (*keys, *at), problem, remedy))
+        elif details["type"] == "missing":
+            found.append(_at(tree, keys, f"is missing; {_how_to_give(keys, model)}"))
+        elif details["type"] == "extra_forbidden":
+            known = _fields(_model_at(model, keys[:-1]))
+            message = f"is an unknown key; {suggestion(str(keys[-1]), known)}"
+            found.append(_at(tree, keys, message, point_at_key=True))
+        elif details["type"] == "literal_error":
+            choices = str(context["expected"]).replace("'", "")
+            found.append(_located(tree, keys, "is not one of the choices", f"give {choices}"))
+        else:
+            other = (details["msg"], "correct it")
+            problem, remedy = _MESSAGES.get(details["type"], other)
+            found.append(_located(tree, keys, problem, remedy, show_all=True))
+    found.sort(key=lambda placed: (placed[0].source.label, placed[0].line, placed[0].column))
+    return [problem for _, problem in found]
 
 
-def _problem(details: dict[str, Any], tree: Node, model: type[BaseModel]) -> Problem:
-    context: dict[str, Any] = details.get("ctx", {})
-    keys: PathKeys = (*details["loc"], *context.get("at", ()))
-    node, place, found = nearest(tree, keys)
-    path = ".".join(map(str, keys))
-    kind = details["type"]
-    if kind == "missing":
-        return Problem(str(place), path, f"is missing; {_how_to_give(keys, model)}")
-    if kind == "extra_forbidden":
-        known = _fields(_model_at(model, keys[:-1]))
-        if isinstance(node, MapNode):
-            place = node.key_places.get(str(keys[-1]), place)
-        return Problem(str(place), path, f"is an unknown key; {suggestion(str(keys[-1]), known)}")
-    if kind == "literal_error":
-        problem = "is not one of the choices"
-        remedy = "give " + str(context["expected"]).replace("'", "")
-    elif kind == "hilc":
-        problem, remedy = context["problem"], context["remedy"]
-    else:
-        problem, remedy = _MESSAGES.get(kind, (str(details["msg"]), "correct it"))
-    shown = f", got {describe(node)}" if found and _tells(node, kind) else ""
-    return Problem(str(place), path, f"{problem}{shown}; {remedy}")
+def _located(
+    tree: Node, keys: PathKeys, problem: str, remedy: str, *, show_all: bool = False
+) -> tuple[Place, Problem]:
+    """A problem with the value that it is about, where showing that helps.
+
+    A list or mapping is shown only if that it is one is the problem, not if it does not fit the
+    rest.
+    """
+    node, _, found = nearest(tree, keys)
+    shown = f", got {describe(node)}" if found and (show_all or isinstance(node, Scalar)) else ""
+    return _at(tree, keys, f"{problem}{shown}; {remedy}")
 
 
-def _tells(node: Node, kind: str) -> bool:
-    """Whether showing the value helps: not where a whole mapping is said to be inconsistent."""
-    return not (isinstance(node, MapNode) and kind == "hilc")
+def _at(
+    tree: Node, keys: PathKeys, message: str, *, point_at_key: bool = False
+) -> tuple[Place, Problem]:
+    _, place, _ = nearest(tree, keys)
+    if point_at_key:
+        above, _, _ = nearest(tree, keys[:-1])
+        if isinstance(above, MapNode):
+            place = above.key_places.get(str(keys[-1]), place)
+    return place, Problem(str(place), ".".join(map(str, keys)), message)
 
 
 def _how_to_give(keys: PathKeys, model: type[BaseModel]) -> str:

@@ -8,17 +8,13 @@ from typing import Annotated, Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import PydanticCustomError, core_schema
+from pydantic_core import core_schema
 
 from hilc_cli.spec.expressions import PLAIN, ExpressionError, Unit, evaluate
+from hilc_cli.spec.model import wrong
 from hilc_cli.spec.scalars import LONGEST_NUMBER
 
-
-def wrong(problem: str, remedy: str) -> PydanticCustomError:
-    """A validation error: what is wrong, and what is allowed."""
-    return PydanticCustomError(
-        "hilc", "{problem}; {remedy}", {"problem": problem, "remedy": remedy}
-    )
+_LARGEST = 1e9  # keeps squares and products far from overflow; nothing real is larger
 
 
 @dataclass(frozen=True)
@@ -58,14 +54,12 @@ class Quantity:
     def remedy(self) -> str:
         """What is allowed, as a sentence."""
         kind = "a whole number" if self.whole else "a number"
-        bounds = []
+        bound = ""
         if self.above is not None:
-            bounds.append(f"above {self.above:g}")
-        if self.least is not None:
-            bounds.append(f"from {self.least:.15g}")
-        if self.most is not None:
-            bounds.append(f"up to {self.most:.20g}")
-        return " ".join([f"give {kind}", *bounds, f"such as {self.example}"])
+            bound = f" above {_shown(self.above)}"
+        elif self.least is not None and self.least > -_LARGEST:
+            bound = f" from {_shown(self.least)} up"
+        return f"give {kind}{bound}, such as {self.example}"
 
     def _number(self, value: object) -> float:
         if self.whole and isinstance(value, int) and not isinstance(value, bool):
@@ -93,11 +87,11 @@ class Quantity:
 
     def _bounded(self, number: float) -> float:
         if self.above is not None and not number > self.above:
-            raise wrong(f"must be above {self.above:g}", self.remedy)
+            raise wrong(f"must be above {_shown(self.above)}", self.remedy)
         if self.least is not None and not number >= self.least:
-            raise wrong(f"must be at least {self.least:.15g}", self.remedy)
+            raise wrong(f"must be at least {_shown(self.least)}", self.remedy)
         if self.most is not None and not number <= self.most:
-            raise wrong(f"must be at most {self.most:.20g}", self.remedy)
+            raise wrong(f"must be at most {_shown(self.most)}", self.remedy)
         return number
 
     def __get_pydantic_core_schema__(
@@ -125,13 +119,16 @@ class Quantity:
         }
 
 
+def _shown(bound: float) -> str:
+    return str(bound) if isinstance(bound, int) else f"{bound:g}"
+
+
 def _remedy(error: ExpressionError, fallback: str) -> str:
     """The remedy that the error itself carries, or the field's."""
     return str(error).partition("; ")[2] or fallback
 
 
 _LENGTH, _TIME, _ANGLE = Unit(length=1), Unit(time=1), Unit(angle=1)
-_LARGEST = 1e9  # keeps squares and products far from overflow; nothing real is larger
 
 Coordinate = Annotated[float, Quantity(_LENGTH, "1.5 or 20 cm", least=-_LARGEST, most=_LARGEST)]
 PositiveLength = Annotated[float, Quantity(_LENGTH, "0.2 or 20 cm", above=0, most=_LARGEST)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -87,9 +88,9 @@ def _read_stdin() -> bytes:
 
 
 def _short(path: Path) -> Path:
-    """The path without its detours, ``scenarios/../trajectories``, where that changes nothing."""
+    """The path without detours such as ``scenarios/../trajectories``, where that is the same."""
+    short = Path(os.path.normpath(path))
     try:
-        resolved, here = path.resolve(), Path.cwd().resolve()
-        return resolved.relative_to(here) if resolved.is_relative_to(here) else path
+        return short if short.resolve() == path.resolve() else path
     except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL character
         return path

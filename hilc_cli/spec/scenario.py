@@ -13,8 +13,8 @@ from hilc_cli.spec.controller import HybridController
 from hilc_cli.spec.disturbance import DisturbanceSpec
 from hilc_cli.spec.expressions import PLAIN
 from hilc_cli.spec.gain_matrix import gain_matrix
-from hilc_cli.spec.model import Model, Name, Text, wrong_at
-from hilc_cli.spec.quantities import Angle, Coordinate, Iterations, Quantity, wrong
+from hilc_cli.spec.model import Located, Model, Name, Text, located, together, wrong
+from hilc_cli.spec.quantities import Angle, Coordinate, Iterations, Quantity
 from hilc_cli.spec.robot import ModelSpec, RobotSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
 
@@ -41,13 +41,15 @@ def _recorded(value: object) -> RecordedIterations:
         return value
     if not isinstance(value, list):
         raise wrong("is no choice of iterations", _RECORD_REMEDY)
-    iterations = []
+    iterations: list[int] = []
+    problems: list[Located] = []
     for index, item in enumerate(value):
         try:
             iterations.append(int(_ITERATION(item)))
         except PydanticCustomError as error:
-            context = error.context or {}
-            raise wrong_at((index,), context["problem"], context["remedy"]) from None
+            problems += [((index, *at), problem, remedy) for at, problem, remedy in located(error)]
+    if problems:
+        raise together(problems)
     return tuple(iterations)
 
 
@@ -86,27 +88,35 @@ class ScenarioSpec(Model):
 
     @model_validator(mode="after")
     def _parts_fit(self) -> Self:
+        problems: list[Located] = []
         samples = self.trajectory.reference().samples
         if self.controller.h is not None and self.controller.h > samples:
-            raise wrong_at(
-                ("controller", "h"),
-                f"must be at most the trajectory's {samples} samples",
-                f"give a whole number from 1 to {samples}",
+            problems.append(
+                (
+                    ("controller", "h"),
+                    f"must be at most the trajectory's {samples} samples",
+                    f"give a whole number from 1 to {samples}",
+                )
             )
         if not isinstance(self.record.iterations, str):
             for index, iteration in enumerate(self.record.iterations):
                 if iteration > self.iterations:
-                    raise wrong_at(
-                        ("record", "iterations", index),
-                        f"must be at most the last iteration, {self.iterations}",
-                        f"give whole numbers from 0 to {self.iterations}",
+                    problems.append(
+                        (
+                            ("record", "iterations", index),
+                            f"must be at most the last iteration, {self.iterations}",
+                            f"give whole numbers from 0 to {self.iterations}",
+                        )
                     )
         try:
             gain_matrix(self.controller.gain_matrix, self.model.model(self.robot.robot()))
         except PydanticCustomError as error:
-            context = error.context or {}
-            at = ("controller", "gain_matrix", *context.get("at", ()))
-            raise wrong_at(at, context["problem"], context["remedy"]) from None
+            problems += [
+                (("controller", "gain_matrix", *at), problem, remedy)
+                for at, problem, remedy in located(error)
+            ]
+        if problems:
+            raise together(problems)
         return self
 
     @property

@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.metrics import MetricsTable, measure
+from hilc_cli.results.run import RunData
+from hilc_cli.results.trial import Trial
+
+MakeRun = Callable[..., RunData]
+SAMPLES = 80
+
+
+def circle(radius: float = 10.0, samples: int = SAMPLES) -> Reference:
+    angle = np.linspace(0, 2 * np.pi, samples + 1)
+    x, y = radius * np.cos(angle), radius * np.sin(angle)
+    return Reference("circle", 0.025, x, y, angle + np.pi / 2)
+
+
+def straight(length: float = 10.0, samples: int = SAMPLES) -> Reference:
+    x = np.linspace(0, length, samples + 1)
+    return Reference("line", 0.025, x, np.zeros_like(x), np.zeros_like(x))
+
+
+def trial_beside(reference: Reference, iteration: int, factor: float, saturated: int = 0) -> Trial:
+    """A path whose distance from the start is a multiple of the reference's."""
+    wave = np.sin(np.arange(reference.samples) / 10)
+    return Trial(
+        iteration,
+        *(offset + factor * (p - p[0]) for p, offset in _places(reference)),
+        reference.heading.copy(),
+        *(100 + 50 * wave, 90 + 50 * wave),
+        saturated,
+    )
+
+
+def _places(reference: Reference) -> tuple[tuple[Floats, float], tuple[Floats, float]]:
+    return (reference.x, float(reference.x[0])), (reference.y, float(reference.y[0]))
+
+
+@pytest.fixture
+def make_run() -> MakeRun:
+    def make(
+        name: str = "run",
+        reference: Reference | None = None,
+        factors: Sequence[float] = (0.2, 0.5, 0.8, 0.95),
+        recorded: Sequence[int] | None = None,
+        speed_limit: float | None = 180.0,
+        saturated: int = 0,
+        diverged_at: int | None = None,
+    ) -> RunData:
+        """A run whose iteration i is the reference, blown up by ``factors[i]`` about its start."""
+        reference = circle() if reference is None else reference
+        metrics, trials, before = MetricsTable(), {}, None
+        for iteration, factor in enumerate(factors):
+            trial = trial_beside(reference, iteration, factor, saturated)
+            metrics.append(measure(trial, reference, before))
+            if recorded is None or iteration in recorded:
+                trials[iteration] = trial
+            before = trial
+        return RunData(name, reference, metrics, trials, speed_limit, (0.0, 0.0), diverged_at)
+
+    return make
