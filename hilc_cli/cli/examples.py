@@ -20,6 +20,9 @@ def examples(
             show_default=False,
         ),
     ] = None,
+    where: Annotated[
+        bool, typer.Option("--where", help="Print the folder that holds them.")
+    ] = False,
     force: Annotated[
         bool, typer.Option("--force", help="Replace changed files of the same name.")
     ] = False,
@@ -38,9 +41,13 @@ def examples(
       hilc examples --copy my-experiments
     """
     from hilc_cli.cli.terminal import print_json, print_table, print_text, two_columns
-    from hilc_cli.shipped_files import copy_examples, examples
+    from hilc_cli.shipped_files import copy_examples, examples, examples_folder
     from hilc_cli.spec.describing import description_of
 
+    if where:
+        folder = str(examples_folder())
+        print_json({"folder": folder}) if json else print_text(folder)
+        return
     if copy is not None:
         written = copy_examples(copy, force=force)
         if json:

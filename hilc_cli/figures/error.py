@@ -193,7 +193,7 @@ def _draw_strips(axes: Axes, runs: Sequence[RunData], height: float) -> None:
         if not share.any():
             continue
         full = Rectangle((0, bottom), 1, 0.92 * height, transform=axes.transAxes)
-        full.set(color=style.STRIP_COLOR, linewidth=0)
+        full.set(color=style.STRIP_COLOR, linewidth=0, gid="full")
         axes.add_patch(full)
         axes.stairs(
             bottom + 0.92 * height * share,

@@ -23,7 +23,7 @@ _HANDLE = 0.5  # line and gaps of a legend's entry [inch]
 
 
 def new_sheet(width: float, height: float, heading: str = "") -> Figure:
-    """An empty figure [inch] with a heading."""
+    """An empty figure [inch] with a heading, set smaller if it is long."""
     figure = Figure(figsize=(width, height))
     if heading:
         below_top = figure.transFigure + ScaledTranslation(0.15, -0.1, figure.dpi_scale_trans)
@@ -31,7 +31,7 @@ def new_sheet(width: float, height: float, heading: str = "") -> Figure:
             *(0, 1, heading),
             transform=below_top,
             va="top",
-            fontsize=HEADING_SIZE,
+            fontsize=min(HEADING_SIZE, 72 * (width - 0.3) / (0.86 * len(heading))),
             fontweight="bold",
         )
     return figure
@@ -51,11 +51,16 @@ def add_panel(figure: Figure, left: float, top: float, width: float, height: flo
     )
 
 
+def root_figure(axes: Axes) -> Figure:
+    """The sheet that axes are on, also if a figure within the figure holds them."""
+    return axes.figure.figure
+
+
 def panel_size(axes: Axes) -> tuple[float, float]:
     """Width and height of axes [inch]."""
-    box = axes.get_position(original=True)
-    sheet_width, sheet_height = _figure_of(axes).get_size_inches()
-    return box.width * sheet_width, box.height * sheet_height
+    box = axes.get_position(original=True).transformed(axes.figure.transSubfigure)
+    dpi = root_figure(axes).dpi
+    return box.width / dpi, box.height / dpi
 
 
 def legend_below(axes: Axes, width: float, without: Collection[str] = ()) -> float:
@@ -73,7 +78,7 @@ def legend_below(axes: Axes, width: float, without: Collection[str] = ()) -> flo
     if not entries:
         return 0.0
     columns = _columns(entries, width + RIGHT)
-    below = ScaledTranslation(0, -BOTTOM, _figure_of(axes).dpi_scale_trans)
+    below = ScaledTranslation(0, -BOTTOM, root_figure(axes).dpi_scale_trans)
     axes.legend(
         list(entries.values()),
         list(entries),
@@ -103,7 +108,7 @@ def shared_legend(
     Returns:
         Height of the legend [inch].
     """
-    figure = _figure_of(axes)
+    figure = root_figure(axes)
     entries = _entries(axes, only=only)
     columns = _columns(entries, width)
     figure.legend(
@@ -142,12 +147,6 @@ def _columns(entries: Collection[str], width: float) -> int:
 
 def _height(entries: Collection[str], columns: int) -> float:
     return -(-len(entries) // columns) * _LEGEND_ROW + 0.08
-
-
-def _figure_of(axes: Axes) -> Figure:
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    return figure
 
 
 def resize_sheet(figure: Figure, *, bottom: float, top: float = 0.0) -> None:

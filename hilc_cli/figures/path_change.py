@@ -120,8 +120,7 @@ def draw_path_change(
 
 def draw_color_bar(bar: Axes, scale: Normalize) -> None:
     """Fills axes with the colours of the iterations."""
-    figure = bar.get_figure(root=True)
-    assert figure is not None
+    figure = layout.root_figure(bar)
     mappable = ScalarMappable(scale, style.iteration_colors())
     assert scale.vmin is not None
     assert scale.vmax is not None
@@ -190,8 +189,7 @@ def add_color_bar(axes: Axes, scale: Normalize | None) -> None:
     """Puts the colours of the iterations to the right of axes, if there are any."""
     if scale is None:
         return
-    figure = axes.get_figure(root=True)
-    assert figure is not None
+    figure = layout.root_figure(axes)
     sheet_width, _ = figure.get_size_inches()
     box = axes.get_position(original=True)
     left = box.x1 + _BAR_GAP / sheet_width

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Strict, StringConstraints
+from pydantic import BaseModel, ConfigDict, Strict, StringConstraints, model_validator
 from pydantic_core import PydanticCustomError
 
 from hilc_cli.spec.nodes import PathKeys
@@ -22,9 +22,19 @@ Located = tuple[PathKeys, str, str]
 
 
 class Model(BaseModel):
-    """Frozen, and with no keys but its own."""
+    """Frozen, and with no keys but its own; a key with nothing behind it has its default."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _nothing_is_the_default(cls, data: object) -> object:
+        if not isinstance(data, dict):
+            return data
+        optional = {name for name, field in cls.model_fields.items() if not field.is_required()}
+        return {
+            key: value for key, value in data.items() if value is not None or key not in optional
+        }
 
 
 def wrong(problem: str, remedy: str) -> PydanticCustomError:

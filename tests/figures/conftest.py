@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
@@ -28,17 +28,16 @@ def straight(length: float = 10.0, samples: int = SAMPLES) -> Reference:
 def trial_beside(reference: Reference, iteration: int, factor: float, saturated: int = 0) -> Trial:
     """A path whose distance from the start is a multiple of the reference's."""
     wave = np.sin(np.arange(reference.samples) / 10)
+    x, y = reference.x, reference.y
     return Trial(
         iteration,
-        *(offset + factor * (p - p[0]) for p, offset in _places(reference)),
+        x + (factor - 1) * (x - x[0]),
+        y + (factor - 1) * (y - y[0]),
         reference.heading.copy(),
-        *(100 + 50 * wave, 90 + 50 * wave),
+        100 + 50 * wave,
+        90 + 50 * wave,
         saturated,
     )
-
-
-def _places(reference: Reference) -> tuple[tuple[Floats, float], tuple[Floats, float]]:
-    return (reference.x, float(reference.x[0])), (reference.y, float(reference.y[0]))
 
 
 @pytest.fixture
