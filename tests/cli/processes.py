@@ -1,0 +1,46 @@
+"""The command line as a process of its own."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from tests.conftest import Outcome
+
+HILC = (sys.executable, "-m", "hilc_cli")
+TIMEOUT = 60.0
+
+
+def environment(changes: Mapping[str, str] | None = None) -> dict[str, str]:
+    """This environment without what would change the output, and with some changes."""
+    kept = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith(("_HILC", "COV_", "NO_COLOR", "TERM", "COLUMNS", "FORCE_COLOR"))
+    }
+    return {**kept, "TERM": "xterm-256color", "MPLBACKEND": "agg", **(changes or {})}
+
+
+def run_hilc(
+    *arguments: str,
+    cwd: Path,
+    stdin: bytes = b"",
+    changes: Mapping[str, str] | None = None,
+    timeout: float = TIMEOUT,
+    before: Callable[[], None] | None = None,
+) -> Outcome:
+    """Runs a command line to its end; a run that lasts longer than the timeout is killed."""
+    done = subprocess.run(
+        [*HILC, *arguments],
+        cwd=cwd,
+        input=stdin,
+        capture_output=True,
+        env=environment(changes),
+        timeout=timeout,
+        preexec_fn=before,
+        check=False,
+    )
+    return Outcome(done.returncode, done.stdout.decode(), done.stderr.decode())

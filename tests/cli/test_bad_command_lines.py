@@ -1,0 +1,467 @@
+"""Wrong command lines: each with the exact message that a person reads, and its exit code."""
+# ruff: noqa: E501
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.cli.inputs import listing, put_odd_things
+from tests.conftest import Hilc, Outcome, Write
+
+LONG = "n" * 300
+
+CASES: list[tuple[str, list[str], int, str]] = [
+    (
+        "set-no-eq",
+        ["run", "scenario.yaml", "--set", "iterations"],
+        2,
+        "--set iterations: must read KEY=VALUE, such as controller.gains.l1=0.5",
+    ),
+    (
+        "set-empty-key",
+        ["run", "scenario.yaml", "--set", "=3"],
+        2,
+        "--set =3: must read KEY=VALUE, such as controller.gains.l1=0.5",
+    ),
+    (
+        "set-dots",
+        ["run", "scenario.yaml", "--set", "a..b=3"],
+        2,
+        "--set a..b=3: must read KEY=VALUE, such as controller.gains.l1=0.5",
+    ),
+    (
+        "set-through",
+        ["run", "scenario.yaml", "--set", "iterations.x=3"],
+        2,
+        "--set iterations.x=3: iterations.x: cannot be set, since iterations is a single value; set that instead",
+    ),
+    (
+        "set-index",
+        ["run", "scenario.yaml", "--set", "trajectory.segments.7.line.length=3"],
+        2,
+        "--set trajectory.segments.7.line.length=3: trajectory.segments.7: is no entry of the list; give a number from 0 to 0",
+    ),
+    (
+        "set-index-word",
+        ["run", "scenario.yaml", "--set", "trajectory.segments.first=3"],
+        2,
+        "--set trajectory.segments.first=3: trajectory.segments.first: is no entry of the list; give a number from 0 to 0",
+    ),
+    (
+        "set-index-neg",
+        ["run", "scenario.yaml", "--set", "trajectory.segments.-1.line.length=3"],
+        2,
+        "--set trajectory.segments.-1.line.length=3: trajectory.segments.-1: is no entry of the list; give a number from 0 to 0",
+    ),
+    (
+        "set-unknown",
+        ["run", "scenario.yaml", "--set", "iteration=3"],
+        2,
+        "--set iteration=3: iteration: is an unknown key; did you mean 'iterations'?",
+    ),
+    (
+        "set-unknown-nested",
+        ["run", "scenario.yaml", "--set", "controller.gain.l1=3"],
+        2,
+        "--set controller.gain.l1=3: controller.gain: is an unknown key; did you mean 'gains'?",
+    ),
+    (
+        "set-yaml",
+        ["run", "scenario.yaml", "--set", "iterations=[1"],
+        2,
+        "--set iterations=[1: iterations: is not valid YAML: did not find expected ',' or ']'; check quotes, colons, brackets and indentation",
+    ),
+    (
+        "set-yaml2",
+        ["run", "scenario.yaml", "--set", "iterations=a: b: c"],
+        2,
+        "--set iterations=a: b: c: iterations: is not valid YAML: mapping values are not allowed in this context; check quotes, colons, brackets and indentation",
+    ),
+    (
+        "set-value",
+        ["run", "scenario.yaml", "--set", "controller.gains.l1=-1"],
+        2,
+        "--set controller.gains.l1=-1: controller.gains.l1: must be at least 0, got -1; give a number from 0 up, such as 0.5",
+    ),
+    (
+        "set-list",
+        ["run", "scenario.yaml", "--set", "robot.gravity_center=[1,a]"],
+        2,
+        "--set robot.gravity_center=[1,a]: robot.gravity_center.1: has the unknown name 'a', got 'a'; give a number, such as 1.5 or 20 cm",
+    ),
+    (
+        "set-two",
+        ["run", "scenario.yaml", "--set", "iterations=-1", "--set", "controller.h=0"],
+        2,
+        (
+            "--set controller.h=0: controller.h: must be at least 1, got 0; give a whole number from 1 up, such as 200\n"
+            "--set iterations=-1: iterations: must be at least 0, got -1; give a whole number from 0 up, such as 100"
+        ),
+    ),
+    (
+        "set-two-noeq",
+        ["run", "scenario.yaml", "--set", "iterations", "--set", "h"],
+        2,
+        (
+            "--set iterations: must read KEY=VALUE, such as controller.gains.l1=0.5\n"
+            "--set h: must read KEY=VALUE, such as controller.gains.l1=0.5"
+        ),
+    ),
+    (
+        "set-tag",
+        ["run", "scenario.yaml", "--set", "name=!!python/object:os.system ls"],
+        2,
+        "--set name=!!python/object:os.system ls: name: has the tag tag:yaml.org,2002:python/object:os.system; leave tags out",
+    ),
+    (
+        "set-dup",
+        ["run", "scenario.yaml", "--set", "robot={a: 1, a: 2}"],
+        2,
+        "--set robot={a: 1, a: 2}: robot: is given twice, first in line 1; keep one of them",
+    ),
+    (
+        "set-traj-missing",
+        ["run", "scenario.yaml", "--set", "trajectory=nosuch.yaml"],
+        2,
+        "--set trajectory=nosuch.yaml: trajectory: nosuch.yaml: there is no such file; check the path",
+    ),
+    (
+        "set-traj-inline",
+        ["run", "scenario.yaml", "--set", "trajectory.sample_time=0.2"],
+        2,
+        "path.yaml:5:33: trajectory.segments.0.line.duration: takes 0.3 s, which is 1.5 samples of 0.2 s, got '0.3 s'; give a whole number of samples, such as 0.2 s",
+    ),
+    (
+        "set-h",
+        ["run", "scenario.yaml", "--set", "controller.h=7"],
+        2,
+        "--set controller.h=7: controller.h: must be at most the trajectory's 3 samples, got 7; give a whole number from 1 to 3",
+    ),
+    (
+        "req-form",
+        ["run", "scenario.yaml", "--require", "max_position_error_m"],
+        2,
+        "hilc: --require max_position_error_m: must read METRIC<=VALUE, such as max_position_error_m<=0.01",
+    ),
+    (
+        "req-eq",
+        ["run", "scenario.yaml", "--require", "max_position_error_m==0"],
+        2,
+        "hilc: --require max_position_error_m==0: must read METRIC<=VALUE, such as max_position_error_m<=0.01",
+    ),
+    (
+        "req-metric",
+        ["run", "scenario.yaml", "--require", "max_position_error<=0.1"],
+        2,
+        "hilc: --require max_position_error<=0.1: 'max_position_error' is no metric; did you mean 'max_position_error_m'?",
+    ),
+    (
+        "req-metric-far",
+        ["run", "scenario.yaml", "--require", "qqq<=0.1"],
+        2,
+        "hilc: --require qqq<=0.1: 'qqq' is no metric; known: final_position_error_m, input_change_rms_rad_s, max_abs_error_heading_rad, max_abs_error_x_m, max_abs_error_y_m, max_position_error_m, max_wheel_speed_rad_s, mean_position_error_m, rms_position_error_m, saturated_samples",
+    ),
+    (
+        "req-number",
+        ["run", "scenario.yaml", "--require", "max_position_error_m<=small"],
+        2,
+        "hilc: --require max_position_error_m<=small: the bound has the unknown name 'small'; give a number such as 0.01",
+    ),
+    (
+        "req-nan",
+        ["run", "scenario.yaml", "--require", "max_position_error_m<=1e999"],
+        2,
+        "hilc: --require max_position_error_m<=1e999: the bound must be finite; give a number such as 0.01",
+    ),
+    (
+        "req-empty",
+        ["run", "scenario.yaml", "--require", "max_position_error_m<="],
+        2,
+        "hilc: --require max_position_error_m<=: must read METRIC<=VALUE, such as max_position_error_m<=0.01",
+    ),
+    (
+        "req-unit",
+        ["run", "scenario.yaml", "--require", "max_position_error_m<=3 s"],
+        2,
+        "hilc: --require max_position_error_m<=3 s: the bound has the wrong unit; give a number such as 0.01",
+    ),
+    (
+        "req-reversed",
+        ["run", "scenario.yaml", "--require", "0.1>=max_position_error_m"],
+        2,
+        "hilc: --require 0.1>=max_position_error_m: must read METRIC<=VALUE, such as max_position_error_m<=0.01",
+    ),
+    (
+        "unknown-option",
+        ["run", "scenario.yaml", "--foo"],
+        2,
+        "hilc: no such option: --foo (Possible options: --force, --format, --out); see 'hilc run --help'",
+    ),
+    (
+        "near-option",
+        ["run", "scenario.yaml", "--no-plot"],
+        2,
+        "hilc: no such option: --no-plot (Possible options: --no-plots); see 'hilc run --help'",
+    ),
+    (
+        "unknown-command",
+        ["rum", "scenario.yaml"],
+        2,
+        "hilc: no such command 'rum'. Did you mean 'run'?; see 'hilc --help'",
+    ),
+    (
+        "unknown-command-far",
+        ["qqq", "scenario.yaml"],
+        2,
+        "hilc: no such command 'qqq'; see 'hilc --help'",
+    ),
+    (
+        "format",
+        ["run", "scenario.yaml", "--format", "jpg"],
+        2,
+        "hilc: invalid value for '--format': 'jpg' is not one of 'png', 'svg', 'pdf'; see 'hilc run --help'",
+    ),
+    ("missing", ["run"], 2, "hilc: missing argument 'SCENARIO'; see 'hilc run --help'"),
+    (
+        "extra",
+        ["run", "scenario.yaml", "b.yaml"],
+        2,
+        "hilc: got unexpected extra argument(s) (b.yaml); see 'hilc run --help'",
+    ),
+    (
+        "option-value",
+        ["run", "scenario.yaml", "--out"],
+        2,
+        "hilc: option '--out' requires an argument; see 'hilc run --help'",
+    ),
+    ("plot-missing", ["plot"], 2, "hilc: missing argument 'RUN...'; see 'hilc plot --help'"),
+    (
+        "plot-kind",
+        ["plot", ".", "--kind", "err"],
+        2,
+        "hilc: invalid value for '--kind': 'err' is not one of 'path-change', 'final-path', 'error', 'wheel-speeds', 'summary'; see 'hilc plot --help'",
+    ),
+    (
+        "plot-nofolder",
+        ["plot", "nosuch"],
+        2,
+        "hilc: nosuch: is no run folder; give a folder that hilc run has written",
+    ),
+    (
+        "plot-nonrun",
+        ["plot", "."],
+        2,
+        "hilc: .: is no run folder; give a folder that hilc run has written",
+    ),
+    (
+        "plot-file",
+        ["plot", "scenario.yaml"],
+        2,
+        "hilc: scenario.yaml: is no run folder; give a folder that hilc run has written",
+    ),
+    (
+        "plot-iter",
+        ["plot", ".", "--iterations", "a"],
+        2,
+        "hilc: --iterations a: must be whole numbers such as 0,1,5..10,100",
+    ),
+    (
+        "plot-iter-neg",
+        ["plot", ".", "--iterations", "-1"],
+        2,
+        "hilc: --iterations -1: must be whole numbers such as 0,1,5..10,100",
+    ),
+    (
+        "plot-iter-back",
+        ["plot", ".", "--iterations", "5..1"],
+        2,
+        "hilc: --iterations 5..1: '5..1' is no range from low to high",
+    ),
+    (
+        "plot-iter-many",
+        ["plot", ".", "--iterations", "0..999999999"],
+        2,
+        "hilc: --iterations 0..999999999: '0..999999999' is no range from low to high",
+    ),
+    (
+        "plot-iter-empty",
+        ["plot", ".", "--iterations", ""],
+        2,
+        "hilc: --iterations : must be whole numbers such as 0,1,5..10,100",
+    ),
+    (
+        "schema",
+        ["schema", "foo"],
+        2,
+        "hilc: invalid value for 'kind': 'foo' is not one of 'trajectory', 'scenario'; see 'hilc schema --help'",
+    ),
+    (
+        "schema-missing",
+        ["schema"],
+        2,
+        "hilc: missing argument 'kind'. Choose from: trajectory, scenario; see 'hilc schema --help'",
+    ),
+    (
+        "examples-extra",
+        ["examples", "foo"],
+        2,
+        "hilc: got unexpected extra argument(s) (foo); see 'hilc examples --help'",
+    ),
+    (
+        "file-missing",
+        ["run", "nosuch.yaml"],
+        2,
+        "hilc: nosuch.yaml: there is no such file; check the path",
+    ),
+    ("file-folder", ["run", "."], 2, "hilc: .: is a folder; give a regular file"),
+    ("file-fifo", ["run", "fifo"], 2, "hilc: fifo: is a named pipe; give a regular file"),
+    ("file-dev", ["run", "/dev/zero"], 2, "hilc: /dev/zero: is a device; give a regular file"),
+    (
+        "file-loop",
+        ["run", "loop"],
+        1,
+        "hilc: loop: cannot be read: too many levels of symbolic links",
+    ),
+    (
+        "file-below-file",
+        ["run", "scenario.yaml/x"],
+        2,
+        "hilc: scenario.yaml/x: there is no such file; check the path",
+    ),
+    ("file-empty-name", ["run", ""], 2, "hilc: .: is a folder; give a regular file"),
+    ("file-long-name", ["run", LONG], 1, f"hilc: {LONG}: cannot be read: file name too long"),
+    (
+        "file-big",
+        ["run", "big.yaml"],
+        2,
+        "hilc: big.yaml: is larger than 1000000 bytes, the most that is read; shorten it",
+    ),
+    (
+        "file-dangling",
+        ["run", "dangling"],
+        2,
+        "hilc: dangling: there is no such file; check the path",
+    ),
+    (
+        "example-unknown",
+        ["run", "example:fig3-circel"],
+        2,
+        "hilc: example:fig3-circel: there is no such example; did you mean 'fig3-circle'?",
+    ),
+    (
+        "example-far",
+        ["run", "example:qqq"],
+        2,
+        "hilc: example:qqq: there is no such example; known: fig3-arc-and-line, fig3-cardioid, fig3-circle, fig3-spiral, fig4-compensated, fig4-uncompensated, fig5-arc-and-line, fig5-cardioid, fig5-spiral, fig6a, fig6b, fig6c, fig6d, fig6e, fig6f, fig6g, fig6h, fig6i, fig7a, fig7b, fig7c, fig7d, fig8a, fig8b, fig8c, figure-eight, rounded-square",
+    ),
+    (
+        "example-none",
+        ["run", "example:"],
+        2,
+        "hilc: example:: there is no such example; known: fig3-arc-and-line, fig3-cardioid, fig3-circle, fig3-spiral, fig4-compensated, fig4-uncompensated, fig5-arc-and-line, fig5-cardioid, fig5-spiral, fig6a, fig6b, fig6c, fig6d, fig6e, fig6f, fig6g, fig6h, fig6i, fig7a, fig7b, fig7c, fig7d, fig8a, fig8b, fig8c, figure-eight, rounded-square",
+    ),
+    (
+        "out-file",
+        ["run", "scenario.yaml", "--out", "path.yaml"],
+        1,
+        "hilc: path.yaml: is no folder; choose another with --out",
+    ),
+    (
+        "out-nonrun",
+        ["run", "scenario.yaml", "--out", "full"],
+        1,
+        "hilc: full: exists and is no run folder, so it is left as it is; choose another with --out",
+    ),
+    (
+        "out-nonrun-force",
+        ["run", "scenario.yaml", "--out", "full", "--force"],
+        1,
+        "hilc: full: exists and is no run folder, so it is left as it is; choose another with --out",
+    ),
+    (
+        "out-dot",
+        ["run", "scenario.yaml", "--out", "."],
+        1,
+        "hilc: .: exists and is no run folder, so it is left as it is; choose another with --out",
+    ),
+    (
+        "out-below-file",
+        ["run", "scenario.yaml", "--out", "path.yaml/x"],
+        1,
+        "hilc: path.yaml/x: cannot be written: file exists",
+    ),
+    (
+        "out-dangling",
+        ["run", "scenario.yaml", "--out", "dangling"],
+        1,
+        "hilc: dangling: is no folder; choose another with --out",
+    ),
+    (
+        "out-empty",
+        ["run", "scenario.yaml", "--out", ""],
+        1,
+        "hilc: .: exists and is no run folder, so it is left as it is; choose another with --out",
+    ),
+    (
+        "out-long",
+        ["run", "scenario.yaml", "--out", LONG],
+        1,
+        f"hilc: {LONG}: cannot be written: file name too long",
+    ),
+    (
+        "json-twice",
+        ["run", "scenario.yaml", "--json=yes"],
+        2,
+        "hilc: option '--json' does not take a value; see 'hilc run --help'",
+    ),
+    ("nothing-force", ["--force"], 2, "hilc: no such option: --force; see 'hilc --help'"),
+]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [pytest.param(arguments, code, text, id=name) for name, arguments, code, text in CASES],
+)
+def test_wrong_command_line_is_explained(
+    hilc: Hilc, write: Write, folder: Path, arguments: list[str], code: int, message: str
+) -> None:
+    write({"big.yaml": "a" * 1_000_001})
+    put_odd_things(folder)
+    before = listing(folder)
+    assert hilc(*arguments) == Outcome(code, "", f"{message}\n")
+    assert listing(folder) == before
+
+
+@pytest.mark.parametrize("value", ["1", "5000", "a"])
+def test_resolution_out_of_range_is_explained(hilc: Hilc, folder: Path, value: str) -> None:
+    outcome = hilc("plot", ".", "--dpi", value)
+    assert (outcome.code, outcome.out, outcome.err.count("\n")) == (2, "", 1)
+    assert outcome.err.startswith("hilc: invalid value for '--dpi': ")
+    assert outcome.err.endswith("; see 'hilc plot --help'\n")
+
+
+def test_message_about_a_long_override_stays_readable(hilc: Hilc, write: Write) -> None:
+    write()
+    outcome = hilc("run", "scenario.yaml", "--set", f"iterations={'9' * 5000}")
+    assert outcome.code == 2
+    assert "iterations: has 5000 digits, got '" in outcome.err
+    assert len(outcome.err) < 400
+
+
+def test_message_about_an_override_of_several_lines_is_one_line(hilc: Hilc, write: Write) -> None:
+    write()
+    outcome = hilc("run", "scenario.yaml", "--set", "iterations=a\n\x1b[31mb")
+    assert (outcome.code, outcome.err.count("\n")) == (2, 1)
+    assert outcome.err.removesuffix("\n").isprintable()
+
+
+@pytest.mark.parametrize("text", ["max_position_error_m<=5 cm", "max_position_error_m <= 5e-2"])
+def test_bound_of_a_requirement_may_have_the_unit_of_its_metric(
+    hilc: Hilc, write: Write, text: str
+) -> None:
+    write()
+    outcome = hilc("run", "scenario.yaml", "--no-plots", "-q", "--require", text)
+    assert (outcome.code, outcome.out) == (3, "")
+    assert outcome.err.startswith(f"hilc: not met: {text}, got ")

@@ -1,0 +1,1055 @@
+"""Wrong scenarios: each with the exact message that a person reads."""
+# ruff: noqa: E501
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.cli.inputs import SCENARIO, TRAJECTORY, listing, plus, put_odd_things, scenario
+from tests.conftest import Hilc, Outcome, Write
+
+CASES = [
+    (
+        "missing-robot",
+        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}\n", ""),
+        "scenario.yaml:1:1: robot: is missing; give it",
+    ),
+    ("missing-name", scenario("name: test\n", ""), "scenario.yaml:1:1: name: is missing; give it"),
+    (
+        "missing-trajectory",
+        scenario("trajectory: path.yaml\n", ""),
+        "scenario.yaml:1:1: trajectory: is missing; give it",
+    ),
+    (
+        "missing-controller",
+        SCENARIO.partition("controller")[0],
+        "scenario.yaml:1:1: controller: is missing; give it",
+    ),
+    (
+        "missing-gains",
+        scenario("  gains: {l1: 0.5}\n", ""),
+        "scenario.yaml:5:1: controller.gains: is missing; give it",
+    ),
+    (
+        "missing-l1",
+        scenario("{l1: 0.5}", "{l2: 0.5}"),
+        "scenario.yaml:6:3: controller.gains.l1: is missing; give it (of the previous iteration's error, e_i(k+1))",
+    ),
+    (
+        "missing-wheel-radius",
+        scenario("wheel_radius: 0.2, ", ""),
+        "scenario.yaml:3:1: robot.wheel_radius: is missing; give it (R_c [m])",
+    ),
+    (
+        "no-track",
+        scenario(", half_track: 0.5", ""),
+        "scenario.yaml:3:1: robot: needs exactly one of half_track and wheel_separation; give one of them",
+    ),
+    (
+        "both-tracks",
+        scenario("half_track: 0.5", "half_track: 0.5, wheel_separation: 1"),
+        "scenario.yaml:3:1: robot: needs exactly one of half_track and wheel_separation; give one of them",
+    ),
+    (
+        "model-both-tracks",
+        plus("model: {half_track: 0.5, wheel_separation: 1}\n"),
+        "scenario.yaml:8:1: model: has both half_track and wheel_separation; give one of them",
+    ),
+    (
+        "unknown-top",
+        plus("iteration: 3\n"),
+        "scenario.yaml:8:1: iteration: is an unknown key; did you mean 'iterations'?",
+    ),
+    (
+        "unknown-top-far",
+        plus("zzz: 3\n"),
+        "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, trajectory",
+    ),
+    (
+        "unknown-nested",
+        scenario("wheel_radius: 0.2", "wheel_radios: 0.2"),
+        (
+            "scenario.yaml:3:1: robot.wheel_radius: is missing; give it (R_c [m])\n"
+            "scenario.yaml:3:9: robot.wheel_radios: is an unknown key; did you mean 'wheel_radius'?"
+        ),
+    ),
+    (
+        "unknown-gain",
+        scenario("{l1: 0.5}", "{l1: 0.5, l4: 1}"),
+        "scenario.yaml:6:20: controller.gains.l4: is an unknown key; known: l1, l2, l3",
+    ),
+    (
+        "unknown-record",
+        plus("record: {iteration: all}\n"),
+        "scenario.yaml:8:10: record.iteration: is an unknown key; did you mean 'iterations'?",
+    ),
+    (
+        "unknown-disturbance",
+        plus("disturbance: {states: {bound: [0,0,0]}}\n"),
+        "scenario.yaml:8:15: disturbance.states: is an unknown key; did you mean 'state'?",
+    ),
+    (
+        "robot-scalar",
+        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: 0.2"),
+        "scenario.yaml:3:8: robot: must be a mapping of keys and values, got 0.2; write its keys below it",
+    ),
+    (
+        "robot-list",
+        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: [0.2, 0.5]"),
+        "scenario.yaml:3:8: robot: must be a mapping of keys and values, got a list of 2; write its keys below it",
+    ),
+    (
+        "robot-null",
+        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot:"),
+        "scenario.yaml:3:7: robot: must be a mapping of keys and values, got nothing; write its keys below it",
+    ),
+    (
+        "gains-scalar",
+        scenario("gains: {l1: 0.5}", "gains: 0.5"),
+        "scenario.yaml:6:10: controller.gains: must be a mapping of keys and values, got 0.5; write its keys below it",
+    ),
+    (
+        "name-number",
+        scenario("name: test", "name: 12"),
+        "scenario.yaml:1:7: name: must be text, got 12; put it in quotes",
+    ),
+    (
+        "name-slash",
+        scenario("name: test", "name: a/b"),
+        "scenario.yaml:1:7: name: has characters that are not allowed, got 'a/b'; use letters, digits, '.', '_' and '-'",
+    ),
+    (
+        "name-dots",
+        scenario("name: test", "name: '..'"),
+        "scenario.yaml:1:7: name: has characters that are not allowed, got '..'; use letters, digits, '.', '_' and '-'",
+    ),
+    (
+        "name-empty",
+        scenario("name: test", "name: ''"),
+        "scenario.yaml:1:7: name: has characters that are not allowed, got ''; use letters, digits, '.', '_' and '-'",
+    ),
+    (
+        "name-long",
+        scenario("name: test", "name: " + "n" * 101),
+        "scenario.yaml:1:7: name: is too long, got 'nnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnn...'; shorten it",
+    ),
+    (
+        "name-newline",
+        scenario("name: test", 'name: "a\\nb"'),
+        "scenario.yaml:1:7: name: has characters that are not allowed, got 'a�b'; use letters, digits, '.', '_' and '-'",
+    ),
+    (
+        "name-trailing-newline",
+        scenario("name: test", 'name: "ab\\n"'),
+        "scenario.yaml:1:7: name: has characters that are not allowed, got 'ab�'; use letters, digits, '.', '_' and '-'",
+    ),
+    (
+        "name-null",
+        scenario("name: test", "name:"),
+        "scenario.yaml:1:6: name: must be text, got nothing; put it in quotes",
+    ),
+    (
+        "description-number",
+        plus("description: 12\n"),
+        "scenario.yaml:8:14: description: must be text, got 12; put it in quotes",
+    ),
+    (
+        "radius-bool",
+        scenario("wheel_radius: 0.2", "wheel_radius: true"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be a number, got true; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-null",
+        scenario("wheel_radius: 0.2", "wheel_radius: "),
+        "scenario.yaml:3:23: robot.wheel_radius: must be a number, got nothing; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-list",
+        scenario("wheel_radius: 0.2", "wheel_radius: [1]"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be a number, got a list of 1; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-map",
+        scenario("wheel_radius: 0.2", "wheel_radius: {a: 1}"),
+        "scenario.yaml:3:9: robot.wheel_radius: must be a number, got a mapping; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-zero",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got 0; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-negative",
+        scenario("wheel_radius: 0.2", "wheel_radius: -0.2"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got -0.2; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-nan",
+        scenario("wheel_radius: 0.2", "wheel_radius: .nan"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got .nan; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-inf",
+        scenario("wheel_radius: 0.2", "wheel_radius: .inf"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got .inf; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-1e999",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1e999"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got 1e999; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-huge",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1e10"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be at most 1e+09, got 1e10; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-bignum",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1" + "0" * 60),
+        "scenario.yaml:3:23: robot.wheel_radius: must be at most 1e+09, got 1000000000000000000000000000000000000000...; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-5000",
+        scenario("wheel_radius: 0.2", "wheel_radius: " + "9" * 5000),
+        "scenario.yaml:3:23: robot.wheel_radius: has 5000 digits, got '9999999999999999999999999999999999999999...'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-unit-time",
+        scenario("wheel_radius: 0.2", "wheel_radius: 200 ms"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the wrong unit, got '200 ms'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-unit-deg",
+        scenario("wheel_radius: 0.2", "wheel_radius: 20 deg"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the wrong unit, got '20 deg'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-unit-unknown",
+        scenario("wheel_radius: 0.2", "wheel_radius: 20 inch"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'inch', got '20 inch'; units are deg, rad, ms, s, mm, cm, m and rpm",
+    ),
+    (
+        "radius-unit-nm",
+        scenario("wheel_radius: 0.2", "wheel_radius: 20 mn"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'mn', got '20 mn'; units are deg, rad, ms, s, mm, cm, m and rpm",
+    ),
+    (
+        "radius-comma",
+        scenario("wheel_radius: 0.2", "wheel_radius: '0,2'"),
+        "scenario.yaml:3:23: robot.wheel_radius: has ',', which is no part of it, got '0,2'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-word",
+        scenario("wheel_radius: 0.2", "wheel_radius: big"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'big', got 'big'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-empty-text",
+        scenario("wheel_radius: 0.2", "wheel_radius: ''"),
+        "scenario.yaml:3:23: robot.wheel_radius: ends where a number should be, got ''; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-yes",
+        scenario("wheel_radius: 0.2", "wheel_radius: yes"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'yes', got 'yes'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "radius-underscore",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1_000"),
+        "scenario.yaml:3:23: robot.wheel_radius: has '_000' where it should end or have an operator, got '1_000'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-floordiv",
+        scenario("wheel_radius: 0.2", "wheel_radius: pi//2"),
+        "scenario.yaml:3:23: robot.wheel_radius: has '/' where a number should be, got 'pi//2'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-open",
+        scenario("wheel_radius: 0.2", "wheel_radius: (1"),
+        "scenario.yaml:3:23: robot.wheel_radius: has an opening bracket without a closing one, got '(1'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-close",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1)"),
+        "scenario.yaml:3:23: robot.wheel_radius: has ')' where it should end or have an operator, got '1)'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-ends",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1+"),
+        "scenario.yaml:3:23: robot.wheel_radius: ends where a number should be, got '1+'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-foo",
+        scenario("wheel_radius: 0.2", "wheel_radius: foo"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'foo', got 'foo'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-units",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1 m + 2 s"),
+        "scenario.yaml:3:23: robot.wheel_radius: adds values of different units, got '1 m + 2 s'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-zero",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1/0"),
+        "scenario.yaml:3:23: robot.wheel_radius: divides by zero, got '1/0'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-power",
+        scenario("wheel_radius: 0.2", "wheel_radius: 2**3"),
+        "scenario.yaml:3:23: robot.wheel_radius: has '*' where a number should be, got '2**3'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-caret",
+        scenario("wheel_radius: 0.2", "wheel_radius: 2^3"),
+        "scenario.yaml:3:23: robot.wheel_radius: has '^', which is no part of it, got '2^3'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-long",
+        scenario("wheel_radius: 0.2", "wheel_radius: " + "1+" * 70 + "1"),
+        "scenario.yaml:3:23: robot.wheel_radius: is longer than 120 characters, got '1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+...'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-brackets",
+        scenario("wheel_radius: 0.2", "wheel_radius: " + "(" * 21 + "1" + ")" * 21),
+        "scenario.yaml:3:23: robot.wheel_radius: has more than 20 nested brackets, got '(((((((((((((((((((((1))))))))))))))))))...'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-import",
+        scenario("wheel_radius: 0.2", "wheel_radius: __import__('os').getcwd()"),
+        "scenario.yaml:3:23: robot.wheel_radius: has ''', which is no part of it, got '__import__('os').getcwd()'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-call",
+        scenario("wheel_radius: 0.2", "wheel_radius: sqrt(2)"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'sqrt', got 'sqrt(2)'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-pii",
+        scenario("wheel_radius: 0.2", "wheel_radius: pj/2"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'pj', got 'pj/2'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-two-numbers",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1 2"),
+        "scenario.yaml:3:23: robot.wheel_radius: has '2' where it should end or have an operator, got '1 2'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-2pi",
+        scenario("wheel_radius: 0.2", "wheel_radius: 2pi"),
+        "scenario.yaml:3:23: robot.wheel_radius: has 'pi' where it should end or have an operator, got '2pi'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-unit-first",
+        scenario("wheel_radius: 0.2", "wheel_radius: m"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the unit 'm' without a number before it, got 'm'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-double-unit",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1 m m"),
+        "scenario.yaml:3:23: robot.wheel_radius: has 'm' where it should end or have an operator, got '1 m m'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-overflow",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1e300*1e300"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got '1e300*1e300'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-nan",
+        scenario("wheel_radius: 0.2", "wheel_radius: 1e999-1e999"),
+        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got '1e999-1e999'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-unicode",
+        scenario("wheel_radius: 0.2", "wheel_radius: 2π"),
+        "scenario.yaml:3:23: robot.wheel_radius: has 'π' where it should end or have an operator, got '2π'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-pi-unicode",
+        scenario("wheel_radius: 0.2", "wheel_radius: π"),
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'π', got 'π'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "expr-digit-unicode",
+        scenario("wheel_radius: 0.2", "wheel_radius: '٣'"),
+        "scenario.yaml:3:23: robot.wheel_radius: has '٣', which is no part of it, got '٣'; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    (
+        "iterations-negative",
+        scenario("iterations: 2", "iterations: -1"),
+        "scenario.yaml:4:13: iterations: must be at least 0, got -1; give a whole number from 0 up, such as 100",
+    ),
+    (
+        "iterations-fraction",
+        scenario("iterations: 2", "iterations: 2.5"),
+        "scenario.yaml:4:13: iterations: must be a whole number, got 2.5; give a whole number from 0 up, such as 100",
+    ),
+    (
+        "iterations-huge",
+        scenario("iterations: 2", "iterations: 10000001"),
+        "scenario.yaml:4:13: iterations: must be at most 10000000, got 10000001; give a whole number from 0 up, such as 100",
+    ),
+    (
+        "iterations-unit",
+        scenario("iterations: 2", "iterations: 2 s"),
+        "scenario.yaml:4:13: iterations: has the wrong unit, got '2 s'; give a whole number from 0 up, such as 100",
+    ),
+    (
+        "iterations-expr",
+        scenario("iterations: 2", "iterations: 5/2"),
+        "scenario.yaml:4:13: iterations: must be a whole number, got '5/2'; give a whole number from 0 up, such as 100",
+    ),
+    (
+        "iterations-5000",
+        scenario("iterations: 2", "iterations: 1" + "0" * 5000),
+        "scenario.yaml:4:13: iterations: has 5001 digits, got '1000000000000000000000000000000000000000...'; give a whole number from 0 up, such as 100",
+    ),
+    (
+        "iterations-bool",
+        scenario("iterations: 2", "iterations: true"),
+        "scenario.yaml:4:13: iterations: must be a number, got true; give a whole number from 0 up, such as 100",
+    ),
+    (
+        "gain-negative",
+        scenario("{l1: 0.5}", "{l1: -0.5}"),
+        "scenario.yaml:6:15: controller.gains.l1: must be at least 0, got -0.5; give a number from 0 up, such as 0.5",
+    ),
+    (
+        "gain-unit",
+        scenario("{l1: 0.5}", "{l1: 0.5 m}"),
+        "scenario.yaml:6:15: controller.gains.l1: has the wrong unit, got '0.5 m'; give a number from 0 up, such as 0.5",
+    ),
+    (
+        "gain-inf",
+        scenario("{l1: 0.5}", "{l1: .inf}"),
+        "scenario.yaml:6:15: controller.gains.l1: must be finite, got .inf; give a number from 0 up, such as 0.5",
+    ),
+    (
+        "h-zero",
+        scenario("b_w: 180", "h: 0"),
+        "scenario.yaml:7:6: controller.h: must be at least 1, got 0; give a whole number from 1 up, such as 200",
+    ),
+    (
+        "h-over-n",
+        scenario("b_w: 180", "h: 4"),
+        "scenario.yaml:7:6: controller.h: must be at most the trajectory's 3 samples, got 4; give a whole number from 1 to 3",
+    ),
+    (
+        "h-fraction",
+        scenario("b_w: 180", "h: 1.5"),
+        "scenario.yaml:7:6: controller.h: must be a whole number, got 1.5; give a whole number from 1 up, such as 200",
+    ),
+    (
+        "h-ms",
+        scenario("b_w: 180", "h: 200 ms"),
+        "scenario.yaml:7:6: controller.h: has the wrong unit, got '200 ms'; give a whole number from 1 up, such as 200",
+    ),
+    (
+        "bw-zero",
+        scenario("b_w: 180", "b_w: 0"),
+        "scenario.yaml:7:8: controller.b_w: must be above 0, got 0; give a number above 0, such as 180 or 1700 rpm",
+    ),
+    (
+        "bw-negative",
+        scenario("b_w: 180", "b_w: -180"),
+        "scenario.yaml:7:8: controller.b_w: must be above 0, got -180; give a number above 0, such as 180 or 1700 rpm",
+    ),
+    (
+        "bw-unit",
+        scenario("b_w: 180", "b_w: 180 deg"),
+        "scenario.yaml:7:8: controller.b_w: has the wrong unit, got '180 deg'; give a number above 0, such as 180 or 1700 rpm",
+    ),
+    (
+        "bw-inf",
+        scenario("b_w: 180", "b_w: .inf"),
+        "scenario.yaml:7:8: controller.b_w: must be finite, got .inf; give a number above 0, such as 180 or 1700 rpm",
+    ),
+    (
+        "bw-word",
+        scenario("b_w: 180", "b_w: none"),
+        "scenario.yaml:7:8: controller.b_w: has the unknown name 'none', got 'none'; give a number above 0, such as 180 or 1700 rpm",
+    ),
+    (
+        "law",
+        scenario("b_w: 180", "law: hybird"),
+        "scenario.yaml:7:8: controller.law: is not one of the choices, got 'hybird'; give hybrid",
+    ),
+    (
+        "compensation",
+        scenario("b_w: 180", "compensation: yes"),
+        "scenario.yaml:7:17: controller.compensation: is not one of the choices, got 'yes'; give auto, on or off",
+    ),
+    (
+        "compensation-true",
+        scenario("b_w: 180", "compensation: true"),
+        "scenario.yaml:7:17: controller.compensation: is not one of the choices, got true; give auto, on or off",
+    ),
+    (
+        "gain-heading",
+        scenario("b_w: 180", "gain_heading: measure"),
+        "scenario.yaml:7:17: controller.gain_heading: is not one of the choices, got 'measure'; give measured, previous or reference",
+    ),
+    (
+        "tolerance",
+        scenario("b_w: 180", "switch_tolerance: -1"),
+        "scenario.yaml:7:21: controller.switch_tolerance: must be at least 0, got -1; give a number from 0 up, such as 1e-9",
+    ),
+    (
+        "turn-convention",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, turn_convention: ros"),
+        "scenario.yaml:3:45: robot.turn_convention: is not one of the choices, got 'ros'; give paper or rep103",
+    ),
+    (
+        "initial-trial",
+        plus("initial_trial: openloop\n"),
+        "scenario.yaml:8:16: initial_trial: is not one of the choices, got 'openloop'; give open-loop or feedback",
+    ),
+    (
+        "gravity-center-short",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, gravity_center: [1]"),
+        "scenario.yaml:3:44: robot.gravity_center.1: is missing; the list has too few entries",
+    ),
+    (
+        "gravity-center-long",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, gravity_center: [1, 2, 3]"),
+        "scenario.yaml:3:44: robot.gravity_center: has too many entries, got a list of 3; remove some",
+    ),
+    (
+        "gravity-center-scalar",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, gravity_center: 1"),
+        "scenario.yaml:3:44: robot.gravity_center: must be a list, got 1; write [..., ...]",
+    ),
+    (
+        "gravity-center-word",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, gravity_center: [a, 2]"),
+        "scenario.yaml:3:45: robot.gravity_center.0: has the unknown name 'a', got 'a'; give a number, such as 1.5 or 20 cm",
+    ),
+    (
+        "matrix-word",
+        scenario("b_w: 180", "gain_matrix: modell"),
+        "scenario.yaml:7:16: controller.gain_matrix: is no gain matrix, got 'modell'; did you mean 'model'?",
+    ),
+    (
+        "matrix-number",
+        scenario("b_w: 180", "gain_matrix: 3"),
+        "scenario.yaml:7:16: controller.gain_matrix: must be model, unit or two rows, got 3; give model, unit, or two rows of three numbers or expressions in cos, sin, R and B",
+    ),
+    (
+        "matrix-3x2",
+        scenario("b_w: 180", "gain_matrix: [[1, 2], [3, 4], [5, 6]]"),
+        "scenario.yaml:7:16: controller.gain_matrix: must be model, unit or two rows, got a list of 3; give model, unit, or two rows of three numbers or expressions in cos, sin, R and B",
+    ),
+    (
+        "matrix-one-row",
+        scenario("b_w: 180", "gain_matrix: [[1, 2, 3]]"),
+        "scenario.yaml:7:16: controller.gain_matrix: must be model, unit or two rows, got a list of 1; give model, unit, or two rows of three numbers or expressions in cos, sin, R and B",
+    ),
+    (
+        "matrix-short-row",
+        scenario("b_w: 180", "gain_matrix: [[1, 2, 3], [4, 5]]"),
+        "scenario.yaml:7:28: controller.gain_matrix.1: must be a row of three entries, got a list of 2; give model, unit, or two rows of three numbers or expressions in cos, sin, R and B",
+    ),
+    (
+        "matrix-not-affine",
+        scenario("b_w: 180", "gain_matrix: [[cos*sin, 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: multiplies cos and sin with each other, got 'cos*sin'; entries are affine in them",
+    ),
+    (
+        "matrix-divides",
+        scenario("b_w: 180", "gain_matrix: [[1/cos, 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: divides by cos or sin, got '1/cos'; entries are affine in them",
+    ),
+    (
+        "matrix-unknown",
+        scenario("b_w: 180", "gain_matrix: [[tan, 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: has the unknown name 'tan', got 'tan'; give a number or an expression in cos, sin, R and B",
+    ),
+    (
+        "matrix-unknown-near",
+        scenario("b_w: 180", "gain_matrix: [[coss, 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: has the unknown name 'coss', got 'coss'; did you mean 'cos'?",
+    ),
+    (
+        "matrix-unit",
+        scenario("b_w: 180", "gain_matrix: [[1 m, 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: has 'm' where it should end or have an operator, got '1 m'; give a number or an expression in cos, sin, R and B",
+    ),
+    (
+        "matrix-null",
+        scenario("b_w: 180", "gain_matrix: [[null, 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: must be a number or an expression, got nothing; give a number or an expression in cos, sin, R and B",
+    ),
+    (
+        "matrix-inf",
+        scenario("b_w: 180", "gain_matrix: [[.inf, 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: must be finite, got .inf; give a number or an expression in cos, sin, R and B",
+    ),
+    (
+        "matrix-two",
+        scenario("b_w: 180", "gain_matrix: [[tan, 2, 3], [4, 5, 1/0]]"),
+        (
+            "scenario.yaml:7:18: controller.gain_matrix.0.0: has the unknown name 'tan', got 'tan'; give a number or an expression in cos, sin, R and B\n"
+            "scenario.yaml:7:37: controller.gain_matrix.1.2: divides by zero, got '1/0'; give a number or an expression in cos, sin, R and B"
+        ),
+    ),
+    (
+        "matrix-zero-by-model",
+        scenario("b_w: 180", "gain_matrix: [[1/(B-0.5), 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: divides by zero, got '1/(B-0.5)'; give a number or an expression in cos, sin, R and B",
+    ),
+    (
+        "matrix-bool-entry",
+        scenario("b_w: 180", "gain_matrix: [[true, 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: must be a number or an expression, got true; give a number or an expression in cos, sin, R and B",
+    ),
+    (
+        "matrix-long-int",
+        scenario("b_w: 180", "gain_matrix: [[" + "9" * 5000 + ", 2, 3], [4, 5, 6]]"),
+        "scenario.yaml:7:18: controller.gain_matrix.0.0: is longer than 120 characters, got '9999999999999999999999999999999999999999...'; give a number or an expression in cos, sin, R and B",
+    ),
+    (
+        "seed-negative",
+        plus("disturbance: {seed: -1}\n"),
+        "scenario.yaml:8:21: disturbance.seed: must be at least 0, got -1; give a whole number from 0 up, such as 0",
+    ),
+    (
+        "seed-big",
+        plus("disturbance: {seed: 18446744073709551616}\n"),
+        "scenario.yaml:8:21: disturbance.seed: must be at most 18446744073709551615, got 18446744073709551616; give a whole number from 0 up, such as 0",
+    ),
+    (
+        "seed-fraction",
+        plus("disturbance: {seed: 0.5}\n"),
+        "scenario.yaml:8:21: disturbance.seed: must be a whole number, got 0.5; give a whole number from 0 up, such as 0",
+    ),
+    (
+        "bound-short",
+        plus("disturbance: {state: {bound: [0, 0]}}\n"),
+        "scenario.yaml:8:30: disturbance.state.bound.2: is missing; the list has too few entries",
+    ),
+    (
+        "bound-negative",
+        plus("disturbance: {output: {bound: [0, -1 mm, 0]}}\n"),
+        "scenario.yaml:8:35: disturbance.output.bound.1: must be at least 0, got '-1 mm'; give a number from 0 up, such as 0.001 or 1 mm",
+    ),
+    (
+        "bound-unit",
+        plus("disturbance: {output: {bound: [0, 0, 1 mm]}}\n"),
+        "scenario.yaml:8:38: disturbance.output.bound.2: has the wrong unit, got '1 mm'; give a number from 0 up, such as 0.001 or 0.1 deg",
+    ),
+    (
+        "bound-scalar",
+        plus("disturbance: {output: {bound: 1}}\n"),
+        "scenario.yaml:8:31: disturbance.output.bound: must be a list, got 1; write [..., ...]",
+    ),
+    (
+        "distribution",
+        plus("disturbance: {output: {bound: [0, 0, 0], distribution: normal}}\n"),
+        "scenario.yaml:8:56: disturbance.output.distribution: is not one of the choices, got 'normal'; give uniform or truncated-normal",
+    ),
+    (
+        "deviation-uniform",
+        plus("disturbance: {output: {bound: [1, 1, 1], standard_deviation: [1, 1, 1]}}\n"),
+        "scenario.yaml:8:62: disturbance.output.standard_deviation: has no meaning for a uniform distribution; remove it or set 'distribution: truncated-normal'",
+    ),
+    (
+        "deviation-zero",
+        plus(
+            "disturbance: {output: {bound: [1, 1, 1], distribution: truncated-normal, standard_deviation: [1, 0, 1]}}\n"
+        ),
+        "scenario.yaml:8:98: disturbance.output.standard_deviation.1: must be above 0, got 0; give a number above 0 or set this bound to 0",
+    ),
+    (
+        "repeat",
+        plus("disturbance: {output: {repeat: 1}}\n"),
+        "scenario.yaml:8:32: disturbance.output.repeat: must be true or false, got 1; give true or false",
+    ),
+    (
+        "record-word",
+        plus("record: {iterations: some}\n"),
+        "scenario.yaml:8:22: record.iterations: is no choice of iterations, got 'some'; give auto, all, or a list of iterations such as [0, 10, 100]",
+    ),
+    (
+        "record-range",
+        plus("record: {iterations: [0, 3]}\n"),
+        "scenario.yaml:8:26: record.iterations.1: must be at most the last iteration, 2, got 3; give whole numbers from 0 to 2",
+    ),
+    (
+        "record-negative",
+        plus("record: {iterations: [-1]}\n"),
+        "scenario.yaml:8:23: record.iterations.0: must be at least 0, got -1; give a whole number from 0 up, such as 100",
+    ),
+    (
+        "record-fraction",
+        plus("record: {iterations: [0.5, a]}\n"),
+        (
+            "scenario.yaml:8:23: record.iterations.0: must be a whole number, got 0.5; give a whole number from 0 up, such as 100\n"
+            "scenario.yaml:8:28: record.iterations.1: has the unknown name 'a', got 'a'; give a whole number from 0 up, such as 100"
+        ),
+    ),
+    (
+        "record-number",
+        plus("record: {iterations: 5}\n"),
+        "scenario.yaml:8:22: record.iterations: is no choice of iterations, got 5; give auto, all, or a list of iterations such as [0, 10, 100]",
+    ),
+    (
+        "record-gravity",
+        plus("record: {gravity_center: maybe}\n"),
+        "scenario.yaml:8:26: record.gravity_center: must be true or false, got 'maybe'; give true or false",
+    ),
+    (
+        "record-gravity-number",
+        plus("record: {gravity_center: 1}\n"),
+        "scenario.yaml:8:26: record.gravity_center: must be true or false, got 1; give true or false",
+    ),
+    (
+        "record-gravity-yes",
+        plus("record: {gravity_center: yes}\n"),
+        "scenario.yaml:8:26: record.gravity_center: must be true or false, got 'yes'; give true or false",
+    ),
+    (
+        "initial-pose-word",
+        plus("initial_pose: {x: a}\n"),
+        "scenario.yaml:8:19: initial_pose.x: has the unknown name 'a', got 'a'; give a number, such as 1.5 or 20 cm",
+    ),
+    (
+        "initial-pose-list",
+        plus("initial_pose: [1, 2, 3]\n"),
+        "scenario.yaml:8:15: initial_pose: must be a mapping of keys and values, got a list of 3; write its keys below it",
+    ),
+    (
+        "initial-pose-theta",
+        plus("initial_pose: {theta: 1}\n"),
+        "scenario.yaml:8:16: initial_pose.theta: is an unknown key; known: heading, x, y",
+    ),
+    (
+        "initial-pose-unit",
+        plus("initial_pose: {heading: 1 m}\n"),
+        "scenario.yaml:8:25: initial_pose.heading: has the wrong unit, got '1 m'; give a number, such as pi/2 or 90 deg",
+    ),
+    (
+        "initial-input-number",
+        plus("initial_input: 3\n"),
+        "scenario.yaml:8:16: initial_input: must be text, got 3; put it in quotes",
+    ),
+    (
+        "initial-input-missing",
+        plus("initial_input: nosuch.csv\n"),
+        "scenario.yaml:8:16: initial_input: nosuch.csv: there is no such file; check the path (initial_input is zero, feedforward or such a file)",
+    ),
+    (
+        "initial-input-typo",
+        plus("initial_input: feedfoward\n"),
+        "scenario.yaml:8:16: initial_input: feedfoward: there is no such file; check the path (initial_input is zero, feedforward or such a file)",
+    ),
+    (
+        "initial-input-empty",
+        plus("initial_input: ''\n"),
+        "scenario.yaml:8:16: initial_input: .: is a folder; give a regular file (initial_input is zero, feedforward or such a file)",
+    ),
+    (
+        "initial-input-folder",
+        plus("initial_input: .\n"),
+        "scenario.yaml:8:16: initial_input: .: is a folder; give a regular file (initial_input is zero, feedforward or such a file)",
+    ),
+    (
+        "dup-key",
+        plus("iterations: 3\n"),
+        "scenario.yaml:8:1: iterations: is given twice, first in line 4; keep one of them",
+    ),
+    (
+        "dup-nested",
+        scenario("{l1: 0.5}", "{l1: 0.5, l1: 0.6}"),
+        "scenario.yaml:6:20: controller.gains.l1: is given twice, first in line 6; keep one of them",
+    ),
+    (
+        "merge",
+        scenario(
+            "robot: {wheel_radius: 0.2, half_track: 0.5}",
+            "robot: {<<: {half_track: 0.5}, wheel_radius: 0.2}",
+        ),
+        "scenario.yaml:3:9: <<: merge keys are not part of YAML 1.2; write the keys out",
+    ),
+    (
+        "tag",
+        scenario("name: test", "name: !!python/object:os.system ls"),
+        "scenario.yaml:1:7: name: has the tag tag:yaml.org,2002:python/object:os.system; leave tags out",
+    ),
+    (
+        "tag-str",
+        scenario("name: test", "name: !!str test"),
+        "scenario.yaml:1:7: name: has the tag tag:yaml.org,2002:str; leave tags out",
+    ),
+    (
+        "tag-own",
+        scenario("name: test", "name: !foo test"),
+        "scenario.yaml:1:7: name: has the tag !foo; leave tags out",
+    ),
+    (
+        "tag-apply",
+        scenario(
+            "robot: {wheel_radius: 0.2, half_track: 0.5}",
+            "robot: !!python/object/apply:os.system ['true']",
+        ),
+        "scenario.yaml:3:8: robot: has the tag tag:yaml.org,2002:python/object/apply:os.system; leave tags out",
+    ),
+    (
+        "alias-cycle",
+        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: &a {wheel_radius: *a}"),
+        "scenario.yaml:3:26: alias *a contains itself; write the value out",
+    ),
+    (
+        "alias-unknown",
+        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: *a"),
+        "scenario.yaml:3:8: alias *a has no anchor; define &a before it",
+    ),
+    (
+        "key-number",
+        plus("1: 2\n"),
+        "scenario.yaml:8:1: 1: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, trajectory",
+    ),
+    (
+        "key-list",
+        plus("[1, 2]: 2\n"),
+        "scenario.yaml:8:1: has a key that is no plain word; use words as keys",
+    ),
+    (
+        "key-null",
+        plus("? \n: 2\n"),
+        "scenario.yaml:8:2: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, trajectory",
+    ),
+    (
+        "tab",
+        scenario("  gains: {l1: 0.5}", "\tgains: {l1: 0.5}"),
+        "scenario.yaml:6:1: is not valid YAML: found character that cannot start any token; check quotes, colons, brackets and indentation",
+    ),
+    ("empty", "", "scenario.yaml:1:1: is empty; write a mapping of keys and values"),
+    (
+        "only-comment",
+        "# nothing\n",
+        "scenario.yaml:1:1: is empty; write a mapping of keys and values",
+    ),
+    (
+        "only-null",
+        "~\n",
+        "scenario.yaml:1:1: is no scenario, got nothing; write a mapping of keys and values",
+    ),
+    (
+        "two-docs",
+        SCENARIO + "---\n" + SCENARIO,
+        "scenario.yaml:8:1: holds a second YAML document; keep one document in a file",
+    ),
+    (
+        "top-list",
+        "- a\n- b\n",
+        "scenario.yaml:1:1: is no scenario, got a list of 2; write a mapping of keys and values",
+    ),
+    (
+        "top-scalar",
+        "hello\n",
+        "scenario.yaml:1:1: is no scenario, got 'hello'; write a mapping of keys and values",
+    ),
+    (
+        "unclosed",
+        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: {wheel_radius: 0.2"),
+        "scenario.yaml:4:11: is not valid YAML: did not find expected ',' or '}'; check quotes, colons, brackets and indentation",
+    ),
+    (
+        "unclosed-quote",
+        scenario("name: test", "name: 'test"),
+        "scenario.yaml:8:1: is not valid YAML: found unexpected end of stream; check quotes, colons, brackets and indentation",
+    ),
+    (
+        "indent",
+        scenario("iterations: 2", "   iterations: 2"),
+        "scenario.yaml:4:4: is not valid YAML: did not find expected key; check quotes, colons, brackets and indentation",
+    ),
+    (
+        "colon",
+        scenario("name: test", "name: a: b"),
+        "scenario.yaml:1:8: is not valid YAML: mapping values are not allowed in this context; check quotes, colons, brackets and indentation",
+    ),
+    (
+        "at",
+        scenario("name: test", "name: @test"),
+        "scenario.yaml:1:7: is not valid YAML: found character that cannot start any token; check quotes, colons, brackets and indentation",
+    ),
+    (
+        "percent",
+        "%YAML 9.9\n---\n" + SCENARIO,
+        "scenario.yaml:1:1: is not valid YAML: found incompatible YAML document; check quotes, colons, brackets and indentation",
+    ),
+    (
+        "directive",
+        "%FOO\n---\n" + SCENARIO,
+        "scenario.yaml:1:5: is not valid YAML: found unknown directive name; check quotes, colons, brackets and indentation",
+    ),
+    (
+        "deep",
+        "a: " + "[" * 30 + "]" * 30 + "\n",
+        "scenario.yaml:1:24: is nested more than 20 deep; flatten it",
+    ),
+    (
+        "is-trajectory",
+        TRAJECTORY,
+        "scenario.yaml:1:1: is a trajectory, not a scenario; name it under 'trajectory:' in a scenario",
+    ),
+    (
+        "traj-is-itself",
+        scenario("path.yaml", "scenario.yaml"),
+        "scenario.yaml:2:13: trajectory: is a scenario, not a trajectory, got scenario.yaml; name a trajectory file",
+    ),
+    (
+        "traj-missing",
+        scenario("path.yaml", "nosuch.yaml"),
+        "scenario.yaml:2:13: trajectory: nosuch.yaml: there is no such file; check the path",
+    ),
+    (
+        "traj-folder",
+        scenario("path.yaml", "."),
+        "scenario.yaml:2:13: trajectory: .: is a folder; give a regular file",
+    ),
+    (
+        "traj-fifo",
+        scenario("path.yaml", "fifo"),
+        "scenario.yaml:2:13: trajectory: fifo: is a named pipe; give a regular file",
+    ),
+    (
+        "traj-dev",
+        scenario("path.yaml", "/dev/zero"),
+        "scenario.yaml:2:13: trajectory: /dev/zero: is a device; give a regular file",
+    ),
+    (
+        "traj-example-unknown",
+        scenario("path.yaml", "example:circel"),
+        "scenario.yaml:2:13: trajectory: example:circel: there is no such example; did you mean 'circle'?",
+    ),
+    (
+        "traj-example-unknown-far",
+        scenario("path.yaml", "example:qqq"),
+        "scenario.yaml:2:13: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, figure-eight, rounded-square, spiral",
+    ),
+    (
+        "traj-number",
+        scenario("path.yaml", "3"),
+        "scenario.yaml:2:13: trajectory: must be the path of a trajectory file or a mapping, got 3; name a trajectory file",
+    ),
+    (
+        "traj-null",
+        scenario("path.yaml", ""),
+        "scenario.yaml:2:12: trajectory: must be the path of a trajectory file or a mapping, got nothing; name a trajectory file",
+    ),
+    (
+        "traj-list",
+        scenario("path.yaml", "[path.yaml]"),
+        "scenario.yaml:2:13: trajectory: must be the path of a trajectory file or a mapping, got a list of 1; name a trajectory file",
+    ),
+    (
+        "traj-empty",
+        scenario("path.yaml", "''"),
+        "scenario.yaml:2:13: trajectory: .: is a folder; give a regular file",
+    ),
+    (
+        "traj-loop",
+        scenario("path.yaml", "loop"),
+        "scenario.yaml:2:13: trajectory: loop: cannot be read: too many levels of symbolic links",
+    ),
+    (
+        "traj-csv",
+        scenario("path.yaml", "input.csv"),
+        "input.csv:1:1: trajectory: must be a mapping of keys and values, got 'sample,t_s,left_wheel_rad_s,right_wheel_...'; write its keys below it",
+    ),
+    (
+        "traj-inline-missing",
+        scenario("path.yaml", "{name: inline}"),
+        (
+            "scenario.yaml:2:1: trajectory.sample_time: is missing; give it (s)\n"
+            "scenario.yaml:2:1: trajectory.start: is missing; give it\n"
+            "scenario.yaml:2:1: trajectory.segments: is missing; give it"
+        ),
+    ),
+    (
+        "several",
+        scenario("wheel_radius: 0.2", "wheel_radius: -1")
+        .replace("l1: 0.5", "l1: a")
+        .replace("iterations: 2", "iterations: 1.5")
+        + "zzz: 1\n",
+        (
+            "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got -1; give a number above 0, such as 0.2 or 20 cm\n"
+            "scenario.yaml:4:13: iterations: must be a whole number, got 1.5; give a whole number from 0 up, such as 100\n"
+            "scenario.yaml:6:15: controller.gains.l1: has the unknown name 'a', got 'a'; give a number from 0 up, such as 0.5\n"
+            "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, trajectory"
+        ),
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("content", "message"), [pytest.param(content, text, id=name) for name, content, text in CASES]
+)
+def test_wrong_scenario_is_explained(
+    hilc: Hilc, write: Write, folder: Path, content: str, message: str
+) -> None:
+    write({"scenario.yaml": content})
+    put_odd_things(folder)
+    before = listing(folder)
+    assert hilc("run", "scenario.yaml", "--no-plots") == Outcome(2, "", f"{message}\n")
+    assert listing(folder) == before
+
+
+EMPTY_VALUES = [
+    ("iterations:", "iterations: 2"),
+    ("b_w:", "b_w: 180"),
+    ("b_w: 180\n  gain_matrix:", "b_w: 180"),
+    ("b_w: 180\ninitial_pose:", "b_w: 180"),
+    ("b_w: 180\ndisturbance: {seed: , state: ~}", "b_w: 180"),
+]
+
+
+@pytest.mark.parametrize(("written", "instead_of"), EMPTY_VALUES)
+def test_key_with_nothing_behind_it_has_its_default(
+    hilc: Hilc, write: Write, written: str, instead_of: str
+) -> None:
+    write({"scenario.yaml": scenario(instead_of, written)})
+    outcome = hilc("run", "scenario.yaml", "--no-plots", "-q")
+    assert outcome == Outcome(0, "", "")
+
+
+def test_position_of_a_control_character_is_told(hilc: Hilc, write: Write) -> None:
+    write({"scenario.yaml": scenario("iterations: 2", "iterations: \x012")})
+    outcome = hilc("run", "scenario.yaml")
+    assert outcome.code == 2
+    assert outcome.err.startswith("scenario.yaml:4:13: is not valid YAML: ")
+
+
+def test_integer_that_no_float_and_no_int64_holds_is_fine_in_a_gain_matrix(
+    hilc: Hilc, write: Write
+) -> None:
+    big = "1" + "0" * 30
+    write({"scenario.yaml": scenario("b_w: 180", f"gain_matrix: [[0, 0, 0], [0, 0, {big}]]")})
+    assert hilc("run", "scenario.yaml", "--no-plots", "-q") == Outcome(0, "", "")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        plus('"a\\nb": 1\n'),
+        plus('"\\e[31mred": 1\n'),
+        scenario("path.yaml", '"\\e[31mred"'),
+        scenario("path.yaml", '"no\\nsuch.yaml"'),
+        scenario("path.yaml", '"a\\0b"'),
+        plus('initial_input: "a\\nb"\n'),
+        plus('"a\\nb": 1\n"a\\nb": 2\n'),
+        scenario("b_w: 180", 'gain_matrix: "\\e[31m\\n"'),
+        scenario("{l1: 0.5}", '{l1: "\\e\\n"}'),
+    ],
+)
+def test_message_is_one_printable_line_whatever_the_file_says(
+    hilc: Hilc, write: Write, content: str
+) -> None:
+    write({"scenario.yaml": content})
+    outcome = hilc("run", "scenario.yaml")
+    assert outcome.code == 2
+    assert outcome.err.count("\n") == 1
+    assert outcome.err.removesuffix("\n").isprintable()

@@ -1,0 +1,78 @@
+"""The command line in the process of the tests, in an empty working folder."""
+
+from __future__ import annotations
+
+import io
+import signal
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import pytest
+
+from hilc_cli.cli.main import main
+from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command line left behind."""
+
+    code: int
+    out: str
+    err: str
+
+
+class Hilc(Protocol):
+    """Runs a command line."""
+
+    def __call__(self, *arguments: str, stdin: bytes = b"") -> Outcome: ...
+
+
+class Write(Protocol):
+    """Writes files into the working folder: the small valid inputs, and others over them."""
+
+    def __call__(self, files: Mapping[str, str | bytes] | None = None) -> None: ...
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty working folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def write(folder: Path) -> Write:
+    def write(files: Mapping[str, str | bytes] | None = None) -> None:
+        inputs = {"scenario.yaml": SCENARIO, "path.yaml": TRAJECTORY, "input.csv": INPUT_CSV}
+        for name, content in {**inputs, **(files or {})}.items():
+            data = content.encode() if isinstance(content, str) else content
+            (folder / name).write_bytes(data)
+
+    return write
+
+
+@pytest.fixture
+def hilc(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Iterator[Hilc]:
+    """The command line, run in this process: much faster than a new one for each case."""
+    monkeypatch.delenv("_HILC_COMPLETE", raising=False)
+
+    def hilc(*arguments: str, stdin: bytes = b"") -> Outcome:
+        capsys.readouterr()
+        with monkeypatch.context() as patched:
+            patched.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(stdin)))
+            patched.setattr(sys, "argv", ["hilc", *arguments])
+            with pytest.raises(SystemExit) as stop:
+                main(arguments)
+        printed = capsys.readouterr()
+        assert isinstance(stop.value.code, int)
+        return Outcome(stop.value.code, printed.out, printed.err)
+
+    before = signal.getsignal(signal.SIGTERM)
+    yield hilc
+    signal.signal(signal.SIGTERM, before)
