@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from tests.conftest import Outcome
@@ -19,7 +21,7 @@ def environment(changes: Mapping[str, str] | None = None) -> dict[str, str]:
     kept = {
         name: value
         for name, value in os.environ.items()
-        if not name.startswith(("_HILC", "COV_", "NO_COLOR", "TERM", "COLUMNS", "FORCE_COLOR"))
+        if not name.startswith(("_HILC", "NO_COLOR", "TERM", "COLUMNS", "FORCE_COLOR"))
     }
     return {**kept, "TERM": "xterm-256color", "MPLBACKEND": "agg", **(changes or {})}
 
@@ -44,3 +46,32 @@ def run_hilc(
         check=False,
     )
     return Outcome(done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
+@contextmanager
+def started(
+    *arguments: str, cwd: Path, changes: Mapping[str, str] | None = None
+) -> Iterator[subprocess.Popen[bytes]]:
+    """A running command line; killed by its handle if it still runs in the end."""
+    process = subprocess.Popen(
+        [*HILC, *arguments],
+        cwd=cwd,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=environment(changes),
+        # A test run in the background of a shell would pass on that it ignores interrupts.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+
+def outcome_of(process: subprocess.Popen[bytes]) -> Outcome:
+    """What a process leaves behind, once it has ended."""
+    out, err = process.communicate(timeout=TIMEOUT)
+    return Outcome(process.returncode, out.decode(), err.decode())

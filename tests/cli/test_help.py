@@ -1,0 +1,130 @@
+"""Help, version, completion and verbosity."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hilc_cli import __version__
+from hilc_cli.shipped_files import examples
+from tests.cli.processes import environment, run_hilc
+from tests.conftest import Hilc, Outcome, Write
+
+COMMANDS = ["run", "plot", "examples", "schema"]
+HEAVY = {"numpy", "matplotlib", "pydantic", "yaml"}
+
+
+@pytest.mark.parametrize("command", [[], *([command] for command in COMMANDS)])
+@pytest.mark.parametrize("option", ["--help", "-h"])
+def test_every_help_carries_an_example(hilc: Hilc, command: list[str], option: str) -> None:
+    outcome = hilc(*command, option)
+    assert (outcome.code, outcome.err) == (0, "")
+    assert "Example:\n" in outcome.out or "Examples:\n" in outcome.out
+    assert f"\n    hilc {' '.join(command)}" in outcome.out
+    assert "\x1b" not in outcome.out
+    assert max(map(len, outcome.out.splitlines())) <= 100
+
+
+def test_no_command_shows_the_help(hilc: Hilc) -> None:
+    assert hilc() == hilc("--help")
+
+
+def test_help_names_every_command(hilc: Hilc) -> None:
+    out = hilc("--help").out
+    for command in COMMANDS:
+        assert f"\n  {command} " in out
+
+
+@pytest.mark.parametrize("command", [[], *([command] for command in COMMANDS)])
+def test_version_is_told_everywhere(hilc: Hilc, command: list[str]) -> None:
+    assert hilc(*command, "--version") == Outcome(0, f"hilc {__version__}\n", "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "allowed"),
+    # Typer itself needs Pydantic for the options of a command.
+    [(["--help"], set()), (["--version"], set()), (["run", "--help"], {"pydantic"})],
+)
+def test_help_imports_nothing_heavy(
+    tmp_path: Path, arguments: list[str], allowed: set[str]
+) -> None:
+    program = (
+        "import sys\nfrom hilc_cli.cli.main import main\n"
+        f"try: main({arguments!r})\n"
+        "except SystemExit: pass\n"
+        f"print(sorted({HEAVY - allowed!r} & set(sys.modules)), file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, env=environment()
+    )
+    assert done.stderr.decode() == "[]\n"
+
+
+def test_run_without_pictures_does_not_import_matplotlib(tmp_path: Path) -> None:
+    program = (
+        "import sys\nfrom hilc_cli.cli.main import main\n"
+        "try: main(['run', 'example:fig6a', '--set=iterations=0', '--no-plots', '-q'])\n"
+        "except SystemExit: pass\n"
+        "print('matplotlib' in sys.modules, file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, env=environment()
+    )
+    assert done.stderr.decode() == "False\n"
+
+
+def complete(words: str, position: int, cwd: Path) -> list[str]:
+    changes = {
+        "_HILC_COMPLETE": "complete_bash",
+        "COMP_WORDS": words,
+        "COMP_CWORD": str(position),
+    }
+    outcome = run_hilc(cwd=cwd, changes=changes)
+    assert (outcome.code, outcome.err) == (0, "")
+    return outcome.out.split()
+
+
+def test_shell_completes_commands(tmp_path: Path) -> None:
+    assert set(complete("hilc ", 1, tmp_path)) >= set(COMMANDS)
+
+
+def test_shell_completes_example_names(tmp_path: Path) -> None:
+    names = [f"example:{path.stem}" for path in examples()]
+    assert complete("hilc run example:", 2, tmp_path) == names
+    found = complete("hilc run example:fig3-c", 2, tmp_path)
+    assert found == ["example:fig3-cardioid", "example:fig3-circle"]
+
+
+def test_shell_completes_yaml_files_and_folders(tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "a.yaml").touch()
+    (tmp_path / "mine" / "notes.txt").touch()
+    assert complete("hilc run mi", 2, tmp_path) == ["mine/"]
+    assert complete("hilc run mine/", 2, tmp_path) == ["mine/a.yaml"]
+
+
+def test_failure_shows_no_traceback(hilc: Hilc) -> None:
+    assert "Traceback" not in hilc("run", "nosuch.yaml").err
+
+
+@pytest.mark.parametrize("option", ["-v", "--verbose"])
+def test_verbose_shows_the_traceback_of_a_failure(hilc: Hilc, option: str) -> None:
+    outcome = hilc("run", "nosuch.yaml", option)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.startswith("Traceback (most recent call last):\n")
+    assert outcome.err.endswith("hilc: nosuch.yaml: there is no such file; check the path\n")
+
+
+def test_verbose_tells_how_long_it_took(hilc: Hilc, write: Write) -> None:
+    write()
+    outcome = hilc("run", "scenario.yaml", "--no-plots", "-v")
+    assert outcome.code == 0
+    assert outcome.err.startswith("hilc: simulation: ") and outcome.err.endswith(" s\n")
+
+
+def test_verbose_of_one_command_line_does_not_last(hilc: Hilc) -> None:
+    assert "Traceback" in hilc("run", "nosuch.yaml", "-v").err
+    assert "Traceback" not in hilc("run", "nosuch.yaml").err

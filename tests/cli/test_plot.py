@@ -1,0 +1,187 @@
+"""``hilc plot``: pictures from the tables alone."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+
+import pytest
+
+from hilc_cli import api
+from tests.cli.inputs import listing
+from tests.conftest import Hilc, Outcome, Write
+
+KINDS = ["path-change", "final-path", "error", "wheel-speeds", "summary"]
+RUN = ("run", "scenario.yaml", "--no-plots", "-q")
+
+
+@pytest.fixture
+def runs(hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Two finished runs, and no engine to make others."""
+    write()
+    assert hilc(*RUN, "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
+    assert hilc(*RUN, "--set", "name=other", "--set", "controller.gains.l1=0.2").code == 0
+
+    def simulate(experiment: object) -> None:
+        raise AssertionError("hilc plot has simulated")
+
+    monkeypatch.setattr(api, "simulate", simulate)
+    return folder / "runs"
+
+
+def pictures(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir() if path.suffix in (".png", ".svg", ".pdf"))
+
+
+def test_all_kinds_are_drawn_into_the_run_folder(hilc: Hilc, runs: Path) -> None:
+    expected = "".join(f"runs/test/{kind}.png\n" for kind in KINDS)
+    outcome = hilc("plot", "runs/test")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert sorted(outcome.out.splitlines()) == sorted(expected.splitlines())
+    assert pictures(runs / "test") == sorted(f"{kind}.png" for kind in KINDS)
+
+
+def test_deleted_pictures_are_drawn_as_they_were(hilc: Hilc, write: Write, folder: Path) -> None:
+    write()
+    assert hilc("run", "scenario.yaml", "-q").code == 0
+    run = folder / "runs/test"
+    before = {name: (run / name).read_bytes() for name in pictures(run)}
+    for name in before:
+        (run / name).unlink()
+    assert hilc("plot", "runs/test", "-q") == Outcome(0, "", "")
+    assert {name: (run / name).read_bytes() for name in pictures(run)} == before
+
+
+def test_tables_alone_suffice(hilc: Hilc, runs: Path) -> None:
+    for name in ("scenario.yaml", "manifest.json", "input.csv"):
+        (runs / "test" / name).unlink()
+    assert hilc("plot", "runs/test", "-q") == Outcome(0, "", "")
+    assert len(pictures(runs / "test")) == 5
+
+
+def test_tables_are_left_as_they_are(hilc: Hilc, runs: Path) -> None:
+    before = listing(runs)
+    assert hilc("plot", "runs/test", "-q").code == 0
+    after = listing(runs)
+    assert {name: after[name] for name in before if name != "test/manifest.json"} == {
+        name: content for name, content in before.items() if name != "test/manifest.json"
+    }
+
+
+def test_run_stays_a_run_folder(hilc: Hilc, runs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert hilc("plot", "runs/test", "--format", "svg", "-q").code == 0
+    monkeypatch.undo()
+    monkeypatch.chdir(runs.parent)
+    assert hilc(*RUN, "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
+
+
+def test_kinds_and_formats_asked_for(hilc: Hilc, runs: Path) -> None:
+    outcome = hilc(
+        *("plot", "runs/test", "--kind", "error", "--kind", "final-path"),
+        *("--format", "svg", "--format", "pdf"),
+    )
+    assert (outcome.code, outcome.err) == (0, "")
+    drawn = ["error.pdf", "error.svg", "final-path.pdf", "final-path.svg"]
+    assert pictures(runs / "test") == drawn
+    assert sorted(outcome.out.splitlines()) == [f"runs/test/{name}" for name in drawn]
+    assert (runs / "test/error.svg").read_bytes().startswith(b"<?xml")
+    assert (runs / "test/error.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_option_given_twice_draws_once(hilc: Hilc, runs: Path) -> None:
+    outcome = hilc("plot", "runs/test", "--kind", "error", "--kind", "error")
+    assert outcome == Outcome(0, "runs/test/error.png\n", "")
+
+
+def size(path: Path) -> tuple[int, int]:
+    width, height = struct.unpack(">II", path.read_bytes()[16:24])
+    return width, height
+
+
+def test_resolution(hilc: Hilc, runs: Path) -> None:
+    sizes = []
+    for dpi in ("50", "100"):
+        assert hilc("plot", "runs/test", "--kind", "error", "--dpi", dpi, "-q").code == 0
+        sizes.append(size(runs / "test/error.png"))
+    assert sizes[1] == pytest.approx((2 * sizes[0][0], 2 * sizes[0][1]), abs=2)  # whole pixels
+
+
+def test_runs_are_laid_over_each_other(hilc: Hilc, runs: Path) -> None:
+    outcome = hilc("plot", "runs/test", "runs/other", "--kind", "error")
+    assert outcome == Outcome(0, "runs/test-vs-other/error.png\n", "")
+    assert pictures(runs / "test-vs-other") == ["error.png"]
+    assert not pictures(runs / "test") and not pictures(runs / "other")
+
+
+def test_more_than_two_runs_have_a_short_name(hilc: Hilc, runs: Path) -> None:
+    outcome = hilc("plot", "runs/test", "runs/other", "runs/test", "--kind", "error")
+    assert outcome == Outcome(0, "runs/test-and-2-more/error.png\n", "")
+
+
+def test_json_names_the_files(hilc: Hilc, runs: Path) -> None:
+    outcome = hilc("plot", "runs/test", "--kind", "error", "--json")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert json.loads(outcome.out) == {"folder": "runs/test", "files": ["runs/test/error.png"]}
+
+
+def test_out_is_the_very_folder(hilc: Hilc, runs: Path, folder: Path) -> None:
+    outcome = hilc("plot", "runs/test", "--kind", "error", "--out", "a/b")
+    assert outcome == Outcome(0, "a/b/error.png\n", "")
+    assert pictures(folder / "a/b") == ["error.png"]
+    assert pictures(runs / "test") == []
+
+
+def test_existing_picture_elsewhere_is_kept(hilc: Hilc, runs: Path, folder: Path) -> None:
+    (folder / "figures").mkdir()
+    (folder / "figures/final-path.png").write_text("precious")
+    before = listing(folder)
+    outcome = hilc("plot", "runs/test", "--out", "figures")
+    assert outcome == Outcome(
+        1,
+        "",
+        "hilc: figures/final-path.png: exists; choose another folder with --out, "
+        "or replace it with --force\n",
+    )
+    assert listing(folder) == before
+
+
+def test_force_replaces_an_existing_picture(hilc: Hilc, runs: Path, folder: Path) -> None:
+    (folder / "figures").mkdir()
+    (folder / "figures/final-path.png").write_text("old")
+    (folder / "figures/notes.txt").write_text("keep")
+    assert hilc("plot", "runs/test", "--out", "figures", "--force", "-q") == Outcome(0, "", "")
+    assert (folder / "figures/final-path.png").read_bytes().startswith(b"\x89PNG")
+    assert (folder / "figures/notes.txt").read_text() == "keep"
+
+
+@pytest.mark.parametrize("force", [(), ("--force",)])
+def test_file_in_the_way_is_kept(
+    hilc: Hilc, runs: Path, folder: Path, force: tuple[str, ...]
+) -> None:
+    (folder / "figures").write_text("precious")
+    outcome = hilc("plot", "runs/test", "--out", "figures", *force)
+    assert (outcome.code, outcome.out, outcome.err.count("\n")) == (1, "", 1)
+    assert outcome.err.startswith("hilc: figures: cannot be written: ")
+    assert (folder / "figures").read_text() == "precious"
+
+
+@pytest.mark.parametrize("iterations", ["0", "0,1", "0..1,4", " 0 , 4 "])
+def test_recorded_iterations_may_be_chosen(hilc: Hilc, runs: Path, iterations: str) -> None:
+    arguments = ("plot", "runs/test", "--kind", "path-change", "-q", "--iterations", iterations)
+    assert hilc(*arguments) == Outcome(0, "", "")
+
+
+def test_iteration_that_was_not_recorded_is_told(hilc: Hilc, runs: Path, folder: Path) -> None:
+    before = listing(folder)
+    outcome = hilc("plot", "runs/test", "--iterations", "0,3", "--out", "new")
+    assert (outcome.code, outcome.out, outcome.err.count("\n")) == (2, "", 1)
+    assert outcome.err.startswith("hilc: ") and "3" in outcome.err
+    assert "0, 1" in outcome.err and "4" in outcome.err, "what was recorded is told"
+    assert listing(folder) == before
+
+
+def test_plot_of_a_missing_run_makes_no_folder(hilc: Hilc, runs: Path, folder: Path) -> None:
+    before = listing(folder)
+    assert hilc("plot", "runs/test", "runs/nosuch", "--out", "new").code == 2
+    assert listing(folder) == before

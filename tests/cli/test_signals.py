@@ -1,0 +1,99 @@
+"""Interrupted and terminated runs: one line, the right exit code, nothing half written."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hilc_cli.results import run_folder
+from tests.cli.inputs import SCENARIO, TRAJECTORY, listing
+from tests.cli.processes import outcome_of, run_hilc, started
+from tests.conftest import Hilc, Outcome, Write
+
+SIGNALS = [
+    (signal.SIGINT, 130, "hilc: interrupted; nothing was left half written\n"),
+    (signal.SIGTERM, 143, "hilc: terminated; nothing was left half written\n"),
+]
+# More than a pipe holds: it is written once the program, all imported, reads it.
+PADDING = b"# padding\n" * 30_000
+
+
+def wait_until_it_simulates(process: subprocess.Popen[bytes]) -> None:
+    assert process.stdin is not None
+    process.stdin.write(SCENARIO.encode() + b"record: {iterations: []}\n" + PADDING)
+    process.stdin.close()
+    process.stdin = None
+    time.sleep(0.3)
+    assert process.poll() is None
+
+
+@pytest.mark.parametrize(("number", "code", "message"), SIGNALS, ids=["SIGINT", "SIGTERM"])
+def test_signal_in_mid_simulation(tmp_path: Path, number: int, code: int, message: str) -> None:
+    (tmp_path / "path.yaml").write_text(TRAJECTORY)
+    assert run_hilc("run", "-", "--no-plots", "-q", cwd=tmp_path, stdin=SCENARIO.encode()).code == 0
+    before = listing(tmp_path)
+    with started(*("run", "-", "--set", "iterations=10000000", "--force"), cwd=tmp_path) as process:
+        wait_until_it_simulates(process)
+        sent = time.monotonic()
+        process.send_signal(number)
+        assert outcome_of(process) == Outcome(code, "", message)
+    assert time.monotonic() - sent < 2
+    assert listing(tmp_path) == before
+
+
+def test_signal_in_mid_simulation_leaves_no_folder(tmp_path: Path) -> None:
+    (tmp_path / "path.yaml").write_text(TRAJECTORY)
+    with started("run", "-", "--set", "iterations=10000000", cwd=tmp_path) as process:
+        wait_until_it_simulates(process)
+        process.send_signal(signal.SIGINT)
+        assert outcome_of(process).code == 130
+    assert [path.name for path in tmp_path.iterdir()] == ["path.yaml"]
+
+
+def interrupt() -> None:
+    raise KeyboardInterrupt
+
+
+def terminate() -> None:
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+@pytest.mark.parametrize(("stop", "code"), [(interrupt, 130), (terminate, 143)])
+@pytest.mark.parametrize("step", ["write_samples", "write_input", "_keep_what_others_put_there"])
+def test_signal_while_results_are_written(
+    hilc: Hilc,
+    write: Write,
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    stop: Callable[[], None],
+    code: int,
+    step: str,
+) -> None:
+    write()
+    assert hilc("run", "scenario.yaml", "--no-plots", "-q").code == 0
+    before = listing(folder)
+
+    def stopped(*arguments: object) -> None:
+        stop()
+
+    monkeypatch.setattr(run_folder, step, stopped)
+    outcome = hilc("run", "scenario.yaml", "--no-plots")
+    assert (outcome.code, outcome.out, outcome.err.count("\n")) == (code, "", 1)
+    assert listing(folder) == before
+
+
+def test_verbose_shows_where_it_was_interrupted(tmp_path: Path) -> None:
+    (tmp_path / "path.yaml").write_text(TRAJECTORY)
+    with started("run", "-", "-v", "--set", "iterations=10000000", cwd=tmp_path) as process:
+        wait_until_it_simulates(process)
+        process.send_signal(signal.SIGINT)
+        outcome = outcome_of(process)
+    assert outcome.code == 130
+    assert "Traceback" in outcome.err
+    assert outcome.err.endswith("hilc: interrupted; nothing was left half written\n")
