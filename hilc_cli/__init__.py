@@ -16,7 +16,17 @@ from hilc_cli.errors import HilcError
 from hilc_cli.version import __version__
 
 if TYPE_CHECKING:
-    from hilc_cli.api import Run, RunData, Scenario, Summary, load_scenario, plot, read_run, run
+    from hilc_cli.api import (
+        Run,
+        RunData,
+        Scenario,
+        Summary,
+        check_folder,
+        load_scenario,
+        plot,
+        read_run,
+        run,
+    )
 
 __all__ = [
     "HilcError",
@@ -25,6 +35,7 @@ __all__ = [
     "Scenario",
     "Summary",
     "__version__",
+    "check_folder",
     "load_scenario",
     "plot",
     "read_run",
@@ -39,3 +50,8 @@ def __getattr__(name: str) -> Any:
 
         return getattr(api, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """The public names, loaded or not."""
+    return sorted(__all__)

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -24,13 +25,26 @@ from hilc_cli.spec.loading import load_scenario
 from hilc_cli.spec.valid import Scenario
 from hilc_cli.version import __version__
 
-__all__ = ["Run", "RunData", "Scenario", "Summary", "load_scenario", "plot", "read_run", "run"]
+__all__ = [
+    "Run",
+    "RunData",
+    "Scenario",
+    "Summary",
+    "check_folder",
+    "load_scenario",
+    "plot",
+    "read_run",
+    "run",
+]
+
+
+_LIBRARIES = ("matplotlib", "numpy", "pydantic", "pyyaml")
 
 
 class OnIteration(Protocol):
     """Told of each completed iteration."""
 
-    def __call__(self, iteration: int) -> None:
+    def __call__(self, iteration: int, /) -> None:
         """Iteration number ``iteration`` is complete."""
 
 
@@ -51,10 +65,6 @@ class Run(RunData):
     def summary(self) -> Summary:
         """The few figures that tell how the run went."""
         return summarise(self)
-
-    def check_folder(self, folder: str | Path, *, force: bool = False) -> None:
-        """Whether `write` may write to a folder, see there."""
-        check_folder(self.scenario, folder, force=force)
 
     def write(
         self,
@@ -80,16 +90,21 @@ class Run(RunData):
             UsageError: There is no such picture format.
         """
 
-        def draw(into: Path) -> list[Path]:
+        def draw(into: Path) -> None:
             from hilc_cli.figures.catalogue import save_figures  # Matplotlib starts slowly
 
-            return save_figures([self], into, formats=formats)
+            drawing = time.perf_counter()
+            self.timings["tables"] = drawing - clock
+            save_figures([self], into, formats=formats)
+            self.timings["pictures"] = time.perf_counter() - drawing
+
+        clock = time.perf_counter()
 
         write_run_folder(
             Path(folder),
             self,
             self.scenario.resolved_yaml(),
-            self._manifest(command),
+            lambda: self._manifest(command),
             initial_input=self.scenario.initial_input,
             gravity_center=self.scenario.spec.record.gravity_center,
             force=force,
@@ -97,8 +112,6 @@ class Run(RunData):
         )
 
     def _manifest(self, command: Sequence[str]) -> Mapping[str, Any]:
-        import numpy as np
-
         spec = self.scenario.spec
         return {
             "name": self.name,
@@ -106,12 +119,13 @@ class Run(RunData):
             "iterations": len(self.metrics) - 1,
             "compensation": self.scenario.compensates,
             "speed_limit_rad_s": self.speed_limit,
+            "gravity_center_m": list(self.gravity_center),
             "diverged_at": self.diverged_at,
             "seed": spec.disturbance.seed,
             "versions": {
                 "hilc": __version__,
                 "python": platform.python_version(),
-                "numpy": np.__version__,
+                **{library: version(library) for library in _LIBRARIES},
             },
             "platform": f"{sys.platform} {platform.machine()}",
             "command": list(command),

@@ -6,6 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 
+MOST_PROBLEMS = 100
+"""So many problems are told one by one."""
+
 
 @dataclass(frozen=True, slots=True)
 class Problem:
@@ -22,7 +25,8 @@ class Problem:
     message: str
 
     def __str__(self) -> str:
-        return ": ".join(part for part in (self.where, self.path, self.message) if part)
+        parts = (shortened(self.where), shortened(self.path), self.message)
+        return printable(": ".join(part for part in parts if part))
 
 
 class HilcError(Exception):
@@ -38,7 +42,10 @@ class InvalidInputError(HilcError):
 
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems = tuple(problems)
-        super().__init__("\n".join(str(problem) for problem in self.problems))
+        lines = [str(problem) for problem in self.problems[:MOST_PROBLEMS]]
+        if len(self.problems) > MOST_PROBLEMS:
+            lines.append(f"... and {len(self.problems) - MOST_PROBLEMS} more problems")
+        super().__init__("\n".join(lines))
 
 
 class UsageError(HilcError):
@@ -80,3 +87,13 @@ def near_word(word: str, known: Iterable[str]) -> str | None:
     """The nearest known word, if one is near."""
     near = get_close_matches(word, sorted(known), n=1, cutoff=0.6)
     return near[0] if near else None
+
+
+def printable(text: str) -> str:
+    """The text on one line, without characters that would steer a terminal."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def shortened(text: str, most: int = 200) -> str:
+    """The text, its end left out where it is long."""
+    return text if len(text) <= most else f"{text[:most]}..."

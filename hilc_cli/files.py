@@ -48,11 +48,12 @@ def read_file(path: Path, limit: int) -> bytes:
     except (OSError, ValueError) as error:
         why = reason(error) if isinstance(error, OSError) else str(error)
         raise FileAccessError(f"{path}: cannot be read: {why}") from error
+    mode = os.fstat(descriptor).st_mode
+    if not stat.S_ISREG(mode):
+        os.close(descriptor)
+        kind = _KINDS.get(stat.S_IFMT(mode), "no regular file")
+        raise UsageError(f"{path}: is {kind}; give a regular file")
     with os.fdopen(descriptor, "rb") as file:
-        mode = os.fstat(descriptor).st_mode
-        if not stat.S_ISREG(mode):
-            kind = _KINDS.get(stat.S_IFMT(mode), "no regular file")
-            raise UsageError(f"{path}: is {kind}; give a regular file")
         try:
             content = file.read(limit + 1)
         except OSError as error:
@@ -102,29 +103,37 @@ def write_file(path: Path, write: Callable[[Path], None]) -> None:
 
 
 def write_folder(
-    path: Path, fill: Callable[[Path], None], may_replace: Callable[[Path], bool]
+    path: Path,
+    fill: Callable[[Path], None],
+    may_replace: Callable[[Path], bool],
+    keeps: Callable[[str], bool] = lambda name: False,
 ) -> None:
     """Writes a folder beside its final place and puts it there as a whole.
 
     Args:
-        path: The folder. An empty one counts as not there.
+        path: The folder, or a link to it. An empty one counts as not there.
         fill: Writes the content into the folder that it is given.
         may_replace: Whether a folder that stands in the final place may be replaced; asked
             again at the last moment, since another process may have put one there.
+        keeps: Whether an entry of the replaced folder, by its name, goes into the new one.
 
     Raises:
         ExistingResultsError: Something stands there that may not be replaced.
         FileAccessError: The system refused. In either case what stood there is as it was.
     """
     with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft = Path(tempfile.mkdtemp(prefix=f".{path.name[:40]}-", dir=path.parent))
+        place = path.resolve()
+        place.parent.mkdir(parents=True, exist_ok=True)
+        draft = Path(tempfile.mkdtemp(prefix=f".{place.name[:40]}-", dir=place.parent))
         try:
             fill(draft)
             _open_to_others(draft, 0o777)
             for file in draft.iterdir():
                 _sync(file)
-            _put_in_place(draft, path, may_replace)
+            if _put_in_place(draft, place, may_replace):
+                for entry in draft.iterdir():
+                    if keeps(entry.name) and not os.path.lexists(place / entry.name):
+                        entry.rename(place / entry.name)
         finally:
             # After an exchange this is the old folder, after a failure the unfinished new one.
             shutil.rmtree(draft, ignore_errors=True)
@@ -145,10 +154,12 @@ def merge_folder(
         FileAccessError: The system refused.
     """
     with writing(path):
-        path.mkdir(parents=True, exist_ok=True)
-        draft = Path(tempfile.mkdtemp(prefix=".hilc-", dir=path))
+        parents = [path, *path.parents]
+        existing = next(parent for parent in parents if parent.exists())
+        draft = Path(tempfile.mkdtemp(prefix=".hilc-", dir=existing))
         try:
             fill(draft)
+            path.mkdir(parents=True, exist_ok=True)
             files = sorted(draft.iterdir())
             for file in files:
                 there = path / file.name
@@ -164,7 +175,8 @@ def merge_folder(
             shutil.rmtree(draft, ignore_errors=True)
 
 
-def _put_in_place(draft: Path, path: Path, may_replace: Callable[[Path], bool]) -> None:
+def _put_in_place(draft: Path, path: Path, may_replace: Callable[[Path], bool]) -> bool:
+    """Moves the draft to its place; whether it has changed places with an older folder."""
     for _ in range(10):
         try:
             draft.rename(path)  # succeeds if nothing, or an empty folder, stands there
@@ -172,13 +184,13 @@ def _put_in_place(draft: Path, path: Path, may_replace: Callable[[Path], bool]) 
             if error.errno not in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
                 raise
         else:
-            return
+            return False
         if not may_replace(path):
             raise ExistingResultsError(f"{path}: exists and holds something else")
         # The folder may have gone, or come, since it was looked at: then once more.
         with suppress(FileNotFoundError):
             _exchange(draft, path)
-            return
+            return True
     raise FileAccessError(f"{path}: cannot be written: other programs keep replacing it")
 
 

@@ -59,4 +59,4 @@ def examples(
     if json:
         print_json([{"name": name, "description": text} for name, text in listed])
     elif not quiet:
-        print_table(two_columns("Scenarios", listed))
+        print_table(two_columns("Scenarios", listed, numbers=False))

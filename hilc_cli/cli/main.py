@@ -5,6 +5,7 @@ Nothing heavy is imported here: ``hilc --help`` starts at once.
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import sys
@@ -12,21 +13,19 @@ import traceback
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
-import typer
-from typer.main import get_command
-
-from hilc_cli.errors import HilcError, InvalidInputError
+from hilc_cli.errors import HilcError, InvalidInputError, printable
 
 DONE = 0
 COULD_NOT = 1
+WRONG_USAGE = 2
 INTERRUPTED = 130
 TERMINATED = 143
 
-# Wrong usage as the parser of the command line reports it; its class has no public name.
-_ParserError: type[Exception] = typer.BadParameter.__mro__[1]
+COMMANDS = ("run", "plot", "examples", "schema")
 
 
 class TerminatedError(BaseException):
@@ -44,6 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Runs a command line and exits with its code."""
     arguments = sys.argv[1:] if arguments is None else arguments
     session = Session()
+    _open_closed_streams()
     try:
         signal.signal(signal.SIGTERM, _terminate)
         code = _invoke(arguments, session)
@@ -53,21 +53,40 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     _leave(code)
 
 
+def _open_closed_streams() -> None:
+    """Gives closed standard streams a place to go, and makes all names printable."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open(mode))  # noqa: SIM115  # for ever
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
     raise TerminatedError
 
 
 def _invoke(arguments: Sequence[str], session: Session) -> int:
+    import typer
+    from typer.main import get_command
+
     from hilc_cli.cli.app import app
 
     command = get_command(app)
     if "_HILC_COMPLETE" in os.environ:  # the shell asks for completions
         command.main(args=list(arguments), prog_name="hilc", complete_var="_HILC_COMPLETE")
+    usage_error: type[Exception] = typer.BadParameter.__mro__[1]  # it has no public name
     try:
         with command.make_context("hilc", list(arguments), obj=session) as context:
             command.invoke(context)
     except typer.Exit as stop:
         return stop.exit_code
+    except typer.Abort:
+        raise KeyboardInterrupt from None
+    except usage_error as error:
+        _say(_usage(error, arguments))
+        return WRONG_USAGE
     return DONE
 
 
@@ -81,7 +100,7 @@ def _exit_code(error: BaseException, session: Session) -> int:
             return DONE  # whoever read from us has seen enough
         case SystemExit():
             return error.code if isinstance(error.code, int) else COULD_NOT
-        case KeyboardInterrupt() | typer.Abort():
+        case KeyboardInterrupt():
             _say("hilc: interrupted; nothing was left half written")
             return INTERRUPTED
         case TerminatedError():
@@ -91,30 +110,30 @@ def _exit_code(error: BaseException, session: Session) -> int:
             _say(str(error))
             return error.exit_code
         case HilcError():
-            _say(f"hilc: {error}")
+            _say(f"hilc: {printable(str(error))}")
             return error.exit_code
         case OSError():
-            _say(f"hilc: cannot write the output: {error.strerror or error}")
+            what = f"{error.filename}: " if error.filename else ""
+            _say(f"hilc: {printable(what)}the system refused: {error.strerror or error}")
             return COULD_NOT
         case MemoryError():
             _say("hilc: out of memory; record fewer iterations")
             return COULD_NOT
-        case _ if isinstance(error, _ParserError):
-            _say(_usage(error))
-            return 2
         case _:
             traceback.print_exception(error)
             _say("hilc: this is a bug; please report the lines above")
             return COULD_NOT
 
 
-def _usage(error: Exception) -> str:
+def _usage(error: Exception, arguments: Sequence[str]) -> str:
     """One line for a command line that cannot be parsed."""
     context = getattr(error, "ctx", None)
     command = "hilc" if context is None else context.command_path
+    if command == "hilc" and arguments and arguments[0] in COMMANDS:
+        command = f"hilc {arguments[0]}"  # the parser has not told which command it was in
     message: str = error.format_message()  # type: ignore[attr-defined]
     message = " ".join(message.replace("Value error, ", "").split()).rstrip(".")
-    return f"hilc: {message[:1].lower()}{message[1:]}; see '{command} --help'"
+    return printable(f"hilc: {message[:1].lower()}{message[1:]}; see '{command} --help'")
 
 
 def _say(text: str) -> None:
@@ -131,7 +150,3 @@ def _leave(code: int) -> NoReturn:
             with suppress(OSError, ValueError):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
     sys.exit(code)
-
-
-if __name__ == "__main__":
-    main()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 def plot(
     runs: Annotated[
         list[Path],
-        typer.Argument(metavar="RUN...", help="Run folders.", show_default=False),
+        typer.Argument(metavar="RUN", help="Run folders.", show_default=False),
     ],
     kind: Annotated[
         list[PictureKind] | None,
@@ -37,7 +38,7 @@ def plot(
         str | None,
         typer.Option(
             metavar="LIST",
-            help="Recorded iterations to draw, such as 0,1,5..10,100. [default: all]",
+            help="Recorded iterations to draw, such as 0,1,20..100. [default: all]",
             show_default=False,
         ),
     ] = None,
@@ -63,10 +64,13 @@ def plot(
     from hilc_cli.cli.ranges import parse_whole_numbers
     from hilc_cli.cli.terminal import print_json, print_text
 
-    chosen = None if iterations is None else parse_whole_numbers("--iterations", iterations)
-    results = [api.read_run(folder) for folder in runs]
+    wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
+    results = _told_apart([api.read_run(folder) for folder in runs], runs)
+    chosen: set[int] | None = None
+    if wanted is not None:
+        chosen = {*wanted.single, *(i for run in results for i in run.trials if i in wanted)}
     in_place = out is None and len(runs) == 1
-    folder = out or (runs[0] if in_place else Path("runs") / _name_together(results))
+    folder = out or (runs[0] if in_place else Path("runs") / _name_together(runs))
     pictures = api.plot(
         results,
         folder,
@@ -83,7 +87,18 @@ def plot(
         print_text("\n".join(map(str, pictures)))
 
 
-def _name_together(results: list[RunData]) -> str:
-    if len(results) == 2:
-        return f"{results[0].name}-vs-{results[1].name}"
-    return f"{results[0].name}-and-{len(results) - 1}-more"
+def _told_apart(results: list[RunData], folders: list[Path]) -> list[RunData]:
+    """The runs by the names of their folders, where two have the same name."""
+    if len({run.name for run in results}) == len(results):
+        return results
+    return [
+        replace(run, name=folder.resolve().name)
+        for run, folder in zip(results, folders, strict=True)
+    ]
+
+
+def _name_together(folders: list[Path]) -> str:
+    names = [folder.resolve().name for folder in folders]
+    if len(names) == 2:
+        return f"{names[0]}-vs-{names[1]}"
+    return f"{names[0]}-and-{len(names) - 1}-more"

@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 
 from hilc_cli.errors import UsageError
 
-LONGEST = 100_000
 _PART = re.compile(r"\s*(\d{1,9})\s*(?:\.\.\s*(\d{1,9})\s*)?")
 
 
-def parse_whole_numbers(option: str, text: str) -> list[int]:
+@dataclass(frozen=True, slots=True)
+class WholeNumbers:
+    """Single numbers, and ranges with their ends."""
+
+    single: tuple[int, ...]
+    ranges: tuple[range, ...]
+
+    def __contains__(self, number: int) -> bool:
+        return number in self.single or any(number in part for part in self.ranges)
+
+
+def parse_whole_numbers(option: str, text: str) -> WholeNumbers:
     """The numbers that a list of numbers and ranges names, ends included.
 
     Args:
@@ -20,14 +31,17 @@ def parse_whole_numbers(option: str, text: str) -> list[int]:
     Raises:
         UsageError: It has another form.
     """
-    numbers: list[int] = []
+    single: list[int] = []
+    ranges: list[range] = []
     for part in text.split(","):
         match = _PART.fullmatch(part)
         if match is None:
             raise UsageError(f"{option} {text}: must be whole numbers such as 0,1,5..10,100")
         first = int(match[1])
-        last = first if match[2] is None else int(match[2])
-        if last < first or len(numbers) + last - first >= LONGEST:
+        if match[2] is None:
+            single.append(first)
+        elif int(match[2]) < first:
             raise UsageError(f"{option} {text}: '{part.strip()}' is no range from low to high")
-        numbers.extend(range(first, last + 1))
-    return numbers
+        else:
+            ranges.append(range(first, int(match[2]) + 1))
+    return WholeNumbers(tuple(single), tuple(ranges))

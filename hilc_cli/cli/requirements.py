@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.results.metrics import METRIC_NAMES
-from hilc_cli.spec.expressions import ExpressionError, evaluate
+from hilc_cli.spec.expressions import PLAIN, ExpressionError, Unit, evaluate
 
 _RELATIONS: Mapping[str, Callable[[float, float], bool]] = {
     "<=": operator.le,
@@ -18,7 +18,14 @@ _RELATIONS: Mapping[str, Callable[[float, float], bool]] = {
     "<": operator.lt,
     ">": operator.gt,
 }
-_FORM = re.compile(r"\s*(\w+)\s*(<=|>=|<|>)\s*(.+)")
+_FORM = re.compile(r"\s*(\w+)\s*(<=|>=|<|>)\s*([^<>=\s].*)")
+_UNITS = {
+    "_rad_s": Unit(angle=1, time=-1),
+    "_rad": Unit(angle=1),
+    "_m": Unit(length=1),
+    "_samples": PLAIN,
+}
+"""Of a metric by the ending of its name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +60,13 @@ def _parse(text: str) -> Requirement:
     if metric not in METRIC_NAMES:
         raise UsageError(f"{label}: '{metric}' is no metric; {suggestion(metric, METRIC_NAMES)}")
     try:
-        bound = evaluate(value).number.constant
+        result = evaluate(value)
     except ExpressionError as error:
         raise UsageError(f"{label}: the bound {error}; give a number such as 0.01") from None
+    bound = result.number.constant
+    unit = next(unit for ending, unit in _UNITS.items() if metric.endswith(ending))
+    if result.unit not in (PLAIN, unit):
+        raise UsageError(f"{label}: the bound has the wrong unit; give a number such as 0.01")
     if not math.isfinite(bound):
         raise UsageError(f"{label}: the bound must be finite; give a number such as 0.01")
     return Requirement(text, metric, relation, bound)

@@ -62,8 +62,14 @@ def print_table(table: Table) -> None:
     print_text(capture.get().rstrip("\n"))
 
 
-def two_columns(title: str, rows: Sequence[tuple[str, str]]) -> Table:
-    """A table of names and values under a title."""
+def two_columns(title: str, rows: Sequence[tuple[str, str]], *, numbers: bool = True) -> Table:
+    """A table of names and values under a title.
+
+    Args:
+        title: The title.
+        rows: Name and value of each row.
+        numbers: The values are numbers, which stand at the right.
+    """
     from rich import box
     from rich.table import Table
 
@@ -75,7 +81,7 @@ def two_columns(title: str, rows: Sequence[tuple[str, str]]) -> Table:
         title_style="bold",
     )
     table.add_column()
-    table.add_column(justify="right")
+    table.add_column(justify="right" if numbers else "left")
     for name, value in rows:
         table.add_row(name, value)
     return table

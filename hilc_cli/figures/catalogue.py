@@ -15,8 +15,9 @@ from hilc_cli.figures.save import check_format, save_figure
 from hilc_cli.figures.summary import summary_figure
 from hilc_cli.figures.wheel_speeds import wheel_speeds_figure
 from hilc_cli.results.run import RunData
+from hilc_cli.results.run_folder import PICTURE_KINDS
 
-KINDS: tuple[str, ...] = ("path-change", "final-path", "error", "wheel-speeds", "summary")
+KINDS = PICTURE_KINDS
 
 
 def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None = None) -> Figure:

@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.figures import style
 from hilc_cli.figures.png import encode_png
+from hilc_cli.results.run_folder import PICTURE_FORMATS
 
-FORMATS = ("png", "svg", "pdf")
+FORMATS = PICTURE_FORMATS
 
 
 def check_format(name: str) -> None:

@@ -36,6 +36,10 @@ class PathError(ValueError):
         super().__init__(message)
 
 
+class SamplesError(PathError):
+    """A segment does not take a whole number of samples, or too many."""
+
+
 @dataclass(frozen=True, slots=True)
 class LinePlan:
     """A line as a person writes it: to a point, or a length along the running heading."""
@@ -70,6 +74,9 @@ class PathBuilder:
         heading: Start heading [rad].
         sample_time: d_t [s], > 0.
         corners: Whether the heading may jump between segments.
+
+    Attributes:
+        samples: Number of sampling intervals so far.
     """
 
     def __init__(
@@ -80,21 +87,18 @@ class PathBuilder:
         self._sample_time = sample_time
         self._corners = corners
         self._segments: list[tuple[Segment, int]] = []
-
-    @property
-    def samples(self) -> int:
-        """Number of sampling intervals so far."""
-        return sum(samples for _, samples in self._segments)
+        self.samples = 0
 
     def add(self, plan: SegmentPlan) -> None:
         """Places one more segment.
 
         Raises:
-            PathError: The segment does not pass through the running point, has no length, turns
-                the heading abruptly, or does not take a whole number of samples.
+            SamplesError: The segment does not take a whole number of samples; what comes after
+                it can still be placed.
+            PathError: The segment does not pass through the running point, has no length, or
+                turns the heading abruptly.
         """
         segment = self._line(plan) if isinstance(plan, LinePlan) else self._arc(plan)
-        samples = self._samples(segment.length, plan.duration, plan.speed)
         jump = segment.start_heading - self._pose[2]
         if abs(jump) > HEADING_TOLERANCE and not self._corners:
             raise PathError(
@@ -102,9 +106,11 @@ class PathBuilder:
                 f"with {self._pose[2]:.9g} rad, a corner of {jump:.3g} rad; "
                 "make them equal or set 'corners: allow'"
             )
-        self._segments.append((segment, samples))
         x, y, heading = segment.at(np.array([1.0]))
         self._pose = (float(x[0]), float(y[0]), float(heading[0]))
+        samples = self._samples(segment.length, plan.duration, plan.speed)
+        self._segments.append((segment, samples))
+        self.samples += samples
 
     def gap(self) -> float:
         """Distance of the running point from the start [m]."""
@@ -188,13 +194,13 @@ class PathBuilder:
         if duration is not None:
             exact = duration / self._sample_time
             if exact > MAX_SAMPLES:
-                raise PathError(
+                raise SamplesError(
                     f"takes {exact:.4g} samples; the longest path has {MAX_SAMPLES}", "duration"
                 )
             samples = round(exact)
             if samples < 1 or abs(exact - samples) > SAMPLES_TOLERANCE * max(1.0, exact):
                 near = max(1, samples) * self._sample_time
-                raise PathError(
+                raise SamplesError(
                     f"takes {duration:.9g} s, which is {exact:.9g} samples of "
                     f"{self._sample_time:.9g} s; give a whole number of samples, such as "
                     f"{near:.9g} s",
@@ -204,14 +210,14 @@ class PathBuilder:
             # A speed hardly ever gives a whole number of samples: the nearest one is taken.
             exact = length / speed / self._sample_time
             if exact > MAX_SAMPLES:
-                raise PathError(
+                raise SamplesError(
                     f"takes {exact:.4g} samples; the longest path has {MAX_SAMPLES}", "speed"
                 )
             samples = max(1, round(exact))
         else:
             raise PathError("has no time; give 'duration' or 'speed'")
         if self.samples + samples > MAX_SAMPLES:
-            raise PathError(
+            raise SamplesError(
                 f"brings the path to {self.samples + samples} samples; "
                 f"the longest path has {MAX_SAMPLES}"
             )

@@ -12,6 +12,9 @@ import numpy as np
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 
+LARGEST = 1e150
+"""Metrics beyond this count as not finite: their squares are not."""
+
 
 @dataclass(frozen=True, slots=True)
 class IterationMetrics:
@@ -34,8 +37,8 @@ class IterationMetrics:
 
     @property
     def is_finite(self) -> bool:
-        """Whether all of them are finite numbers."""
-        return all(math.isfinite(getattr(self, name)) for name in METRIC_NAMES)
+        """Whether all of them are finite, and so are their squares, which pictures need."""
+        return all(abs(getattr(self, name)) <= LARGEST for name in METRIC_NAMES)
 
 
 METRIC_NAMES: tuple[str, ...] = tuple(IterationMetrics.__dataclass_fields__)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.files import read_file, write_folder
+from hilc_cli.files import read_file, write_folder, writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
@@ -33,6 +32,10 @@ INITIAL_INPUT = "initial-input.csv"
 GRAVITY_CENTER = "gravity-center.csv"
 TABLES = frozenset({SCENARIO, MANIFEST, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER})
 
+PICTURE_KINDS = ("path-change", "final-path", "error", "wheel-speeds", "summary")
+PICTURE_FORMATS = ("png", "svg", "pdf")
+PICTURES = frozenset(f"{kind}.{suffix}" for kind in PICTURE_KINDS for suffix in PICTURE_FORMATS)
+
 KIND = "hilc run"
 _MAX_MANIFEST_BYTES = 10_000_000
 
@@ -41,12 +44,12 @@ def write_run_folder(
     path: Path,
     run: RunData,
     scenario_yaml: str,
-    manifest: Mapping[str, Any],
+    manifest: Callable[[], Mapping[str, Any]],
     *,
     initial_input: tuple[Floats, Floats] | None = None,
     gravity_center: bool = False,
     force: bool = False,
-    draw: Callable[[Path], list[Path]] | None = None,
+    draw: Callable[[Path], None] | None = None,
 ) -> None:
     """Writes a run folder as a whole.
 
@@ -54,7 +57,7 @@ def write_run_folder(
         path: The folder.
         run: The results.
         scenario_yaml: The resolved scenario.
-        manifest: What else is to be known of the run; the file names are added.
+        manifest: Gives what else is to be known of the run, asked last; the file names are added.
         initial_input: Left and right wheel speeds of the input file that the scenario names.
         gravity_center: Whether to write the path of the gravity centre.
         force: Replace the folder of another run.
@@ -78,15 +81,14 @@ def write_run_folder(
         if draw is not None:
             draw(folder)
         files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
-        text = json.dumps({"kind": KIND, **manifest, "files": files}, indent=2)
+        text = json.dumps({"kind": KIND, **manifest(), "files": files}, indent=2)
         (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
-        _keep_what_others_put_there(path, folder)
 
     def may_replace(folder: Path) -> bool:
         check_output_folder(folder, scenario_yaml, initial_input, force=force)
         return True
 
-    write_folder(path, fill, may_replace)
+    write_folder(path, fill, may_replace, keeps=lambda name: not _is_own(name))
 
 
 def check_output_folder(
@@ -107,11 +109,13 @@ def check_output_folder(
     Raises:
         ExistingResultsError: The folder holds another run, or is no run folder.
     """
-    if not path.is_dir():
+    with writing(path):
+        is_folder, is_empty = path.is_dir(), not path.is_dir() or not any(path.iterdir())
+    if not is_folder:
         if path.exists() or path.is_symlink():
             raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
         return
-    if not any(path.iterdir()):
+    if is_empty:
         return
     if not is_run_folder(path):
         raise ExistingResultsError(
@@ -148,7 +152,7 @@ def read_run_folder(path: Path) -> RunData:
     Raises:
         HilcError: There is no such folder, or a table is missing or damaged.
     """
-    if not path.is_dir():
+    if not (path / ITERATIONS).exists():
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
     manifest = read_manifest(path)
     metrics = read_iterations(path / ITERATIONS)
@@ -157,6 +161,7 @@ def read_run_folder(path: Path) -> RunData:
         raise UsageError(f"{path / SAMPLES}: is damaged: it has iterations that {ITERATIONS} lacks")
     saturated = metrics["saturated_samples"]
     limit, diverged_at = manifest.get("speed_limit_rad_s"), manifest.get("diverged_at")
+    ahead, aside = _pair(manifest.get("gravity_center_m"))
     return RunData(
         name=str(manifest.get("name", path.resolve().name)),
         reference=reference,
@@ -166,8 +171,17 @@ def read_run_folder(path: Path) -> RunData:
             for number, trial in trials.items()
         },
         speed_limit=float(limit) if isinstance(limit, int | float) else None,
+        gravity_center=(ahead, aside),
         diverged_at=diverged_at if isinstance(diverged_at, int) else None,
     )
+
+
+def _pair(value: object) -> tuple[float, float]:
+    match value:
+        case [int() | float() as first, int() | float() as second]:
+            return float(first), float(second)
+        case _:
+            return 0.0, 0.0
 
 
 def _same_scenario(
@@ -188,15 +202,6 @@ def _same_scenario(
     return np.array_equal(stored[:, 2:], np.stack(initial_input, axis=1))
 
 
-def _keep_what_others_put_there(old: Path, new: Path) -> None:
-    """Copies what hilc has not written, such as notes, to its successor."""
-    if not old.is_dir():
-        return
-    own = {*TABLES, *read_manifest(old).get("files", [])}
-    for entry in old.iterdir():
-        if entry.name in own:
-            continue
-        if entry.is_dir() and not entry.is_symlink():
-            shutil.copytree(entry, new / entry.name, symlinks=True)
-        else:
-            shutil.copy2(entry, new / entry.name, follow_symlinks=False)
+def _is_own(name: str) -> bool:
+    """Whether hilc writes files of that name; anything else in a run folder is somebody's own."""
+    return name in TABLES or name in PICTURES

@@ -136,6 +136,8 @@ def read_samples(path: Path, name: str) -> tuple[Reference, dict[int, Trial]]:
     blocks = table.reshape(len(starts), samples, len(SAMPLES_HEADER))
     if not np.array_equal(blocks[:, :, 1], np.broadcast_to(np.arange(samples), blocks.shape[:2])):
         raise UsageError(f"{path}: is damaged: its samples are not in order")
+    if not (blocks[:, :, 0] == blocks[:, :1, 0]).all():
+        raise UsageError(f"{path}: is damaged: an iteration's samples are not together")
     times, x, y, heading = blocks[0, :, _REFERENCE_COLUMNS].T
     reference = Reference(name, float(times[1]), x, y, heading)
     trials = {
@@ -147,19 +149,21 @@ def read_samples(path: Path, name: str) -> tuple[Reference, dict[int, Trial]]:
     return reference, trials
 
 
-def read_input(path: Path, content: bytes, steps: int) -> tuple[Floats, Floats]:
+def read_input(path: Path, content: bytes, steps: int, sample_time: float) -> tuple[Floats, Floats]:
     """Wheel speeds from an input table.
 
     Args:
         path: What to call it in errors.
         content: The table.
         steps: Number of rows that it must have.
+        sample_time: Time between them [s].
 
     Returns:
         Left and right wheel speeds [rad/s], shape (steps,) each.
 
     Raises:
-        UsageError: It is no such table, has another number of rows, or holds non-finite numbers.
+        UsageError: It is no such table, has another number of rows or sample time, or holds
+            non-finite numbers.
     """
     try:
         text = content.decode("utf-8-sig")
@@ -176,6 +180,11 @@ def read_input(path: Path, content: bytes, steps: int) -> tuple[Floats, Floats]:
             raise _damaged(path, line, f"sample {k} should stand here")
         if not all(map(math.isfinite, row)):
             raise _damaged(path, line, "numbers must be finite")
+        if abs(row[1] - k * sample_time) > 1e-6 * sample_time + 1e-9 * k * sample_time:
+            raise UsageError(
+                f"{path}:{line}: is of another sample time: t_s is {row[1]:g} where the "
+                f"trajectory has {k * sample_time:g}; give an input of the same trajectory"
+            )
     table = np.array([row for _, row in rows], dtype=np.float64)
     return table[:, 2].copy(), table[:, 3].copy()
 
@@ -199,15 +208,16 @@ def _array(path: Path, header: Sequence[str]) -> Floats:
     """A large table of numbers; empty cells become 0."""
     content = read_file(path, MAX_CSV_BYTES)
     first, _, body = content.partition(b"\n")
+    if not body.strip():
+        raise UsageError(f"{path}: is damaged: it has no rows")
     _check_header(path, first.decode("utf-8", "replace").rstrip("\r").split(","), header)
     try:
         table: Floats = np.loadtxt(
             io.BytesIO(body), delimiter=",", ndmin=2, converters=_number_or_zero
         )
     except ValueError as error:
-        raise UsageError(f"{path}: is damaged: {str(error).splitlines()[0]}") from None
-    if table.size == 0:
-        return np.empty((0, len(header)))
+        why = str(error).splitlines()[0].partition(";")[0]
+        raise UsageError(f"{path}: is damaged: {why}") from None
     if table.shape[1] != len(header):
         raise UsageError(f"{path}: is damaged: its rows have {table.shape[1]} cells")
     return table
@@ -221,14 +231,22 @@ def _parse(
     path: Path, lines: Iterable[str], header: Sequence[str]
 ) -> Iterator[tuple[int, list[float]]]:
     reader = csv.reader(lines)
-    _check_header(path, next(reader, []), header)
-    for row in reader:
+    rows = _without_csv_errors(path, reader)
+    _check_header(path, next(rows, []), header)
+    for row in rows:
         if len(row) != len(header):
             raise _damaged(path, reader.line_num, f"{len(header)} cells should stand here")
         try:
             yield reader.line_num, [float(cell) for cell in row]
         except ValueError:
             raise _damaged(path, reader.line_num, "holds something that is no number") from None
+
+
+def _without_csv_errors(path: Path, reader: Iterator[list[str]]) -> Iterator[list[str]]:
+    try:
+        yield from reader
+    except csv.Error as error:
+        raise UsageError(f"{path}: is damaged: {error}") from None
 
 
 def _check_header(path: Path, found: Sequence[str], header: Sequence[str]) -> None:

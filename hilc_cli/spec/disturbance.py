@@ -39,7 +39,9 @@ class BoundedSpec(Model):
         ):
             if bound > 0 and deviation == 0:
                 raise wrong_at(
-                    ("standard_deviation", index), "must be above 0", "or set this bound to 0"
+                    ("standard_deviation", index),
+                    "must be above 0",
+                    "give a number above 0 or set this bound to 0",
                 )
         return self
 

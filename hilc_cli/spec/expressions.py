@@ -29,7 +29,8 @@ from hilc_cli.laws.gain_matrix import Affine
 LONGEST_EXPRESSION = 120
 _DEEPEST = 20
 _TOKEN = re.compile(
-    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<word>[^\W\d]\w*)|(?P<mark>[-+*/()]))"
+    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<word>[^\W\d]\w*)|(?P<mark>[-+*/()]))",
+    re.ASCII,
 )
 
 
@@ -57,6 +58,9 @@ _UNITS: Mapping[str, tuple[float, Unit]] = {
     "m": (1.0, Unit(length=1)),
     "rpm": (2 * math.pi / 60, Unit(angle=1, time=-1)),
 }
+
+
+_UNIT_NAMES = "deg, rad, ms, s, mm, cm, m and rpm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,9 +93,13 @@ def evaluate(text: str, names: Mapping[str, Affine] | None = None, *, units: boo
     known = {"pi": Affine(math.pi), **(names or {})}
     parser = _Parser(_tokens(text), known, _UNITS if units else {})
     value = parser.sum()
-    if parser.token:
-        raise ExpressionError(f"has '{parser.token}' where it should end or have an operator")
-    return value
+    if not parser.token:
+        return value
+    if units and parser.token[0].isalpha() and parser.token not in known:
+        near = near_word(parser.token, _UNITS)
+        hint = f"did you mean '{near}'?" if near else f"units are {_UNIT_NAMES}"
+        raise ExpressionError(f"has the unknown unit '{parser.token}'; {hint}")
+    raise ExpressionError(f"has '{parser.token}' where it should end or have an operator")
 
 
 def _tokens(text: str) -> list[str]:
@@ -174,7 +182,10 @@ class _Parser:
             self.depth -= 1
             return inner
         if token[:1].isdigit() or token[:1] == ".":
-            return Value(Affine(float(token)))
+            number = float(token)
+            if math.isinf(number):
+                raise ExpressionError("has a number that is too large")
+            return Value(Affine(number))
         if token in self.names:
             return Value(self.names[token])
         if token in self.units:

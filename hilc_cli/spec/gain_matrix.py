@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
-from pydantic import PlainValidator, WithJsonSchema
+from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from hilc_cli.errors import suggestion
+from hilc_cli.errors import near_word
 from hilc_cli.laws.gain_matrix import Affine, GainMatrix, model_gain, unit_gain
 from hilc_cli.robot import Robot
 from hilc_cli.spec.expressions import ExpressionError, evaluate
@@ -29,7 +29,8 @@ _PLACEHOLDER = Robot(0.7391, 1.2853)
 def _validate(value: object) -> Named | Rows:
     if isinstance(value, str):
         if value not in _NAMED:
-            raise wrong(f"is no gain matrix; {suggestion(value, _NAMED)}", _REMEDY)
+            near = near_word(value, _NAMED)
+            raise wrong("is no gain matrix", f"did you mean '{near}'?" if near else _REMEDY)
         return value  # type: ignore[return-value]
     if not isinstance(value, list | tuple) or len(value) != 2:
         raise wrong("must be model, unit or two rows", _REMEDY)
@@ -98,6 +99,7 @@ _EXPRESSION = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 GainMatrixChoice = Annotated[
     Named | Rows,
     PlainValidator(_validate),
+    PlainSerializer(lambda choice: choice if isinstance(choice, str) else list(map(list, choice))),
     WithJsonSchema(
         {
             "anyOf": [

@@ -44,7 +44,7 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
         tree = inputs.with_trajectory(tree)
     except InvalidInputError as error:
         problems = list(error.problems)
-    spec = _validated(tree, problems)
+    spec = _validated(tree, problems, inputs.problems)
     return Scenario(spec, _initial_input(spec, tree, inputs), dict(inputs.checksums))
 
 
@@ -73,8 +73,10 @@ def _check_kind(tree: Node) -> None:
     raise InvalidInputError([Problem(str(tree.place), "", message)])
 
 
-def _validated(tree: MapNode, trajectory_problems: list[Problem]) -> ScenarioSpec:
-    """The scenario, if there is no problem in it and none has been found in its trajectory."""
+def _validated(
+    tree: MapNode, trajectory_problems: list[Problem], yaml_problems: list[Problem]
+) -> ScenarioSpec:
+    """The scenario, if there is no problem in it and none has been found before."""
     data = to_data(tree)
     assert isinstance(data, dict)  # of a mapping
     if trajectory_problems:
@@ -86,7 +88,9 @@ def _validated(tree: MapNode, trajectory_problems: list[Problem]) -> ScenarioSpe
         found = problems_of(error, tree, ScenarioSpec)
         if trajectory_problems:
             found = [problem for problem in found if problem.path != "trajectory"]
-        raise InvalidInputError([*trajectory_problems, *found]) from None
+        raise InvalidInputError([*yaml_problems, *trajectory_problems, *found]) from None
+    if yaml_problems:
+        raise InvalidInputError(yaml_problems)
     return spec
 
 
@@ -99,9 +103,10 @@ def _initial_input(
     node = tree.entries["initial_input"]
     assert isinstance(node, Scalar)  # validated as text
     path = node.place.source.folder / spec.initial_input
-    steps = spec.trajectory.reference().samples
+    reference = spec.trajectory.reference()
     try:
-        return read_input(path, inputs.file(path, MAX_CSV_BYTES), steps)
+        content = inputs.file(path, MAX_CSV_BYTES)
+        return read_input(path, content, reference.samples, reference.sample_time)
     except HilcError as error:
         choices = f"{error} (initial_input is {', '.join(NAMED_INPUTS)} or such a file)"
         raise InvalidInputError([Problem(str(node.place), "initial_input", choices)]) from None

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from hilc_cli.errors import printable, shortened
+
 PathKeys = tuple[str | int, ...]
 
 
@@ -96,8 +98,7 @@ def describe(node: Node, most: int = 40) -> str:
         return "a mapping"
     if node.value is None:
         return "nothing"
-    shown = node.text if len(node.text) <= most else f"{node.text[:most]}..."
-    shown = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in shown)
+    shown = printable(shortened(node.text, most))
     return f"'{shown}'" if isinstance(node.value, str) else shown
 
 

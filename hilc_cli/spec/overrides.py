@@ -91,4 +91,4 @@ def _put(node: Node | None, keys: tuple[str, ...], value: Node, above: tuple[str
 
 
 def _source(label: str) -> Source:
-    return Source(label, Path.cwd(), has_lines=False)
+    return Source(label, Path(), has_lines=False)

@@ -11,7 +11,7 @@ from pathlib import Path
 from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
 from hilc_cli.files import read_file, reason
 from hilc_cli.shipped_files import PREFIX, resolve_example
-from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, with_entry
+from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, describe, with_entry
 from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
 
 STDIN = "-"
@@ -23,9 +23,11 @@ class Inputs:
 
     Attributes:
         checksums: SHA-256 of each input, by the name that the user knows it by.
+        problems: What is wrong with single values in the YAML that was read.
     """
 
     checksums: dict[str, str] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
 
     def file(self, path: Path, limit: int, label: str | None = None) -> bytes:
         """The content of a file.
@@ -46,9 +48,10 @@ class Inputs:
         if name == STDIN:
             content = _read_stdin()
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
-            return parse_yaml(content, Source("<stdin>", Path.cwd()))
+            return parse_yaml(content, Source("<stdin>", Path()), self.problems)
         path = resolve_example(name)
-        return parse_yaml(self.file(path, MAX_BYTES), Source(str(path), path.parent))
+        content = self.file(path, MAX_BYTES)
+        return parse_yaml(content, Source(str(path), path.parent), self.problems)
 
     def with_trajectory(self, tree: MapNode) -> MapNode:
         """The scenario with its trajectory file, if it names one, in the place of the path.
@@ -57,8 +60,14 @@ class Inputs:
             InvalidInputError: The file cannot be read, or is no trajectory.
         """
         node = tree.entries.get("trajectory")
-        if not isinstance(node, Scalar) or not isinstance(node.value, str):
+        if node is None or isinstance(node, MapNode):
             return tree
+        if not isinstance(node, Scalar) or not isinstance(node.value, str) or not node.value:
+            message = (
+                "must be the path of a trajectory file or a mapping, "
+                f"got {describe(node)}; name a trajectory file"
+            )
+            raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
         try:
             trajectory = self._trajectory_tree(node.value, node.place.source.folder)
         except (UsageError, FileAccessError) as error:
@@ -73,7 +82,8 @@ class Inputs:
             path = resolve_example(name, "trajectories")
         else:
             path = _short(folder / name)
-        return parse_yaml(self.file(path, MAX_BYTES), Source(str(path), path.parent))
+        content = self.file(path, MAX_BYTES)
+        return parse_yaml(content, Source(str(path), path.parent), self.problems)
 
 
 def _read_stdin() -> bytes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, PlainValidator, WithJsonSchema, model_validator
+from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 from pydantic_core import PydanticCustomError
 
 from hilc_cli.disturbance.streams import Triple
@@ -13,7 +13,7 @@ from hilc_cli.spec.controller import HybridController
 from hilc_cli.spec.disturbance import DisturbanceSpec
 from hilc_cli.spec.expressions import PLAIN
 from hilc_cli.spec.gain_matrix import gain_matrix
-from hilc_cli.spec.model import Located, Model, Name, Text, located, together, wrong
+from hilc_cli.spec.model import Flag, Located, Model, Name, Text, located, together, wrong
 from hilc_cli.spec.quantities import Angle, Coordinate, Iterations, Quantity
 from hilc_cli.spec.robot import ModelSpec, RobotSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
@@ -57,11 +57,14 @@ class RecordSpec(Model):
     """What is kept beside the metrics, which are kept of every iteration."""
 
     iterations: Annotated[
-        RecordedIterations, PlainValidator(_recorded), WithJsonSchema(_RECORD_SCHEMA)
+        RecordedIterations,
+        PlainValidator(_recorded),
+        PlainSerializer(lambda choice: choice if isinstance(choice, str) else list(choice)),
+        WithJsonSchema(_RECORD_SCHEMA),
     ] = Field(
         "auto", description="iterations whose samples are kept; the first and the last always are"
     )
-    gravity_center: bool = Field(
+    gravity_center: Flag = Field(
         False, description="write the path of the gravity centre (Eq. 7) as well"
     )
 

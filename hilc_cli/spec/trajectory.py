@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -13,11 +14,12 @@ from hilc_cli.reference.path import (
     LinePlan,
     PathBuilder,
     PathError,
+    SamplesError,
     SegmentPlan,
 )
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.segments import Turn
-from hilc_cli.spec.model import Flag, Model, Name, Text, wrong_at
+from hilc_cli.spec.model import Flag, Located, Model, Name, Text, together, wrong_at
 from hilc_cli.spec.quantities import (
     Angle,
     Coordinate,
@@ -134,7 +136,7 @@ class TrajectorySpec(Model):
     description: Text = ""
     sample_time: PositiveTime = Field(description="s")
     start: PoseSpec
-    segments: list[SegmentSpec] = Field(min_length=1, max_length=10_000)
+    segments: list[SegmentSpec] = Field(min_length=1, max_length=4_000)
     closed: Flag = Field(False, description="the path must end where it starts")
     corners: Literal["forbid", "allow"] = Field(
         "forbid", description="whether the heading may jump between segments"
@@ -147,9 +149,19 @@ class TrajectorySpec(Model):
 
     def reference(self) -> Reference:
         """The sampled trajectory."""
+        return self._reference
+
+    @cached_property
+    def _reference(self) -> Reference:
         return self._path().sample(self.name)
 
     def _path(self) -> PathBuilder:
+        """The path with its segments in place.
+
+        Raises:
+            PydanticCustomError: Segments do not fit; tells of all up to the first without place.
+        """
+        problems: list[Located] = []
         start = self.start
         path = PathBuilder(
             start.x, start.y, start.heading, self.sample_time, corners=self.corners == "allow"
@@ -159,9 +171,12 @@ class TrajectorySpec(Model):
                 path.add(segment.plan())
             except PathError as error:
                 field = (error.field,) if error.field else ()
-                at = ("segments", index, segment.kind, *field)
                 problem, _, remedy = str(error).partition("; ")
-                raise wrong_at(at, problem, remedy) from None
+                problems.append((("segments", index, segment.kind, *field), problem, remedy))
+                if not isinstance(error, SamplesError):
+                    break
+        if problems:
+            raise together(problems)
         gap = path.gap()
         if self.closed and gap > POSITION_TOLERANCE:
             last = len(self.segments) - 1

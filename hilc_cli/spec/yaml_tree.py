@@ -17,7 +17,7 @@ from hilc_cli.spec.scalars import resolve_plain
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
-MAX_VALUES = 50_000
+MAX_VALUES = 60_000
 """Values in a file, each use of an alias counted with all that it stands for."""
 
 _Loader: type = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -28,22 +28,25 @@ class _Stop(Exception):
     """Reading cannot go on."""
 
 
-def parse_yaml(content: bytes, source: Source) -> Node:
+def parse_yaml(content: bytes, source: Source, problems: list[Problem] | None = None) -> Node:
     """One YAML document as a tree.
 
     Args:
         content: The text in UTF-8.
         source: Where it comes from.
+        problems: Takes what is wrong with single values, so that it can be told together with
+            what validation finds in the rest; None: that is an error at once.
 
     Raises:
-        InvalidInputError: It is no UTF-8 or YAML, holds duplicate keys, tags, merge keys or
-            several documents, or exceeds a budget.
+        InvalidInputError: It is no UTF-8 or YAML, holds several documents, or exceeds a budget;
+            or it holds duplicate keys, tags or merge keys, and there are no problems to add to.
     """
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        column = error.start - content.rfind(b"\n", 0, error.start)
+        before = content[content.rfind(b"\n", 0, error.start) + 1 : error.start]
+        column = len(before.decode("utf-8", "replace")) + 1
         byte = content[error.start]
         message = f"is not UTF-8 text, got byte 0x{byte:02x}; save the file as UTF-8"
         raise InvalidInputError([Problem(str(Place(source, line, column)), "", message)]) from None
@@ -53,7 +56,7 @@ def parse_yaml(content: bytes, source: Source) -> Node:
     try:
         tree = composer.document(_events(loader))
     except _Stop:
-        pass
+        tree = None
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         composer.problem(
@@ -62,12 +65,23 @@ def parse_yaml(content: bytes, source: Source) -> Node:
         )
     except yaml.YAMLError as error:
         why = str(error).splitlines()[0]
-        composer.problem(Place(source), f"is not valid YAML: {why}; {_SYNTAX_HELP}")
+        composer.problem(_unreadable(text, source), f"is not valid YAML: {why}; {_SYNTAX_HELP}")
     finally:
         loader.dispose()
-    if composer.problems or tree is None:
+    if tree is None or (composer.problems and problems is None):
         raise InvalidInputError(composer.problems)
+    if problems is not None:
+        problems.extend(composer.problems)
     return tree
+
+
+def _unreadable(text: str, source: Source) -> Place:
+    """Where the first character stands that YAML does not allow."""
+    match = yaml.reader.Reader.NON_PRINTABLE.search(text)
+    if match is None:
+        return Place(source)
+    line = text.count("\n", 0, match.start()) + 1
+    return Place(source, line, match.start() - text.rfind("\n", 0, match.start()))
 
 
 def _events(loader: yaml.SafeLoader) -> Iterator[yaml.Event]:
