@@ -7,6 +7,7 @@ import io
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from hilc_cli.files import read_file
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import INTEGER_METRICS, METRIC_NAMES, IterationMetrics, MetricsTable
 from hilc_cli.results.trial import Trial
+
+if TYPE_CHECKING:
+    import _csv
 
 ITERATIONS_HEADER = ("iteration", *METRIC_NAMES)
 SAMPLES_HEADER = (
@@ -208,9 +212,9 @@ def _array(path: Path, header: Sequence[str]) -> Floats:
     """A large table of numbers; empty cells become 0."""
     content = read_file(path, MAX_CSV_BYTES)
     first, _, body = content.partition(b"\n")
+    _check_header(path, first.decode("utf-8", "replace").rstrip("\r").split(","), header)
     if not body.strip():
         raise UsageError(f"{path}: is damaged: it has no rows")
-    _check_header(path, first.decode("utf-8", "replace").rstrip("\r").split(","), header)
     try:
         table: Floats = np.loadtxt(
             io.BytesIO(body), delimiter=",", ndmin=2, converters=_number_or_zero
@@ -242,11 +246,11 @@ def _parse(
             raise _damaged(path, reader.line_num, "holds something that is no number") from None
 
 
-def _without_csv_errors(path: Path, reader: Iterator[list[str]]) -> Iterator[list[str]]:
+def _without_csv_errors(path: Path, reader: _csv.Reader) -> Iterator[list[str]]:
     try:
         yield from reader
     except csv.Error as error:
-        raise UsageError(f"{path}: is damaged: {error}") from None
+        raise _damaged(path, reader.line_num, str(error)) from None
 
 
 def _check_header(path: Path, found: Sequence[str], header: Sequence[str]) -> None:

@@ -29,8 +29,8 @@ from hilc_cli.laws.gain_matrix import Affine
 LONGEST_EXPRESSION = 120
 _DEEPEST = 20
 _TOKEN = re.compile(
-    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<word>[^\W\d]\w*)|(?P<mark>[-+*/()]))",
-    re.ASCII,
+    r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
+    r"|(?P<word>[^\W\d]\w*)|(?P<mark>[-+*/()]))"
 )
 
 
@@ -95,7 +95,7 @@ def evaluate(text: str, names: Mapping[str, Affine] | None = None, *, units: boo
     value = parser.sum()
     if not parser.token:
         return value
-    if units and parser.token[0].isalpha() and parser.token not in known:
+    if units and parser.token[0].isalpha() and parser.token not in (*known, *_UNITS):
         near = near_word(parser.token, _UNITS)
         hint = f"did you mean '{near}'?" if near else f"units are {_UNIT_NAMES}"
         raise ExpressionError(f"has the unknown unit '{parser.token}'; {hint}")
@@ -182,10 +182,7 @@ class _Parser:
             self.depth -= 1
             return inner
         if token[:1].isdigit() or token[:1] == ".":
-            number = float(token)
-            if math.isinf(number):
-                raise ExpressionError("has a number that is too large")
-            return Value(Affine(number))
+            return Value(Affine(float(token)))
         if token in self.names:
             return Value(self.names[token])
         if token in self.units:
@@ -231,4 +228,7 @@ def _divide(a: Value, b: Value) -> Value:
 
 
 def _scaled(number: Affine, factor: float) -> Affine:
-    return Affine(number.constant * factor, number.cos * factor, number.sin * factor)
+    # A factor that has overflowed leaves what is zero as it is.
+    cos = number.cos * factor if number.cos else 0.0
+    sin = number.sin * factor if number.sin else 0.0
+    return Affine(number.constant * factor, cos, sin)

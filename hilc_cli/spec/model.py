@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, Strict, StringConstraints, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    ModelWrapValidatorHandler,
+    Strict,
+    StringConstraints,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from hilc_cli.spec.nodes import PathKeys
 
@@ -26,6 +34,33 @@ class Model(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    """Groups of keys of which each must have exactly one."""
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _with_exactly_one(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Tells of wrong groups together with wrong values, not only after those are mended."""
+        wrong_groups = [
+            InitErrorDetails(
+                type=wrong(f"needs exactly one of {listed(group)}", "give one of them"), input=data
+            )
+            for group in cls.exactly_one
+            if isinstance(data, dict) and sum(data.get(key) is not None for key in group) != 1
+        ]
+        try:
+            valid = handler(data)
+        except ValidationError as error:
+            if not wrong_groups:
+                raise
+            others = [_details(details) for details in error.errors(include_url=False)]
+            raise ValidationError.from_exception_data(
+                cls.__name__, [*others, *wrong_groups]
+            ) from None
+        if wrong_groups:
+            raise ValidationError.from_exception_data(cls.__name__, wrong_groups)
+        return valid
+
     @model_validator(mode="before")
     @classmethod
     def _nothing_is_the_default(cls, data: object) -> object:
@@ -35,6 +70,20 @@ class Model(BaseModel):
         return {
             key: value for key, value in data.items() if value is not None or key not in optional
         }
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words as a sentence lists them: a, b and c."""
+    return f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def _details(details: ErrorDetails) -> InitErrorDetails:
+    """What Pydantic says of an error in the form in which it takes one."""
+    context = details.get("ctx", {})
+    kind: str | PydanticCustomError = details["type"]
+    if kind == "hilc":
+        kind = PydanticCustomError("hilc", "{text}", context)
+    return InitErrorDetails(type=kind, loc=details["loc"], input=details["input"], ctx=context)
 
 
 def wrong(problem: str, remedy: str) -> PydanticCustomError:

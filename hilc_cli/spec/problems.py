@@ -43,7 +43,9 @@ def problems_of(error: ValidationError, tree: Node, model: type[BaseModel]) -> l
         keys: PathKeys = details["loc"]
         if details["type"] == "hilc":
             for at, problem, remedy in context["problems"]:
-                found.append(_located(tree, (*keys, *at), problem, remedy))
+                # A list that is said not to be one is shown; one that does not fit is not.
+                show_all = problem.startswith("must be")
+                found.append(_located(tree, (*keys, *at), problem, remedy, show_all=show_all))
         elif details["type"] == "missing":
             found.append(_at(tree, keys, f"is missing; {_how_to_give(keys, model)}"))
         elif details["type"] == "extra_forbidden":

@@ -14,6 +14,8 @@ from hilc_cli.spec.quantities import Coordinate, PositiveLength
 class RobotSpec(Model):
     """The plant as it really is."""
 
+    exactly_one = (("half_track", "wheel_separation"),)
+
     wheel_radius: PositiveLength = Field(description="R_c [m]")
     half_track: PositiveLength | None = Field(
         None, description="B_c [m] as Eq. 2 uses it: half the distance between the wheels"
@@ -28,18 +30,10 @@ class RobotSpec(Model):
         (0.0, 0.0), description="D_cx, D_cy [m] in the platform's frame; only reported"
     )
 
-    @model_validator(mode="after")
-    def _one_track(self) -> Self:
-        if (self.half_track is None) == (self.wheel_separation is None):
-            raise wrong_at(
-                (), "needs exactly one of half_track and wheel_separation", "give one of them"
-            )
-        return self
-
     def robot(self) -> Robot:
         """The platform."""
         half_track = _half_track(self.half_track, self.wheel_separation)
-        assert half_track is not None  # see _one_track
+        assert half_track is not None  # exactly_one
         return Robot(self.wheel_radius, half_track, self.turn_convention, self.gravity_center)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -41,16 +41,12 @@ class PoseSpec(Model):
 
 
 class _Timed(Model):
+    exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = (("duration", "speed"),)
+
     duration: PositiveTime | None = Field(None, description="s, a whole number of samples")
     speed: PositiveSpeed | None = Field(
         None, description="m/s, instead of duration; rounded so that the samples are whole"
     )
-
-    @model_validator(mode="after")
-    def _one_of_duration_and_speed(self) -> Self:
-        if (self.duration is None) == (self.speed is None):
-            raise wrong_at((), "needs exactly one of duration and speed", "give one of them")
-        return self
 
 
 class SemicircleSpec(_Timed):
@@ -86,14 +82,10 @@ class ArcSpec(SemicircleSpec):
 class LineSpec(_Timed):
     """A straight line."""
 
+    exactly_one = (("duration", "speed"), ("to", "length"))
+
     to: Point | None = Field(None, description="m, in the world frame")
     length: PositiveLength | None = Field(None, description="m, along the running heading")
-
-    @model_validator(mode="after")
-    def _one_of_to_and_length(self) -> Self:
-        if (self.to is None) == (self.length is None):
-            raise wrong_at((), "needs exactly one of to and length", "give one of them")
-        return self
 
     def plan(self) -> SegmentPlan:
         """The segment for the path builder."""
@@ -103,17 +95,11 @@ class LineSpec(_Timed):
 class SegmentSpec(Model):
     """One piece of the path: its kind, and below that its shape."""
 
+    exactly_one = (("arc", "semicircle", "line"),)
+
     arc: ArcSpec | None = None
     semicircle: SemicircleSpec | None = None
     line: LineSpec | None = None
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
-        if len(self._given()) != 1:
-            raise wrong_at(
-                (), "needs exactly one of arc, semicircle and line", "write '- arc: {...}'"
-            )
-        return self
 
     def _given(self) -> dict[str, ArcSpec | SemicircleSpec | LineSpec]:
         kinds = {"arc": self.arc, "semicircle": self.semicircle, "line": self.line}

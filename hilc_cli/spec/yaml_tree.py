@@ -17,7 +17,7 @@ from hilc_cli.spec.scalars import resolve_plain
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
-MAX_VALUES = 60_000
+MAX_VALUES = 50_000
 """Values in a file, each use of an alias counted with all that it stands for."""
 
 _Loader: type = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

@@ -233,7 +233,7 @@ CASES = [
     (
         "radius-unit-nm",
         scenario("wheel_radius: 0.2", "wheel_radius: 20 mn"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'mn', got '20 mn'; units are deg, rad, ms, s, mm, cm, m and rpm",
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'mn', got '20 mn'; did you mean 'm'?",
     ),
     (
         "radius-comma",
@@ -363,7 +363,7 @@ CASES = [
     (
         "expr-unicode",
         scenario("wheel_radius: 0.2", "wheel_radius: 2π"),
-        "scenario.yaml:3:23: robot.wheel_radius: has 'π' where it should end or have an operator, got '2π'; give a number above 0, such as 0.2 or 20 cm",
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'π', got '2π'; units are deg, rad, ms, s, mm, cm, m and rpm",
     ),
     (
         "expr-pi-unicode",
@@ -769,7 +769,8 @@ CASES = [
             "robot: {wheel_radius: 0.2, half_track: 0.5}",
             "robot: {<<: {half_track: 0.5}, wheel_radius: 0.2}",
         ),
-        "scenario.yaml:3:9: <<: merge keys are not part of YAML 1.2; write the keys out",
+        "scenario.yaml:3:9: <<: merge keys are not part of YAML 1.2; write the keys out\n"
+        "scenario.yaml:3:1: robot: needs exactly one of half_track and wheel_separation; give one of them",
     ),
     (
         "tag",
@@ -792,7 +793,8 @@ CASES = [
             "robot: {wheel_radius: 0.2, half_track: 0.5}",
             "robot: !!python/object/apply:os.system ['true']",
         ),
-        "scenario.yaml:3:8: robot: has the tag tag:yaml.org,2002:python/object/apply:os.system; leave tags out",
+        "scenario.yaml:3:8: robot: has the tag tag:yaml.org,2002:python/object/apply:os.system; leave tags out\n"
+        "scenario.yaml:3:8: robot: must be a mapping of keys and values, got a list of 1; write its keys below it",
     ),
     (
         "alias-cycle",
@@ -948,7 +950,7 @@ CASES = [
     (
         "traj-empty",
         scenario("path.yaml", "''"),
-        "scenario.yaml:2:13: trajectory: .: is a folder; give a regular file",
+        "scenario.yaml:2:13: trajectory: must be the path of a trajectory file or a mapping, got ''; name a trajectory file",
     ),
     (
         "traj-loop",
@@ -1040,7 +1042,6 @@ def test_integer_that_no_float_and_no_int64_holds_is_fine_in_a_gain_matrix(
         scenario("path.yaml", '"no\\nsuch.yaml"'),
         scenario("path.yaml", '"a\\0b"'),
         plus('initial_input: "a\\nb"\n'),
-        plus('"a\\nb": 1\n"a\\nb": 2\n'),
         scenario("b_w: 180", 'gain_matrix: "\\e[31m\\n"'),
         scenario("{l1: 0.5}", '{l1: "\\e\\n"}'),
     ],

@@ -515,10 +515,10 @@ def test_missing_table_is_told(hilc: Hilc, done: Path) -> None:
 
 def test_check_before_a_long_simulation(write: Write, folder: Path) -> None:
     write({"out": "precious"})
-    run = hilc_api.run(hilc_api.load_scenario("scenario.yaml"))
-    run.check_folder("new")
+    scenario = hilc_api.load_scenario("scenario.yaml")
+    hilc_api.check_folder(scenario, "new")
     with pytest.raises(ExistingResultsError):
-        run.check_folder("out")
+        hilc_api.check_folder(scenario, "out")
 
 
 def test_folder_that_is_none_cannot_be_read(folder: Path) -> None:

@@ -172,7 +172,7 @@ def test_input_reads_back_exactly(tmp_path: Path, data: st.DataObject, steps: in
     left, right = data.draw(columns(steps)), data.draw(columns(steps))
     path = tmp_path / "input.csv"
     write_input(path, 0.001, left, right)
-    read = read_input(path, path.read_bytes(), steps)
+    read = read_input(path, path.read_bytes(), steps, 0.001)
     np.testing.assert_array_equal(read, (left, right))
     assert np.array_equal(np.signbit(read), np.signbit((left, right)))
 
@@ -207,6 +207,6 @@ def test_samples_read_back_exactly(
 @pytest.mark.parametrize("ending", ["\r\n", "\n"])
 def test_input_of_a_spreadsheet_is_read(ending: str) -> None:
     text = ending.join(["\ufeff" + INPUT, '"0","0.0","1.5","-2"', "1,0.1, 1e3,-.5", ""])
-    left, right = read_input(Path("input.csv"), text.encode(), 2)
+    left, right = read_input(Path("input.csv"), text.encode(), 2, 0.1)
     assert left.tolist() == [1.5, 1000.0]
     assert right.tolist() == [-2.0, -0.5]
