@@ -72,10 +72,12 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
     from typer.main import get_command
 
     from hilc_cli.cli.app import app
+    from hilc_cli.cli.completion import REQUEST, complete
 
     command = get_command(app)
-    if "_HILC_COMPLETE" in os.environ:  # the shell asks for completions
-        command.main(args=list(arguments), prog_name="hilc", complete_var="_HILC_COMPLETE")
+    if REQUEST in os.environ:
+        complete(lambda: command.main(args=list(arguments), prog_name="hilc", complete_var=REQUEST))
+        return DONE
     usage_error: type[Exception] = typer.BadParameter.__mro__[1]  # it has no public name
     try:
         with command.make_context("hilc", list(arguments), obj=session) as context:

@@ -46,7 +46,7 @@ class Model(BaseModel):
                 type=wrong(f"needs exactly one of {listed(group)}", "give one of them"), input=data
             )
             for group in cls.exactly_one
-            if isinstance(data, dict) and sum(data.get(key) is not None for key in group) != 1
+            if isinstance(data, dict) and cls._is_wrong(group, data)
         ]
         try:
             valid = handler(data)
@@ -60,6 +60,12 @@ class Model(BaseModel):
         if wrong_groups:
             raise ValidationError.from_exception_data(cls.__name__, wrong_groups)
         return valid
+
+    @classmethod
+    def _is_wrong(cls, group: Sequence[str], data: dict[str, object]) -> bool:
+        given = sum(data.get(key) is not None for key in group)
+        # One that is missing beside an unknown key is misspelt: telling that is enough.
+        return given > 1 or (given == 0 and data.keys() <= cls.model_fields.keys())
 
     @model_validator(mode="before")
     @classmethod

@@ -67,7 +67,7 @@ CASES = [
             "- line: {length: 1, duration: 0.3 s}",
             "- {line: {length: 1, duration: 0.3}, semicircle: {radius: 1, turn: left, duration: 0.3}}",
         ),
-        "path.yaml:5:5: trajectory.segments.0: needs exactly one of arc, semicircle and line; write '- arc: {...}'",
+        "path.yaml:5:5: trajectory.segments.0: needs exactly one of arc, semicircle and line; give one of them",
     ),
     (
         "segment-flat",
@@ -82,7 +82,7 @@ CASES = [
     (
         "segment-null",
         trajectory("- line: {length: 1, duration: 0.3 s}", "- line:"),
-        "path.yaml:5:5: trajectory.segments.0: needs exactly one of arc, semicircle and line; write '- arc: {...}'",
+        "path.yaml:5:5: trajectory.segments.0: needs exactly one of arc, semicircle and line; give one of them",
     ),
     (
         "both-time",

@@ -104,7 +104,7 @@ def test_thousands_of_mistakes_do_not_flood_the_terminal(tmp_path: Path, line: s
 def test_path_of_very_many_segments_loads_at_once(tmp_path: Path) -> None:
     # Quadratic work would show: this is near the most segments that a file may have.
     segment = "  - line: {length: 1, duration: 0.1}\n"
-    (tmp_path / "path.yaml").write_text(TRAJECTORY + segment * 4_000)
+    (tmp_path / "path.yaml").write_text(TRAJECTORY + segment * 3_999)
     (tmp_path / "scenario.yaml").write_text(scenario("iterations: 2", "iterations: 0"))
     outcome = run_hilc("run", "scenario.yaml", "--no-plots", "-q", cwd=tmp_path, timeout=3.0)
     assert outcome == Outcome(0, "", "")

@@ -65,7 +65,7 @@ def terminate() -> None:
 
 
 @pytest.mark.parametrize(("stop", "code"), [(interrupt, 130), (terminate, 143)])
-@pytest.mark.parametrize("step", ["write_samples", "write_input", "write_folder"])
+@pytest.mark.parametrize("step", ["write_samples", "write_input", "write_iterations"])
 def test_signal_while_results_are_written(
     hilc: Hilc,
     write: Write,
