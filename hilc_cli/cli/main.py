@@ -12,31 +12,16 @@ import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 from typing import NoReturn
 
+from hilc_cli.cli.session import InterruptedBySignal, Session
 from hilc_cli.errors import HilcError, InvalidInputError, printable
 
 DONE = 0
 COULD_NOT = 1
 WRONG_USAGE = 2
-INTERRUPTED = 130
-TERMINATED = 143
-
-COMMANDS = ("run", "plot", "examples", "schema")
-
-
-class TerminatedError(BaseException):
-    """SIGTERM has arrived; drafts are cleaned up on the way out."""
-
-
-@dataclass(slots=True)
-class Session:
-    """What the exception handler is to know of the command that ran."""
-
-    verbose: bool = False
+AFTER_SIGNAL = 128  # plus its number: 130 and 143
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -45,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     session = Session()
     _open_closed_streams()
     try:
-        signal.signal(signal.SIGTERM, _terminate)
+        session.listen()
         code = _invoke(arguments, session)
         sys.stdout.flush()
     except BaseException as error:
@@ -61,10 +46,6 @@ def _open_closed_streams() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-
-
-def _terminate(number: int, frame: FrameType | None) -> NoReturn:
-    raise TerminatedError
 
 
 def _invoke(arguments: Sequence[str], session: Session) -> int:
@@ -87,7 +68,8 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
     except typer.Abort:
         raise KeyboardInterrupt from None
     except usage_error as error:
-        _say(_usage(error, arguments))
+        known = getattr(command, "commands", {})
+        _say(_usage(error, next((name for name in arguments if name in known), "")))
         return WRONG_USAGE
     return DONE
 
@@ -102,12 +84,12 @@ def _exit_code(error: BaseException, session: Session) -> int:
             return DONE  # whoever read from us has seen enough
         case SystemExit():
             return error.code if isinstance(error.code, int) else COULD_NOT
-        case KeyboardInterrupt():
+        case KeyboardInterrupt() | InterruptedBySignal(number=signal.SIGINT):
             _say("hilc: interrupted; nothing was left half written")
-            return INTERRUPTED
-        case TerminatedError():
+            return AFTER_SIGNAL + signal.SIGINT
+        case InterruptedBySignal():
             _say("hilc: terminated; nothing was left half written")
-            return TERMINATED
+            return AFTER_SIGNAL + error.number
         case InvalidInputError():
             _say(str(error))
             return error.exit_code
@@ -127,12 +109,9 @@ def _exit_code(error: BaseException, session: Session) -> int:
             return COULD_NOT
 
 
-def _usage(error: Exception, arguments: Sequence[str]) -> str:
+def _usage(error: Exception, subcommand: str) -> str:
     """One line for a command line that cannot be parsed."""
-    context = getattr(error, "ctx", None)
-    command = "hilc" if context is None else context.command_path
-    if command == "hilc" and arguments and arguments[0] in COMMANDS:
-        command = f"hilc {arguments[0]}"  # the parser has not told which command it was in
+    command = f"hilc {subcommand}".rstrip()
     message: str = error.format_message()  # type: ignore[attr-defined]
     message = " ".join(message.replace("Value error, ", "").split()).rstrip(".")
     return printable(f"hilc: {message[:1].lower()}{message[1:]}; see '{command} --help'")

@@ -21,6 +21,7 @@ from hilc_cli.cli.options import (
     Verbose,
     Version,
 )
+from hilc_cli.cli.session import Session
 
 if TYPE_CHECKING:
     from hilc_cli.api import Run
@@ -31,6 +32,7 @@ NOT_MET = 3
 
 
 def run(
+    context: typer.Context,
     scenario: ScenarioArgument,
     set_: Overrides = None,
     out: OutputFolder = None,
@@ -71,7 +73,13 @@ def run(
     if not quiet:
         for warning in valid.warnings():
             say(f"warning: {warning}")
-    with progress(valid.name, valid.spec.iterations, quiet=quiet) as on_iteration:
+    session: Session = context.obj
+    with progress(valid.name, valid.spec.iterations, quiet=quiet) as advance:
+
+        def on_iteration(iteration: int) -> None:
+            session.go_on()
+            advance(iteration)
+
         result = api.run(valid, on_iteration=on_iteration)
     result.write(
         folder,

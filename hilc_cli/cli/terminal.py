@@ -93,8 +93,8 @@ def is_decorated(stream: TextIO) -> bool:
 
 
 @contextmanager
-def progress(title: str, iterations: int, *, quiet: bool) -> Iterator[OnIteration | None]:
-    """A progress bar on stderr while iterations run; None where there is to be none.
+def progress(title: str, iterations: int, *, quiet: bool) -> Iterator[OnIteration]:
+    """A progress bar on stderr while iterations run, where there is to be one.
 
     Args:
         title: What is going on.
@@ -102,7 +102,7 @@ def progress(title: str, iterations: int, *, quiet: bool) -> Iterator[OnIteratio
         quiet: No bar at all.
     """
     if quiet or not is_decorated(sys.stderr):
-        yield None
+        yield lambda iteration: None
         return
     from rich.console import Console
     from rich.progress import (
