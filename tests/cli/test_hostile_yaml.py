@@ -10,7 +10,7 @@ from tests.cli.inputs import SCENARIO, TRAJECTORY, scenario
 from tests.cli.processes import run_hilc
 from tests.conftest import Outcome
 
-SECONDS = 5.0
+SECONDS = 20.0  # far above the fraction of a second that it takes; a loaded machine is slow
 SYNTAX = "check quotes, colons, brackets and indentation"
 
 LAUGHS = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n" + "".join(
@@ -106,5 +106,5 @@ def test_path_of_very_many_segments_loads_at_once(tmp_path: Path) -> None:
     segment = "  - line: {length: 1, duration: 0.1}\n"
     (tmp_path / "path.yaml").write_text(TRAJECTORY + segment * 3_999)
     (tmp_path / "scenario.yaml").write_text(scenario("iterations: 2", "iterations: 0"))
-    outcome = run_hilc("run", "scenario.yaml", "--no-plots", "-q", cwd=tmp_path, timeout=3.0)
+    outcome = run_hilc("run", "scenario.yaml", "--no-plots", "-q", cwd=tmp_path)
     assert outcome == Outcome(0, "", "")
