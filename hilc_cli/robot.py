@@ -34,25 +34,6 @@ class Robot:
         return self.half_track if self.turn_convention == "paper" else -self.half_track
 
 
-def twist_from_wheel_speeds(
-    left: float, right: float, wheel_radius: float, signed_half_track: float
-) -> tuple[float, float]:
-    """Forward speed [m/s] and yaw rate [rad/s] of the wheel midpoint.
-
-    Args:
-        left: Speed of the left wheel [rad/s].
-        right: Speed of the right wheel [rad/s].
-        wheel_radius: R_c [m].
-        signed_half_track: B_c [m], see the module's text for its sign.
-
-    Source:
-        Qiao et al. 2021, Eq. 2.
-    """
-    speed = wheel_radius * (left + right) / 2
-    yaw_rate = wheel_radius * (left - right) / (2 * signed_half_track)
-    return speed, yaw_rate
-
-
 def wheel_speeds_from_twist(
     speed: Number, yaw_rate: Number, wheel_radius: float, signed_half_track: float
 ) -> tuple[Number, Number]:
@@ -73,9 +54,8 @@ def euler_step(
     sin_heading: float,
     left: float,
     right: float,
-    wheel_radius: float,
-    signed_half_track: float,
-    sample_time: float,
+    distance_gain: float,
+    turn_gain: float,
 ) -> tuple[float, float, float]:
     """Pose of the wheel midpoint one sample later, without disturbance.
 
@@ -89,17 +69,40 @@ def euler_step(
         sin_heading: Sine of the heading.
         left: Speed of the left wheel [rad/s].
         right: Speed of the right wheel [rad/s].
-        wheel_radius: R_c [m].
-        signed_half_track: B_c [m], see the module's text for its sign.
-        sample_time: d_t [s].
+        distance_gain: d_k R_c / 2 [m s], see `step_gains`.
+        turn_gain: d_k R_c / (2 B_c) [s], see `step_gains`.
 
     Source:
         Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
     """
-    # The twist of Eq. 2 is written out: a call here costs the plain loop a tenth of its time.
-    distance = sample_time * (wheel_radius * (left + right) / 2)
-    turn = sample_time * (wheel_radius * (left - right) / (2 * signed_half_track))
-    return x + distance * cos_heading, y + distance * sin_heading, heading + turn
+    distance = distance_gain * (left + right)
+    return (
+        x + distance * cos_heading,
+        y + distance * sin_heading,
+        heading + turn_gain * (left - right),
+    )
+
+
+def step_gains(
+    wheel_radius: float, signed_half_track: float, sample_time: float
+) -> tuple[float, float]:
+    """What sum and difference of the wheel speeds move in one sample: d_k R / 2, d_k R / (2 B).
+
+    Args:
+        wheel_radius: R_c [m].
+        signed_half_track: B_c [m], see the module's text for its sign.
+        sample_time: d_t [s].
+
+    Returns:
+        Distance per sum [m s] and turn per difference [s].
+
+    Source:
+        Qiao et al. 2021, Eq. 2, and the constant factors of d_k B(q_k) in Eqs. 8 and 9.
+    """
+    return (
+        sample_time * wheel_radius / 2,
+        sample_time * wheel_radius / (2 * signed_half_track),
+    )
 
 
 def limit_wheel_speeds(left: float, right: float, bound: float) -> tuple[float, float]:
@@ -118,10 +121,12 @@ def limit_wheel_speeds(left: float, right: float, bound: float) -> tuple[float, 
     """
     if -bound <= left <= bound and -bound <= right <= bound:
         return left, right
-    fastest = max(abs(left), abs(right))
-    # Divided first: left / fastest is then exactly 1 for the faster wheel, and no rounding can
-    # lift the result above the bound.
-    return left / fastest * bound, right / fastest * bound
+    scale = bound / max(abs(left), abs(right))
+    # The product may round to a hair above the bound.
+    return (
+        min(max(left * scale, -bound), bound),
+        min(max(right * scale, -bound), bound),
+    )
 
 
 def gravity_center_position(

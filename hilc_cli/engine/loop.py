@@ -12,7 +12,7 @@ from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import PreviousIteration, WheelController
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.robot import euler_step, limit_wheel_speeds
+from hilc_cli.robot import euler_step, limit_wheel_speeds, step_gains
 
 
 def simulate(experiment: Experiment) -> Iterator[Trial]:
@@ -73,8 +73,10 @@ def _run_iteration(
     """
     reference, robot = experiment.reference, experiment.robot
     steps = reference.samples
-    wheel_radius, signed_half_track = robot.wheel_radius, robot.signed_half_track
-    sample_time, speed_limit = reference.sample_time, experiment.speed_limit
+    speed_limit = experiment.speed_limit
+    distance_gain, turn_gain = step_gains(
+        robot.wheel_radius, robot.signed_half_track, reference.sample_time
+    )
     desired_x = reference.x.tolist()
     desired_y = reference.y.tolist()
     desired_heading = reference.heading.tolist()
@@ -127,9 +129,8 @@ def _run_iteration(
             sin,
             limited_left,
             limited_right,
-            wheel_radius,
-            signed_half_track,
-            sample_time,
+            distance_gain,
+            turn_gain,
         )
         if state_noise is not None:
             noise_x, noise_y, noise_heading = state_noise[k]

@@ -22,10 +22,28 @@ def compensation_gain(k: int, h: int, sample_time: float) -> float:
     Source:
         Qiao et al. 2021, Eqs. 21 and 22.
     """
-    if k > h:
-        return 0.0
-    theta = 2 / (sample_time * h) * (1 - k / h)  # Eq. 22
-    return math.exp(-k * sample_time) * theta
+    peak = 2 / (sample_time * h)
+    return compensation_weight(k, h, peak, peak / h, math.exp(-k * sample_time))
+
+
+def compensation_weight(k: float, h: float, peak: float, slope: float, decay: float) -> float:
+    """`compensation_gain` from what does not change over the samples.
+
+    Args:
+        k: Sample index, >= 0.
+        h: Length of the compensation in samples, >= 1.
+        peak: theta(0) = 2 / (d_t h) [1/s].
+        slope: What theta falls by from sample to sample, peak / h [1/s].
+        decay: exp(-k d_t), computed by the caller its own way.
+
+    Returns:
+        The weight [1/s].
+
+    Source:
+        Qiao et al. 2021, Eqs. 21 and 22.
+    """
+    theta = peak - slope * k if k < h else 0.0  # Eq. 22
+    return decay * theta
 
 
 def has_initial_error(

@@ -45,6 +45,17 @@ class GainMatrix:
         ]
         return tuple(flat)  # type: ignore[return-value]  # the 2 x 3 x 3 numbers above
 
+    @property
+    def is_kinematic(self) -> bool:
+        """Whether it has the form of Eq. 45, with any wheel radius and half track."""
+        (x, y, turning), (right_x, right_y, right_turning) = self.left, self.right
+        return (
+            x == right_x == Affine(cos=x.cos)
+            and y == right_y == Affine(sin=x.cos)
+            and turning == Affine(turning.constant)
+            and right_turning == Affine(-turning.constant)
+        )
+
 
 def inverse_kinematics_gain(wheel_radius: float, signed_half_track: float) -> GainMatrix:
     """The gain matrix that inverts the kinematics along the heading.
