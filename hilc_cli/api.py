@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from hilc_cli.engine.loop import simulate
-from hilc_cli.errors import DivergedError
+from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.recording import recorded_iterations
@@ -74,7 +74,7 @@ class Run(RunData):
         formats: Sequence[str] = ("png",),
         plots: bool = True,
         command: Sequence[str] = (),
-    ) -> None:
+    ) -> dict[str, float]:
         """Writes the run folder: tables, resolved scenario, manifest and pictures.
 
         Args:
@@ -83,6 +83,9 @@ class Run(RunData):
             formats: Of the pictures: png, svg, pdf.
             plots: Whether to draw pictures.
             command: Command line to note in the manifest.
+
+        Returns:
+            Seconds that tables and pictures took.
 
         Raises:
             ExistingResultsError: The folder holds another scenario's run, or is no run folder.
@@ -93,25 +96,30 @@ class Run(RunData):
         def draw(into: Path) -> None:
             from hilc_cli.figures.catalogue import save_figures  # Matplotlib starts slowly
 
-            drawing = time.perf_counter()
-            self.timings["tables"] = drawing - clock
+            start = time.perf_counter()
             save_figures([self], into, formats=formats)
-            self.timings["pictures"] = time.perf_counter() - drawing
+            timings["pictures"] = time.perf_counter() - start
 
+        def manifest() -> Mapping[str, Any]:
+            timings["tables"] = time.perf_counter() - clock - timings.get("pictures", 0.0)
+            return self._manifest(command, timings)
+
+        timings: dict[str, float] = {}
         clock = time.perf_counter()
 
         write_run_folder(
             Path(folder),
             self,
             self.scenario.resolved_yaml(),
-            lambda: self._manifest(command),
+            manifest,
             initial_input=self.scenario.initial_input,
             gravity_center=self.scenario.spec.record.gravity_center,
             force=force,
             draw=draw if plots else None,
         )
+        return timings
 
-    def _manifest(self, command: Sequence[str]) -> Mapping[str, Any]:
+    def _manifest(self, command: Sequence[str], writing: Mapping[str, float]) -> Mapping[str, Any]:
         spec = self.scenario.spec
         return {
             "name": self.name,
@@ -130,7 +138,7 @@ class Run(RunData):
             "platform": f"{sys.platform} {platform.machine()}",
             "command": list(command),
             "started": self.started.isoformat(timespec="seconds"),
-            "timings_s": self.timings,
+            "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
         }
 
@@ -225,6 +233,8 @@ def plot(
     """
     from hilc_cli.figures.catalogue import KINDS, save_figures  # Matplotlib starts slowly
 
+    if not 1 <= dpi <= 10_000:
+        raise UsageError(f"dpi must be from 1 to 10000, got {dpi}")
     names: list[str] = []
 
     def draw(into: Path) -> None:

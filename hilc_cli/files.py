@@ -125,18 +125,21 @@ def write_folder(
         place = path.resolve()
         place.parent.mkdir(parents=True, exist_ok=True)
         draft = Path(tempfile.mkdtemp(prefix=f".{place.name[:40]}-", dir=place.parent))
+        identity = draft.stat().st_ino
         try:
             fill(draft)
             _open_to_others(draft, 0o777)
             for file in draft.iterdir():
                 _sync(file)
-            if _put_in_place(draft, place, may_replace):
-                for entry in draft.iterdir():
-                    if keeps(entry.name) and not os.path.lexists(place / entry.name):
-                        entry.rename(place / entry.name)
+            _put_in_place(draft, place, may_replace)
         finally:
             # After an exchange this is the old folder, after a failure the unfinished new one.
-            shutil.rmtree(draft, ignore_errors=True)
+            # What somebody has put into the old one goes on, however this ends.
+            is_old = draft.is_dir() and draft.stat().st_ino != identity
+            if is_old:
+                _move_kept(draft, place, keeps)
+            if not (is_old and any(keeps(name) for name in _names(draft))):
+                shutil.rmtree(draft, ignore_errors=True)
 
 
 def merge_folder(
@@ -175,8 +178,19 @@ def merge_folder(
             shutil.rmtree(draft, ignore_errors=True)
 
 
-def _put_in_place(draft: Path, path: Path, may_replace: Callable[[Path], bool]) -> bool:
-    """Moves the draft to its place; whether it has changed places with an older folder."""
+def _move_kept(old: Path, new: Path, keeps: Callable[[str], bool]) -> None:
+    """Moves what is to be kept; what cannot be moved stays where it is."""
+    for name in _names(old):
+        if keeps(name) and new.is_dir() and not os.path.lexists(new / name):
+            with suppress(OSError):
+                (old / name).rename(new / name)
+
+
+def _names(folder: Path) -> list[str]:
+    return os.listdir(folder) if folder.is_dir() else []  # noqa: PTH208  # names, not paths
+
+
+def _put_in_place(draft: Path, path: Path, may_replace: Callable[[Path], bool]) -> None:
     for _ in range(10):
         try:
             draft.rename(path)  # succeeds if nothing, or an empty folder, stands there
@@ -184,13 +198,13 @@ def _put_in_place(draft: Path, path: Path, may_replace: Callable[[Path], bool]) 
             if error.errno not in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
                 raise
         else:
-            return False
+            return
         if not may_replace(path):
             raise ExistingResultsError(f"{path}: exists and holds something else")
         # The folder may have gone, or come, since it was looked at: then once more.
         with suppress(FileNotFoundError):
             _exchange(draft, path)
-            return True
+            return
     raise FileAccessError(f"{path}: cannot be written: other programs keep replacing it")
 
 

@@ -36,7 +36,9 @@ def resolve_example(text: str, folder: str = "scenarios") -> Path:
     name = text.removeprefix(PREFIX).removesuffix(".yaml")
     known = {path.stem: path for path in examples(folder)}
     if name not in known:
-        raise UsageError(f"{text}: there is no such example; {suggestion(name, known)}")
+        begun = [stem for stem in known if name and stem.startswith(name)]
+        hint = suggestion(name, begun or known)
+        raise UsageError(f"{text}: there is no such example; {hint}")
     return known[name]
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from hilc_cli import files
 from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
 from hilc_cli.files import merge_folder, read_file, write_file, write_folder
 from tests.cli.inputs import listing
@@ -174,3 +178,72 @@ def test_folder_in_the_place_of_a_file_is_kept(tmp_path: Path) -> None:
     with pytest.raises((ExistingResultsError, FileAccessError)):
         merge_folder(tmp_path, fill, lambda there: True)
     assert listing(tmp_path) == before
+
+
+def _swap(old: Path, name: str = "note.txt") -> None:
+    old.mkdir()
+    (old / "own").write_text("old")
+    (old / name).write_text("mine")
+
+
+def _write_new(folder: Path) -> None:
+    (folder / "own").write_text("new")
+
+
+def test_foreign_files_survive_an_interrupt_right_after_the_swap(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = tmp_path / "place"
+    _swap(place)
+    exchange = files._exchange
+
+    def interrupted(one: Path, other: Path) -> None:
+        exchange(one, other)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(files, "_exchange", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        files.write_folder(place, _write_new, lambda _: True, keeps=lambda name: name != "own")
+    assert (place / "own").read_text() == "new"
+    assert (place / "note.txt").read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir()] == ["place"]
+
+
+def test_foreign_file_that_cannot_be_moved_is_not_deleted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = tmp_path / "place"
+    _swap(place)
+    rename = Path.rename
+
+    def stubborn(self: Path, target: Path) -> Path:
+        if self.name == "note.txt":
+            raise OSError(errno.EIO, "Input/output error")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", stubborn)
+    files.write_folder(place, _write_new, lambda _: True, keeps=lambda name: name != "own")
+    assert (place / "own").read_text() == "new"
+    (left,) = tmp_path.glob(".place-*/note.txt")
+    assert left.read_text() == "mine"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs renameat2")
+def test_at_no_moment_is_there_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place = tmp_path / "place"
+    _swap(place)
+    monkeypatch.setattr(Path, "rename", _refuse_to_move(Path.rename, place))
+    files.write_folder(place, _write_new, lambda _: True)
+    assert (place / "own").read_text() == "new"
+
+
+def _refuse_to_move(
+    rename: Callable[[Path, Path], Path], place: Path
+) -> Callable[[Path, Path], Path]:
+    """A rename that fails if the old folder is moved away instead of being exchanged."""
+
+    def checked(self: Path, target: Path) -> Path:
+        assert self != place, "the folder was moved away"
+        return rename(self, target)
+
+    return checked

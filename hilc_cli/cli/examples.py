@@ -31,9 +31,9 @@ def examples(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """List the example scenarios, or copy them.
+    """List the example scenarios and trajectories, or copy them.
 
-    They run as example:NAME; copy them to edit them.
+    Scenarios run as example:NAME; scenarios may name trajectories so as well.
 
     \b
     Examples:
@@ -41,7 +41,7 @@ def examples(
       hilc examples --copy my-experiments
     """
     from hilc_cli.cli.terminal import print_json, print_table, print_text, two_columns
-    from hilc_cli.shipped_files import copy_examples, examples, examples_folder
+    from hilc_cli.shipped_files import FOLDERS, copy_examples, examples, examples_folder
     from hilc_cli.spec.describing import description_of
 
     if where:
@@ -55,8 +55,17 @@ def examples(
         elif not quiet:
             print_text(f"Wrote {len(written)} files to {copy}")
         return
-    listed = [(f"example:{path.stem}", description_of(path)) for path in examples()]
+    listed = {
+        folder: [(f"example:{path.stem}", description_of(path)) for path in examples(folder)]
+        for folder in FOLDERS
+    }
     if json:
-        print_json([{"name": name, "description": text} for name, text in listed])
+        print_json(
+            {
+                folder: [{"name": name, "description": text} for name, text in rows]
+                for folder, rows in listed.items()
+            }
+        )
     elif not quiet:
-        print_table(two_columns("Scenarios", listed, numbers=False))
+        for folder, rows in listed.items():
+            print_table(two_columns(folder.capitalize(), rows, numbers=False))

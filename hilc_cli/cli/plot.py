@@ -63,6 +63,8 @@ def plot(
     from hilc_cli import api
     from hilc_cli.cli.ranges import parse_whole_numbers
     from hilc_cli.cli.terminal import print_json, print_text
+    from hilc_cli.errors import UsageError
+    from hilc_cli.results.run_folder import is_run_folder
 
     wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
     results = _told_apart([api.read_run(folder) for folder in runs], runs)
@@ -71,6 +73,8 @@ def plot(
         chosen = {*wanted.single, *(i for run in results for i in run.trials if i in wanted)}
     in_place = out is None and len(runs) == 1
     folder = out or (runs[0] if in_place else Path("runs") / _name_together(runs))
+    if len(runs) > 1 and is_run_folder(folder):
+        raise UsageError(f"--out {folder}: is the folder of one run; name another for several")
     pictures = api.plot(
         results,
         folder,

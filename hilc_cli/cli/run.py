@@ -81,7 +81,7 @@ def run(
             advance(iteration)
 
         result = api.run(valid, on_iteration=on_iteration)
-    result.write(
+    timings = result.write(
         folder,
         force=force,
         formats=[choice.value for choice in formats or [PictureFormat.PNG]],
@@ -98,7 +98,7 @@ def run(
         print_table(summary_table(summary, valid.speed_limit))
         print_text(f"Written to {folder}")
     if verbose:
-        for step, seconds in result.timings.items():
+        for step, seconds in {**result.timings, **timings}.items():
             say(f"{step}: {seconds:.3f} s")
     if summary.diverged_at is not None:
         say(

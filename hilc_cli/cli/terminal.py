@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from hilc_cli.api import OnIteration
 
-_WIDTH_WITHOUT_TERMINAL = 100
+_WIDTH_WITHOUT_TERMINAL = 500  # no line of a table is broken where grep reads it
 
 
 def say(message: str) -> None:
@@ -59,7 +59,8 @@ def print_table(table: Table) -> None:
     )
     with console.capture() as capture:
         console.print(table)
-    print_text(capture.get().rstrip("\n"))
+    lines = (line.rstrip() for line in capture.get().splitlines())
+    print_text("\n".join(lines).rstrip("\n"))
 
 
 def two_columns(title: str, rows: Sequence[tuple[str, str]], *, numbers: bool = True) -> Table:

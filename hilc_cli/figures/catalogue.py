@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -17,7 +17,17 @@ from hilc_cli.figures.wheel_speeds import wheel_speeds_figure
 from hilc_cli.results.run import RunData
 from hilc_cli.results.run_folder import PICTURE_KINDS
 
+Drawer = Callable[[Sequence[RunData], Collection[int] | None], Figure]
+
+_DRAWERS: Mapping[str, Drawer] = {
+    "path-change": path_change_figure,
+    "final-path": lambda runs, iterations: final_path_figure(runs),
+    "error": lambda runs, iterations: error_figure(runs),
+    "wheel-speeds": lambda runs, iterations: wheel_speeds_figure(runs),
+    "summary": summary_figure,
+}
 KINDS = PICTURE_KINDS
+assert set(KINDS) == set(_DRAWERS)
 
 
 def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None = None) -> Figure:
@@ -32,17 +42,7 @@ def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None 
         UsageError: There is no such kind, no run, or no such iteration in any of the runs.
     """
     _check(runs, [kind], iterations)
-    match kind:
-        case "path-change":
-            return path_change_figure(runs, iterations)
-        case "final-path":
-            return final_path_figure(runs)
-        case "error":
-            return error_figure(runs)
-        case "wheel-speeds":
-            return wheel_speeds_figure(runs)
-        case _:
-            return summary_figure(runs, iterations)
+    return _DRAWERS[kind](runs, iterations)
 
 
 def save_figures(

@@ -115,6 +115,9 @@ def check_output_folder(
         if path.exists() or path.is_symlink():
             raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
         return
+    if Path.cwd().is_relative_to(path.resolve()):
+        # It would be exchanged for another one under the feet of whoever stands in it.
+        raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
     if is_empty:
         return
     if not is_run_folder(path):

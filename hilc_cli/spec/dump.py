@@ -29,6 +29,6 @@ def to_yaml(data: Any) -> str:
         Dumper=_Dumper,
         sort_keys=False,
         allow_unicode=True,
-        width=100,
+        width=10_000,
         default_flow_style=None,
     )

@@ -95,7 +95,8 @@ def evaluate(text: str, names: Mapping[str, Affine] | None = None, *, units: boo
     value = parser.sum()
     if not parser.token:
         return value
-    if units and parser.token[0].isalpha() and parser.token not in (*known, *_UNITS):
+    is_word = parser.token[0] not in "0123456789.+-*/()_"
+    if units and is_word and parser.token not in (*known, *_UNITS):
         near = near_word(parser.token, _UNITS)
         hint = f"did you mean '{near}'?" if near else f"units are {_UNIT_NAMES}"
         raise ExpressionError(f"has the unknown unit '{parser.token}'; {hint}")
@@ -181,13 +182,13 @@ class _Parser:
                 raise ExpressionError("has an opening bracket without a closing one")
             self.depth -= 1
             return inner
-        if token[:1].isdigit() or token[:1] == ".":
+        if token[:1] and token[0] in "0123456789.":
             return Value(Affine(float(token)))
         if token in self.names:
             return Value(self.names[token])
         if token in self.units:
             raise ExpressionError(f"has the unit '{token}' without a number before it")
-        if token[:1].isalpha() or token[:1] == "_":
+        if token and token not in "+-*/()":
             near = near_word(token, [*self.names, *self.units])
             hint = f"; did you mean '{near}'?" if near else ""
             raise ExpressionError(f"has the unknown name '{token}'{hint}")

@@ -49,6 +49,8 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
 
 
 def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
+    if isinstance(overrides, str):
+        overrides = [overrides]
     if isinstance(overrides, Mapping):
         return [data_override(key, value) for key, value in overrides.items()]
     problems: list[Problem] = []

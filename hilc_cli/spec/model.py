@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
     BaseModel,
@@ -37,35 +37,34 @@ class Model(BaseModel):
     exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = ()
     """Groups of keys of which each must have exactly one."""
 
-    @model_validator(mode="wrap")
     @classmethod
-    def _with_exactly_one(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
-        """Tells of wrong groups together with wrong values, not only after those are mended."""
-        wrong_groups = [
-            InitErrorDetails(
-                type=wrong(f"needs exactly one of {listed(group)}", "give one of them"), input=data
-            )
+    def misfits(cls, data: dict[str, Any]) -> list[Located]:
+        """What does not fit together in data that may not be valid yet."""
+        return [
+            ((), f"needs exactly one of {listed(group)}", "give one of them")
             for group in cls.exactly_one
-            if isinstance(data, dict) and cls._is_wrong(group, data)
+            if cls._is_wrong(group, data)
         ]
-        try:
-            valid = handler(data)
-        except ValidationError as error:
-            if not wrong_groups:
-                raise
-            others = [_details(details) for details in error.errors(include_url=False)]
-            raise ValidationError.from_exception_data(
-                cls.__name__, [*others, *wrong_groups]
-            ) from None
-        if wrong_groups:
-            raise ValidationError.from_exception_data(cls.__name__, wrong_groups)
-        return valid
 
     @classmethod
-    def _is_wrong(cls, group: Sequence[str], data: dict[str, object]) -> bool:
+    def _is_wrong(cls, group: Sequence[str], data: dict[str, Any]) -> bool:
         given = sum(data.get(key) is not None for key in group)
         # One that is missing beside an unknown key is misspelt: telling that is enough.
         return given > 1 or (given == 0 and data.keys() <= cls.model_fields.keys())
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _fits_together(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Tells of misfits together with wrong values, not only after those are mended."""
+        misfits = cls.misfits(data) if isinstance(data, dict) else []
+        if not misfits:
+            return handler(data)
+        found = [InitErrorDetails(type=together(misfits), input=data)]
+        try:
+            handler(data)
+        except ValidationError as error:
+            found = [*map(_details, error.errors(include_url=False)), *found]
+        raise ValidationError.from_exception_data(cls.__name__, found)
 
     @model_validator(mode="before")
     @classmethod

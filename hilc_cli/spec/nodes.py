@@ -83,6 +83,8 @@ def from_data(data: object, place: Place) -> Node:
     if isinstance(data, Mapping):
         entries = {str(key): from_data(value, place) for key, value in data.items()}
         return MapNode(place, entries, dict.fromkeys(entries, place))
+    if hasattr(data, "tolist"):  # a NumPy array or number
+        data = data.tolist()
     if isinstance(data, str) or data is None or isinstance(data, bool | int | float):
         return Scalar(place, data, "null" if data is None else str(data))
     if isinstance(data, Sequence):

@@ -44,7 +44,11 @@ def parse_override(text: str) -> tuple[tuple[str, ...], Node]:
 def data_override(key: str, value: object) -> tuple[tuple[str, ...], Node]:
     """Keys and value of an override that comes from Python."""
     place = Place(_source(f"override {key}"))
-    return tuple(key.split(".")), from_data(value, place)
+    keys = tuple(key.split("."))
+    if not all(keys):
+        message = "must be keys with dots between them, such as controller.gains.l1"
+        raise InvalidInputError([Problem(str(place), "", message)])
+    return keys, from_data(value, place)
 
 
 def apply_override(

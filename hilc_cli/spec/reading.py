@@ -89,7 +89,10 @@ class Inputs:
 def _read_stdin() -> bytes:
     """Standard input as bytes, no more than may be read."""
     try:
-        content = sys.stdin.buffer.read(MAX_BYTES + 1)
+        stream = getattr(sys.stdin, "buffer", None)
+        if stream is None:
+            raise UsageError("<stdin>: cannot be read here; give a file")
+        content: bytes = stream.read(MAX_BYTES + 1)
     except OSError as error:
         raise FileAccessError(f"<stdin>: cannot be read: {reason(error)}") from error
     if len(content) > MAX_BYTES:

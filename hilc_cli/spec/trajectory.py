@@ -129,7 +129,7 @@ class TrajectorySpec(Model):
     )
 
     @model_validator(mode="after")
-    def _fits_together(self) -> Self:
+    def _has_a_path(self) -> Self:
         self._path()
         return self
 

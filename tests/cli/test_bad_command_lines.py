@@ -384,7 +384,7 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "out-dot",
         ["run", "scenario.yaml", "--out", "."],
         1,
-        "hilc: .: exists and is no run folder, so it is left as it is; choose another with --out",
+        "hilc: .: is the folder you are in; name another with --out",
     ),
     (
         "out-below-file",
@@ -402,7 +402,7 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "out-empty",
         ["run", "scenario.yaml", "--out", ""],
         1,
-        "hilc: .: exists and is no run folder, so it is left as it is; choose another with --out",
+        "hilc: .: is the folder you are in; name another with --out",
     ),
     (
         "out-long",

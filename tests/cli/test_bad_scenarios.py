@@ -1054,3 +1054,17 @@ def test_message_is_one_printable_line_whatever_the_file_says(
     assert outcome.code == 2
     assert outcome.err.count("\n") == 1
     assert outcome.err.removesuffix("\n").isprintable()
+
+
+def test_what_does_not_fit_is_told_beside_what_is_wrong_by_itself(hilc: Hilc, write: Write) -> None:
+    content = scenario("half_track: 0.5}", "half_track: 0.5, foo: 1}")
+    content = content.replace("b_w: 180", "b_w: -1\n  h: 5000")
+    write({"scenario.yaml": f"{content.rstrip()}\nrecord: {{iterations: [2000]}}\n"})
+    outcome = hilc("run", "scenario.yaml")
+    assert outcome.code == 2
+    assert [line.split(": ")[1] for line in outcome.err.splitlines()] == [
+        "robot.foo",
+        "controller.b_w",
+        "controller.h",
+        "record.iterations.0",
+    ]

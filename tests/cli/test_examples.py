@@ -41,8 +41,10 @@ def test_examples_are_listed_as_json(hilc: Hilc) -> None:
     outcome = hilc("examples", "--json")
     assert (outcome.code, outcome.err) == (0, "")
     listed = json.loads(outcome.out)
-    assert [each["name"] for each in listed] == [f"example:{name}" for name in SCENARIOS]
-    assert all(each["description"] for each in listed)
+    scenarios, trajectories = listed["scenarios"], listed["trajectories"]
+    assert [each["name"] for each in scenarios] == [f"example:{name}" for name in SCENARIOS]
+    assert "example:figure-eight" in [each["name"] for each in trajectories]
+    assert all(each["description"] for each in [*scenarios, *trajectories])
 
 
 def test_quiet_list_is_empty(hilc: Hilc) -> None:

@@ -5,9 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 
+from hilc_cli.api import load_scenario, run
+from hilc_cli.disturbance.streams import Disturbance
+from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
-from hilc_cli.reference.sampled import Floats
+from hilc_cli.laws.gain_matrix import model_gain
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.robot import Robot
 from tests.engine.experiments import LIMIT, SITUATIONS, experiment_of, law_of
 from tests.reference.paths import paper_reference
 
@@ -58,3 +65,23 @@ def test_wheels_never_exceed_the_limit() -> None:
     )
     for trial in simulate(experiment):
         assert max(np.abs(trial.left).max(), np.abs(trial.right).max()) <= LIMIT
+
+
+def test_sample_is_limited_even_where_one_wheel_stands_still() -> None:
+    reference = Reference("line", 0.1, np.array([0.0, 0.1, 0.2, 0.3]), np.zeros(4), np.zeros(4))
+    robot = Robot(0.2, 0.5)
+    law = HybridLaw(0.0, 0.0, 0.0, model_gain(robot), "measured", False, 1)
+    left, right = np.array([20.0, 0.0, 5.0]), np.array([0.0, -20.0, 5.0])
+    experiment = Experiment(
+        reference, robot, law, (0.0, 0.0, 0.0), left, right, False, 0, 10.0, Disturbance()
+    )
+    (trial,) = simulate(experiment)
+    assert trial.saturated_samples == 2
+    assert trial.left.tolist() == [10.0, 0.0, 5.0]
+    assert trial.right.tolist() == [0.0, -10.0, 5.0]
+
+
+@pytest.mark.parametrize("name", ["figure-eight", "rounded-square"])
+def test_learning_helps_in_the_scenarios_of_our_own(name: str) -> None:
+    errors = run(load_scenario(f"example:{name}")).metrics["max_position_error_m"]
+    assert errors[-1] < 0.05 * errors[0]

@@ -10,6 +10,8 @@ import pytest
 
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import METRIC_NAMES, IterationMetrics, MetricsTable, measure
+from hilc_cli.results.run import RunData
+from hilc_cli.results.summary import summarise
 from hilc_cli.results.trial import Trial
 
 REFERENCE = Reference("line", 0.1, np.array([0.0, 1.0, 2.0]), np.zeros(3), np.zeros(3))
@@ -150,3 +152,17 @@ def test_settled_at_is_the_iteration_from_which_the_error_stays_within(
     errors: list[float], settled: int | None
 ) -> None:
     assert table_of(errors).settled_at(1.0) == settled
+
+
+def test_share_of_limited_samples_counts_all_samples_of_all_iterations() -> None:
+    straight = Reference("line", 1.0, np.arange(5.0), np.zeros(5), np.zeros(5))
+    table = MetricsTable()
+    for iteration, limited in enumerate([3, 0, 1]):
+        zero = np.zeros(5)
+        trial = Trial(iteration, zero, zero, zero, np.zeros(4), np.zeros(4), limited)
+        table.append(measure(trial, straight, None))
+    zero = np.zeros(5)
+    last = Trial(2, zero, zero, zero, np.zeros(4), np.zeros(4))
+    summary = summarise(RunData("run", straight, table, {2: last}))
+    assert summary.saturated_share == 4 / 12
+    assert summary.iterations == 2

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from hilc_cli.laws.gain_matrix import Affine
@@ -135,6 +135,9 @@ def test_arithmetic_agrees_with_python(built: Built) -> None:
 
 
 @given(st.text(max_size=130))
+@example("²")
+@example("2*①")
+@example("1 ²")
 def test_any_text_is_a_value_or_an_expression_error(text: str) -> None:
     with suppress(ExpressionError):
         evaluate(text)
