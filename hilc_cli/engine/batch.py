@@ -109,6 +109,7 @@ class _Pack:
         self.history = np.zeros((steps + 1, HISTORY_FIELDS, LANES))
         for lane, experiment in enumerate(self.experiments):
             self._fill(lane, experiment)
+        self.scattered = any(e.disturbance.initial_pose.active for e in self.experiments)
         law = _law(first)
         self.full_matrix = None if law.matrix.is_kinematic else True
         times = np.arange(steps) * self.reference.sample_time
@@ -172,6 +173,9 @@ class _Pack:
         self.lanes[: Field.L3 + 1] = gains
 
     def _place_at_start(self, iteration: int) -> None:
+        """Puts each lane at its initial pose, which changes only where it is disturbed."""
+        if iteration > 0 and not self.scattered:
+            return
         for lane, experiment in enumerate(self.experiments):
             offset = experiment.disturbance.of_initial_pose(iteration)
             pose = [p + o for p, o in zip(experiment.initial_pose, offset, strict=True)]

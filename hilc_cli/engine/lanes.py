@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-LANES = 32
+LANES = 16
 """Experiments side by side. The history of so many lanes should stay in the second-level cache."""
 
 
