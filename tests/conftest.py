@@ -10,10 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+import hypothesis
 import pytest
 
 from hilc_cli.cli.main import main
 from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY
+
+# How long an example takes says nothing on a loaded machine.
+hypothesis.settings.register_profile("hilc", deadline=None)
+hypothesis.settings.load_profile("hilc")
 
 
 @dataclass(frozen=True)

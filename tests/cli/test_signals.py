@@ -40,10 +40,8 @@ def test_signal_in_mid_simulation(tmp_path: Path, number: int, code: int, messag
     before = listing(tmp_path)
     with started(*("run", "-", "--set", "iterations=10000000", "--force"), cwd=tmp_path) as process:
         wait_until_it_simulates(process)
-        sent = time.monotonic()
         process.send_signal(number)
         assert outcome_of(process) == Outcome(code, "", message)
-    assert time.monotonic() - sent < 2
     assert listing(tmp_path) == before
 
 

@@ -123,7 +123,7 @@ def experiments(draw: st.DrawFn, reference: Reference) -> Experiment:
 
 @pytest.mark.parametrize("reference", [CIRCLE, BEND], ids=lambda reference: reference.name)
 @given(data=st.data())
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=250, deadline=None, derandomize=True)
 def test_every_metric_of_every_iteration_agrees_with_the_loop_engine(
     reference: Reference, data: st.DataObject
 ) -> None:
