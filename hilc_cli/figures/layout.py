@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.transforms import ScaledTranslation
+from matplotlib.transforms import ScaledTranslation, Transform
 
 from hilc_cli.figures.labels import spare_room
 from hilc_cli.figures.style import HEADING_SIZE
@@ -79,17 +79,7 @@ def legend_below(axes: Axes, width: float, without: Collection[str] = ()) -> flo
         return 0.0
     columns = _columns(entries, width + RIGHT)
     below = ScaledTranslation(0, -BOTTOM, root_figure(axes).dpi_scale_trans)
-    axes.legend(
-        list(entries.values()),
-        list(entries),
-        loc="upper left",
-        bbox_to_anchor=(0, 0),
-        bbox_transform=axes.transAxes + below,
-        borderaxespad=0,
-        borderpad=0,
-        columnspacing=1.2,
-        ncols=columns,
-    )
+    _draw_legend(axes, entries, (0, 0), axes.transAxes + below, columns)
     return _height(entries, columns)
 
 
@@ -111,18 +101,30 @@ def shared_legend(
     figure = root_figure(axes)
     entries = _entries(axes, only=only)
     columns = _columns(entries, width)
-    figure.legend(
+    corner = figure.transFigure + ScaledTranslation(left, -top, figure.dpi_scale_trans)
+    _draw_legend(figure, entries, (0, 1), corner, columns)
+    return _height(entries, columns)
+
+
+def _draw_legend(
+    owner: Axes | Figure,
+    entries: dict[str, Artist],
+    corner: tuple[float, float],
+    transform: Transform,
+    columns: int,
+) -> None:
+    """Draws a legend whose upper left corner is at a place."""
+    owner.legend(
         list(entries.values()),
         list(entries),
         loc="upper left",
-        bbox_to_anchor=(0, 1),
-        bbox_transform=figure.transFigure + ScaledTranslation(left, -top, figure.dpi_scale_trans),
+        bbox_to_anchor=corner,
+        bbox_transform=transform,
         borderaxespad=0,
         borderpad=0,
         columnspacing=1.2,
         ncols=columns,
     )
-    return _height(entries, columns)
 
 
 def _entries(
