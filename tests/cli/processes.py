@@ -26,6 +26,15 @@ def environment(changes: Mapping[str, str] | None = None) -> dict[str, str]:
     return {**kept, "TERM": "xterm-256color", "MPLBACKEND": "agg", **(changes or {})}
 
 
+def uncovered(variables: dict[str, str]) -> dict[str, str]:
+    """An environment in which coverage is not measured.
+
+    A process that gets a signal needs it: the exception may be raised while coverage holds its
+    lock, which is then never given back.
+    """
+    return {name: value for name, value in variables.items() if "COVERAGE" not in name}
+
+
 def run_hilc(
     *arguments: str,
     cwd: Path,
@@ -59,7 +68,7 @@ def started(
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        env=environment(changes),
+        env=uncovered(environment(changes)),
         # A test run in the background of a shell would pass on that it ignores interrupts.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )

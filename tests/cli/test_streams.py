@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.inputs import SCENARIO, TRAJECTORY
-from tests.cli.processes import HILC, TIMEOUT, environment, run_hilc
+from tests.cli.processes import HILC, TIMEOUT, environment, run_hilc, uncovered
 from tests.conftest import Outcome
 
 RUN = ("run", "scenario.yaml", "--no-plots")
@@ -263,7 +263,7 @@ def test_interrupt_on_a_terminal_clears_the_bar(inputs: Path) -> None:
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=program_end,
-        env=environment(),
+        env=uncovered(environment()),
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     os.close(program_end)
