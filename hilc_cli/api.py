@@ -1,4 +1,4 @@
-"""The Python interface: load a scenario, run it, keep it. The command line is built on this."""
+"""The Python interface: load a scenario, run it, keep it. `hilc run` and `plot` call this."""
 
 from __future__ import annotations
 

@@ -29,14 +29,14 @@ class Inputs:
     checksums: dict[str, str] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
 
-    def file(self, path: Path, limit: int, label: str | None = None) -> bytes:
+    def file(self, path: Path, limit: int) -> bytes:
         """The content of a file.
 
         Raises:
             HilcError: It cannot be read, or is no regular file.
         """
         content = read_file(path, limit)
-        self.checksums[label or str(path)] = hashlib.sha256(content).hexdigest()
+        self.checksums[str(path)] = hashlib.sha256(content).hexdigest()
         return content
 
     def tree(self, name: str) -> Node:
