@@ -14,6 +14,7 @@ from hilc_cli.spec.quantities import Angle, Coordinate, Iterations
 from hilc_cli.spec.record import RecordSpec
 from hilc_cli.spec.relations import DEFAULT_ITERATIONS, misfits
 from hilc_cli.spec.robot import ModelSpec, RobotSpec
+from hilc_cli.spec.sweep import SweepSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
 
 
@@ -46,6 +47,7 @@ class ScenarioSpec(Model):
     controller: HybridController
     disturbance: DisturbanceSpec = DisturbanceSpec()
     record: RecordSpec = RecordSpec()
+    sweep: SweepSpec | None = Field(None, description="what 'hilc sweep' varies")
 
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:

@@ -97,7 +97,7 @@ class Scenario:
     def resolved(self) -> dict[str, Any]:
         """The scenario as plain data with every default, file and relation filled in."""
         spec = self.spec
-        data = spec.model_dump(mode="json")
+        data = spec.model_dump(mode="json", exclude={"sweep"})
         robot = spec.robot.robot()
         model = spec.model.model(robot)
         data["trajectory"] = spec.trajectory.model_dump(mode="json", exclude_none=True)

@@ -1,0 +1,86 @@
+"""What is known of each case of a sweep, and of all of them together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.variation.axes import Axis, Value
+
+ITERATIONS_TO_TOLERANCE = "iterations_to_tolerance"
+PEAK = "peak_max_position_error_m"
+DIVERGED = "diverged"
+
+CASE_METRICS = (*METRIC_NAMES, ITERATIONS_TO_TOLERANCE, PEAK)
+CASE_COLUMNS = (*CASE_METRICS, DIVERGED)
+"""Columns of ``cases.csv`` behind the varied keys."""
+
+SEED_KEY = "disturbance.seed"
+"""Varying it repeats an experiment with other disturbances."""
+
+QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bands:
+    """How the maximum position error is spread over the cases, iteration by iteration.
+
+    Attributes:
+        cases: Cases that have such an iteration, shape (iterations,).
+        quantiles: [m], shape (iterations, quantiles), in the order of QUANTILES; a case that has
+            diverged counts as infinite.
+    """
+
+    cases: Floats
+    quantiles: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SweepData:
+    """The results of a sweep, from wherever they come.
+
+    Attributes:
+        name: The scenario's name.
+        axes: What each varied key takes, in order.
+        is_grid: Every combination of the axes' values, the last key changing fastest; otherwise
+            points drawn from them.
+        values: What each key is in each case, by key.
+        columns: By names in CASE_COLUMNS, shape (cases,) each: metrics of the last completed
+            iteration; not-a-number where there is none. ``diverged`` is 1 or 0, and not-a-number
+            for a case that failed.
+        tolerance: Of iterations_to_tolerance [m]; None if none was given.
+        metric: Which column the pictures show, in CASE_METRICS.
+        bands: Quantiles over all cases, if they were asked for.
+    """
+
+    name: str
+    axes: Mapping[str, Axis]
+    is_grid: bool
+    values: Mapping[str, Sequence[Value]]
+    columns: Mapping[str, Floats]
+    tolerance: float | None = None
+    metric: str = "max_position_error_m"
+    bands: Bands | None = None
+
+    def __len__(self) -> int:
+        return len(self.columns[DIVERGED])
+
+    @property
+    def diverged(self) -> Floats:
+        """Which cases left the finite numbers, shape (cases,), bool."""
+        return np.asarray(self.columns[DIVERGED] == 1)
+
+    @property
+    def failed(self) -> Floats:
+        """Which cases could not be simulated, shape (cases,), bool."""
+        return np.isnan(self.columns[DIVERGED])
+
+    def ranked(self) -> list[int]:
+        """Numbers of the cases that completed, the smallest metric first."""
+        column = np.where(self.diverged, np.nan, self.columns[self.metric])
+        order = np.argsort(column, kind="stable")
+        return [int(case) for case in order[: int(np.isfinite(column).sum())]]

@@ -1,0 +1,129 @@
+"""The values of one key of a sweep as people write them.
+
+``0.1,1,10`` or a YAML list: these values; ``0.1:10:20``: 20 numbers from 0.1 to 10 in equal steps;
+``0.1:10:20:log``: in equal ratios; ``0.1:10`` and ``0.1:10:log``: a range to draw from;
+``1..30``: whole numbers.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Annotated, TypeVar
+
+from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
+
+from hilc_cli.spec.expressions import ExpressionError, evaluate
+from hilc_cli.spec.model import wrong
+from hilc_cli.spec.scalars import resolve_plain
+from hilc_cli.variation.axes import Axis, Choices, Range, Spacing, Value
+
+MOST_VALUES = 1_000_000
+"""Of one key, so that they can be listed."""
+
+_AnyAxis = TypeVar("_AnyAxis", Choices, Range)
+_WHOLE_NUMBERS = re.compile(r"\s*([-+]?[0-9]{1,18})\s*\.\.\s*([-+]?[0-9]{1,18})\s*")
+_SPACINGS: dict[str, Spacing] = {"log": "log", "linear": "linear"}
+_REMEDY = "give 0.1,1,10 or 0.1:10:20 or 0.1:10:20:log or 1..30"
+
+
+def read_axis(value: object) -> Axis:
+    """The values that a text, a list or a single value stands for.
+
+    Raises:
+        PydanticCustomError: It stands for none.
+    """
+    if isinstance(value, Choices | Range):
+        return value
+    if isinstance(value, str):
+        return _from_text(value)
+    if isinstance(value, list | tuple):
+        return _choices([_scalar(item) for item in value])
+    return _choices([_scalar(value)])
+
+
+def axis_text(axis: Axis) -> str | list[Value]:
+    """An axis as it can be written in a scenario."""
+    if isinstance(axis, Choices):
+        return list(axis.values)
+    if axis.spacing == "integer":
+        return f"{int(axis.low)}..{int(axis.high)}"
+    count = "" if axis.values_asked is None else f":{axis.values_asked}"
+    return f"{axis.low!r}:{axis.high!r}{count}:{axis.spacing}"
+
+
+def _from_text(text: str) -> Axis:
+    whole = _WHOLE_NUMBERS.fullmatch(text)
+    if whole:
+        low, high = map(int, whole.groups())
+        if low > high:
+            raise wrong("must rise", "give the smaller number first, such as 1..30")
+        return _of_bearable_count(Range(low, high, "integer"))
+    if ":" in text and not text.strip().startswith("example:"):
+        return _range(text)
+    return _choices([_scalar(resolve_plain(word.strip())) for word in text.split(",")])
+
+
+def _range(text: str) -> Range:
+    parts = [part.strip() for part in text.split(":")]
+    spacing: Spacing = "linear"
+    if parts[-1] in _SPACINGS:
+        spacing = _SPACINGS[parts.pop()]
+    if len(parts) not in (2, 3):
+        raise wrong("is no range", _REMEDY)
+    low, high = _number(parts[0]), _number(parts[1])
+    if not low < high:
+        raise wrong("must rise", "give the smaller number first, such as 0.1:10:20")
+    if spacing == "log" and low <= 0:
+        raise wrong("has no logarithm", "start above 0, such as 0.1:10:20:log")
+    if not math.isfinite(high - low):
+        raise wrong("must be finite", _REMEDY)
+    if len(parts) == 2:
+        return Range(low, high, spacing, written=(parts[0], parts[1]))
+    if not re.fullmatch(r"[0-9]{1,18}", parts[2]) or int(parts[2]) < 2:
+        raise wrong("needs 2 or more values", "give their number last, such as 0.1:10:20")
+    asked = int(parts[2])
+    return _of_bearable_count(Range(low, high, spacing, asked, written=(parts[0], parts[1])))
+
+
+def _number(text: str) -> float:
+    try:
+        return float(evaluate(text).number.constant)
+    except ExpressionError as error:
+        raise wrong(f"holds '{text}', which {error}".partition(";")[0], _REMEDY) from None
+
+
+def _scalar(value: object) -> Value:
+    if value is None or isinstance(value, bool | int | float | str):
+        if value == "":
+            raise wrong("has an empty value", _REMEDY)
+        return value
+    raise wrong("must hold single values", _REMEDY)
+
+
+def _choices(values: list[Value]) -> Choices:
+    if not values:
+        raise wrong("has no values", _REMEDY)
+    return _of_bearable_count(Choices(tuple(values)))
+
+
+def _of_bearable_count(axis: _AnyAxis) -> _AnyAxis:
+    if (axis.count or 0) > MOST_VALUES:
+        raise wrong(f"has {axis.count} values", f"give at most {MOST_VALUES}, or draw from a range")
+    return axis
+
+
+AxisSpec = Annotated[
+    Axis,
+    PlainValidator(read_axis),
+    PlainSerializer(axis_text),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "string", "description": "0.1,1,10 or 0.1:10:20[:log] or 1..30"},
+                {"type": "array", "minItems": 1},
+                {"type": "number"},
+            ]
+        }
+    ),
+]

@@ -1,0 +1,72 @@
+"""What a scenario says of its sweep: which keys are varied, and how cases are made of them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+from pydantic.types import StringConstraints
+
+from hilc_cli.results.sweep import CASE_METRICS
+from hilc_cli.spec.axis import AxisSpec, read_axis
+from hilc_cli.spec.model import Flag, Located, Model
+from hilc_cli.spec.quantities import CaseCount, PositiveLength, Seed
+from hilc_cli.variation.axes import Choices
+from hilc_cli.variation.cases import Cases, Sampling
+
+MOST_CASES = 100_000_000
+MOST_KEYS = 100
+
+Key = Annotated[str, StringConstraints(pattern=r"^[^.\s=]+(\.[^.\s=]+)*$", max_length=200)]
+
+
+class SweepSpec(Model):
+    """Many runs of one scenario."""
+
+    vary: dict[Key, AxisSpec] = Field(
+        {}, max_length=MOST_KEYS, description="values by dotted key, such as controller.gains.l1"
+    )
+    sample: Sampling = Field(
+        "grid", description="grid: every combination; random, sobol: points drawn from the ranges"
+    )
+    cases: CaseCount | None = Field(None, description="number of points to draw")
+    seed: Seed = Field(0, description="of the drawing")
+    tolerance: PositiveLength | None = Field(
+        None, description="maximum error [m] for iterations_to_tolerance"
+    )
+    bands: Flag = Field(False, description="write quantiles of the error over the cases")
+    metric: Literal[CASE_METRICS] = Field(  # type: ignore[valid-type]
+        "max_position_error_m", description="what pictures show and the best case is best in"
+    )
+
+    @classmethod
+    def misfits(cls, data: dict[str, Any]) -> list[Located]:
+        """What does not fit together, whatever else is wrong."""
+        found = super().misfits(data)
+        sample = data.get("sample", "grid") or "grid"
+        if sample == "grid":
+            if data.get("cases") is not None:
+                remedy = "remove it, or set 'sample: random' or 'sample: sobol'"
+                found.append((("cases",), "has no meaning for a grid", remedy))
+            vary = data.get("vary")
+            for key, value in vary.items() if isinstance(vary, dict) else ():
+                if _has_no_count(value):
+                    remedy = "add it, such as 0.1:10:20, or draw from the range with 'sample'"
+                    found.append(
+                        (("vary", str(key)), "is a range without a number of values", remedy)
+                    )
+        elif sample in ("random", "sobol") and data.get("cases") is None:
+            found.append(((), "needs the number of cases to draw", "give it under 'cases'"))
+        return found
+
+    def drawn_cases(self) -> Cases:
+        """The cases as numbered combinations of values."""
+        return Cases(self.vary, self.sample, self.cases or 0, self.seed)
+
+
+def _has_no_count(value: object) -> bool:
+    try:
+        axis = read_axis(value)
+    except ValueError:
+        return False
+    return not isinstance(axis, Choices) and axis.count is None

@@ -1,0 +1,148 @@
+"""The values that one key of a sweep takes: listed one by one, or spread over a range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+Value = float | int | str | bool | None
+Spacing = Literal["linear", "log", "integer"]
+
+
+@dataclass(frozen=True, slots=True)
+class Choices:
+    """Values one by one.
+
+    Attributes:
+        values: At least one, in the order in which the cases take them.
+    """
+
+    values: tuple[Value, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of values."""
+        return len(self.values)
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether all values are numbers, so that they have a place on an axis."""
+        return all(
+            isinstance(value, int | float) and not isinstance(value, bool) for value in self.values
+        )
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Whether the values are spread so that a logarithmic axis shows them best."""
+        if not self.is_numeric or len(self.values) < 3:
+            return False
+        numbers = sorted(float(value) for value in self.values)  # type: ignore[arg-type]
+        return numbers[0] > 0 and numbers[-1] / numbers[0] >= 100
+
+    @property
+    def ends(self) -> tuple[Value, ...]:
+        """The values that a range of checks has to cover: the outermost, or all words."""
+        if self.is_numeric:
+            return (min(self.values), max(self.values))  # type: ignore[type-var]
+        return self.values
+
+    def at(self, index: int) -> Value:
+        """Value number ``index`` of a grid."""
+        return self.values[index]
+
+    def drawn(self, unit: float) -> Value:
+        """The value at a fraction, 0 < unit < 1, of the way through."""
+        return self.values[min(int(unit * len(self.values)), len(self.values) - 1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Numbers from one to another, both included.
+
+    Attributes:
+        low: The smallest.
+        high: The largest, >= low.
+        spacing: Equal steps, equal ratios, or all whole numbers.
+        values_asked: How many a grid takes; None if only sampling can use the range. Not for
+            spacing integer, which has as many as there are.
+        whole: Values are rounded to whole numbers; what then is there twice is taken once.
+        written: The ends as their author wrote them, perhaps with a unit.
+    """
+
+    low: float
+    high: float
+    spacing: Spacing = "linear"
+    values_asked: int | None = None
+    whole: bool = False
+    written: tuple[str, str] | None = field(default=None, compare=False)
+
+    @property
+    def count(self) -> int | None:
+        """Number of values in a grid; None if that has not been said."""
+        if self.spacing == "integer":
+            return int(self.high) - int(self.low) + 1
+        if self.whole and self.values_asked is not None:
+            return len(self._whole_values())
+        return self.values_asked
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether all values are numbers."""
+        return True
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Whether a logarithmic axis shows the values best."""
+        return self.spacing == "log"
+
+    @property
+    def ends(self) -> tuple[Value, ...]:
+        """The smallest and the largest value."""
+        return (self._rounded(self.low), self._rounded(self.high))
+
+    def at(self, index: int) -> Value:
+        """Value number ``index`` of a grid; the ends are exactly as given.
+
+        Raises:
+            ValueError: The range has no count.
+        """
+        if self.spacing == "integer":
+            return int(self.low) + index
+        if self.values_asked is None:
+            raise ValueError("a range without a count has no numbered values")
+        return self._whole_values()[index] if self.whole else self._spread(index)
+
+    def drawn(self, unit: float) -> Value:
+        """The value at a fraction, 0 < unit < 1, of the way through."""
+        if self.spacing == "integer" or (self.whole and self.spacing == "linear"):
+            # Each whole number has an equal share of the way.
+            whole = int(self.low) + int(unit * (int(self.high) - int(self.low) + 1))
+            return min(whole, int(self.high))
+        if self.spacing == "log":
+            number = self.low * (self.high / self.low) ** unit
+        else:
+            number = self.low + (self.high - self.low) * unit
+        return self._rounded(min(max(number, self.low), self.high))
+
+    def _spread(self, index: int) -> float:
+        assert self.values_asked is not None  # asked by callers
+        last = self.values_asked - 1
+        if index == 0:
+            return self.low
+        if index == last:
+            return self.high
+        if self.spacing == "log":
+            return float(self.low * (self.high / self.low) ** (index / last))
+        # One rounding of each product: 0:1:11 gives 0.3, not 0.30000000000000004.
+        return (self.low * (last - index) + self.high * index) / last
+
+    def _whole_values(self) -> list[int]:
+        assert self.values_asked is not None  # asked by callers
+        rounded = (round(self._spread(index)) for index in range(self.values_asked))
+        return list(dict.fromkeys(rounded))
+
+    def _rounded(self, number: float) -> float:
+        return round(number) if self.whole or self.spacing == "integer" else number
+
+
+Axis = Choices | Range
