@@ -8,6 +8,9 @@ The Python interface in short::
     result = hilc.run(scenario)
     print(result.metrics["max_position_error_m"])
     result.write("runs/circle")
+
+    plan = hilc.plan_sweep(scenario, {"controller.gains.l1": "0.1:10:40:log"})
+    print(hilc.sweep(plan).columns["max_position_error_m"])
 """
 
 from typing import TYPE_CHECKING, Any
@@ -21,11 +24,19 @@ if TYPE_CHECKING:
         RunData,
         Scenario,
         Summary,
+        Sweep,
+        SweepData,
         check_folder,
         load_scenario,
+        merge_shards,
+        plan_sweep,
         plot,
+        plot_sweep,
         read_run,
+        read_sweep,
         run,
+        sweep,
+        sweep_shard,
     )
 
 __all__ = [
@@ -34,12 +45,20 @@ __all__ = [
     "RunData",
     "Scenario",
     "Summary",
+    "Sweep",
+    "SweepData",
     "__version__",
     "check_folder",
     "load_scenario",
+    "merge_shards",
+    "plan_sweep",
     "plot",
+    "plot_sweep",
     "read_run",
+    "read_sweep",
     "run",
+    "sweep",
+    "sweep_shard",
 ]
 
 

@@ -9,6 +9,7 @@ from hilc_cli.cli.options import Version
 from hilc_cli.cli.plot import plot
 from hilc_cli.cli.run import run
 from hilc_cli.cli.schema import schema
+from hilc_cli.cli.sweep import sweep
 
 app = typer.Typer(
     name="hilc",
@@ -26,6 +27,7 @@ def hilc(context: typer.Context, version: Version = False) -> None:
     Example:
       hilc run example:fig3-circle
       hilc plot runs/fig3-circle --kind error --format svg
+      hilc sweep example:fig8a --vary controller.gains.l1=0.05:1:20
     """
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
@@ -33,5 +35,6 @@ def hilc(context: typer.Context, version: Version = False) -> None:
 
 app.command()(run)
 app.command()(plot)
+app.command()(sweep)
 app.command()(examples)
 app.command()(schema)

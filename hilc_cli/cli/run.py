@@ -74,11 +74,11 @@ def run(
         for warning in valid.warnings():
             say(f"warning: {warning}")
     session: Session = context.obj
-    with progress(valid.name, valid.spec.iterations, quiet=quiet) as advance:
+    with progress(valid.name, valid.spec.iterations + 1, quiet=quiet) as advance:
 
         def on_iteration(iteration: int) -> None:
             session.go_on()
-            advance(iteration)
+            advance(iteration + 1)
 
         result = api.run(valid, on_iteration=on_iteration)
     timings = result.write(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -14,8 +14,6 @@ from hilc_cli.files import reason
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-    from hilc_cli.api import OnIteration
 
 _WIDTH_WITHOUT_TERMINAL = 500  # no line of a table is broken where grep reads it
 
@@ -94,16 +92,19 @@ def is_decorated(stream: TextIO) -> bool:
 
 
 @contextmanager
-def progress(title: str, iterations: int, *, quiet: bool) -> Iterator[OnIteration]:
-    """A progress bar on stderr while iterations run, where there is to be one.
+def progress(title: str, total: int, *, quiet: bool) -> Iterator[Callable[[int], None]]:
+    """A progress bar on stderr, where there is to be one.
 
     Args:
         title: What is going on.
-        iterations: Number of the last iteration.
+        total: Number of things to do.
         quiet: No bar at all.
+
+    Yields:
+        A function to call with the number of things done.
     """
     if quiet or not is_decorated(sys.stderr):
-        yield lambda iteration: None
+        yield lambda done: None
         return
     from rich.console import Console
     from rich.progress import (
@@ -123,5 +124,5 @@ def progress(title: str, iterations: int, *, quiet: bool) -> Iterator[OnIteratio
         transient=True,
     )
     with bar:
-        task = bar.add_task(title, total=iterations + 1)
-        yield lambda iteration: bar.update(task, completed=iteration + 1)
+        task = bar.add_task(title, total=total)
+        yield lambda done: bar.update(task, completed=done)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import METRIC_NAMES
 from hilc_cli.variation.axes import Axis, Value
+
+Numbers = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.uint64]
 
 ITERATIONS_TO_TOLERANCE = "iterations_to_tolerance"
 PEAK = "peak_max_position_error_m"
@@ -23,6 +26,13 @@ SEED_KEY = "disturbance.seed"
 """Varying it repeats an experiment with other disturbances."""
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+
+
+def as_numbers(values: list[Value]) -> Numbers | list[Value]:
+    """Values as an array, if all of them are numbers."""
+    if any(isinstance(value, bool) or not isinstance(value, int | float) for value in values):
+        return values
+    return np.array(values)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +58,8 @@ class SweepData:
         axes: What each varied key takes, in order.
         is_grid: Every combination of the axes' values, the last key changing fastest; otherwise
             points drawn from them.
-        values: What each key is in each case, by key.
+        values: What each key is in each case, by key: an array of numbers, or a list where not
+            all of them are numbers.
         columns: By names in CASE_COLUMNS, shape (cases,) each: metrics of the last completed
             iteration; not-a-number where there is none. ``diverged`` is 1 or 0, and not-a-number
             for a case that failed.
@@ -60,7 +71,7 @@ class SweepData:
     name: str
     axes: Mapping[str, Axis]
     is_grid: bool
-    values: Mapping[str, Sequence[Value]]
+    values: Mapping[str, Numbers | list[Value]]
     columns: Mapping[str, Floats]
     tolerance: float | None = None
     metric: str = "max_position_error_m"
@@ -70,14 +81,22 @@ class SweepData:
         return len(self.columns[DIVERGED])
 
     @property
-    def diverged(self) -> Floats:
-        """Which cases left the finite numbers, shape (cases,), bool."""
+    def diverged(self) -> NDArray[np.bool_]:
+        """Which cases left the finite numbers, shape (cases,)."""
         return np.asarray(self.columns[DIVERGED] == 1)
 
     @property
-    def failed(self) -> Floats:
-        """Which cases could not be simulated, shape (cases,), bool."""
+    def failed(self) -> NDArray[np.bool_]:
+        """Which cases could not be simulated, shape (cases,)."""
         return np.isnan(self.columns[DIVERGED])
+
+    def case(self, number: int) -> dict[str, Value]:
+        """What each varied key is in a case."""
+        found: dict[str, Value] = {}
+        for key, values in self.values.items():
+            value = values[number]
+            found[key] = value.item() if isinstance(value, np.generic) else value
+        return found
 
     def ranked(self) -> list[int]:
         """Numbers of the cases that completed, the smallest metric first."""

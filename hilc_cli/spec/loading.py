@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.tables import MAX_CSV_BYTES, read_input
-from hilc_cli.spec.nodes import MapNode, Node, Scalar, describe, to_data
+from hilc_cli.spec.nodes import MapNode, Node, Place, Scalar, describe, nearest, to_data
 from hilc_cli.spec.overrides import apply_override, data_override, parse_override
 from hilc_cli.spec.problems import problems_of
 from hilc_cli.spec.reading import Inputs
@@ -45,7 +45,9 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
     except InvalidInputError as error:
         problems = list(error.problems)
     spec = _validated(tree, problems, inputs.problems)
-    return Scenario(spec, _initial_input(spec, tree, inputs), dict(inputs.checksums))
+    return Scenario(
+        spec, _initial_input(spec, tree, inputs), dict(inputs.checksums), _sweep_places(spec, tree)
+    )
 
 
 def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
@@ -94,6 +96,12 @@ def _validated(
     if yaml_problems:
         raise InvalidInputError(yaml_problems)
     return spec
+
+
+def _sweep_places(spec: ScenarioSpec, tree: MapNode) -> dict[str, Place]:
+    """Where the values of each varied key stand."""
+    keys = {} if spec.sweep is None else spec.sweep.vary
+    return {key: nearest(tree, ("sweep", "vary", key))[1] for key in keys}
 
 
 def _initial_input(

@@ -13,6 +13,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.spec.dump import to_yaml
+from hilc_cli.spec.nodes import Place
 from hilc_cli.spec.scenario import ScenarioSpec
 
 NAMED_INPUTS = ("zero", "feedforward")
@@ -27,11 +28,13 @@ class Scenario:
         spec: What its author wrote, with defaults filled in.
         initial_input: Left and right wheel speeds of the input file that it names, if any.
         checksums: SHA-256 of each file that was read.
+        sweep_places: Where the values of each key under ``sweep: vary:`` stand.
     """
 
     spec: ScenarioSpec
     initial_input: tuple[Floats, Floats] | None = None
     checksums: Mapping[str, str] = field(default_factory=dict)
+    sweep_places: Mapping[str, Place] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

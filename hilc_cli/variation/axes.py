@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from fractions import Fraction
+from typing import Any, Literal
 
 Value = float | int | str | bool | None
 Spacing = Literal["linear", "log", "integer"]
@@ -133,8 +135,9 @@ class Range:
             return self.high
         if self.spacing == "log":
             return float(self.low * (self.high / self.low) ** (index / last))
-        # One rounding of each product: 0:1:11 gives 0.3, not 0.30000000000000004.
-        return (self.low * (last - index) + self.high * index) / last
+        # With the decimals that people write, rounded once: 0.05:1:20 gives 0.1 and 0.15.
+        low, high = Fraction(repr(self.low)), Fraction(repr(self.high))
+        return float((low * (last - index) + high * index) / last)
 
     def _whole_values(self) -> list[int]:
         assert self.values_asked is not None  # asked by callers
@@ -146,3 +149,27 @@ class Range:
 
 
 Axis = Choices | Range
+
+
+def axis_to_data(axis: Axis) -> dict[str, Any]:
+    """An axis as plain data for a JSON document."""
+    if isinstance(axis, Choices):
+        return {"values": list(axis.values)}
+    return {
+        "low": axis.low,
+        "high": axis.high,
+        "spacing": axis.spacing,
+        "count": axis.values_asked,
+        "whole": axis.whole,
+    }
+
+
+def axis_from_data(data: Mapping[str, Any]) -> Axis:
+    """The axis that `axis_to_data` has written.
+
+    Raises:
+        KeyError: Something is missing.
+    """
+    if "values" in data:
+        return Choices(tuple(data["values"]))
+    return Range(data["low"], data["high"], data["spacing"], data["count"], data["whole"])

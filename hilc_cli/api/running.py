@@ -1,4 +1,4 @@
-"""The Python interface: load a scenario, run it, keep it. `hilc run` and `plot` call this."""
+"""One run: load a scenario, simulate it, keep it, draw it."""
 
 from __future__ import annotations
 

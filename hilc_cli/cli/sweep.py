@@ -1,0 +1,251 @@
+"""``hilc sweep``: many runs of one scenario, in one command."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from hilc_cli.cli.options import (
+    Force,
+    Json,
+    OutputFolder,
+    Overrides,
+    Quiet,
+    Verbose,
+    Version,
+    complete_scenario,
+)
+from hilc_cli.cli.session import InterruptedBySignal, Session
+from hilc_cli.errors import ExistingResultsError, HilcError, UsageError
+
+
+class SweepFormat(StrEnum):
+    """File formats of pictures, and of the table of the cases."""
+
+    PNG = "png"
+    SVG = "svg"
+    PDF = "pdf"
+    PARQUET = "parquet"
+
+
+class Sample(StrEnum):
+    """How cases are made of the values."""
+
+    GRID = "grid"
+    RANDOM = "random"
+    SOBOL = "sobol"
+
+
+def sweep(
+    context: typer.Context,
+    targets: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="SCENARIO",
+            help="A scenario file, - for standard input, or example:NAME; with --merge the "
+            "folders of all shards.",
+            autocompletion=complete_scenario,
+            show_default=False,
+        ),
+    ],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--vary",
+            metavar="KEY=VALUES",
+            help="0.1,1,10 or 0.1:10:20 or 0.1:10:20:log or 1..30; several make a grid.",
+            show_default=False,
+        ),
+    ] = None,
+    sample: Annotated[
+        Sample | None,
+        typer.Option(help="Every combination, or points drawn from the ranges. [default: grid]"),
+    ] = None,
+    cases: Annotated[
+        int | None, typer.Option(metavar="N", help="How many points to draw.", show_default=False)
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(metavar="S", help="Of the drawing. [default: 0]")
+    ] = None,
+    tolerance: Annotated[
+        str | None,
+        typer.Option(
+            metavar="METERS",
+            help="Count the iterations until the maximum error stays within it.",
+            show_default=False,
+        ),
+    ] = None,
+    bands: Annotated[
+        bool, typer.Option("--bands", help="Write quantiles of the error over all cases.")
+    ] = False,
+    metric: Annotated[
+        str | None,
+        typer.Option(
+            help="What cases are ranked by and pictures report. [default: max_position_error_m]",
+            show_default=False,
+        ),
+    ] = None,
+    set_: Overrides = None,
+    out: OutputFolder = None,
+    force: Force = False,
+    formats: Annotated[
+        list[SweepFormat] | None,
+        typer.Option("--format", help="Of pictures and table; repeatable. [default: png]"),
+    ] = None,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no pictures.")] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(metavar="N", min=1, max=10_000, help="Processes. [default: all cores]"),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="tcp://HOST:PORT",
+            help="Compute on the workers of this Dask scheduler.",
+            show_default=False,
+        ),
+    ] = None,
+    shard: Annotated[
+        str | None,
+        typer.Option(
+            metavar="K/N", help="Compute the K-th of N parts, for --merge.", show_default=False
+        ),
+    ] = None,
+    merge: Annotated[
+        bool, typer.Option("--merge", help="Put the shards of a sweep together.")
+    ] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with this sweep where it was stopped.")
+    ] = False,
+    fail_fast: Annotated[
+        bool,
+        typer.Option(
+            "--fail-fast/--keep-going", help="Stop at the first case that fails, or do the others."
+        ),
+    ] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what it would cost, and compute nothing.")
+    ] = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    version: Version = False,
+) -> None:
+    """Run a scenario many times with other values.
+
+    Writes a row per case to runs/NAME-sweep/cases.csv, and pictures. Results of an unfinished
+    sweep stay in runs/NAME-sweep.part, for --resume.
+
+    \b
+    Examples:
+      hilc sweep example:fig8a --vary controller.gains.l1=0.05:1:20
+      hilc sweep my.yaml --vary controller.gains.l1=0.1:10:40:log --vary controller.h=100,200
+      hilc sweep my.yaml --vary disturbance.seed=1..100 --bands --tolerance '5 cm'
+      hilc sweep my.yaml --vary robot.wheel_radius=0.15:0.25 --sample sobol --cases 1000
+      hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
+    """
+    from hilc_cli import api
+    from hilc_cli.cli.sweep_report import SweepReport
+
+    session: Session = context.obj
+    report = SweepReport(json=json, quiet=quiet, verbose=verbose)
+    chosen = [choice.value for choice in formats or [SweepFormat.PNG]]
+    writing: dict[str, Any] = {
+        "force": force,
+        "formats": chosen,
+        "plots": not no_plots,
+        "command": sys.argv,
+        "go_on": session.go_on,
+    }
+    if "parquet" in chosen:
+        api.require_parquet()
+    if merge:
+        _check_merge(vary, sample, cases, seed, tolerance, bands, metric, set_, workers,
+                     scheduler, shard, resume, fail_fast, dry_run)  # fmt: skip
+        result = api.merge_shards([Path(folder) for folder in targets], go_on=session.go_on)
+        folder = out or Path("runs") / f"{result.name}-sweep"
+        result.write(folder, **writing)
+        report.result(result, folder)
+        return
+    if len(targets) > 1:
+        raise UsageError(f"give one scenario, got {len(targets)}; several folders need --merge")
+    part = None if shard is None else _parse_shard(shard)
+    plan = api.plan_sweep(
+        api.load_scenario(targets[0], set_ or []),
+        vary or [],
+        sample=None if sample is None else sample.value,
+        cases=cases,
+        seed=seed,
+        tolerance=tolerance,
+        bands=bands or None,
+        metric=metric,
+    )
+    if dry_run:
+        report.estimate(plan, api.estimate(plan, workers or api.available_cores()))
+        return
+    report.warnings(plan)
+    place = Path("runs") / f"{plan.name}-sweep"
+    how: dict[str, Any] = {
+        "workers": workers,
+        "scheduler": scheduler,
+        "resume": resume,
+        "force": force,
+        "fail_fast": fail_fast,
+        "go_on": session.go_on,
+    }
+    if part is not None:
+        folder = out or place.with_name(f"{place.name}.{part[0]}-of-{part[1]}")
+        with _resumable(folder), report.progress(plan, part) as how["on_cases"]:
+            failures = api.sweep_shard(plan, part, folder, **how)
+        report.shard(plan, part, failures, folder)
+        return
+    folder = out or place
+    work = api.work_folder(folder)
+    if resume and not work.exists() and api.is_complete(plan, folder):
+        report.say(f"nothing to resume: {folder} is complete")
+        return
+    api.check_sweep_output(plan, folder, force=force)
+    with _resumable(work):
+        with report.progress(plan) as how["on_cases"]:
+            result = api.sweep(plan, work_folder=work, **how)
+        result.write(folder, **writing)
+    if not result.failures:
+        api.discard_work(work)
+    report.result(result, folder)
+
+
+@contextmanager
+def _resumable(work: Path) -> Iterator[None]:
+    """Tells how to go on when a sweep has been stopped and left something to go on with."""
+    try:
+        yield
+    except (InterruptedBySignal, KeyboardInterrupt, HilcError, OSError, MemoryError) as error:
+        from hilc_cli import api
+        from hilc_cli.cli.terminal import say
+
+        if api.is_resumable(work) and not isinstance(error, ExistingResultsError):
+            words = [word for word in sys.argv[1:] if word not in ("--resume", "--force")]
+            say(f"go on with: {shlex.join(['hilc', *words, '--resume'])}")
+        raise
+
+
+def _parse_shard(text: str) -> tuple[int, int]:
+    number, slash, shards = text.partition("/")
+    if not slash or not number.isdecimal() or not shards.isdecimal() or len(text) > 20:
+        raise UsageError(f"--shard {text}: must read K/N, such as 1/3")
+    return int(number), int(shards)
+
+
+def _check_merge(*others: object) -> None:
+    if any(others):
+        raise UsageError(
+            "--merge takes the folders of all shards and no scenario, so that only --out, --force, "
+            "--format, --no-plots, --json and -q go with it"
+        )

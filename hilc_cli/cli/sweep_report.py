@@ -1,0 +1,160 @@
+"""What ``hilc sweep`` tells of a sweep, before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from hilc_cli.cli.terminal import print_json, print_table, print_text, progress, say, two_columns
+
+if TYPE_CHECKING:
+    from hilc_cli.api import Estimate, Failure, Plan, Sweep, SweepSummary
+
+SOME_FAILED = 3
+_MOST_FAILURES = 10
+"""So many are named one by one."""
+
+
+@dataclass(frozen=True, slots=True)
+class SweepReport:
+    """Tells it as the user wants to hear it.
+
+    Attributes:
+        json: As one JSON document.
+        quiet: Nothing but errors.
+        verbose: More than usual.
+    """
+
+    json: bool
+    quiet: bool
+    verbose: bool
+
+    def say(self, message: str) -> None:
+        """A message on stderr, unless nothing is to be said."""
+        if not self.quiet:
+            say(message)
+
+    def warnings(self, plan: Plan) -> None:
+        """What is legal but probably not meant."""
+        for warning in plan.varied.scenario.warnings():
+            self.say(f"warning: {warning}")
+
+    def progress(
+        self, plan: Plan, part: tuple[int, int] | None = None
+    ) -> AbstractContextManager[Callable[[int], None]]:
+        """A progress bar over the cases."""
+        from hilc_cli.api import shard_cases
+
+        total = len(plan.cases) if part is None else len(shard_cases(len(plan.cases), *part))
+        return progress(plan.name, total, quiet=self.quiet)
+
+    def estimate(self, plan: Plan, estimate: Estimate) -> None:
+        """What a sweep would cost."""
+        if self.json:
+            print_json({"name": plan.name, **asdict(estimate)})
+            return
+        rows = [
+            ("cases", f"{estimate.cases:,}"),
+            ("samples of all iterations", f"{estimate.samples:,.0f}"),
+            ("time", f"about {_duration(estimate.seconds)} with {_workers(estimate.workers)}"),
+            ("memory", f"about {_size(estimate.memory)}"),
+            ("disk, until it is done", f"about {_size(estimate.disk)}"),
+        ]
+        print_table(two_columns(f"{plan.name}, not computed", rows))
+
+    def result(self, result: Sweep, folder: Path) -> None:
+        """How a sweep went.
+
+        Raises:
+            typer.Exit: Some cases have failed.
+        """
+        summary = result.summary()
+        if self.json:
+            document = {
+                "folder": str(folder),
+                **asdict(summary),
+                "failures": _json(result.failures),
+            }
+            print_json(document)
+        elif not self.quiet:
+            print_table(two_columns(f"{summary.name}, {summary.cases:,} cases", _rows(summary)))
+            print_text(f"Written to {folder}")
+        if self.verbose:
+            for step, seconds in result.how.get("timings_s", {}).items():
+                say(f"{step}: {seconds:.3f} s")
+        self._failures(result.failures)
+
+    def shard(
+        self, plan: Plan, part: tuple[int, int], failures: Sequence[Failure], folder: Path
+    ) -> None:
+        """How a shard went.
+
+        Raises:
+            typer.Exit: Some cases have failed.
+        """
+        number, shards = part
+        if self.json:
+            print_json(
+                {"folder": str(folder), "shard": [number, shards], "failures": _json(failures)}
+            )
+        elif not self.quiet:
+            print_text(f"Shard {number} of {shards} of {plan.name} is in {folder}")
+        self._failures(failures)
+
+    def _failures(self, failures: Sequence[Failure]) -> None:
+        for failure in failures[:_MOST_FAILURES]:
+            say(f"{failure.chunk} failed: {failure.reason}")
+        if len(failures) > _MOST_FAILURES:
+            say(f"... and {len(failures) - _MOST_FAILURES} more failures, see sweep.json")
+        if failures:
+            say("the same command with --resume tries these cases again")
+            raise typer.Exit(SOME_FAILED)
+
+
+def _rows(summary: SweepSummary) -> list[tuple[str, str]]:
+    metric = summary.metric
+    rows = [("diverged", f"{summary.diverged:,}")]
+    if summary.failed:
+        rows.append(("failed", f"{summary.failed:,}"))
+    if summary.within_tolerance is not None:
+        rows.append((f"settled within {summary.tolerance:g} m", f"{summary.within_tolerance:,}"))
+    if summary.median is not None and summary.worst is not None:
+        rows.append((f"median {metric}", f"{summary.median:.6g}"))
+        rows.append((f"largest {metric}", f"{summary.worst:.6g}"))
+    for best in summary.best:
+        values = ", ".join(f"{key}={_shown(value)}" for key, value in best.values.items())
+        rows.append((f"case {best.case}: {values}", f"{best.metric:.6g}"))
+    return rows
+
+
+def _shown(value: object) -> str:
+    if value is None:
+        return "null"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _json(failures: Sequence[Failure]) -> list[dict[str, object]]:
+    return [
+        {"first": f.chunk.first, "last": f.chunk.last - 1, "reason": f.reason} for f in failures
+    ]
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 100:
+        return f"{seconds:.2g} s"
+    if seconds < 6000:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"
+
+
+def _workers(count: int) -> str:
+    return "1 worker" if count == 1 else f"{count} workers"
+
+
+def _size(size: float) -> str:
+    return f"{size / 1e6:.0f} MB" if size < 1e9 else f"{size / 1e9:.1f} GB"

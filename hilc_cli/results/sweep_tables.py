@@ -1,0 +1,181 @@
+"""The CSV files of a sweep: ``cases.csv`` and ``bands.csv``."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from hilc_cli.errors import UsageError
+from hilc_cli.files import read_file
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import INTEGER_METRICS
+from hilc_cli.results.sweep import (
+    CASE_COLUMNS,
+    DIVERGED,
+    ITERATIONS_TO_TOLERANCE,
+    QUANTILES,
+    Bands,
+    Numbers,
+    as_numbers,
+)
+from hilc_cli.results.tables import MAX_CSV_BYTES
+from hilc_cli.variation.axes import Axis, Choices, Value
+
+CASE = "case"
+BANDS_HEADER = (
+    "iteration",
+    "cases",
+    *(f"max_position_error_m_p{round(100 * quantile):02d}" for quantile in QUANTILES),
+)
+_WHOLE = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE, DIVERGED}
+_BLOCK = 10_000
+"""Rows that are put into words at a time, so that a million cases need little memory."""
+
+
+def write_cases(
+    path: Path,
+    values: Mapping[str, Numbers | Sequence[Value]],
+    columns: Mapping[str, Floats],
+    go_on: Callable[[], None] = lambda: None,
+) -> None:
+    """Writes ``cases.csv``: a row per case, in case order.
+
+    Args:
+        path: The file.
+        values: What each varied key is in each case.
+        columns: By names in CASE_COLUMNS, shape (cases,); not-a-number leaves the cell empty.
+        go_on: Called between blocks of rows; may raise to stop.
+    """
+    cases = len(columns[DIVERGED])
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(",".join([CASE, *map(_quoted, values), *columns]) + "\n")
+        for first in range(0, cases, _BLOCK):
+            last = min(first + _BLOCK, cases)
+            cells: list[Sequence[str]] = [list(map(str, range(first, last)))]
+            cells += [_words(column, first, last) for column in values.values()]
+            for name, column in columns.items():
+                block: list[float] = column[first:last].tolist()
+                cells.append(_whole_cells(block) if name in _WHOLE else _cells(block))
+            file.writelines(f"{','.join(row)}\n" for row in zip(*cells, strict=True))
+            go_on()
+
+
+def _cells(numbers: list[float]) -> list[str]:
+    return ["" if number != number else repr(number) for number in numbers]
+
+
+def _whole_cells(numbers: list[float]) -> list[str]:
+    return ["" if number != number else str(int(number)) for number in numbers]
+
+
+def _words(column: Numbers | Sequence[Value], first: int, last: int) -> list[str]:
+    if isinstance(column, np.ndarray):
+        return list(map(repr, column[first:last].tolist()))
+    known: dict[Value, str] = {}
+    return [known.setdefault(value, value_text(value)) for value in column[first:last]]
+
+
+def value_text(value: Value) -> str:
+    """A value as a table or a command line shows it; it reads back as the same value."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return _quoted(value) if isinstance(value, str) else repr(value)
+
+
+def _quoted(text: str) -> str:
+    """The text as a cell of a CSV file."""
+    if not set(text) & set(',"\r\n'):
+        return text
+    buffer = io.StringIO()
+    csv.writer(buffer, lineterminator="").writerow([text])
+    return buffer.getvalue()
+
+
+def read_cases(
+    path: Path, axes: Mapping[str, Axis]
+) -> tuple[dict[str, Numbers | list[Value]], dict[str, Floats]]:
+    """Reads ``cases.csv``.
+
+    Args:
+        path: The file.
+        axes: What each varied key takes, which tells words from numbers.
+
+    Returns:
+        The values by key and the columns by name.
+
+    Raises:
+        UsageError: It is no such table, or damaged.
+    """
+    rows = _rows(path)
+    header = next(rows, [])
+    keys = list(axes)
+    if header != [CASE, *keys, *CASE_COLUMNS]:
+        raise UsageError(f"{path}: is no table of these cases; its first line does not fit")
+    raw: list[list[Value]] = [[] for _ in keys]
+    numbers: list[list[float]] = [[] for _ in CASE_COLUMNS]
+    readers = [_reader(axis) for axis in axes.values()]
+    for case, row in enumerate(rows):
+        try:
+            if len(row) != len(header) or int(row[0]) != case:
+                raise ValueError
+            for store, read, cell in zip(raw, readers, row[1:], strict=False):
+                store.append(read(cell))
+            for column, cell in zip(numbers, row[1 + len(keys) :], strict=True):
+                column.append(float(cell) if cell else math.nan)
+        except (ValueError, KeyError):
+            raise UsageError(f"{path}:{case + 2}: is damaged") from None
+    values = {key: as_numbers(store) for key, store in zip(keys, raw, strict=True)}
+    columns = {name: np.array(c) for name, c in zip(CASE_COLUMNS, numbers, strict=True)}
+    return values, columns
+
+
+def _reader(axis: Axis) -> Callable[[str], Value]:
+    if isinstance(axis, Choices):
+        known = {value_text(value): value for value in axis.values}
+        # The cell of a text comes without the quotes that the table needs.
+        known |= {value: value for value in axis.values if isinstance(value, str)}
+        return lambda cell: known[cell]
+    return lambda cell: int(cell) if cell.lstrip("-").isdecimal() else float(cell)
+
+
+def write_bands(path: Path, bands: Bands) -> None:
+    """Writes ``bands.csv``: a row per iteration."""
+    with path.open("w", encoding="ascii", newline="") as file:
+        file.write(",".join(BANDS_HEADER) + "\n")
+        for iteration, (cases, row) in enumerate(
+            zip(bands.cases.tolist(), bands.quantiles.tolist(), strict=True)
+        ):
+            file.write(f"{iteration},{int(cases)},{','.join(_cells(row))}\n")
+
+
+def read_bands(path: Path) -> Bands:
+    """Reads ``bands.csv``.
+
+    Raises:
+        UsageError: It is no such table, or damaged.
+    """
+    rows = _rows(path)
+    if tuple(next(rows, [])) != BANDS_HEADER:
+        raise UsageError(f"{path}: is no such table; its first line must be {BANDS_HEADER}")
+    cases, quantiles = [], []
+    for iteration, row in enumerate(rows):
+        try:
+            if int(row[0]) != iteration or len(row) != len(BANDS_HEADER):
+                raise ValueError
+            cases.append(float(row[1]))
+            quantiles.append([float(cell) if cell else math.nan for cell in row[2:]])
+        except (ValueError, IndexError):
+            raise UsageError(f"{path}:{iteration + 2}: is damaged") from None
+    return Bands(np.array(cases), np.array(quantiles).reshape(-1, len(QUANTILES)))
+
+
+def _rows(path: Path) -> Iterator[list[str]]:
+    content = read_file(path, MAX_CSV_BYTES)
+    return csv.reader(io.StringIO(content.decode("utf-8", "replace"), newline=""))

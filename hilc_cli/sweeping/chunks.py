@@ -1,0 +1,147 @@
+"""Cases that one worker computes in one go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.engine.batch import BatchResult, simulate_batch
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes import LANES
+from hilc_cli.errors import HilcError
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.sweep import CASE_COLUMNS
+from hilc_cli.sweeping.plan import Plan
+
+_AT_ONCE = 16 * LANES
+"""Experiments that are made and run together: enough for full lanes, few enough for little memory
+and for a worker that soon hears of a signal."""
+
+_SAMPLES_IN_A_SECOND = 2e8
+_MOST_CASES = 4096
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Chunk:
+    """Cases ``first`` to ``last - 1``."""
+
+    first: int
+    last: int
+
+    def __len__(self) -> int:
+        return self.last - self.first
+
+    def __str__(self) -> str:
+        return f"cases {self.first} to {self.last - 1}" if len(self) > 1 else f"case {self.first}"
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Cases that could not be computed, and why."""
+
+    chunk: Chunk
+    reason: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChunkResult:
+    """What is known of the cases of a chunk.
+
+    Attributes:
+        chunk: The cases.
+        rows: Shape (cases, columns), in the order of CASE_COLUMNS; not-a-number where a case has
+            no such number, and all through where it has failed.
+        errors: Largest position error [m] of each iteration, shape (cases, iterations + 1);
+            infinite from where a case diverged, not-a-number where it has no such iteration.
+            None if nobody asked for it.
+        failures: Cases that have failed.
+    """
+
+    chunk: Chunk
+    rows: Floats
+    errors: Floats | None
+    failures: tuple[Failure, ...] = ()
+
+
+def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
+    """How many cases make about a second of work, and keep all workers busy to the end.
+
+    Args:
+        plan: The sweep.
+        cases: How many there are to compute.
+        workers: How many compute them.
+    """
+    samples = plan.varied.scenario.spec.trajectory.reference().samples
+    of_a_second = _SAMPLES_IN_A_SECOND / (samples * (plan.most_iterations + 1))
+    fair = cases / (4 * workers)
+    packs = min(of_a_second, fair, _MOST_CASES) / LANES
+    return max(1, round(packs)) * LANES
+
+
+def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None) -> ChunkResult:
+    """Computes the cases of a chunk.
+
+    Args:
+        plan: The sweep.
+        chunk: Which of its cases.
+        go_on: Called now and then; may raise to stop.
+    """
+    rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)
+    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.spec.bands else None
+    failures: list[Failure] = []
+    for first in range(chunk.first, chunk.last, _AT_ONCE):
+        go_on()
+        last = min(first + _AT_ONCE, chunk.last)
+        experiments, failed = _experiments(plan, first, last)
+        failures += failed
+        if not experiments:
+            continue
+        numbers = np.array(list(experiments)) - chunk.first
+        result = simulate_batch(list(experiments.values()))
+        iterations = np.array([experiment.iterations for experiment in experiments.values()])
+        rows[numbers] = _rows(result, iterations, plan.spec.tolerance)
+        if errors is not None:
+            errors[numbers, : result.errors.shape[1]] = _with_divergence(result, iterations)
+    return ChunkResult(chunk, rows, errors, tuple(failures))
+
+
+def _experiments(plan: Plan, first: int, last: int) -> tuple[dict[int, Experiment], list[Failure]]:
+    """The experiments by case, and those that cannot be made of their values."""
+    experiments: dict[int, Experiment] = {}
+    failures = []
+    for case, values in enumerate(plan.cases.values(first, last), first):
+        try:
+            experiments[case] = plan.varied.experiment(values)
+        except (HilcError, ValueError, ArithmeticError) as error:
+            failures.append(Failure(Chunk(case, case + 1), str(error)))
+    return experiments, failures
+
+
+def _rows(result: BatchResult, iterations: Floats, tolerance: float | None) -> Floats:
+    """The columns of each case: metrics, iterations to the tolerance, peak, diverged."""
+    diverged = result.diverged_at >= 0
+    number = np.arange(result.errors.shape[1])
+    ran = number <= iterations[:, np.newaxis]
+    completed = ran & np.isfinite(result.errors)
+    peak = np.where(completed, result.errors, -np.inf).max(axis=1)
+    rows = np.full((len(diverged), len(CASE_COLUMNS)), np.nan)
+    rows[:, : len(METRIC_NAMES)] = result.final
+    if tolerance is not None:
+        # The first iteration from which on the error stays within the tolerance.
+        above = ran & ~(result.errors <= tolerance)
+        settled = np.where(above, number + 1, 0).max(axis=1)
+        rows[:, -3] = np.where((settled <= iterations) & ~diverged, settled, np.nan)
+    rows[:, -2] = np.where(np.isfinite(peak), peak, np.nan)
+    rows[:, -1] = diverged
+    return rows
+
+
+def _with_divergence(result: BatchResult, iterations: Floats) -> Floats:
+    number = np.arange(result.errors.shape[1])
+    at = np.where(result.diverged_at >= 0, result.diverged_at, iterations + 1)[:, np.newaxis]
+    lost = (number >= at) & (number <= iterations[:, np.newaxis])
+    errors: Floats = np.where(lost, np.inf, result.errors)
+    return errors

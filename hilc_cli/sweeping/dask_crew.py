@@ -1,0 +1,153 @@
+"""The workers of a Dask cluster as a crew."""
+
+from __future__ import annotations
+
+import logging
+import pickle
+import queue
+import warnings
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+from hilc_cli.errors import HilcError, UsageError
+from hilc_cli.sweeping.chunks import Chunk, ChunkResult, run_chunk
+from hilc_cli.sweeping.crew import PATIENCE, Outcome
+from hilc_cli.sweeping.plan import Plan
+from hilc_cli.version import __version__
+
+_CONNECT = 10  # [s]
+_WAIT_FOR_WORKERS = 30  # [s]
+_IN_FLIGHT = 2
+"""Chunks for each thread of the cluster, so that none waits for the next."""
+
+
+class ClusterError(HilcError):
+    """The cluster cannot be reached, or does not do what it is asked for."""
+
+
+class DaskCrew:
+    """Workers that a Dask scheduler knows.
+
+    The scheduler gives the chunk of a lost worker to another one by itself.
+    """
+
+    def __init__(self, plan: Plan, address: str, go_on: Callable[[], None]) -> None:
+        """Connects to a scheduler.
+
+        Args:
+            plan: The sweep.
+            address: Of the scheduler, such as ``tcp://127.0.0.1:8786``.
+            go_on: Called now and then while waiting; may raise to stop.
+
+        Raises:
+            UsageError: The package for that is not installed.
+            ClusterError: There is no scheduler, or it has no workers.
+        """
+        try:
+            import distributed
+        except ImportError:
+            raise UsageError(
+                "--scheduler needs the package distributed; install hilc-cli[dask]"
+            ) from None
+        self._distributed = distributed
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is told below
+        self._address, self._go_on = address, go_on
+        self._plan = pickle.dumps(plan)
+        self._ended: queue.SimpleQueue[tuple[Chunk, Any]] = queue.SimpleQueue()
+        self._under_way: dict[Chunk, Any] = {}
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of versions that differ: results do not
+                self._client = distributed.Client(address, timeout=_CONNECT, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            raise ClusterError(f"{address}: there is no scheduler that answers: {error}") from None
+        try:
+            self.workers = self._wait_for_workers()
+        except BaseException:
+            self.dismiss()
+            raise
+
+    def takes(self) -> bool:
+        """Whether it can be given another chunk now."""
+        return len(self._under_way) < _IN_FLIGHT * self.workers
+
+    def give(self, chunk: Chunk) -> None:
+        """Hands over a chunk."""
+        future = self._client.submit(
+            _run, self._plan, __version__, chunk, pure=False, key=f"hilc-{chunk.first}-{id(self)}"
+        )
+        self._under_way[chunk] = future
+        future.add_done_callback(lambda done: self._ended.put((chunk, done)))
+
+    def outcomes(self) -> list[Outcome]:
+        """What has become of some chunks; waits a while for it, and may come back empty.
+
+        Raises:
+            ClusterError: The scheduler is gone, or its workers cannot do the work.
+        """
+        found = []
+        try:
+            found.append(self._outcome(*self._ended.get(timeout=PATIENCE)))
+            while True:
+                found.append(self._outcome(*self._ended.get_nowait()))
+        except queue.Empty:
+            pass
+        if not found:
+            self._check_connection()
+        # The cluster may have grown or shrunk.
+        self.workers = max(1, self._threads())
+        return found
+
+    def dismiss(self) -> None:
+        """Takes back what is under way; the cluster goes on for others."""
+        try:
+            self._client.cancel(list(self._under_way.values()), force=True)
+            self._client.close(timeout=2)
+        except (OSError, TimeoutError, RuntimeError):
+            pass  # the scheduler has gone
+
+    def _outcome(self, chunk: Chunk, future: Any) -> Outcome:
+        del self._under_way[chunk]
+        if future.status == "finished":
+            return Outcome(chunk, future.result())
+        if future.status != "error":
+            raise ClusterError(f"{self._address}: the scheduler has dropped {chunk}")
+        error = future.exception()
+        if isinstance(error, self._distributed.KilledWorker):
+            return Outcome(chunk, None, "it has ended several workers of the cluster", True)
+        raise ClusterError(f"{self._address}: a worker cannot compute {chunk}: {error}")
+
+    def _check_connection(self) -> None:
+        if self._client.status not in ("running", "connecting"):
+            raise ClusterError(f"{self._address}: the scheduler is gone")
+
+    def _threads(self) -> int:
+        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        return sum(int(worker["nthreads"]) for worker in workers.values())
+
+    def _wait_for_workers(self) -> int:
+        for _ in range(_WAIT_FOR_WORKERS):
+            self._go_on()
+            try:
+                self._client.wait_for_workers(1, timeout=1)
+            except TimeoutError:
+                continue
+            return self._threads()
+        raise ClusterError(
+            f"{self._address}: the scheduler has no workers; start some with "
+            f"'dask worker {self._address} --nthreads 1'"
+        )
+
+
+def _run(plan: bytes, version: str, chunk: Chunk) -> ChunkResult:
+    """What a worker of the cluster does."""
+    if version != __version__:
+        raise UsageError(f"hilc {version} is asked for, but hilc {__version__} is installed there")
+    return run_chunk(_plan(plan), chunk)
+
+
+@lru_cache(maxsize=2)
+def _plan(content: bytes) -> Plan:
+    plan: Plan = pickle.loads(content)
+    return plan

@@ -1,0 +1,56 @@
+"""The journal of finished chunks: a line each, on the disk before the next one counts.
+
+A line that a crash has torn is found by its checksum and passed over, as is a chunk whose results
+are not what the line says.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from hilc_cli.files import writing
+
+
+class Journal:
+    """Appends entries, each whole or not at all.
+
+    Raises:
+        FileAccessError: The file cannot be written; what is in it stays good.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        with writing(path):
+            self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+
+    @property
+    def descriptor(self) -> int:
+        """Of the open file, to lock it."""
+        return self._descriptor
+
+    def append(self, entry: dict[str, Any]) -> None:
+        """Adds an entry and waits until it is on the disk."""
+        text = json.dumps(entry, separators=(",", ":"))
+        # The line break before it ends whatever a crash or a full disk has left unfinished.
+        line = f"\n{zlib.crc32(text.encode()):08x} {text}\n".encode()
+        with writing(self._path):
+            written = os.write(self._descriptor, line)
+            if written != len(line):
+                raise OSError(28, "No space left on device")
+            os.fsync(self._descriptor)
+
+    def entries(self) -> Iterator[dict[str, Any]]:
+        """All entries that are whole, in order."""
+        for line in self._path.read_bytes().split(b"\n"):
+            checksum, _, text = line.partition(b" ")
+            if text and checksum == f"{zlib.crc32(text):08x}".encode():
+                yield json.loads(text)
+
+    def close(self) -> None:
+        """Closes the file, which gives up its lock."""
+        os.close(self._descriptor)

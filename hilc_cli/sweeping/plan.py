@@ -1,0 +1,80 @@
+"""What a sweep is to compute, in full: any worker can do its part of it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from hilc_cli.spec.axis import axis_text
+from hilc_cli.spec.dump import to_yaml
+from hilc_cli.spec.sweep import SweepSpec
+from hilc_cli.spec.varied import TRAJECTORY, Varied
+from hilc_cli.variation.axes import Axis, axis_to_data
+from hilc_cli.variation.cases import Cases
+from hilc_cli.version import __version__
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A sweep, every value validated.
+
+    Attributes:
+        varied: The scenario and the keys that vary.
+        spec: How cases are made of the keys, and what is wanted of them.
+    """
+
+    varied: Varied
+    spec: SweepSpec
+
+    @property
+    def name(self) -> str:
+        """The scenario's name."""
+        return self.varied.scenario.name
+
+    @property
+    def axes(self) -> Mapping[str, Axis]:
+        """Values by key."""
+        return self.varied.axes
+
+    @cached_property
+    def cases(self) -> Cases:
+        """All cases."""
+        return Cases(self.axes, self.spec.sample, self.spec.cases or 0, self.spec.seed)
+
+    @property
+    def most_iterations(self) -> int:
+        """The largest number of iterations of any case."""
+        axis = self.axes.get("iterations")
+        if axis is None:
+            return self.varied.scenario.spec.iterations
+        return max(int(end) for end in axis.ends if end is not None)
+
+    def resolved(self) -> dict[str, Any]:
+        """The scenario with its sweep as plain data, every default and file filled in."""
+        data = self.varied.scenario.resolved()
+        sweep = self.spec.model_dump(mode="json", exclude_none=True)
+        sweep["vary"] = {key: axis_text(axis) for key, axis in self.axes.items()}
+        if self.varied.trajectories:
+            sweep["vary"][TRAJECTORY] = [
+                path.model_dump(mode="json", exclude_none=True)
+                for path in self.varied.trajectories.values()
+            ]
+        return {**data, "sweep": sweep}
+
+    def resolved_yaml(self) -> str:
+        """A scenario file with which ``hilc sweep`` gives the same results."""
+        return to_yaml(self.resolved())
+
+    def checksum(self) -> str:
+        """Of all that the results of the cases depend on, this program's version included."""
+        data = self.resolved()
+        del data["description"], data["record"], data["sweep"]["metric"]
+        data["axes"] = {key: axis_to_data(axis) for key, axis in self.axes.items()}
+        digest = hashlib.sha256(f"{__version__}\n{json.dumps(data, sort_keys=True)}".encode())
+        for wheel in self.varied.scenario.initial_input or ():
+            digest.update(wheel.tobytes())
+        return digest.hexdigest()

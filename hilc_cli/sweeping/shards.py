@@ -1,0 +1,108 @@
+"""Parts of a sweep that are computed apart, and put together again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hilc_cli.errors import UsageError
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.run_folder import INITIAL_INPUT
+from hilc_cli.sweeping.chunks import Chunk, Failure
+from hilc_cli.sweeping.store import FolderStore
+from hilc_cli.variation.axes import axis_from_data
+from hilc_cli.variation.cases import Cases
+
+
+def shard_cases(cases: int, number: int, shards: int) -> Chunk:
+    """The cases of one shard: all shards have nearly the same number, in order.
+
+    Args:
+        cases: Number of all cases.
+        number: Of the shard, from 1.
+        shards: How many there are.
+
+    Raises:
+        UsageError: There is no such shard, or it would be empty.
+    """
+    if not 1 <= number <= shards:
+        raise UsageError(f"shard {number}/{shards}: K must be from 1 to N, such as 1/3")
+    if shards > cases:
+        raise UsageError(
+            f"shard {number}/{shards}: there are only {cases} cases; make fewer shards"
+        )
+    return Chunk(cases * (number - 1) // shards, cases * number // shards)
+
+
+class Merged:
+    """The stores of all shards of a sweep as one.
+
+    Attributes:
+        header: What they say of the sweep.
+        cases: The cases of the sweep.
+    """
+
+    def __init__(self, stores: Sequence[FolderStore]) -> None:
+        self._stores = sorted(stores, key=lambda store: store.cases)
+        self.header: dict[str, Any] = stores[0].header
+        axes = {key: axis_from_data(data) for key, data in self.header["axes"].items()}
+        drawn = self.header["cases"]
+        self.cases = Cases(axes, self.header["sample"], drawn, self.header["seed"])
+
+    def rows(self) -> Floats:
+        """All rows, shape (cases, columns)."""
+        return np.concatenate([store.rows() for store in self._stores])
+
+    def errors(self) -> Iterator[Floats]:
+        """The maximum errors of all cases, iteration by iteration."""
+        for parts in zip(*(store.errors() for store in self._stores), strict=True):
+            yield np.concatenate(parts)
+
+    def failures(self) -> list[Failure]:
+        """Cases that have failed, in order."""
+        return [failure for store in self._stores for failure in store.failures()]
+
+
+def merge(stores: Sequence[FolderStore]) -> Merged:
+    """The shards of a sweep as one.
+
+    Args:
+        stores: Of all shards, in any order.
+
+    Raises:
+        UsageError: They are not all the shards of one sweep, or one is not finished.
+    """
+    first = stores[0]
+    position = 0
+    for store in sorted(stores, key=lambda store: store.cases):
+        if store.header["checksum"] != first.header["checksum"]:
+            raise UsageError(
+                f"{store.folder}: is a shard of another sweep than {first.folder}; "
+                "give the shards of one scenario, sweep and version of hilc"
+            )
+        if store.cases.first < position:
+            raise UsageError(f"{store.folder}: holds cases that another shard holds too")
+        if store.cases.first > position:
+            missing = Chunk(position, store.cases.first)
+            raise UsageError(f"{missing}: no shard holds them; give all shards of the sweep")
+        position = store.cases.last
+        if store.missing():
+            raise UsageError(
+                f"{store.folder}: {store.missing()[0]} are missing; finish it with --resume"
+            )
+    if position < first.header["cases"]:
+        missing = Chunk(position, first.header["cases"])
+        raise UsageError(f"{missing}: no shard holds them; give all shards of the sweep")
+    return Merged(stores)
+
+
+def read_initial_input(folder: Path) -> tuple[float, Floats, Floats] | None:
+    """Sample time, left and right wheel speeds of a shard's input file, if it has one."""
+    path = folder / INITIAL_INPUT
+    if not path.exists():
+        return None
+    table = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
+    return float(table[1, 1]), table[:, 2], table[:, 3]

@@ -1,0 +1,372 @@
+"""The results of a sweep while it is under way: in memory, or in a folder that survives a crash."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import json
+import os
+import shutil
+import zlib
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
+from hilc_cli.files import read_file, writing
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
+from hilc_cli.results.sweep import CASE_COLUMNS
+from hilc_cli.results.tables import write_input
+from hilc_cli.sweeping.chunks import Chunk, ChunkResult, Failure
+from hilc_cli.sweeping.journal import Journal
+from hilc_cli.sweeping.plan import Plan
+from hilc_cli.variation.axes import axis_to_data
+
+KIND = "hilc sweep in progress"
+HEADER = "plan.json"
+JOURNAL = "journal"
+ROWS = "results.bin"
+ERRORS = "errors.bin"
+_FILES = frozenset({HEADER, JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT})
+_MAX_HEADER_BYTES = 1_000_000_000
+_COLUMNS = len(CASE_COLUMNS)
+
+
+class Store(Protocol):
+    """Keeps what is known of the cases of a range."""
+
+    cases: Chunk
+
+    def missing(self) -> list[Chunk]:
+        """The cases of which nothing is known yet, in order."""
+        ...
+
+    def keep(self, result: ChunkResult) -> None:
+        """Remembers the results of a chunk."""
+        ...
+
+    def failures(self) -> list[Failure]:
+        """Cases that have failed, in order."""
+        ...
+
+    def rows(self) -> Floats:
+        """All rows, shape (cases, columns)."""
+        ...
+
+    def errors(self) -> Iterator[Floats]:
+        """The maximum errors of all cases, iteration by iteration."""
+        ...
+
+
+class MemoryStore:
+    """Keeps results in memory."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.cases = Chunk(0, len(plan.cases))
+        self._rows = np.full((len(self.cases), _COLUMNS), np.nan)
+        shape = (plan.most_iterations + 1, len(self.cases))
+        self._errors = np.full(shape, np.nan) if plan.spec.bands else None
+        self._done: list[Chunk] = []
+        self._failures: list[Failure] = []
+
+    def missing(self) -> list[Chunk]:
+        """The cases of which nothing is known yet, in order."""
+        return _gaps(self.cases, self._done)
+
+    def keep(self, result: ChunkResult) -> None:
+        """Remembers the results of a chunk."""
+        cases = slice(result.chunk.first, result.chunk.last)
+        self._rows[cases] = result.rows
+        if self._errors is not None and result.errors is not None:
+            self._errors[:, cases] = result.errors.T
+        self._done.append(result.chunk)
+        self._failures += result.failures
+
+    def failures(self) -> list[Failure]:
+        """Cases that have failed, in order."""
+        return sorted(self._failures, key=lambda failure: failure.chunk)
+
+    def rows(self) -> Floats:
+        """All rows, shape (cases, columns)."""
+        return self._rows
+
+    def errors(self) -> Iterator[Floats]:
+        """The maximum errors of all cases, iteration by iteration."""
+        yield from () if self._errors is None else self._errors
+
+
+class FolderStore:
+    """Keeps results in a folder: numbers in binary files, and a journal of what is in them.
+
+    Results are on the disk before the journal says so. Only one program at a time may have a
+    folder open.
+
+    Attributes:
+        folder: The folder.
+        header: What the folder says of the sweep.
+        cases: The cases that belong into it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """Opens a folder that `create` has made.
+
+        Raises:
+            UsageError: It is no such folder.
+            ExistingResultsError: Another program has it open.
+            FileAccessError: It cannot be read or written.
+        """
+        self.folder = folder
+        self.header = read_header(folder)
+        if not self.header:
+            raise UsageError(f"{folder}: is no folder of a sweep in progress, and no shard")
+        self.cases = Chunk(self.header["first"], self.header["last"])
+        self._iterations = int(self.header["iterations"])
+        self._bands = bool(self.header["bands"])
+        self._journal = Journal(folder / JOURNAL)
+        try:
+            fcntl.flock(self._journal.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            self._journal.close()
+            raise ExistingResultsError(
+                f"{folder}: another program is at work on this sweep; wait until it has ended"
+            ) from None
+        self._files = {ROWS: _open(folder / ROWS)}
+        if self._bands:
+            self._files[ERRORS] = _open(folder / ERRORS)
+        self._done: dict[Chunk, tuple[Failure, ...]] = {}
+        for entry in self._journal.entries():
+            self._recall(entry)
+
+    @classmethod
+    def create(cls, folder: Path, plan: Plan, cases: Chunk, shard: str | None) -> FolderStore:
+        """Makes the folder of a sweep, or of a shard of it, and opens it.
+
+        Args:
+            folder: The folder; nothing stands there.
+            plan: The sweep.
+            cases: The cases that belong into it.
+            shard: ``K/N``, for a shard.
+
+        Raises:
+            FileAccessError: It cannot be written.
+        """
+        header = {
+            "kind": KIND,
+            "name": plan.name,
+            "checksum": plan.checksum(),
+            "first": cases.first,
+            "last": cases.last,
+            "shard": shard,
+            "iterations": plan.most_iterations,
+            "bands": plan.spec.bands,
+            "axes": {key: axis_to_data(axis) for key, axis in plan.axes.items()},
+            "sample": plan.spec.sample,
+            "cases": len(plan.cases),
+            "seed": plan.spec.seed,
+            "tolerance_m": plan.spec.tolerance,
+            "metric": plan.spec.metric,
+        }
+        with writing(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+            try:
+                (folder / SCENARIO).write_text(plan.resolved_yaml(), encoding="utf-8")
+                scenario = plan.varied.scenario
+                if scenario.initial_input is not None:
+                    sample_time = scenario.spec.trajectory.sample_time
+                    write_input(folder / INITIAL_INPUT, sample_time, *scenario.initial_input)
+                # The header is last: a folder with a header is whole.
+                draft = folder / f"{HEADER}.draft"
+                draft.write_text(json.dumps(header) + "\n", encoding="utf-8")
+                draft.replace(folder / HEADER)
+            except BaseException:
+                shutil.rmtree(folder, ignore_errors=True)
+                raise
+        return cls(folder)
+
+    def missing(self) -> list[Chunk]:
+        """The cases of which nothing is known yet, in order."""
+        return _gaps(self.cases, self._done)
+
+    def forget_failures(self) -> None:
+        """Takes chunks with failed cases for missing, so that they are tried again."""
+        self._done = {chunk: failed for chunk, failed in self._done.items() if not failed}
+
+    def keep(self, result: ChunkResult) -> None:
+        """Puts the results of a chunk on the disk, then notes that they are there.
+
+        Raises:
+            FileAccessError: It cannot be written; what was kept before is still good.
+        """
+        offset = result.chunk.first - self.cases.first
+        self._write(ROWS, result.rows, offset * _COLUMNS)
+        checksum = zlib.crc32(result.rows.tobytes())
+        if self._bands and result.errors is not None:
+            # Iteration by iteration, as they are read for the quantiles.
+            for iteration, errors in enumerate(np.ascontiguousarray(result.errors.T)):
+                self._write(ERRORS, errors, iteration * len(self.cases) + offset)
+                checksum = zlib.crc32(errors.tobytes(), checksum)
+        for name, descriptor in self._files.items():
+            with writing(self.folder / name):
+                os.fsync(descriptor)
+        self._journal.append(
+            {
+                "first": result.chunk.first,
+                "last": result.chunk.last,
+                "checksum": checksum,
+                "failures": [[f.chunk.first, f.chunk.last, f.reason] for f in result.failures],
+            }
+        )
+        self._count(result.chunk, result.failures)
+
+    def failures(self) -> list[Failure]:
+        """Cases that have failed, in order."""
+        found = [failure for failures in self._done.values() for failure in failures]
+        return sorted(found, key=lambda failure: failure.chunk)
+
+    def rows(self) -> Floats:
+        """All rows, shape (cases, columns)."""
+        return self._read(ROWS, 0, len(self.cases) * _COLUMNS).reshape(-1, _COLUMNS)
+
+    def errors(self) -> Iterator[Floats]:
+        """The maximum errors of all cases, iteration by iteration."""
+        for iteration in range(self._iterations + 1) if self._bands else ():
+            yield self._read(ERRORS, iteration * len(self.cases), len(self.cases))
+
+    def close(self) -> None:
+        """Closes the folder, for others to open."""
+        for descriptor in self._files.values():
+            os.close(descriptor)
+        self._files = {}
+        self._journal.close()
+
+    def remove(self) -> None:
+        """Closes and removes the folder: its results have gone elsewhere."""
+        self.close()
+        remove(self.folder)
+
+    def _recall(self, entry: dict[str, Any]) -> None:
+        """Takes a chunk of the journal for done if its results are what the journal says."""
+        chunk = Chunk(entry["first"], entry["last"])
+        offset = chunk.first - self.cases.first
+        checksum = zlib.crc32(self._read(ROWS, offset * _COLUMNS, len(chunk) * _COLUMNS).tobytes())
+        for iteration in range(self._iterations + 1) if self._bands else ():
+            errors = self._read(ERRORS, iteration * len(self.cases) + offset, len(chunk))
+            checksum = zlib.crc32(errors.tobytes(), checksum)
+        if checksum == entry["checksum"]:
+            failed = entry["failures"]
+            self._count(chunk, tuple(Failure(Chunk(a, b), reason) for a, b, reason in failed))
+
+    def _count(self, chunk: Chunk, failures: tuple[Failure, ...]) -> None:
+        """Takes a chunk for done; one that has been tried again is what the last try made it."""
+        failed = [old for old, reasons in self._done.items() if reasons]
+        for old in failed:
+            if old.first < chunk.last and chunk.first < old.last:
+                del self._done[old]
+        self._done[chunk] = failures
+
+    def _write(self, name: str, numbers: Floats, offset: int) -> None:
+        content = np.ascontiguousarray(numbers).data.cast("B")
+        position = 8 * offset
+        with writing(self.folder / name):
+            while content:
+                written = os.pwrite(self._files[name], content, position)
+                if written == 0:
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+                content, position = content[written:], position + written
+
+    def _read(self, name: str, offset: int, count: int) -> Floats:
+        numbers = np.full(count, np.nan)
+        view, position = numbers.data.cast("B"), 8 * offset
+        try:
+            while view:
+                got = os.preadv(self._files[name], [view], position)
+                if got == 0:
+                    break  # not written yet
+                view, position = view[got:], position + got
+        except OSError as error:
+            raise FileAccessError(f"{self.folder / name}: cannot be read: {error}") from error
+        return numbers
+
+
+def open_store(
+    folder: Path, plan: Plan, cases: Chunk, shard: str | None, *, resume: bool, force: bool
+) -> FolderStore:
+    """Opens the folder of a sweep under way, or makes it.
+
+    Args:
+        folder: The folder.
+        plan: The sweep.
+        cases: The cases that belong into it.
+        shard: ``K/N``, for a shard.
+        resume: Go on with what is there; cases that have failed are tried again.
+        force: Replace what is there of another sweep, or of this one if it is not resumed.
+
+    Raises:
+        ExistingResultsError: Something is there that may neither be resumed nor replaced.
+        FileAccessError: It cannot be read or written.
+    """
+    with writing(folder):
+        is_there = folder.is_symlink() or (folder.exists() and not _is_empty(folder))
+    if is_there:
+        header = read_header(folder)
+        if not header:
+            raise ExistingResultsError(
+                f"{folder}: exists and holds no sweep in progress, so it is left as it is; "
+                "choose another folder with --out"
+            )
+        same = header["checksum"] == plan.checksum() and header["shard"] == shard
+        if same and resume:
+            store = FolderStore(folder)
+            store.forget_failures()
+            return store
+        if not force:
+            what = "this sweep, unfinished" if same else "another sweep or version of hilc"
+            go_on = "go on with --resume, or " if same else ""
+            raise ExistingResultsError(
+                f"{folder}: holds results of {what}; {go_on}start anew with --force"
+            )
+        FolderStore(folder).remove()
+    return FolderStore.create(folder, plan, cases, shard)
+
+
+def _is_empty(folder: Path) -> bool:
+    return folder.is_dir() and not any(folder.iterdir())
+
+
+def read_header(folder: Path) -> dict[str, Any]:
+    """What a folder says of the sweep in it; empty if it is no such folder."""
+    try:
+        header = json.loads(read_file(folder / HEADER, _MAX_HEADER_BYTES))
+    except (UsageError, ValueError, RecursionError):
+        return {}
+    return header if isinstance(header, dict) and header.get("kind") == KIND else {}
+
+
+def remove(folder: Path) -> None:
+    """Removes a folder of a sweep in progress, but nothing that somebody else has put there."""
+    with writing(folder):
+        for name in (HEADER, *(_FILES - {HEADER})):
+            (folder / name).unlink(missing_ok=True)
+        if not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def _open(path: Path) -> int:
+    with writing(path):
+        return os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+
+
+def _gaps(cases: Chunk, done: Iterable[Chunk]) -> list[Chunk]:
+    """What of the cases is in none of the chunks."""
+    gaps = []
+    position = cases.first
+    for chunk in sorted(done):
+        if chunk.first > position:
+            gaps.append(Chunk(position, chunk.first))
+        position = max(position, chunk.last)
+    if position < cases.last:
+        gaps.append(Chunk(position, cases.last))
+    return gaps

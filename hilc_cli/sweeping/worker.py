@@ -1,0 +1,43 @@
+"""A worker process of a sweep; started by `hilc_cli.sweeping.crew`, by nobody else."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from multiprocessing.connection import Connection
+
+_LOOK_AROUND = 0.5  # [s]
+
+
+def serve(pipe: Connection) -> None:
+    """Computes chunks until the pipe ends.
+
+    Args:
+        pipe: Gives the plan first, then chunks; takes the result of each.
+    """
+    from hilc_cli.sweeping.chunks import run_chunk  # starts slowly
+
+    try:
+        plan = pipe.recv()
+        while True:
+            pipe.send(run_chunk(plan, pipe.recv()))
+    except (EOFError, OSError):
+        return
+
+
+def _end_with(owner: int) -> None:
+    """Ends this process, whatever it is doing, soon after its owner has ended."""
+
+    def watch() -> None:
+        while os.getppid() == owner:
+            time.sleep(_LOOK_AROUND)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+if __name__ == "__main__":
+    _end_with(os.getppid())
+    serve(Connection(int(sys.argv[1])))
