@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -134,7 +135,9 @@ class Range:
         if index == last:
             return self.high
         if self.spacing == "log":
-            return float(self.low * (self.high / self.low) ** (index / last))
+            # By exponents of ten, so that 1:1000:4 gives 10 and 100.
+            low, high = math.log10(self.low), math.log10(self.high)
+            return float(10 ** ((low * (last - index) + high * index) / last))
         # With the decimals that people write, rounded once: 0.05:1:20 gives 0.1 and 0.15.
         low, high = Fraction(repr(self.low)), Fraction(repr(self.high))
         return float((low * (last - index) + high * index) / last)
