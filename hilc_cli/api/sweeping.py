@@ -57,6 +57,7 @@ __all__ = [
     "estimate",
     "is_complete",
     "is_resumable",
+    "is_sweep",
     "merge_shards",
     "plan_sweep",
     "plot_sweep",
@@ -367,6 +368,11 @@ def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -
 def is_complete(plan: Plan, folder: str | Path) -> bool:
     """Whether a folder holds the results of this very sweep."""
     return read_sweep_manifest(Path(folder)).get("checksum") == plan.checksum()
+
+
+def is_sweep(folder: str | Path) -> bool:
+    """Whether a folder holds the results of a sweep."""
+    return bool(read_sweep_manifest(Path(folder)))
 
 
 def read_sweep(folder: str | Path) -> SweepData:

@@ -21,13 +21,18 @@ class PictureFormat(StrEnum):
 
 
 class PictureKind(StrEnum):
-    """Kinds of pictures."""
+    """Kinds of pictures, of runs and then of sweeps."""
 
     PATH_CHANGE = "path-change"
     FINAL_PATH = "final-path"
     ERROR = "error"
     WHEEL_SPEEDS = "wheel-speeds"
     SUMMARY = "summary"
+    CURVE = "curve"
+    MAP = "map"
+    EFFECTS = "effects"
+    BEST = "best"
+    BANDS = "bands"
 
 
 def _show_version(wanted: bool) -> None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 def plot(
     runs: Annotated[
         list[Path],
-        typer.Argument(metavar="RUN", help="Run folders.", show_default=False),
+        typer.Argument(metavar="RUN", help="Run folders, or one sweep folder.", show_default=False),
     ],
     kind: Annotated[
         list[PictureKind] | None,
@@ -50,22 +50,37 @@ def plot(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """Draw pictures of runs from their tables.
+    """Draw pictures of runs, or of a sweep, from their tables.
 
-    One run is drawn into its own folder; several are laid over each other and drawn into --out,
-    by default runs/A-vs-B. Nothing is simulated.
+    One run or sweep is drawn into its own folder; several runs are laid over each other and drawn
+    into --out, by default runs/A-vs-B. Nothing is simulated.
 
     \b
     Examples:
       hilc plot runs/fig3-circle --kind error --format svg
       hilc plot runs/fig7a runs/fig7b --out limit --iterations 0,1,10,100
+      hilc plot runs/fig8a-sweep --format pdf
     """
     from hilc_cli import api
     from hilc_cli.cli.ranges import parse_whole_numbers
-    from hilc_cli.cli.terminal import print_json, print_text
     from hilc_cli.errors import UsageError
     from hilc_cli.results.run_folder import is_run_folder
 
+    kinds = [choice.value for choice in kind or []]
+    suffixes = [choice.value for choice in formats or [PictureFormat.PNG]]
+    if any(map(api.is_sweep, runs)):
+        if len(runs) > 1 or iterations is not None:
+            raise UsageError("a sweep is drawn on its own, and without --iterations")
+        pictures = api.plot_sweep(
+            api.read_sweep(runs[0]),
+            out or runs[0],
+            kinds=kinds,
+            formats=suffixes,
+            dpi=dpi,
+            may_replace=lambda file: force or out is None,
+        )
+        _tell(out or runs[0], pictures, json=json, quiet=quiet)
+        return
     wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
     results = _told_apart([api.read_run(folder) for folder in runs], runs)
     chosen: set[int] | None = None
@@ -78,13 +93,19 @@ def plot(
     pictures = api.plot(
         results,
         folder,
-        kinds=[choice.value for choice in kind or []],
-        formats=[choice.value for choice in formats or [PictureFormat.PNG]],
+        kinds=kinds,
+        formats=suffixes,
         dpi=dpi,
         iterations=chosen,
         # Pictures of a run in its own folder are made from what stands beside them.
         may_replace=lambda file: force or in_place,
     )
+    _tell(folder, pictures, json=json, quiet=quiet)
+
+
+def _tell(folder: Path, pictures: list[Path], *, json: bool, quiet: bool) -> None:
+    from hilc_cli.cli.terminal import print_json, print_text
+
     if json:
         print_json({"folder": str(folder), "files": [str(picture) for picture in pictures]})
     elif not quiet:

@@ -130,11 +130,6 @@ def check_sweep_folder(path: Path, checksum: str, *, force: bool = False) -> Non
         )
 
 
-def is_sweep_folder(path: Path) -> bool:
-    """Whether a folder has been written by `write_sweep_folder`."""
-    return bool(read_sweep_manifest(path))
-
-
 def read_sweep_manifest(path: Path) -> dict[str, Any]:
     """What a sweep folder says of itself; empty if it is none."""
     try:

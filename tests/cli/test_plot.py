@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli import api
+from hilc_cli.api import running
 from tests.cli.inputs import listing
 from tests.conftest import Hilc, Outcome, Write
 
@@ -26,7 +26,7 @@ def runs(hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
     def simulate(experiment: object) -> None:
         raise AssertionError("hilc plot has simulated")
 
-    monkeypatch.setattr(api, "simulate", simulate)
+    monkeypatch.setattr(running, "simulate", simulate)
     return folder / "runs"
 
 
