@@ -7,7 +7,7 @@ case of a sweep then only puts validated values in their place, which takes some
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,9 @@ from hilc_cli.spec.scenario import ScenarioSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
 from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
 from hilc_cli.variation.axes import Axis, Choices, Range, Value
+
+_Places = dict[str | int, Any]
+"""By part of a key: the whole key, or the places below."""
 
 TRAJECTORY = "trajectory"
 _WITHOUT_EFFECT = ("name", "description", "record", "sweep")
@@ -47,6 +50,10 @@ class Varied:
     axes: Mapping[str, Axis]
     trajectories: Mapping[str, TrajectorySpec] = field(default_factory=dict)
     _paths: dict[tuple[Value, ...], TrajectorySpec] = field(default_factory=dict, repr=False)
+    _places: _Places = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        self._places = _places(key for key in self.axes if _root(key) != TRAJECTORY)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """What a worker needs; what is kept for later cases is left behind."""
@@ -62,9 +69,7 @@ class Varied:
         of_path = {key: value for key, value in values.items() if _root(key) == TRAJECTORY}
         if of_path:
             spec = spec.model_copy(update={TRAJECTORY: self._trajectory(of_path)})
-        for key, value in values.items():
-            if key not in of_path:
-                spec = _with_value(spec, _keys(key), value)
+        spec = _with_values(spec, self._places, values)
         given = None if "initial_input" in values else self.scenario.initial_input
         return replace(self.scenario, spec=spec, initial_input=given)
 
@@ -248,13 +253,29 @@ def _value_at(part: Any, keys: PathKeys) -> Any:
     return part
 
 
-def _with_value(part: Any, keys: PathKeys, value: Value) -> Any:
-    """The part with a validated value at a path, all else as it was."""
-    if not keys:
-        return value
-    key, rest = keys[0], keys[1:]
+def _places(keys: Iterable[str]) -> _Places:
+    """Keys as a tree: what they have in common is then gone through once."""
+    tree: _Places = {}
+    for key in keys:
+        branch = tree
+        *above, last = _keys(key)
+        for part in above:
+            below = branch.setdefault(part, {})
+            assert isinstance(below, dict)  # no key leads into the value of another one
+            branch = below
+        branch[last] = key
+    return tree
+
+
+def _with_values(part: Any, places: _Places, values: Mapping[str, Value]) -> Any:
+    """The part with validated values in their places, all else as it was."""
+    changes: dict[Any, Any] = {}
+    for at, place in places.items():
+        if isinstance(place, str):
+            changes[at] = values[place]
+        else:
+            below = getattr(part, str(at)) if isinstance(part, BaseModel) else part[at]
+            changes[at] = _with_values(below, place, values)
     if isinstance(part, BaseModel):
-        name = str(key)
-        return part.model_copy(update={name: _with_value(getattr(part, name), rest, value)})
-    assert isinstance(key, int)  # an index of a tuple, which has been validated
-    return (*part[:key], _with_value(part[key], rest, value), *part[key + 1 :])
+        return part.model_copy(update=changes)
+    return tuple(changes.get(index, old) for index, old in enumerate(part))

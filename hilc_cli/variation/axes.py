@@ -139,8 +139,8 @@ class Range:
             low, high = math.log10(self.low), math.log10(self.high)
             return float(10 ** ((low * (last - index) + high * index) / last))
         # With the decimals that people write, rounded once: 0.05:1:20 gives 0.1 and 0.15.
-        low, high = Fraction(repr(self.low)), Fraction(repr(self.high))
-        return float((low * (last - index) + high * index) / last)
+        start, end = Fraction(repr(self.low)), Fraction(repr(self.high))
+        return float((start * (last - index) + end * index) / last)
 
     def _whole_values(self) -> list[int]:
         assert self.values_asked is not None  # asked by callers
