@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,10 +15,9 @@ from hilc_cli.figures.sweep.effects import effects_of
 from hilc_cli.figures.sweep.key_axis import KeyAxis, key_axis
 from hilc_cli.figures.sweep.metric_axis import metric_scale
 from hilc_cli.figures.sweep.picking import (
+    Combinations,
     Integers,
-    Outcome,
-    grouped,
-    repeats,
+    combined,
     results_of,
     varied_keys,
     varies_seed,
@@ -45,45 +43,29 @@ _TEXT_SIZE = 7.0  # [pt], of values
 _INSET = 0.16  # from the edges of a column to the ends of its range, of its width
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Best:
-    """The best cases of a sweep, or of several seeds the combinations with the best medians.
-
-    Attributes:
-        cases: Their numbers, the best first; of a combination one of its cases.
-        metric: Of each, or the median over its seeds.
-        median: Whether it is a median.
-    """
-
-    cases: Integers
-    metric: Floats
-    median: bool
-
-
-def best_cases(data: SweepData) -> Best:
-    """At most MOST_ROWS cases with the smallest metric."""
-    positions = [key_axis(data, key).positions for key in varied_keys(data)]
-    first, group_of = repeats(data, positions)
-    groups = grouped(results_of(data), group_of, len(first))
-    done = np.flatnonzero(groups.outcomes == Outcome.DONE)
-    best = done[np.argsort(groups.medians[done], kind="stable")][:MOST_ROWS]
-    median = varies_seed(data) and len(first) < len(data)
-    return Best(first[best], groups.medians[best], median)
-
-
 def shown_keys(data: SweepData) -> list[KeyAxis]:
     """The keys in the order in which they were given; if they are too many, those that matter."""
-    results = results_of(data)
-    scale = metric_scale(results.metric, whole=data.metric in WHOLE_METRICS)
-    effects = effects_of(data, results, scale)[:MOST_KEYS]
-    order = list(data.axes)
-    return sorted((effect.where for effect in effects), key=lambda axis: order.index(axis.key))
+    keys = varied_keys(data)
+    if len(keys) > MOST_KEYS:
+        results = results_of(data)
+        scale = metric_scale(results.metric, whole=data.metric in WHOLE_METRICS)
+        effects = effects_of(data, results, scale)[:MOST_KEYS]
+        kept = {effect.where.key for effect in effects}
+        keys = [key for key in keys if key in kept]
+    return [key_axis(data, key) for key in keys]
 
 
 def best_figure(data: SweepData) -> Figure:
     """The best cases row by row."""
     with style.applied():
-        best, keys = best_cases(data), shown_keys(data)
+        keys = shown_keys(data)
+        repeated = varied_keys(data) if varies_seed(data) else []
+        positions = [key_axis(data, key).positions for key in repeated]
+        found = combined(data, results_of(data), positions)
+        place = found.best(MOST_ROWS)
+        best = Combinations(
+            found.cases[place], found.metric[place], found.outcomes[place], found.is_median
+        )
         rows, columns = max(1, len(best.cases)), 1 + len(keys)
         left_out = len(varied_keys(data)) - len(keys)
         height = rows * _PITCH
@@ -130,7 +112,7 @@ def draw_key(axes: Axes, data: SweepData, where: KeyAxis, cases: Sequence[int] |
     axes.set_title(key_label_in_lines(where.key, _LETTERS), fontsize=style.SMALL_SIZE, pad=3)
 
 
-def _draw_metric(axes: Axes, data: SweepData, best: Best) -> None:
+def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
     """Draws the metric of the best cases, and names the cases."""
     scale = metric_scale(best.metric, whole=data.metric in WHOLE_METRICS)
     low, high = scale.low, scale.high
@@ -145,7 +127,7 @@ def _draw_metric(axes: Axes, data: SweepData, best: Best) -> None:
     axes.set_xticks([])
     axes.set_xticks([], minor=True)
     ranks = [f"{rank}." for rank in range(1, len(best.cases) + 1)]
-    if not best.median:
+    if not best.is_median:
         pairs = zip(ranks, best.cases, strict=True)
         ranks = [f"{rank}  case {case}" for rank, case in pairs]
     axes.set_yticks(range(len(ranks)), ranks)
@@ -194,9 +176,11 @@ def _draw_rows(axes: Axes, rows: int) -> None:
     axes.spines[:].set_visible(False)
 
 
-def _draw_title(figure: Figure, data: SweepData, best: Best, left_out: int) -> None:
+def _draw_title(figure: Figure, data: SweepData, best: Combinations, left_out: int) -> None:
     """Says above the table what it shows."""
-    what = f"median over the seeds of the {metric_name(data)}" if best.median else metric_name(data)
+    what = (
+        f"median over the seeds of the {metric_name(data)}" if best.is_median else metric_name(data)
+    )
     lines = [f"Smallest {what}" if len(best.cases) else "No case has a value"]
     if left_out:
         lines.append(f"{left_out} keys with smaller effects are left out")

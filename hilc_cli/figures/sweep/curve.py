@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,21 +21,29 @@ from hilc_cli.figures.sweep.picking import (
     MEDIAN,
     Integers,
     Results,
+    combined,
     grouped,
-    repeats,
     results_of,
     thinned,
     varied_keys,
-    varies_seed,
 )
-from hilc_cli.figures.sweep.sheet import best_of, best_title, heading_of
-from hilc_cli.figures.sweep.spread import BANDS, Spread, draw_spread, spread_along, within
+from hilc_cli.figures.sweep.sheet import draw_best, heading_of
+from hilc_cli.figures.sweep.spread import (
+    BANDS,
+    MOST_GRID_VALUES,
+    Spread,
+    draw_spread,
+    spread_along,
+    within,
+)
 from hilc_cli.figures.sweep.words import (
+    LONGEST_WORD,
     key_label,
     metric_label,
     metric_text,
     metric_unit,
     short_names,
+    shortened_words,
 )
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import INTEGER_METRICS
@@ -45,6 +52,7 @@ from hilc_cli.results.sweep import ITERATIONS_TO_TOLERANCE, SEED_KEY, SweepData
 MOST_CURVES = 8
 _WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
 _MARKED_UP_TO = 60  # points of a curve that are marked one by one
+_MOST_BANDS = 4  # more on each other cannot be told apart
 _FEW_DOTS = 200  # up to here drawn points need no summary
 
 WHOLE_METRICS = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE}
@@ -109,28 +117,34 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
     every = np.arange(len(data))
     rows = edge_rows(results.outcomes)
     shown = [results.metric[curve.cases] for curve in curves if curve.dotted or not curve.spread]
+    columns = [where] if series is None else [where, series]
+    combinations = combined(data, results, [column.positions for column in columns])
+    shown.append(combinations.metric[combinations.best(1)])
     shown += [curve.spread.groups.quantiles.ravel() for curve in curves if curve.spread]
     scale = metric_scale(np.concatenate(shown), whole=data.metric in WHOLE_METRICS)
     show_metric(axes, scale, len(rows), _HEIGHT)
     where.show(axes, "x", where.limits(), _WIDTH)
+    bands = 2 if len(curves) == 1 else 1 if len(curves) <= _MOST_BANDS else 0
     for index, curve in enumerate(curves):
         color = style.run_color(index)
         marker = style.run_marker(index, len(curves)) or "o"
         if curve.dotted:
             _draw_dots(axes, where, scale.in_place(results.metric), curve, color)
         if curve.spread:
-            draw_spread(axes, where, curve.spread, scale, color, marker, curve.name)
+            draw_spread(axes, where, curve.spread, scale, color, marker, curve.name, bands)
             draw_zeros(axes, curve.spread.positions, curve.spread.groups.medians, scale)
         elif not curve.dotted:
             _draw_line(axes, where, scale.in_place(results.metric), curve, color, marker)
         if not curve.spread:
             draw_zeros(axes, where.positions[curve.cases], results.metric[curve.cases], scale)
+    if series is not None and bands and any(curve.spread for curve in curves):
+        _, _, name, alpha = BANDS[1]
+        axes.fill([], [], color="0.35", alpha=alpha, linewidth=0, label=name)
     draw_edge_marks(axes, where, results.outcomes, every)
     if where.key == SEED_KEY:
         title = _draw_all_seeds(axes, data, results)
     else:
-        columns = [where] if series is None else [where, series]
-        title = _draw_best(axes, data, columns, results)
+        title = draw_best(axes, data, combinations, columns, style.BEST_COLOR)
     axes.set_xlabel(key_label(where.key))
     axes.set_ylabel(metric_label(data, _HEIGHT), labelpad=2)
     labels.set_title(axes, labels.wrapped(title, _WIDTH), scale.notes(metric_unit(data)))
@@ -141,7 +155,8 @@ def _curves(
 ) -> list[_Curve]:
     if series is None:
         return [_curve(data, where, results, "", np.arange(len(data)))]
-    names = [f"{short_names([where.key, series.key])[series.key]} = {w}" for w in series.words]
+    words = shortened_words(series.words, LONGEST_WORD)
+    names = [f"{short_names([where.key, series.key])[series.key]} = {word}" for word in words]
     parts = [np.flatnonzero(series.positions == place) for place in range(len(series.words))]
     return [
         _curve(data, where, results, name, part)
@@ -152,10 +167,9 @@ def _curves(
 
 def _curve(data: SweepData, where: KeyAxis, results: Results, name: str, cases: Integers) -> _Curve:
     dotted = not data.is_grid or where.key == SEED_KEY
-    single = len(np.unique(where.positions[cases])) == len(cases)
-    if single and len(cases) <= (_FEW_DOTS if dotted else 1000):
-        return _Curve(name, cases, None, dotted)
-    if where.key == SEED_KEY:
+    few = len(cases) <= (_FEW_DOTS if dotted else MOST_GRID_VALUES)
+    single = few and len(np.unique(where.positions[cases])) == len(cases)
+    if single or where.key == SEED_KEY:
         return _Curve(name, cases, None, dotted)
     return _Curve(name, cases, spread_along(where, results, cases, sampled=dotted), dotted)
 
@@ -211,25 +225,3 @@ def _draw_all_seeds(axes: Axes, data: SweepData, results: Results) -> str:
 
 def _dot_size(dots: int) -> float:
     return style.MARKER_SIZE if dots <= _FEW_DOTS else 3.0 if dots <= 1000 else 2.0
-
-
-def _draw_best(axes: Axes, data: SweepData, columns: Sequence[KeyAxis], results: Results) -> str:
-    """Marks the best case, or the best median over the seeds; returns what it is."""
-    first, group_of = repeats(data, [column.positions for column in columns])
-    groups = grouped(results, group_of, len(first))
-    best, median = best_of(groups), varies_seed(data) and len(first) < len(data)
-    if best is not None:
-        axes.plot(
-            columns[0].positions[first[best]],
-            groups.medians[best],
-            linestyle="none",
-            marker="*",
-            markersize=11,
-            markerfacecolor=style.BEST_COLOR,
-            markeredgecolor="black",
-            markeredgewidth=style.THIN,
-            zorder=5,
-            label="Best",
-        )
-    names = short_names([column.key for column in columns])
-    return best_title(data, groups, first, names, median=median)

@@ -14,11 +14,19 @@ from hilc_cli.figures.sweep.key_axis import KeyAxis, key_axis
 from hilc_cli.figures.sweep.metric_axis import (
     MetricScale,
     draw_edge_marks,
+    draw_zeros,
     edge_rows,
     metric_scale,
     show_metric,
 )
-from hilc_cli.figures.sweep.picking import Integers, Results, results_of, thinned, varied_keys
+from hilc_cli.figures.sweep.picking import (
+    Integers,
+    Results,
+    distinct,
+    results_of,
+    thinned,
+    varied_keys,
+)
 from hilc_cli.figures.sweep.sheet import heading_of
 from hilc_cli.figures.sweep.spread import MOST_VALUES, Spread, draw_spread, spread_along
 from hilc_cli.figures.sweep.words import key_label_in_lines, metric_label, metric_unit
@@ -29,6 +37,7 @@ _MOST_COLUMNS = 4
 _WIDTH, _HEIGHT = 2.15, 2.6  # of a panel [inch]
 _GUTTER, _KEY_ROOM = 0.22, 0.72  # beside and below a panel [inch]
 _JITTER = 0.3  # of dots that share a value, of the distance between values
+_LINE = 0.14  # more below the last row if a key has two lines [inch]
 _LETTERS = 30  # of a key in a line below its panel
 
 
@@ -59,7 +68,7 @@ def effects_of(data: SweepData, results: Results, scale: MetricScale) -> list[Ef
     effects = []
     for key in varied_keys(data):
         where = key_axis(data, key)
-        several = len(np.unique(where.positions)) > MOST_VALUES
+        several = distinct(where.positions, MOST_VALUES) is None
         spread = spread_along(where, results, cases, sampled=several or not data.is_grid)
         medians = spread.groups.medians
         medians = np.clip(medians[~np.isnan(medians)], scale.low, scale.high)
@@ -101,6 +110,8 @@ def effects_figure(data: SweepData) -> Figure:
         labels.set_title(panels[0], "Effect of each key, the largest first", notes)
         entries = panels[0].get_legend_handles_labels()[1]
         spare = labels.spare_room(panels[:1])
+        if any("\n" in axes.get_xlabel() for axes in panels[-columns:]):
+            layout.resize_sheet(figure, bottom=_LINE)
         legend = layout.shared_legend(
             *(panels[0], entries, layout.LEFT),
             top=float(figure.get_size_inches()[1]) - spare,
@@ -143,4 +154,5 @@ def draw_effect(
         label="Cases",
     )
     draw_spread(axes, where, spread, scale, style.BLUE, bands=1)
+    draw_zeros(axes, where.bent(flat), results.metric[cases], scale)
     draw_edge_marks(axes, where, results.outcomes, np.arange(len(results.metric)), size=3.0)

@@ -17,15 +17,13 @@ from hilc_cli.figures.sweep.metric_axis import MetricScale, metric_scale, outcom
 from hilc_cli.figures.sweep.picking import (
     Outcome,
     Results,
-    grouped,
-    repeats,
+    combined,
     results_of,
     thinned,
     varied_keys,
-    varies_seed,
 )
-from hilc_cli.figures.sweep.sheet import best_of, best_title, heading_of
-from hilc_cli.figures.sweep.words import key_label, metric_label, metric_unit, short_names
+from hilc_cli.figures.sweep.sheet import draw_best, heading_of
+from hilc_cli.figures.sweep.words import key_label, metric_label, metric_unit
 from hilc_cli.results.sweep import SweepData
 
 _WIDTH, _HEIGHT = 5.0, 4.4  # of the panel [inch]
@@ -60,6 +58,7 @@ def draw_map(axes: Axes, data: SweepData) -> None:
     keys = varied_keys(data)
     x, y = (key_axis(data, key) for key in keys)
     results = results_of(data)
+    combinations = combined(data, results, [x.positions, y.positions])
     notes = []
     if data.is_grid:
         cells = cells_of(x, y, results)
@@ -72,29 +71,13 @@ def draw_map(axes: Axes, data: SweepData) -> None:
         scale = metric_scale(results.metric, whole=data.metric in WHOLE_METRICS)
         colors = _norm(scale)
         notes += _draw_dots(axes, x, y, results, scale, colors)
-    first, group_of = repeats(data, [x.positions, y.positions])
-    median = varies_seed(data) and len(first) < len(data)
-    groups = grouped(results, group_of, len(first))
-    best = best_of(groups)
-    if best is not None:
-        axes.plot(
-            x.positions[first[best]],
-            y.positions[first[best]],
-            linestyle="none",
-            marker="*",
-            markersize=13,
-            markerfacecolor="white",
-            markeredgecolor="black",
-            markeredgewidth=1.0,
-            zorder=5,
-            label="Best",
-        )
+    star = "white" if data.is_grid else style.VERMILLION
+    title = draw_best(axes, data, combinations, [x, y], star, y.positions)
     if not scale.is_empty:
-        prefix = "median over the seeds of the " if median else ""
+        prefix = "median over the seeds of the " if combinations.is_median else ""
         _add_color_bar(axes, scale, colors, metric_label(data, _HEIGHT, prefix))
     axes.set_xlabel(key_label(x.key))
     axes.set_ylabel(key_label(y.key, 50), labelpad=2)
-    title = best_title(data, groups, first, short_names(keys), median=median)
     zero = f"{scale.zeros} exactly zero, in the darkest colour"
     notes += [zero] if scale.zeros else []
     notes += scale.notes(metric_unit(data))

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.figures import labels, logarithmic
-from hilc_cli.figures.sweep.picking import Integers
-from hilc_cli.figures.sweep.words import LONGEST_WORD, value_text
+from hilc_cli.figures.sweep.picking import Integers, distinct
+from hilc_cli.figures.sweep.words import shortened_words, value_text
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.sweep import SweepData
 from hilc_cli.variation.axes import Choices, Value
@@ -18,7 +18,9 @@ from hilc_cli.variation.axes import Choices, Value
 _MARGIN = 0.03  # beside the outermost values, of the axis
 _FEW = 6  # values that get a tick each, if there is room
 _LEAST_GAP = 0.4  # between words [inch]
-_CHARACTER = 0.066  # [inch], of a tick's label
+_BESIDE = 9  # letters that have room to the left of a panel
+_LETTERS_KEPT = 1000  # of a word
+_CHARACTER = 0.06  # [inch], of a tick's label
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,11 +66,13 @@ class KeyAxis:
 
     def limits(self) -> tuple[float, float]:
         """From a little before the first to a little after the last value."""
-        values = np.unique(self.positions)
-        if self.words or len(values) == 1:
-            low, high = self.edges(values)[[0, -1]]
-            return (min(low, -0.5), max(high, len(self.words) - 0.5)) if self.words else (low, high)
-        ends = self.flattened(values[[0, -1]])
+        if self.words:
+            return -0.5, len(self.words) - 0.5
+        values = np.array([self.positions.min(), self.positions.max()])
+        if values[0] == values[1]:
+            low, high = self.edges(values[:1])
+            return float(low), float(high)
+        ends = self.flattened(values)
         margin = _MARGIN * float(ends[1] - ends[0])
         low, high = self.bent(np.array([ends[0] - margin, ends[1] + margin]))
         return float(low), float(high)
@@ -98,8 +102,8 @@ class KeyAxis:
         gap = float(gaps.min(initial=length))
         if self.words:
             each = max(1, int(np.ceil(_LEAST_GAP / gap)))
-            longest = max(4, int((each * gap - 0.1) / _CHARACTER)) if which == "x" else LONGEST_WORD
-            values, texts = values[::each], [labels.shortened(t, longest) for t in texts[::each]]
+            longest = max(4, int((each * gap - 0.1) / _CHARACTER)) if which == "x" else _BESIDE
+            values, texts = values[::each], shortened_words(texts[::each], longest)
         elif gap < (_LEAST_GAP / 2 if which == "y" else _CHARACTER * max(map(len, texts)) + 0.1):
             return
         axis.set_ticks(values, labels=texts)
@@ -108,8 +112,8 @@ class KeyAxis:
     def _own_ticks(self) -> tuple[Floats, list[str]]:
         if self.words:
             return np.arange(len(self.words), dtype=np.float64), list(self.words)
-        values = np.unique(self.positions)
-        if len(values) > _FEW:
+        values = distinct(self.positions, _FEW)
+        if values is None:
             return np.empty(0), []
         return values, [value_text(float(value)) for value in values]
 
@@ -127,7 +131,12 @@ def key_axis(data: SweepData, key: str) -> KeyAxis:
     numbers: Integers = np.fromiter(
         (places[_told_apart(value)] for value in values), dtype=np.int64, count=len(values)
     )
-    return KeyAxis(key, numbers.astype(np.float64), False, tuple(value_text(v) for _, v in places))
+    return KeyAxis(
+        key,
+        numbers.astype(np.float64),
+        False,
+        tuple(value_text(v, longest=_LETTERS_KEPT) for _, v in places),
+    )
 
 
 def _told_apart(value: Value) -> tuple[bool, Value]:

@@ -17,6 +17,7 @@ from hilc_cli.reference.sampled import Floats
 ZERO_LABEL = "Exactly zero"
 ROW = 0.06  # height of a row of marks at an edge, of the panel's
 HEADROOM = 0.06  # free space above and below the data, of the panel's height
+ZERO_HEIGHT = (ROW + HEADROOM) / 2  # where zeros are marked, of the panel's height
 
 _SMALLEST = 1e-300  # what is below it is drawn as zero
 _WIDE = 100  # largest by smallest value from which on a scale is logarithmic
@@ -136,8 +137,8 @@ def show_metric(axes: Axes, scale: MetricScale, rows: int, height: float) -> Non
 
 def edge_rows(outcomes: Integers) -> list[Outcome]:
     """What the upper edge has a row of marks for, from the top down."""
-    found = set(np.unique(outcomes).tolist())
-    return [outcome for outcome in _NAMES if outcome in found]
+    found = np.bincount(outcomes, minlength=len(Outcome))
+    return [outcome for outcome in _NAMES if found[outcome]]
 
 
 def draw_edge_marks(
@@ -183,7 +184,7 @@ def draw_zeros(axes: Axes, positions: Floats, values: Floats, scale: MetricScale
         at = at[:: -(-len(at) // _MOST_MARKS)]
         axes.plot(
             at,
-            np.full(len(at), (ROW + HEADROOM) / 2),
+            np.full(len(at), ZERO_HEIGHT),
             transform=axes.get_xaxis_transform(),
             linestyle="none",
             marker="v",

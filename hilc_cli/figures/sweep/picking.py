@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ class Outcome(IntEnum):
     FAILED = 3
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Results:
     """The metric of all cases.
 
@@ -42,6 +43,17 @@ class Results:
 
     metric: Floats
     outcomes: Integers
+
+    @cached_property
+    def order(self) -> Integers:
+        """Numbers of the cases, the smallest metric first, failed ones last."""
+        return np.argsort(self.metric)
+
+    def of(self, cases: Integers) -> Results:
+        """The results of some cases."""
+        if len(cases) == len(self.metric):
+            return self
+        return Results(self.metric[cases], self.outcomes[cases])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,6 +80,31 @@ class Groups:
     def drawable(self) -> Floats:
         """Medians with gaps instead of infinite ones, shape (groups,)."""
         return np.where(np.isfinite(self.medians), self.medians, np.nan)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Combinations:
+    """The metric of all combinations of the varied keys, whatever the seed.
+
+    Attributes:
+        cases: One case of each, rising, shape (combinations,).
+        metric: Its metric, or the median over its seeds, as in Results.
+        outcomes: Of Outcome.
+        is_median: Whether combinations have several cases.
+    """
+
+    cases: Integers
+    metric: Floats
+    outcomes: Integers
+    is_median: bool
+
+    def best(self, most: int) -> Integers:
+        """At most so many combinations that have a metric, the smallest first."""
+        done = np.flatnonzero(self.outcomes == Outcome.DONE)
+        if len(done) > 10 * most:  # a million need not be sorted for the first ten
+            last = np.partition(self.metric[done], most - 1)[most - 1]
+            done = done[self.metric[done] <= last]
+        return done[np.argsort(self.metric[done], kind="stable")][:most]
 
 
 def is_constant(axis: Axis) -> bool:
@@ -111,7 +148,10 @@ def grouped(results: Results, group_of: Integers, groups: int) -> Groups:
         group_of: The group of each case, 0 .. groups - 1, shape (cases,).
         groups: How many there are; some may be empty.
     """
-    order = np.lexsort((results.metric, group_of))  # failed cases are the last of their group
+    order = results.order  # failed cases are the last of their group
+    # Short numbers are sorted by their digits, which is much faster.
+    small = group_of.astype(np.int16) if groups <= 2**15 else group_of
+    order = order[np.argsort(small[order], kind="stable")]
     metric = np.append(results.metric[order], np.nan)
     sizes = np.bincount(group_of, minlength=groups)
     starts = np.cumsum(sizes) - sizes
@@ -134,29 +174,36 @@ def grouped(results: Results, group_of: Integers, groups: int) -> Groups:
     return Groups(counts, quantiles, np.where(counts == 0, Outcome.FAILED, outcomes))
 
 
-def repeats(data: SweepData, positions: Sequence[Floats]) -> tuple[Integers, Integers]:
-    """Which cases are the same but for their seed.
+def combined(data: SweepData, results: Results, positions: Sequence[Floats]) -> Combinations:
+    """Takes cases together that are the same but for their seed.
 
     Args:
         data: The sweep.
+        results: Of all cases.
         positions: Where each case lies on the axis of each varied key, shape (cases,) each.
-
-    Returns:
-        One case of each group, in order, and the group of each case.
     """
-    if data.is_grid and not varies_seed(data):
-        numbers = np.arange(len(data))
-        return numbers, numbers
+    every = Combinations(np.arange(len(data)), results.metric, results.outcomes, is_median=False)
+    if not varies_seed(data):
+        return every
     code = np.zeros(len(data), dtype=np.int64)
     for column in positions:
         values, place = np.unique(column, return_inverse=True)
         # Compressed each time: the product of all counts may not fit an integer.
         _, code = np.unique(code * len(values) + place, return_inverse=True)
     _, first, group_of = np.unique(code, return_index=True, return_inverse=True)
+    if len(first) == len(data):
+        return every
+    groups = grouped(results, group_of, len(first))
     order = np.argsort(first)
-    rank = np.empty_like(order)
-    rank[order] = np.arange(len(order))
-    return first[order], rank[group_of]
+    return Combinations(first[order], groups.medians[order], groups.outcomes[order], is_median=True)
+
+
+def distinct(positions: Floats, most: int) -> Floats | None:
+    """The values among positions, rising; None if there are more than so many."""
+    if len(np.unique(positions[: 10 * most])) > most:  # tells it fast of most long columns
+        return None
+    values = np.unique(positions)
+    return values if len(values) <= most else None
 
 
 def thinned(cases: Integers, most: int = MOST_DOTS) -> Integers:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from hilc_cli.figures import style
 from hilc_cli.figures.sweep.key_axis import KeyAxis
 from hilc_cli.figures.sweep.metric_axis import MetricScale
-from hilc_cli.figures.sweep.picking import Groups, Integers, Results, grouped
+from hilc_cli.figures.sweep.picking import Groups, Integers, Results, distinct, grouped
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.sweep import QUANTILES
 
@@ -18,8 +18,9 @@ from hilc_cli.results.sweep import QUANTILES
 BANDS = ((0, 4, "5 to 95 %", 0.15), (1, 3, "25 to 75 %", 0.3))
 assert QUANTILES == (0.05, 0.25, 0.5, 0.75, 0.95)
 
-MOST_VALUES = 40
-_BINS, _MOST_GRID_VALUES, _GRID_BINS = 20, 1000, 200
+MOST_VALUES, MOST_GRID_VALUES = 40, 1000
+"""Of drawn cases, and of a grid: more values are taken together in bins."""
+_BINS, _GRID_BINS = 20, 200
 _CASES_A_BIN = 10
 
 
@@ -44,15 +45,15 @@ def spread_along(where: KeyAxis, results: Results, cases: Integers, *, sampled: 
     Args:
         where: The key's axis.
         results: Of all cases.
-        cases: Those to be grouped; at least one.
+        cases: Those to be grouped, in order; at least one.
         sampled: Whether values are drawn, so that hardly two cases share one.
     """
-    part = Results(results.metric[cases], results.outcomes[cases])
-    values, group_of = np.unique(where.positions[cases], return_inverse=True)
-    most = MOST_VALUES if sampled else _MOST_GRID_VALUES
-    if where.words or (len(values) <= most and len(values) * 2 <= max(len(cases), 2)):
-        return Spread(values, grouped(part, group_of, len(values)), binned=False)
-    if not sampled and len(values) <= most:
+    part = results.of(cases)
+    positions = where.positions[cases]
+    values = distinct(positions, MOST_VALUES if sampled else MOST_GRID_VALUES)
+    # Of a few drawn cases each has a value of its own.
+    if values is not None and (where.words or not sampled or 2 * len(values) <= len(cases)):
+        group_of = np.searchsorted(values, positions)
         return Spread(values, grouped(part, group_of, len(values)), binned=False)
     bins = min(_BINS if sampled else _GRID_BINS, max(2, len(cases) // _CASES_A_BIN))
     flat = where.flat[cases]

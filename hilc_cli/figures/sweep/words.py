@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from itertools import takewhile
 
 from hilc_cli.figures import labels
 from hilc_cli.results.sweep import ITERATIONS_TO_TOLERANCE, PEAK, SweepData
 from hilc_cli.variation.axes import Value
 
 LONGEST_KEY = 60
+LONGEST_NAME = 32
 LONGEST_WORD = 24
 
 _UNITS_BY_LAST_NAME = {
@@ -92,21 +94,33 @@ def short_names(keys: Sequence[str]) -> dict[str, str]:
         parts = key.split(".")
         endings = (".".join(parts[-count:]) for count in range(1, len(parts) + 1))
         others = [f".{other}" for other in keys if other != key]
-        names[key] = next(
+        name = next(
             (e for e in endings if not any(other.endswith(f".{e}") for other in others)), key
         )
+        names[key] = labels.shortened(name, LONGEST_NAME)
     return names
 
 
-def value_text(value: Value, digits: int = 4) -> str:
-    """A value as the scenario would have it, numbers rounded."""
+def value_text(value: Value, digits: int = 4, longest: int = LONGEST_WORD) -> str:
+    """A value as the scenario would have it, numbers rounded and long words shortened."""
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
     if isinstance(value, str):
-        return labels.shortened(value, LONGEST_WORD)
+        return labels.shortened(value, longest)
     if isinstance(value, int) and abs(value) < 10**7:
         return labels.number_text(value)
     return labels.number_text(float(value), digits)
+
+
+def shortened_words(words: Sequence[str], longest: int) -> list[str]:
+    """Words of at most so many letters; what they have in common goes first."""
+    if max(map(len, words)) <= longest:
+        return list(words)
+    alike = takewhile(lambda letters: len(set(letters)) == 1, zip(*words, strict=False))
+    common = len(list(alike))
+    if common > 1 and len(words) > 1:
+        words = [f"…{word[common:]}" for word in words]
+    return [labels.shortened(word, longest) for word in words]
 
 
 def metric_name(data: SweepData) -> str:
