@@ -30,6 +30,7 @@ from hilc_cli.figures.sweep.picking import (
 from hilc_cli.figures.sweep.sheet import heading_of
 from hilc_cli.figures.sweep.spread import MOST_VALUES, Spread, draw_spread, spread_along
 from hilc_cli.figures.sweep.words import key_label_in_lines, metric_label, metric_unit
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.sweep import SweepData
 
 MOST_PANELS = 12
@@ -62,7 +63,7 @@ def effects_of(data: SweepData, results: Results, scale: MetricScale) -> list[Ef
     Args:
         data: The sweep.
         results: Of all cases.
-        scale: On which the medians are compared; what is beyond it counts as its end.
+        scale: On which the medians are compared.
     """
     cases = np.arange(len(data))
     effects = []
@@ -70,12 +71,19 @@ def effects_of(data: SweepData, results: Results, scale: MetricScale) -> list[Ef
         where = key_axis(data, key)
         several = distinct(where.positions, MOST_VALUES) is None
         spread = spread_along(where, results, cases, sampled=several or not data.is_grid)
-        medians = spread.groups.medians
-        medians = np.clip(medians[~np.isnan(medians)], scale.low, scale.high)
-        if scale.is_logarithmic:
-            medians = np.log10(medians)
-        effects.append(Effect(where, spread, float(np.ptp(medians)) if len(medians) else 0.0))
+        effects.append(Effect(where, spread, _size(spread.groups.medians, scale)))
     return sorted(effects, key=lambda effect: -effect.size)
+
+
+def _size(medians: Floats, scale: MetricScale) -> float:
+    """The spread of medians; infinite ones lie as far above the scale as it is high."""
+    known = medians[~np.isnan(medians)]
+    shown = np.clip(known, scale.low, scale.high)
+    low, high = scale.low, scale.high
+    if scale.is_logarithmic:
+        shown, low, high = np.log10(shown), float(np.log10(low)), float(np.log10(high))
+    shown = np.where(np.isinf(known), 2 * high - low, shown)
+    return float(np.ptp(shown)) if len(shown) else 0.0
 
 
 def effects_figure(data: SweepData) -> Figure:

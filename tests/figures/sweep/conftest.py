@@ -16,7 +16,6 @@ LONG_KEY = "a." + "very_long_name." * 12 + "half_track"
 NAME = "a-name-of-sixty-characters-as-it-comes-out-of-a-gain-sweep-1"
 
 Metric = Callable[[Mapping[str, Value]], float]
-"""The metric of a case; infinite if it diverged, complex nowhere, None-like -1 if it failed."""
 
 FAILED = -1.0
 
