@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from hilc_cli.figures import labels, layout, style
+from hilc_cli.figures import labels, layout, logarithmic, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
 
@@ -157,31 +156,13 @@ def _scale_errors(axes: Axes, lines: Sequence[Floats], strips: float) -> None:
     per_height = (top - bottom) / (1 - floor - _HEADROOM)
     bottom, top = bottom - floor * per_height, top + _HEADROOM * per_height
     axes.set_yscale("log")
-    major, texts, minor = _ticks(bottom + strips * per_height, top)
+    major, texts, minor = logarithmic.ticks(bottom + strips * per_height, top)
     # Fixed ticks in plain characters are set many times faster than those of LogFormatter.
     axes.set_yticks(major, texts)
     axes.set_yticks(minor, [""] * len(minor), minor=True)
     axes.set_ylim(10.0**bottom, 10.0**top)
     axes.set_ylabel("Position error [m]", labelpad=2)
     axes.grid(visible=True)
-
-
-def _ticks(bottom: float, top: float) -> tuple[list[float], list[str], list[float]]:
-    """Ticks of a logarithmic axis between two exponents: major ones, their labels, minor ones."""
-    first, last = math.ceil(bottom), math.floor(top)
-    digits = range(2, 10) if last - first <= 5 else range(0)
-    if last - first >= 3:
-        step = next(step for step in (1, 2, 5, 10, 20, 50, 100) if (last - first) / step <= 9)
-        exponents = range(-(-first // step) * step, last + 1, step)
-        major = [10.0**exponent for exponent in exponents]
-        texts = [labels.power_text(exponent) for exponent in exponents]
-    else:
-        values = [d * 10.0**e for e in range(first - 1, last + 1) for d in (1, 2, 5)]
-        major = [value for value in values if bottom <= math.log10(value) <= top]
-        texts = [labels.tick_text(value) for value in major]
-    values = [d * 10.0**e for e in range(first - 1, last + 1) for d in digits]
-    minor = [v for v in values if bottom <= math.log10(v) <= top and v not in major]
-    return major, texts, minor
 
 
 def _draw_strips(axes: Axes, runs: Sequence[RunData], height: float) -> None:

@@ -127,13 +127,16 @@ def set_title(axes: Axes, title: str, notes: Iterable[str] = ()) -> None:
 
 
 def spare_room(panels: Iterable[Axes]) -> float:
-    """Height above panels, kept for two lines beside the first, that none of them needs [inch]."""
+    """Height above panels, kept for two lines beside the first, that none of them needs [inch].
+
+    It is negative if one of them needs more.
+    """
     used = 0
     for axes in panels:
         notes = [text.get_text() for text in axes.texts if text.get_gid() == _NOTES]
         breaks = axes.get_title(loc="left").count("\n")
         used = max(used, breaks + sum(1 + note.count("\n") for note in notes))
-    return max(0, 2 - used) * _LINE_PITCH / 72
+    return (2 - used) * _LINE_PITCH / 72
 
 
 def divergence_notes(runs: Sequence[RunData]) -> list[str]:

@@ -63,13 +63,16 @@ def panel_size(axes: Axes) -> tuple[float, float]:
     return box.width / dpi, box.height / dpi
 
 
-def legend_below(axes: Axes, width: float, without: Collection[str] = ()) -> float:
+def legend_below(
+    axes: Axes, width: float, without: Collection[str] = (), below: Axes | None = None
+) -> float:
     """Puts the legend of axes below their label, in as many columns as there is room for.
 
     Args:
         axes: The axes; nothing happens if none of their artists is to be named.
         width: Room for the legend [inch].
         without: Labels that are shown elsewhere.
+        below: Axes that the legend is to stand below, if not these.
 
     Returns:
         Height of the legend [inch].
@@ -78,8 +81,9 @@ def legend_below(axes: Axes, width: float, without: Collection[str] = ()) -> flo
     if not entries:
         return 0.0
     columns = _columns(entries, width + RIGHT)
-    below = ScaledTranslation(0, -BOTTOM, root_figure(axes).dpi_scale_trans)
-    _draw_legend(axes, entries, (0, 0), axes.transAxes + below, columns)
+    offset = ScaledTranslation(0, -BOTTOM, root_figure(axes).dpi_scale_trans)
+    corner = (axes if below is None else below).transAxes + offset
+    _draw_legend(axes, entries, (0, 0), corner, columns)
     return _height(entries, columns)
 
 

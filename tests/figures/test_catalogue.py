@@ -8,15 +8,13 @@ import matplotlib
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.transforms import Bbox
 
 from hilc_cli.errors import UsageError
 from hilc_cli.figures.catalogue import KINDS, draw, save_figures
 from hilc_cli.figures.save import FORMATS
 from hilc_cli.reference.sampled import Reference
 from tests.figures.conftest import MakeRun, circle, straight
-from tests.figures.reading import legend
+from tests.figures.reading import legend, overlaps
 
 
 def test_unknown_kind_is_named_with_the_nearest_or_all(make_run: MakeRun) -> None:
@@ -54,32 +52,6 @@ def test_nothing_is_written_if_anything_is_unknown(make_run: MakeRun, tmp_path: 
         save_figures(runs, tmp_path, iterations=[9])
 
     assert list(tmp_path.iterdir()) == []
-
-
-def overlaps(figure: Figure) -> list[str]:
-    """Legends, titles and axes labels that cover a panel or each other, or leave the sheet."""
-    figure.draw_without_rendering()
-    panels = [axes.get_window_extent() for axes in figure.axes]
-    words: list[tuple[str, Bbox]] = [
-        (text.get_text(), text.get_window_extent()) for text in figure.texts
-    ]
-    words += [("shared legend", box.get_window_extent()) for box in figure.legends]
-    for axes in figure.axes:
-        title = axes._left_title  # type: ignore[attr-defined]
-        written = [title, axes.xaxis.label, axes.yaxis.label, *axes.texts]
-        words += [(text.get_text(), text.get_window_extent()) for text in written]
-        box = axes.get_legend()
-        if box is not None:
-            words.append(("legend", box.get_window_extent()))
-    words = [(name, extent) for name, extent in words if name]
-    found = [name for name, e in words if not figure.bbox.contains(e.x0, e.y0)]
-    found += [name for name, e in words if not figure.bbox.contains(e.x1, e.y1)]
-    found += [
-        f"{n} on panel" for n, e in words if any(e.shrunk(0.98, 0.98).overlaps(p) for p in panels)
-    ]
-    for place, (name, extent) in enumerate(words):
-        found += [f"{name} on {other}" for other, e in words[:place] if extent.overlaps(e)]
-    return found
 
 
 LONG = "a-name-of-sixty-characters-as-it-comes-out-of-a-gain-sweep-1"
