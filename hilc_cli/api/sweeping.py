@@ -127,7 +127,7 @@ class Sweep(SweepData):
         pictures = [name for name in formats if name != "parquet"]
 
         def draw(into: Path) -> None:
-            from hilc_cli.figures.sweep import save_sweep_figures  # Matplotlib starts slowly
+            from hilc_cli.figures.sweep.catalogue import save_sweep_figures  # Matplotlib starts slowly
 
             save_sweep_figures(self, into, formats=pictures or ["png"])
 
@@ -411,7 +411,7 @@ def plot_sweep(
         ExistingResultsError: A picture stands there that may not be replaced.
         FileAccessError: They cannot be written.
     """
-    from hilc_cli.figures.sweep import save_sweep_figures  # Matplotlib starts slowly
+    from hilc_cli.figures.sweep.catalogue import save_sweep_figures  # Matplotlib starts slowly
 
     names: list[str] = []
 
