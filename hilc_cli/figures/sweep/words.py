@@ -116,11 +116,24 @@ def shortened_words(words: Sequence[str], longest: int) -> list[str]:
     """Words of at most so many letters; what they have in common goes first."""
     if max(map(len, words)) <= longest:
         return list(words)
-    alike = takewhile(lambda letters: len(set(letters)) == 1, zip(*words, strict=False))
-    common = len(list(alike))
-    if common > 1 and len(words) > 1:
-        words = [f"…{word[common:]}" for word in words]
+    if len(words) > 1:
+        first = _alike(words)
+        while first and words[0][first - 1].isdigit():
+            first -= 1  # numbers stay whole
+        last = _alike([word[:first:-1] for word in words])
+        words = [
+            ("…" if first > 1 else word[:first])
+            + word[first : len(word) - last]
+            + ("…" if last > 1 else word[len(word) - last :])
+            for word in words
+        ]
     return [labels.shortened(word, longest) for word in words]
+
+
+def _alike(words: Sequence[str]) -> int:
+    """How many letters all words have in common from the first on."""
+    alike = takewhile(lambda letters: len(set(letters)) == 1, zip(*words, strict=False))
+    return len(list(alike))
 
 
 def metric_name(data: SweepData) -> str:

@@ -148,8 +148,10 @@ def test_one_curve_for_each_word() -> None:
     assert axes.get_title(loc="left").startswith("Best: 8.01 m at l1 = 1, gain_heading = measured")
 
 
-def test_the_key_with_fewer_words_gives_the_curves() -> None:
-    axes = curve(sweep({SPEED: Choices((None, 100)), HEADING: WORDS}, bowl))
+@pytest.mark.parametrize("keys", [(SPEED, HEADING), (HEADING, SPEED)])
+def test_the_key_with_fewer_words_gives_the_curves(keys: tuple[str, str]) -> None:
+    words = {SPEED: Choices((None, 100)), HEADING: WORDS}
+    axes = curve(sweep({key: words[key] for key in keys}, bowl))
     assert legend(axes) == ["b_w = null", "b_w = 100", "Best"]
     assert axes.get_xlabel() == HEADING
 

@@ -16,6 +16,7 @@ from tests.figures.sweep.conftest import (
     SEEDS,
     STEPS,
     WORDS,
+    bowl,
     number,
     sweep,
 )
@@ -62,6 +63,12 @@ def test_drawn_cases_are_taken_together_in_bins() -> None:
     dots = line(panels[0], "Cases")
     assert len(np.asarray(dots.get_xdata())) == 5000
     assert dots.get_rasterized()
+
+
+def test_few_drawn_cases_are_taken_together_too() -> None:
+    ranges = {L1: Range(0.1, 10), L2: Range(0.0, 1.0), L3: Range(0.0, 1.0)}
+    panels = draw_sweep("effects", sweep(ranges, bowl, "random", 30)).axes
+    assert {len(np.asarray(line(axes, "Median").get_xdata())) for axes in panels} == {3}
 
 
 def test_words_have_a_place_each() -> None:

@@ -137,7 +137,7 @@ def test_cells_end_halfway_between_values() -> None:
 def test_scale_is_logarithmic_beyond_two_decades() -> None:
     assert metric_scale(np.array([1.0, 101])).is_logarithmic
     assert not metric_scale(np.array([1.0, 99])).is_logarithmic
-    assert not metric_scale(np.array([-1.0, 1e6])).is_logarithmic
+    assert not metric_scale(np.array([-1.0, 1, 1e6])).is_logarithmic
     assert not metric_scale(np.array([0.0, 0.0])).is_logarithmic
 
 

@@ -82,6 +82,8 @@ def test_values(value: Value, text: str) -> None:
 def test_words_lose_first_what_they_have_in_common() -> None:
     assert shortened_words(["same-1", "same-2"], 6) == ["same-1", "same-2"]
     assert shortened_words(["same-1", "same-2"], 4) == ["…1", "…2"]
+    assert shortened_words(["same-1.csv", "same-12.csv"], 5) == ["…1…", "…12…"]
+    assert shortened_words(["aaab", "aab"], 3) == ["…ab", "…b"]
     assert shortened_words(["abcdefgh"], 4) == ["a…gh"]
 
 
