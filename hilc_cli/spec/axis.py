@@ -61,7 +61,8 @@ def _from_text(text: str) -> Axis:
         return _of_bearable_count(Range(low, high, "integer"))
     if ":" in text and not text.strip().startswith("example:"):
         return _range(text)
-    return _choices([_scalar(resolve_plain(word.strip())) for word in text.split(",")])
+    words = [word.strip() for word in text.split(",")]
+    return _choices([_scalar(resolve_plain(word) if word else word) for word in words])
 
 
 def _range(text: str) -> Range:
@@ -72,12 +73,12 @@ def _range(text: str) -> Range:
     if len(parts) not in (2, 3):
         raise wrong("is no range", _REMEDY)
     low, high = _number(parts[0]), _number(parts[1])
+    if not math.isfinite(high - low):
+        raise wrong("must be finite", _REMEDY)
     if not low < high:
         raise wrong("must rise", "give the smaller number first, such as 0.1:10:20")
     if spacing == "log" and low <= 0:
         raise wrong("has no logarithm", "start above 0, such as 0.1:10:20:log")
-    if not math.isfinite(high - low):
-        raise wrong("must be finite", _REMEDY)
     if len(parts) == 2:
         return Range(low, high, spacing, written=(parts[0], parts[1]))
     if not re.fullmatch(r"[0-9]{1,18}", parts[2]) or int(parts[2]) < 2:
