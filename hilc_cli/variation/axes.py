@@ -152,8 +152,8 @@ class Range:
             return self.high
         if self.spacing == "log":
             # By exponents of ten, so that 1:1000:4 gives 10 and 100.
-            exponent = (math.log10(self.low) * (last - index) + math.log10(self.high) * index) / last
-            number = float(10**exponent)
+            below, above = math.log10(self.low), math.log10(self.high)
+            number = float(10 ** ((below * (last - index) + above * index) / last))
             return min(max(number, self.low), self.high)
         # With the decimals that people write, rounded once: 0.05:1:20 gives 0.1 and 0.15.
         low, high = Fraction(repr(self.low)), Fraction(repr(self.high))
