@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Annotated, TypeVar
+from collections.abc import Mapping
+from typing import Annotated, Any, TypeVar
 
 from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 
@@ -38,7 +39,8 @@ def read_axis(value: object) -> Axis:
     if isinstance(value, str):
         return _from_text(value)
     if isinstance(value, list | tuple):
-        return _choices([_scalar(item) for item in value])
+        # Mappings are trajectories written out, which are named before they are used.
+        return _choices([item if isinstance(item, Mapping) else _scalar(item) for item in value])
     return _choices([_scalar(value)])
 
 
@@ -91,7 +93,8 @@ def _number(text: str) -> float:
     try:
         return float(evaluate(text).number.constant)
     except ExpressionError as error:
-        raise wrong(f"holds '{text}', which {error}".partition(";")[0], _REMEDY) from None
+        problem = str(error).partition("; ")[0]
+        raise wrong(f"holds '{text}', which {problem}", _REMEDY) from None
 
 
 def _scalar(value: object) -> Value:
@@ -102,7 +105,7 @@ def _scalar(value: object) -> Value:
     raise wrong("must hold single values", _REMEDY)
 
 
-def _choices(values: list[Value]) -> Choices:
+def _choices(values: list[Any]) -> Choices:
     if not values:
         raise wrong("has no values", _REMEDY)
     return _of_bearable_count(Choices(tuple(values)))
@@ -117,7 +120,7 @@ def _of_bearable_count(axis: _AnyAxis) -> _AnyAxis:
 AxisSpec = Annotated[
     Axis,
     PlainValidator(read_axis),
-    PlainSerializer(axis_text),
+    PlainSerializer(axis_text, return_type=Any),
     WithJsonSchema(
         {
             "anyOf": [
