@@ -102,6 +102,9 @@ def _scalar(value: object) -> Value:
         if value == "":
             raise wrong("has an empty value", _REMEDY)
         return value
+    if isinstance(value, Mapping):
+        remedy = "write keys with dots between them, such as controller.gains.l1"
+        raise wrong("must hold values, not keys", remedy)
     raise wrong("must hold single values", _REMEDY)
 
 
