@@ -207,11 +207,11 @@ def sweep(
         report.shard(plan, part, failures, folder)
         return
     folder = out or place
+    api.check_sweep_output(plan, folder, force=force)
     work = api.work_folder(folder)
     if resume and not work.exists() and api.is_complete(plan, folder):
         report.say(f"nothing to resume: {folder} is complete")
         return
-    api.check_sweep_output(plan, folder, force=force)
     with _resumable(work):
         with report.progress(plan) as how["on_cases"]:
             result = api.sweep(plan, work_folder=work, **how)

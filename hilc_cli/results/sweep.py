@@ -32,7 +32,11 @@ def as_numbers(values: list[Value]) -> Numbers | list[Value]:
     """Values as an array, if all of them are numbers."""
     if any(isinstance(value, bool) or not isinstance(value, int | float) for value in values):
         return values
-    return np.array(values)
+    whole = [value for value in values if isinstance(value, int)]
+    if not whole or len(whole) < len(values):
+        return np.array(values, dtype=np.float64)
+    # A float does not hold every seed.
+    return np.array(whole, np.uint64) if max(whole) >= 2**63 else np.array(whole, np.int64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

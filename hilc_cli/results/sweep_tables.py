@@ -137,12 +137,19 @@ def read_cases(
 
 
 def _reader(axis: Axis) -> Callable[[str], Value]:
+    if isinstance(axis, Choices) and axis.is_numeric:
+        numbers = {value: value for value in axis.values}
+        return lambda cell: numbers[_number(cell)]
     if isinstance(axis, Choices):
         known = {value_text(value): value for value in axis.values}
         # The cell of a text comes without the quotes that the table needs.
         known |= {value: value for value in axis.values if isinstance(value, str)}
         return lambda cell: known[cell]
-    return lambda cell: int(cell) if cell.lstrip("-").isdecimal() else float(cell)
+    return _number
+
+
+def _number(cell: str) -> float:
+    return int(cell) if cell.lstrip("-").isdecimal() else float(cell)
 
 
 def write_bands(path: Path, bands: Bands) -> None:

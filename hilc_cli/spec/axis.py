@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Annotated, TypeVar
+from collections.abc import Mapping
+from typing import Annotated, Any, TypeVar
 
 from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 
@@ -38,7 +39,8 @@ def read_axis(value: object) -> Axis:
     if isinstance(value, str):
         return _from_text(value)
     if isinstance(value, list | tuple):
-        return _choices([_scalar(item) for item in value])
+        # Mappings are trajectories written out, which are named before they are used.
+        return _choices([item if isinstance(item, Mapping) else _scalar(item) for item in value])
     return _choices([_scalar(value)])
 
 
@@ -61,7 +63,8 @@ def _from_text(text: str) -> Axis:
         return _of_bearable_count(Range(low, high, "integer"))
     if ":" in text and not text.strip().startswith("example:"):
         return _range(text)
-    return _choices([_scalar(resolve_plain(word.strip())) for word in text.split(",")])
+    words = [word.strip() for word in text.split(",")]
+    return _choices([_scalar(resolve_plain(word) if word else word) for word in words])
 
 
 def _range(text: str) -> Range:
@@ -72,12 +75,12 @@ def _range(text: str) -> Range:
     if len(parts) not in (2, 3):
         raise wrong("is no range", _REMEDY)
     low, high = _number(parts[0]), _number(parts[1])
+    if not math.isfinite(high - low):
+        raise wrong("must be finite", _REMEDY)
     if not low < high:
         raise wrong("must rise", "give the smaller number first, such as 0.1:10:20")
     if spacing == "log" and low <= 0:
         raise wrong("has no logarithm", "start above 0, such as 0.1:10:20:log")
-    if not math.isfinite(high - low):
-        raise wrong("must be finite", _REMEDY)
     if len(parts) == 2:
         return Range(low, high, spacing, written=(parts[0], parts[1]))
     if not re.fullmatch(r"[0-9]{1,18}", parts[2]) or int(parts[2]) < 2:
@@ -90,7 +93,8 @@ def _number(text: str) -> float:
     try:
         return float(evaluate(text).number.constant)
     except ExpressionError as error:
-        raise wrong(f"holds '{text}', which {error}".partition(";")[0], _REMEDY) from None
+        problem = str(error).partition("; ")[0]
+        raise wrong(f"holds '{text}', which {problem}", _REMEDY) from None
 
 
 def _scalar(value: object) -> Value:
@@ -98,10 +102,13 @@ def _scalar(value: object) -> Value:
         if value == "":
             raise wrong("has an empty value", _REMEDY)
         return value
+    if isinstance(value, Mapping):
+        remedy = "write keys with dots between them, such as controller.gains.l1"
+        raise wrong("must hold values, not keys", remedy)
     raise wrong("must hold single values", _REMEDY)
 
 
-def _choices(values: list[Value]) -> Choices:
+def _choices(values: list[Any]) -> Choices:
     if not values:
         raise wrong("has no values", _REMEDY)
     return _of_bearable_count(Choices(tuple(values)))
@@ -116,7 +123,7 @@ def _of_bearable_count(axis: _AnyAxis) -> _AnyAxis:
 AxisSpec = Annotated[
     Axis,
     PlainValidator(read_axis),
-    PlainSerializer(axis_text),
+    PlainSerializer(axis_text, return_type=Any),
     WithJsonSchema(
         {
             "anyOf": [

@@ -22,6 +22,7 @@ _MESSAGES: Mapping[str, tuple[str, str]] = {
     "bool_type": ("must be true or false", "give true or false"),
     "model_type": ("must be a mapping of keys and values", "write its keys below it"),
     "model_attributes_type": ("must be a mapping of keys and values", "write its keys below it"),
+    "dict_type": ("must be a mapping of keys and values", "write its keys below it"),
     "list_type": ("must be a list", "write [..., ...] or lines that start with '- '"),
     "tuple_type": ("must be a list", "write [..., ...]"),
     "too_short": ("has too few entries", "add some"),
@@ -41,7 +42,11 @@ def problems_of(error: ValidationError, tree: Node, model: type[BaseModel]) -> l
     for details in error.errors(include_url=False):
         context: Mapping[str, Any] = details.get("ctx", {})
         keys: PathKeys = details["loc"]
-        if details["type"] == "hilc":
+        if keys and keys[-1] == "[key]":  # what is wrong is the key itself
+            keys = keys[:-1]
+            message = "is no key; give keys with dots between them, such as controller.gains.l1"
+            found.append(_at(tree, keys, message, point_at_key=True))
+        elif details["type"] == "hilc":
             for at, problem, remedy in context["problems"]:
                 # A list that is said not to be one is shown; one that does not fit is not.
                 show_all = problem.startswith("must be")

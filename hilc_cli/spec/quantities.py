@@ -14,6 +14,7 @@ from hilc_cli.spec.expressions import PLAIN, ExpressionError, Unit, evaluate
 from hilc_cli.spec.model import wrong
 from hilc_cli.spec.scalars import LONGEST_NUMBER
 
+MOST_CASES = 100_000_000
 _LARGEST = 1e9  # keeps squares and products far from overflow; nothing real is larger
 
 
@@ -72,7 +73,7 @@ class Quantity:
             try:
                 result = evaluate(value)
             except ExpressionError as error:
-                raise wrong(str(error).partition(";")[0], _remedy(error, self.remedy)) from None
+                raise wrong(str(error).partition("; ")[0], _remedy(error, self.remedy)) from None
             if result.unit not in (PLAIN, self.unit):
                 raise wrong("has the wrong unit", self.remedy)
             number = result.number.constant
@@ -147,5 +148,5 @@ Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, most=1e12)]
 Tolerance = Annotated[float, Quantity(PLAIN, "1e-9", least=0, most=_LARGEST)]
 Iterations = Annotated[int, Quantity(PLAIN, "100", least=0, most=10_000_000, whole=True)]
 Samples = Annotated[int, Quantity(PLAIN, "200", least=1, most=1_000_000, whole=True)]
-CaseCount = Annotated[int, Quantity(PLAIN, "1000", least=1, most=100_000_000, whole=True)]
+CaseCount = Annotated[int, Quantity(PLAIN, "1000", least=1, most=MOST_CASES, whole=True)]
 Seed = Annotated[int, Quantity(PLAIN, "0", least=0, most=2**64 - 1, whole=True)]

@@ -7,14 +7,13 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 from pydantic.types import StringConstraints
 
-from hilc_cli.results.sweep import CASE_METRICS
+from hilc_cli.results.sweep import CASE_METRICS, ITERATIONS_TO_TOLERANCE
 from hilc_cli.spec.axis import AxisSpec, read_axis
 from hilc_cli.spec.model import Flag, Located, Model
 from hilc_cli.spec.quantities import CaseCount, PositiveLength, Seed
 from hilc_cli.variation.axes import Choices
-from hilc_cli.variation.cases import Cases, Sampling
+from hilc_cli.variation.cases import Sampling
 
-MOST_CASES = 100_000_000
 MOST_KEYS = 100
 
 Key = Annotated[str, StringConstraints(pattern=r"^[^.\s=]+(\.[^.\s=]+)*$", max_length=200)]
@@ -56,12 +55,12 @@ class SweepSpec(Model):
                         (("vary", str(key)), "is a range without a number of values", remedy)
                     )
         elif sample in ("random", "sobol") and data.get("cases") is None:
-            found.append(((), "needs the number of cases to draw", "give it under 'cases'"))
+            remedy = "give it too, such as 'cases: 1000' or --cases 1000"
+            found.append((("sample",), "needs the number of cases to draw", remedy))
+        if data.get("metric") == ITERATIONS_TO_TOLERANCE and data.get("tolerance") is None:
+            remedy = "give it too, such as 'tolerance: 5 cm' or --tolerance '5 cm'"
+            found.append((("metric",), "needs a tolerance", remedy))
         return found
-
-    def drawn_cases(self) -> Cases:
-        """The cases as numbered combinations of values."""
-        return Cases(self.vary, self.sample, self.cases or 0, self.seed)
 
 
 def _has_no_count(value: object) -> bool:

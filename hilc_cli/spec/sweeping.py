@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,11 +12,14 @@ from typing import Any
 from pydantic import ValidationError
 
 from hilc_cli.errors import InvalidInputError, Problem, UsageError
-from hilc_cli.spec.nodes import MapNode, Node, Place, Scalar, Source, from_data, to_data
+from hilc_cli.spec.axis import read_axis
+from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, Source, from_data, to_data
 from hilc_cli.spec.problems import problems_of
+from hilc_cli.spec.quantities import MOST_CASES
 from hilc_cli.spec.sweep import SweepSpec
 from hilc_cli.spec.valid import Scenario
 from hilc_cli.spec.varied import Varied, vary
+from hilc_cli.variation.cases import Cases
 
 Variations = Mapping[str, object] | Sequence[str]
 
@@ -39,18 +44,54 @@ def plan_of(
     try:
         spec = SweepSpec.model_validate(to_data(tree))
     except ValidationError as error:
-        problems = problems_of(error, tree, SweepSpec)
-        raise InvalidInputError(
-            replace(problem, path=problem.path.removeprefix("vary.")) for problem in problems
-        ) from None
+        problems = [
+            replace(problem, path=problem.path.removeprefix("vary."))
+            for problem in problems_of(error, tree, SweepSpec)
+        ]
+        unread = {details["loc"] for details in error.errors()}
+        raise InvalidInputError([*problems, *_others(scenario, tree, unread)]) from None
     if not spec.vary:
         raise UsageError(
             "nothing is varied; give --vary KEY=VALUES, such as --vary controller.gains.l1=0:1:11, "
             "or a section 'sweep:' in the scenario"
         )
+    varied = vary(scenario, spec.vary, _places(tree))
+    if spec.sample == "grid":
+        _check_size(Cases(varied.axes))
+    return varied, spec
+
+
+def _check_size(grid: Cases) -> None:
+    cases = math.prod(grid.shape)
+    if cases > MOST_CASES:
+        raise UsageError(
+            f"the grid has {cases:,} cases, of which at most {MOST_CASES:,} can be run; "
+            "give fewer values, or draw some with --sample and --cases"
+        )
+
+
+def _others(scenario: Scenario, tree: MapNode, unread: Collection[PathKeys]) -> list[Problem]:
+    """What is wrong with the values of keys that can be read, beside those that cannot."""
+    axes = {}
+    for key, node in _axis_nodes(tree).items():
+        with suppress(ValueError):
+            if ("vary", key) not in unread:
+                axes[key] = read_axis(to_data(node))
+    try:
+        vary(scenario, axes, _places(tree))
+    except InvalidInputError as error:
+        return list(error.problems)
+    return []
+
+
+def _axis_nodes(tree: MapNode) -> Mapping[str, Node]:
     keys = tree.entries["vary"]
     assert isinstance(keys, MapNode)  # made so below
-    return vary(scenario, spec.vary, {key: keys.entries[key].place for key in spec.vary}), spec
+    return keys.entries
+
+
+def _places(tree: MapNode) -> dict[str, Place]:
+    return {key: node.place for key, node in _axis_nodes(tree).items()}
 
 
 def _tree(

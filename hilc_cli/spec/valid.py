@@ -121,6 +121,16 @@ class Scenario:
                 disturbance["standard_deviation"] = list(bounded.deviation)
         return data
 
+    def inlined(self) -> dict[str, Any]:
+        """The scenario as plain data with its files in it.
+
+        What its author has left out to follow from other values is left out here too.
+        """
+        data = self.spec.model_dump(mode="json", exclude={"sweep"}, exclude_none=True)
+        if self.initial_input is not None:
+            data["initial_input"] = INITIAL_INPUT_FILE
+        return data
+
     def resolved_yaml(self) -> str:
         """The resolved scenario as a scenario file that gives the same results."""
         return to_yaml(self.resolved())

@@ -10,10 +10,10 @@ import numpy as np
 from hilc_cli.engine.batch import BatchResult, simulate_batch
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import LANES
-from hilc_cli.errors import HilcError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import METRIC_NAMES
 from hilc_cli.results.sweep import CASE_COLUMNS
+from hilc_cli.spec.varied import CANNOT_BE_MADE
 from hilc_cli.sweeping.plan import Plan
 
 _AT_ONCE = 16 * LANES
@@ -115,7 +115,7 @@ def _experiments(plan: Plan, first: int, last: int) -> tuple[dict[int, Experimen
     for case, values in enumerate(plan.cases.values(first, last), first):
         try:
             experiments[case] = plan.varied.experiment(values)
-        except (HilcError, ValueError, ArithmeticError) as error:
+        except CANNOT_BE_MADE as error:
             failures.append(Failure(Chunk(case, case + 1), str(error)))
     return experiments, failures
 

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hilc_cli.engine.batch import simulate_batch
+from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import LANES
+from hilc_cli.errors import HilcError
 from hilc_cli.results.sweep import CASE_COLUMNS
+from hilc_cli.spec.varied import CANNOT_BE_MADE, TRAJECTORY
 from hilc_cli.sweeping.plan import Plan
+from hilc_cli.variation.cases import Cases
 
 _BASE_MEMORY = 250e6  # [bytes] Python with its libraries, pictures included
 _BYTES_PER_VALUE = 8
 _TRIAL_SAMPLES = 50_000
+_TRIAL_CASES = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,14 +45,18 @@ class Estimate:
 
 
 def samples_per_case(plan: Plan) -> float:
-    """Samples of all iterations of a case, on average."""
-    iterations = plan.axes.get("iterations")
-    if iterations is None:
-        mean = float(plan.varied.scenario.spec.iterations)
-    else:
-        taken = plan.cases.values(0, min(len(plan.cases), 10_000))
-        mean = float(np.mean([case["iterations"] for case in taken]))
-    return (mean + 1) * plan.varied.scenario.spec.trajectory.reference().samples
+    """Samples of all iterations of a case, on average; of many cases estimated from some."""
+    keys = [key for key in plan.axes if key == "iterations" or key.split(".")[0] == TRAJECTORY]
+    cases = plan.cases
+    if cases.sampling == "grid":
+        # The other keys only repeat the combinations of these.
+        cases = Cases({key: plan.axes[key] for key in keys})
+    counts = []
+    for case in cases.values(0, min(len(cases), _TRIAL_CASES)) if keys else [{}]:
+        with suppress(HilcError):
+            spec = plan.varied.case({key: case[key] for key in keys}).spec
+            counts.append((spec.iterations + 1) * spec.trajectory.reference().samples)
+    return float(np.mean(counts)) if counts else 0.0
 
 
 def estimate(plan: Plan, workers: int) -> Estimate:
@@ -72,9 +82,13 @@ def estimate(plan: Plan, workers: int) -> Estimate:
 
 def _seconds_per_sample(plan: Plan) -> float:
     """Measured on full lanes, after the code has been loaded."""
-    first = min(LANES, len(plan.cases))
-    values = [plan.cases.values(0, first)[case % first] for case in range(LANES)]
-    made = [plan.varied.experiment(case) for case in values]
+    made: list[Experiment] = []
+    for case in plan.cases.values(0, min(LANES, len(plan.cases))):
+        with suppress(*CANNOT_BE_MADE):
+            made.append(plan.varied.experiment(case))
+    if not made:
+        return 0.0
+    made = [made[lane % len(made)] for lane in range(LANES)]
     steps = made[0].reference.samples
     short = max(1, min(made[0].iterations, _TRIAL_SAMPLES // steps))
     trial = [replace(experiment, iterations=short) for experiment in made]

@@ -54,9 +54,13 @@ class Plan:
         return max(int(end) for end in axis.ends if end is not None)
 
     def resolved(self) -> dict[str, Any]:
-        """The scenario with its sweep as plain data, every default and file filled in."""
-        data = self.varied.scenario.resolved()
-        sweep = self.spec.model_dump(mode="json", exclude_none=True)
+        """The scenario with its sweep and its files as plain data.
+
+        Values that follow from others, such as the model's from the robot's, are not filled in:
+        they vary with those.
+        """
+        data = self.varied.scenario.inlined()
+        sweep = self.spec.model_dump(mode="json", exclude={"vary"}, exclude_none=True)
         sweep["vary"] = {key: axis_text(axis) for key, axis in self.axes.items()}
         if self.varied.trajectories:
             sweep["vary"][TRAJECTORY] = [

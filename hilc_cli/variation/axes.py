@@ -49,6 +49,10 @@ class Choices:
             return (min(self.values), max(self.values))  # type: ignore[type-var]
         return self.values
 
+    def ladder(self) -> list[Value]:
+        """All values of a grid in order."""
+        return list(self.values)
+
     def at(self, index: int) -> Value:
         """Value number ``index`` of a grid."""
         return self.values[index]
@@ -103,6 +107,18 @@ class Range:
         """The smallest and the largest value."""
         return (self._rounded(self.low), self._rounded(self.high))
 
+    def ladder(self) -> list[Value]:
+        """All values of a grid in order; the ends are exactly as given.
+
+        Raises:
+            ValueError: The range has no count.
+        """
+        if self.whole and self.spacing != "integer" and self.values_asked is not None:
+            return list(self._whole_values())
+        if self.count is None:
+            raise ValueError("a range without a count has no numbered values")
+        return [self.at(index) for index in range(self.count)]
+
     def at(self, index: int) -> Value:
         """Value number ``index`` of a grid; the ends are exactly as given.
 
@@ -136,8 +152,9 @@ class Range:
             return self.high
         if self.spacing == "log":
             # By exponents of ten, so that 1:1000:4 gives 10 and 100.
-            low, high = math.log10(self.low), math.log10(self.high)
-            return float(10 ** ((low * (last - index) + high * index) / last))
+            below, above = math.log10(self.low), math.log10(self.high)
+            number = float(10 ** ((below * (last - index) + above * index) / last))
+            return min(max(number, self.low), self.high)
         # With the decimals that people write, rounded once: 0.05:1:20 gives 0.1 and 0.15.
         start, end = Fraction(repr(self.low)), Fraction(repr(self.high))
         return float((start * (last - index) + end * index) / last)

@@ -46,7 +46,7 @@ class Cases:
     def __len__(self) -> int:
         return math.prod(self.shape) if self.sampling == "grid" else self.drawn
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, ...]:
         """Number of values of each key of a grid.
 
@@ -85,10 +85,7 @@ class Cases:
     @cached_property
     def _ladders(self) -> list[list[Value]]:
         """The values of each key of a grid in order."""
-        return [
-            [axis.at(index) for index in range(count)]
-            for axis, count in zip(self.axes.values(), self.shape, strict=True)
-        ]
+        return [axis.ladder() for axis in self.axes.values()]
 
     def _points(self, first: int, last: int) -> NDArray[np.float64]:
         """Where on each axis the cases lie, strictly between 0 and 1, shape (cases, axes)."""
