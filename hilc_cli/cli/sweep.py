@@ -231,7 +231,7 @@ def _resumable(work: Path) -> Iterator[None]:
         from hilc_cli.cli.terminal import say
 
         if api.is_resumable(work) and not isinstance(error, ExistingResultsError):
-            words = [word for word in sys.argv[1:] if word not in ("--resume", "--force")]
+            words = [word for word in sys.argv[1:] if word != "--resume"]
             say(f"go on with: {shlex.join(['hilc', *words, '--resume'])}")
         raise
 
