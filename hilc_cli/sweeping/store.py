@@ -6,7 +6,6 @@ import errno
 import fcntl
 import json
 import os
-import shutil
 import zlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
-from hilc_cli.files import read_file, writing
+from hilc_cli.files import read_file, write_folder, writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.results.sweep import CASE_COLUMNS
@@ -145,12 +144,13 @@ class FolderStore:
         """Makes the folder of a sweep, or of a shard of it, and opens it.
 
         Args:
-            folder: The folder; nothing stands there.
+            folder: The folder; no sweep is in it.
             plan: The sweep.
             cases: The cases that belong into it.
             shard: ``K/N``, for a shard.
 
         Raises:
+            ExistingResultsError: Another program has just put a sweep there.
             FileAccessError: It cannot be written.
         """
         header = {
@@ -169,21 +169,23 @@ class FolderStore:
             "tolerance_m": plan.spec.tolerance,
             "metric": plan.spec.metric,
         }
-        with writing(folder):
-            folder.mkdir(parents=True, exist_ok=True)
-            try:
-                (folder / SCENARIO).write_text(plan.resolved_yaml(), encoding="utf-8")
-                scenario = plan.varied.scenario
-                if scenario.initial_input is not None:
-                    sample_time = scenario.spec.trajectory.sample_time
-                    write_input(folder / INITIAL_INPUT, sample_time, *scenario.initial_input)
-                # The header is last: a folder with a header is whole.
-                draft = folder / f"{HEADER}.draft"
-                draft.write_text(json.dumps(header) + "\n", encoding="utf-8")
-                draft.replace(folder / HEADER)
-            except BaseException:
-                shutil.rmtree(folder, ignore_errors=True)
-                raise
+
+        def fill(draft: Path) -> None:
+            (draft / SCENARIO).write_text(plan.resolved_yaml(), encoding="utf-8")
+            scenario = plan.varied.scenario
+            if scenario.initial_input is not None:
+                sample_time = scenario.spec.trajectory.sample_time
+                write_input(draft / INITIAL_INPUT, sample_time, *scenario.initial_input)
+            (draft / HEADER).write_text(json.dumps(header) + "\n", encoding="utf-8")
+
+        # As a whole: a program that is killed meanwhile leaves nothing that it would not know
+        # again, and of two that start at once only one has its header there.
+        write_folder(
+            folder,
+            fill,
+            may_replace=lambda there: not read_header(there),
+            keeps=lambda name: name not in _FILES,
+        )
         return cls(folder)
 
     def missing(self) -> list[Chunk]:
@@ -243,9 +245,11 @@ class FolderStore:
         self._journal.close()
 
     def remove(self) -> None:
-        """Closes and removes the folder: its results have gone elsewhere."""
-        self.close()
-        remove(self.folder)
+        """Removes the folder, then gives up its lock."""
+        try:
+            remove(self.folder)
+        finally:
+            self.close()
 
     def _recall(self, entry: dict[str, Any]) -> None:
         """Takes a chunk of the journal for done if its results are what the journal says."""
@@ -348,7 +352,9 @@ def read_header(folder: Path) -> dict[str, Any]:
 def remove(folder: Path) -> None:
     """Removes a folder of a sweep in progress, but nothing that somebody else has put there."""
     with writing(folder):
-        for name in (HEADER, *(_FILES - {HEADER})):
+        # Without its journal the folder holds no results, without its header it is nobody's:
+        # at whatever moment this is stopped, it can be resumed or replaced.
+        for name in (JOURNAL, *sorted(_FILES - {JOURNAL, HEADER}), HEADER):
             (folder / name).unlink(missing_ok=True)
         if not any(folder.iterdir()):
             folder.rmdir()
