@@ -7,7 +7,8 @@ import fcntl
 import json
 import os
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -30,6 +31,10 @@ JOURNAL = "journal"
 ROWS = "results.bin"
 ERRORS = "errors.bin"
 _FILES = frozenset({HEADER, JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT})
+_KEYS = frozenset(
+    {"name", "checksum", "first", "last", "shard", "iterations", "bands"}
+    | {"axes", "sample", "cases", "seed", "tolerance_m", "metric"}
+)
 _MAX_HEADER_BYTES = 1_000_000_000
 _COLUMNS = len(CASE_COLUMNS)
 
@@ -121,17 +126,12 @@ class FolderStore:
         self.header = read_header(folder)
         if not self.header:
             raise UsageError(f"{folder}: is no folder of a sweep in progress, and no shard")
+        if not self.header.keys() >= _KEYS:
+            raise UsageError(f"{folder / HEADER}: is damaged, or of another version of hilc")
         self.cases = Chunk(self.header["first"], self.header["last"])
         self._iterations = int(self.header["iterations"])
         self._bands = bool(self.header["bands"])
-        self._journal = Journal(folder / JOURNAL)
-        try:
-            fcntl.flock(self._journal.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            self._journal.close()
-            raise ExistingResultsError(
-                f"{folder}: another program is at work on this sweep; wait until it has ended"
-            ) from None
+        self._journal = _locked_journal(folder, self.header)
         self._files = {ROWS: _open(folder / ROWS)}
         if self._bands:
             self._files[ERRORS] = _open(folder / ERRORS)
@@ -244,13 +244,6 @@ class FolderStore:
         self._files = {}
         self._journal.close()
 
-    def remove(self) -> None:
-        """Removes the folder, then gives up its lock."""
-        try:
-            remove(self.folder)
-        finally:
-            self.close()
-
     def _recall(self, entry: dict[str, Any]) -> None:
         """Takes a chunk of the journal for done if its results are what the journal says."""
         chunk = Chunk(entry["first"], entry["last"])
@@ -321,7 +314,7 @@ def open_store(
                 f"{folder}: exists and holds no sweep in progress, so it is left as it is; "
                 "choose another folder with --out"
             )
-        same = header["checksum"] == plan.checksum() and header["shard"] == shard
+        same = header.get("checksum") == plan.checksum() and header.get("shard") == shard
         if same and resume:
             store = FolderStore(folder)
             store.forget_failures()
@@ -332,7 +325,8 @@ def open_store(
             raise ExistingResultsError(
                 f"{folder}: holds results of {what}; {go_on}start anew with --force"
             )
-        FolderStore(folder).remove()
+        with closing(_locked_journal(folder, header)):
+            remove(folder)
     return FolderStore.create(folder, plan, cases, shard)
 
 
@@ -358,6 +352,27 @@ def remove(folder: Path) -> None:
             (folder / name).unlink(missing_ok=True)
         if not any(folder.iterdir()):
             folder.rmdir()
+
+
+def _locked_journal(folder: Path, header: Mapping[str, Any]) -> Journal:
+    """The journal, with which nobody else can have the folder open.
+
+    Raises:
+        ExistingResultsError: Somebody has, or has replaced it since its header was read.
+    """
+    journal = Journal(folder / JOURNAL)
+    try:
+        fcntl.flock(journal.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        here = os.path.samestat(os.fstat(journal.descriptor), (folder / JOURNAL).stat())
+        free = here and read_header(folder) == header
+    except OSError:
+        free = False
+    if not free:
+        journal.close()
+        raise ExistingResultsError(
+            f"{folder}: another program is at work on this sweep; wait until it has ended"
+        )
+    return journal
 
 
 def _open(path: Path) -> int:
