@@ -208,7 +208,7 @@ def sweep(
         return
     folder = out or place
     work = api.work_folder(folder)
-    if resume and not work.exists() and api.is_complete(plan, folder):
+    if resume and not api.is_resumable(work) and api.is_complete(plan, folder):
         report.say(f"nothing to resume: {folder} is complete")
         return
     api.check_sweep_output(plan, folder, force=force)
