@@ -13,6 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.parquet import require_parquet
@@ -312,6 +313,12 @@ def merge_shards(folders: Sequence[str | Path], *, go_on: GoOn = lambda: None) -
         HilcError: One cannot be read.
     """
     started = datetime.now(UTC)
+    places = [Path(folder).resolve() for folder in folders]
+    twice = next(
+        (folder for folder, n in zip(folders, places, strict=True) if places.count(n) > 1), None
+    )
+    if twice is not None:
+        raise UsageError(f"{twice}: is given more than once; give each shard once")
     with ExitStack() as stack:
         stores = [stack.enter_context(closing(FolderStore(Path(folder)))) for folder in folders]
         merged = merge(stores)
@@ -366,8 +373,9 @@ def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -
 
 
 def is_complete(plan: Plan, folder: str | Path) -> bool:
-    """Whether a folder holds the results of this very sweep."""
-    return read_sweep_manifest(Path(folder)).get("checksum") == plan.checksum()
+    """Whether a folder holds the results of this very sweep, none of whose cases has failed."""
+    manifest = read_sweep_manifest(Path(folder))
+    return manifest.get("checksum") == plan.checksum() and not manifest.get("failed")
 
 
 def is_sweep(folder: str | Path) -> bool:

@@ -209,7 +209,7 @@ def sweep(
     folder = out or place
     api.check_sweep_output(plan, folder, force=force)
     work = api.work_folder(folder)
-    if resume and not work.exists() and api.is_complete(plan, folder):
+    if resume and not api.is_resumable(work) and api.is_complete(plan, folder):
         report.say(f"nothing to resume: {folder} is complete")
         return
     with _resumable(work):
@@ -231,7 +231,7 @@ def _resumable(work: Path) -> Iterator[None]:
         from hilc_cli.cli.terminal import say
 
         if api.is_resumable(work) and not isinstance(error, ExistingResultsError):
-            words = [word for word in sys.argv[1:] if word not in ("--resume", "--force")]
+            words = [word for word in sys.argv[1:] if word != "--resume"]
             say(f"go on with: {shlex.join(['hilc', *words, '--resume'])}")
         raise
 

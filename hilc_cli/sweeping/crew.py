@@ -94,12 +94,13 @@ class _Worker:
 
     def __init__(self, plan: Plan) -> None:
         ours, theirs = socket.socketpair()
+        arguments = (theirs.fileno(), os.getpid())
         # A signal that the worker is born with blocked never reaches it: Ctrl-C is sent to all
         # processes of a terminal, but the owner decides what becomes of its workers.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
         try:
             self.process = subprocess.Popen(
-                [sys.executable, "-P", "-m", worker.__name__, str(theirs.fileno())],
+                [sys.executable, "-P", "-m", worker.__name__, *map(str, arguments)],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,

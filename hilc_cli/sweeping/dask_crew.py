@@ -78,7 +78,7 @@ class DaskCrew:
             _run, self._plan, __version__, chunk, pure=False, key=f"hilc-{chunk.first}-{id(self)}"
         )
         self._under_way[chunk] = future
-        future.add_done_callback(lambda done: self._ended.put((chunk, done)))
+        self._await(chunk, future)
 
     def outcomes(self) -> list[Outcome]:
         """What has become of some chunks; waits a while for it, and may come back empty.
@@ -86,11 +86,11 @@ class DaskCrew:
         Raises:
             ClusterError: The scheduler is gone, or its workers cannot do the work.
         """
-        found = []
+        found: list[Outcome] = []
         try:
-            found.append(self._outcome(*self._ended.get(timeout=PATIENCE)))
+            found += self._outcomes(*self._ended.get(timeout=PATIENCE))
             while True:
-                found.append(self._outcome(*self._ended.get_nowait()))
+                found += self._outcomes(*self._ended.get_nowait())
         except queue.Empty:
             pass
         if not found:
@@ -107,8 +107,19 @@ class DaskCrew:
         except (OSError, TimeoutError, RuntimeError):
             pass  # the scheduler has gone
 
-    def _outcome(self, chunk: Chunk, future: Any) -> Outcome:
+    def _await(self, chunk: Chunk, future: Any) -> None:
+        future.add_done_callback(lambda done: self._ended.put((chunk, done)))
+
+    def _outcomes(self, chunk: Chunk, future: Any) -> list[Outcome]:
+        """What has become of a chunk; nothing yet if it has to be computed once more."""
+        if future.status in ("lost", "pending"):
+            # Its worker has died with the result before that was fetched.
+            self._await(chunk, future)
+            return []
         del self._under_way[chunk]
+        return [self._outcome(chunk, future)]
+
+    def _outcome(self, chunk: Chunk, future: Any) -> Outcome:
         if future.status == "finished":
             return Outcome(chunk, future.result())
         if future.status != "error":

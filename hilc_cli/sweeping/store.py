@@ -6,16 +6,16 @@ import errno
 import fcntl
 import json
 import os
-import shutil
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
 from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
-from hilc_cli.files import read_file, writing
+from hilc_cli.files import read_file, write_folder, writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.results.sweep import CASE_COLUMNS
@@ -31,6 +31,10 @@ JOURNAL = "journal"
 ROWS = "results.bin"
 ERRORS = "errors.bin"
 _FILES = frozenset({HEADER, JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT})
+_KEYS = frozenset(
+    {"name", "checksum", "first", "last", "shard", "iterations", "bands"}
+    | {"axes", "sample", "cases", "seed", "tolerance_m", "metric"}
+)
 _MAX_HEADER_BYTES = 1_000_000_000
 _COLUMNS = len(CASE_COLUMNS)
 
@@ -122,17 +126,12 @@ class FolderStore:
         self.header = read_header(folder)
         if not self.header:
             raise UsageError(f"{folder}: is no folder of a sweep in progress, and no shard")
+        if not self.header.keys() >= _KEYS:
+            raise UsageError(f"{folder / HEADER}: is damaged, or of another version of hilc")
         self.cases = Chunk(self.header["first"], self.header["last"])
         self._iterations = int(self.header["iterations"])
         self._bands = bool(self.header["bands"])
-        self._journal = Journal(folder / JOURNAL)
-        try:
-            fcntl.flock(self._journal.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            self._journal.close()
-            raise ExistingResultsError(
-                f"{folder}: another program is at work on this sweep; wait until it has ended"
-            ) from None
+        self._journal = _locked_journal(folder, self.header)
         self._files = {ROWS: _open(folder / ROWS)}
         if self._bands:
             self._files[ERRORS] = _open(folder / ERRORS)
@@ -145,12 +144,13 @@ class FolderStore:
         """Makes the folder of a sweep, or of a shard of it, and opens it.
 
         Args:
-            folder: The folder; nothing stands there.
+            folder: The folder; no sweep is in it.
             plan: The sweep.
             cases: The cases that belong into it.
             shard: ``K/N``, for a shard.
 
         Raises:
+            ExistingResultsError: Another program has just put a sweep there.
             FileAccessError: It cannot be written.
         """
         header = {
@@ -169,21 +169,23 @@ class FolderStore:
             "tolerance_m": plan.spec.tolerance,
             "metric": plan.spec.metric,
         }
-        with writing(folder):
-            folder.mkdir(parents=True, exist_ok=True)
-            try:
-                (folder / SCENARIO).write_text(plan.resolved_yaml(), encoding="utf-8")
-                scenario = plan.varied.scenario
-                if scenario.initial_input is not None:
-                    sample_time = scenario.spec.trajectory.sample_time
-                    write_input(folder / INITIAL_INPUT, sample_time, *scenario.initial_input)
-                # The header is last: a folder with a header is whole.
-                draft = folder / f"{HEADER}.draft"
-                draft.write_text(json.dumps(header) + "\n", encoding="utf-8")
-                draft.replace(folder / HEADER)
-            except BaseException:
-                shutil.rmtree(folder, ignore_errors=True)
-                raise
+
+        def fill(draft: Path) -> None:
+            (draft / SCENARIO).write_text(plan.resolved_yaml(), encoding="utf-8")
+            scenario = plan.varied.scenario
+            if scenario.initial_input is not None:
+                sample_time = scenario.spec.trajectory.sample_time
+                write_input(draft / INITIAL_INPUT, sample_time, *scenario.initial_input)
+            (draft / HEADER).write_text(json.dumps(header) + "\n", encoding="utf-8")
+
+        # As a whole: a program that is killed meanwhile leaves nothing that it would not know
+        # again, and of two that start at once only one has its header there.
+        write_folder(
+            folder,
+            fill,
+            may_replace=lambda there: not read_header(there),
+            keeps=lambda name: name not in _FILES,
+        )
         return cls(folder)
 
     def missing(self) -> list[Chunk]:
@@ -241,11 +243,6 @@ class FolderStore:
             os.close(descriptor)
         self._files = {}
         self._journal.close()
-
-    def remove(self) -> None:
-        """Closes and removes the folder: its results have gone elsewhere."""
-        self.close()
-        remove(self.folder)
 
     def _recall(self, entry: dict[str, Any]) -> None:
         """Takes a chunk of the journal for done if its results are what the journal says."""
@@ -317,7 +314,7 @@ def open_store(
                 f"{folder}: exists and holds no sweep in progress, so it is left as it is; "
                 "choose another folder with --out"
             )
-        same = header["checksum"] == plan.checksum() and header["shard"] == shard
+        same = header.get("checksum") == plan.checksum() and header.get("shard") == shard
         if same and resume:
             store = FolderStore(folder)
             store.forget_failures()
@@ -328,7 +325,8 @@ def open_store(
             raise ExistingResultsError(
                 f"{folder}: holds results of {what}; {go_on}start anew with --force"
             )
-        FolderStore(folder).remove()
+        with closing(_locked_journal(folder, header)):
+            remove(folder)
     return FolderStore.create(folder, plan, cases, shard)
 
 
@@ -348,10 +346,33 @@ def read_header(folder: Path) -> dict[str, Any]:
 def remove(folder: Path) -> None:
     """Removes a folder of a sweep in progress, but nothing that somebody else has put there."""
     with writing(folder):
-        for name in (HEADER, *(_FILES - {HEADER})):
+        # Without its journal the folder holds no results, without its header it is nobody's:
+        # at whatever moment this is stopped, it can be resumed or replaced.
+        for name in (JOURNAL, *sorted(_FILES - {JOURNAL, HEADER}), HEADER):
             (folder / name).unlink(missing_ok=True)
         if not any(folder.iterdir()):
             folder.rmdir()
+
+
+def _locked_journal(folder: Path, header: Mapping[str, Any]) -> Journal:
+    """The journal, with which nobody else can have the folder open.
+
+    Raises:
+        ExistingResultsError: Somebody has, or has replaced it since its header was read.
+    """
+    journal = Journal(folder / JOURNAL)
+    try:
+        fcntl.flock(journal.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        here = os.path.samestat(os.fstat(journal.descriptor), (folder / JOURNAL).stat())
+        free = here and read_header(folder) == header
+    except OSError:
+        free = False
+    if not free:
+        journal.close()
+        raise ExistingResultsError(
+            f"{folder}: another program is at work on this sweep; wait until it has ended"
+        )
+    return journal
 
 
 def _open(path: Path) -> int:

@@ -39,5 +39,6 @@ def _end_with(owner: int) -> None:
 
 
 if __name__ == "__main__":
-    _end_with(os.getppid())
+    # Asked for here, the owner's number might already be that of whoever adopts orphans.
+    _end_with(int(sys.argv[2]))
     serve(Connection(int(sys.argv[1])))
