@@ -95,8 +95,7 @@ def _run(pack: Pack, experiments: Sequence[Experiment], errors: Floats) -> None:
 
 def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
     """The arguments of `run_iterations`: None for what the machine code is to be without."""
-    kind, reference = pack.kind, pack.reference
-    heading = kind.gain_heading
+    kind, heading = pack.kind, pack.kind.gain_heading
     return (
         pack.lanes,
         pack.words,
@@ -106,9 +105,7 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
         pack.final,
         pack.last,
         pack.diverged_at,
-        reference.x,
-        reference.y,
-        reference.heading,
+        *pack.desired,
         pack.decay,
         kind.full_matrix or None,
         (kind.disturbed or heading != "measured") or None,

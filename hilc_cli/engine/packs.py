@@ -104,6 +104,10 @@ class Pack:
     """The arrays of up to LANES experiments of one kind; they are used again for the next ones.
 
     Attributes:
+        kind: What the experiments have in common.
+        sample_time: d_t [s] of the reference.
+        desired: x [m], y [m] and heading [rad] of the reference, shape (n + 1,) each.
+        decay: exp(-k d_t), shape (n,); None with Eq. 17.
         lanes: See `Field`, shape (FIELDS * LANES,); the other arrays are flat likewise.
         words: See `Words`.
         noise: See `lanes.Noise`.
@@ -114,7 +118,9 @@ class Pack:
     """
 
     def __init__(self, reference: Reference, kind: Kind) -> None:
-        self.reference, self.kind = reference, kind
+        self.kind, self.sample_time = kind, reference.sample_time
+        # Copies, so that the machine code need not be compiled anew for arrays of another layout.
+        self.desired = tuple(np.array(a) for a in (reference.x, reference.y, reference.heading))
         self.lanes = aligned(FIELDS * LANES, np.float64)
         self.words = aligned(WORD_ROWS * LANES, np.uint64)
         self.noise = aligned(NOISE_ROWS * LANES, np.float64)
@@ -161,7 +167,7 @@ class Pack:
     def _parameters(self, experiment: Experiment) -> list[float]:
         """The rows of the lane array up to Field.POSITION_GAINS."""
         law, robot = hybrid_law(experiment), experiment.robot
-        sample_time, limit = self.reference.sample_time, experiment.speed_limit
+        sample_time, limit = self.sample_time, experiment.speed_limit
         distance_gain, turn_gain = step_gains(
             robot.wheel_radius, robot.signed_half_track, sample_time
         )
