@@ -55,7 +55,6 @@ X, Y, HEADING = int(Field.X) * W, int(Field.Y) * W, int(Field.HEADING) * W
 INITIAL = int(Field.INITIAL_ERROR) * W
 COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
 REST, SHIFTED = int(Field.REST) * W, int(Field.SHIFTED) * W
-WEIGHTED = int(Field.WEIGHTED) * W
 MEAN, DIFFERENCE = int(Field.MEAN) * W, int(Field.HALF_DIFFERENCE) * W
 LARGEST_SQUARE = int(Field.LARGEST_SQUARE) * W
 ERROR_SUM, SQUARE_SUM = int(Field.ERROR_SUM) * W, int(Field.SQUARE_SUM) * W
@@ -122,9 +121,14 @@ def _follow(
             count = min(BLOCK, steps - k)
             draw_state(noise, lanes, words, state_kind, k, count)
             draw_output(noise, lanes, words, output_kind, k + 1, count)
-        # Short loops: the processor looks ahead some hundred instructions, and finds more to do at
-        # once among short ones.
+        limited = False
         for j in range(W):
+            cos, sin = _cos_sin_near_zero(lanes[REST + j])
+            cos, sin = _turned(cos, sin, lanes[SHIFTED + j])
+            lanes[COS + j], lanes[SIN + j] = cos, sin
+            if own_heading is not None:
+                cos, sin = _cos_sin_near_zero(lanes[REST + W + j])
+                cos, sin = _turned(cos, sin, lanes[SHIFTED + W + j])
             past_x, past_y = history[after + ERROR + j], history[after + ERROR + W + j]
             past_heading = history[after + ERROR + 2 * W + j]
             l1, heading_l1 = lanes[GAINS + j], lanes[HEADING_GAINS + j]
@@ -154,16 +158,6 @@ def _follow(
                     heading_l2, history[row + ERROR + 2 * W + j],
                     heading_l3, history[before + ERROR + 2 * W + j],
                 )  # fmt: skip
-            lanes[WEIGHTED + j], lanes[WEIGHTED + W + j] = weighted_x, weighted_y
-            lanes[WEIGHTED + 2 * W + j] = weighted_heading
-            lanes[COS + j], lanes[SIN + j] = _cos_sin_near_zero(lanes[REST + j])
-        limited = False
-        for j in range(W):
-            cos, sin = _turned(lanes[COS + j], lanes[SIN + j], lanes[SHIFTED + j])
-            lanes[COS + j], lanes[SIN + j] = cos, sin
-            if own_heading is not None:
-                gain_cos, gain_sin = _cos_sin_near_zero(lanes[REST + W + j])
-                cos, sin = _turned(gain_cos, gain_sin, lanes[SHIFTED + W + j])
             if full_matrix is None:
                 matrix = (
                     0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0,
@@ -180,7 +174,7 @@ def _follow(
                 )  # fmt: skip
             mean_correction, difference_correction = _wheel_correction(
                 matrix, cos, sin,
-                lanes[WEIGHTED + j], lanes[WEIGHTED + W + j], lanes[WEIGHTED + 2 * W + j]
+                weighted_x, weighted_y, weighted_heading
             )
             mean = history[row + PAST_MEAN + j] + mean_correction
             difference = history[row + PAST_DIFFERENCE + j] + difference_correction

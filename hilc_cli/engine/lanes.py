@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-LANES = 32
+LANES = 24
 """Experiments side by side. The history of so many lanes should stay in the second-level cache."""
 
 
@@ -50,12 +50,11 @@ class Field(IntEnum):
     FASTEST_WHEEL = 89
     SATURATED = 90
     CHANGE_SQUARES = 91
-    # Between the parts of the cosine; second rows: at the heading of the gain matrix.
+    # The heading, reduced for the cosine; second rows: that of the gain matrix.
     REST = 92
     SHIFTED = 94
-    WEIGHTED = 96  # the error that the gain matrix is multiplied with: x, y, heading
 
-FIELDS = Field.WEIGHTED + 3
+FIELDS = Field.SHIFTED + 2
 
 
 class NoiseField(IntEnum):
