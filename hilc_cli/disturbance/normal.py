@@ -11,7 +11,7 @@ Source:
 from __future__ import annotations
 
 import math
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +21,43 @@ Number = TypeVar("Number", float, NDArray[np.float64])
 SMALLEST_TAIL = 1.4e-11
 """Smallest probability of a tail for which `quantile` holds: a word of 32 bits gives 1.2e-10."""
 
+Coefficients = tuple[float, float, float, float, float, float, float, float]
+
+# Numerators and denominators, from the constant to the seventh power.
+_NEAR_TOP: Coefficients = (
+    3.3871328727963666080e0, 1.3314166789178437745e2,
+    1.9715909503065514427e3, 1.3731693765509461125e4,
+    4.5921953931549871457e4, 6.7265770927008700853e4,
+    3.3430575583588128105e4, 2.5090809287301226727e3,
+)  # fmt: skip
+_NEAR_BOTTOM: Coefficients = (
+    1.0, 4.2313330701600911252e1,
+    6.8718700749205790830e2, 5.3941960214247511077e3,
+    2.1213794301586595867e4, 3.9307895800092710610e4,
+    2.8729085735721942674e4, 5.2264952788528545610e3,
+)  # fmt: skip
+_FAR_TOP: Coefficients = (
+    1.42343711074968357734e0, 4.63033784615654529590e0,
+    5.76949722146069140550e0, 3.64784832476320460504e0,
+    1.27045825245236838258e0, 2.41780725177450611770e-1,
+    2.27238449892691845833e-2, 7.74545014278341407640e-4,
+)  # fmt: skip
+_FAR_BOTTOM: Coefficients = (
+    1.0, 2.05319162663775882187e0,
+    1.67638483018380384940e0, 6.89767334985100004550e-1,
+    1.48103976427480074590e-1, 1.51986665636164571966e-2,
+    5.47593808499534494600e-4, 1.05075007164441684324e-9,
+)  # fmt: skip
+
 _SQRT_HALF = 0x3FE6A09E667F3BCD  # bits of the square root of 1/2
 _LN2_HIGH = 6.93147180369123816490e-01
 _LN2_LOW = 1.90821492927058770002e-10
+# Odd powers of s in log((1 + s) / (1 - s)), from s**3 to s**15.
+_LOG: Coefficients = (
+    0.0, 6.666666666666735130e-01, 3.999999999940941908e-01, 2.857142874366239149e-01,
+    2.222219843214978396e-01, 1.818357216161805012e-01, 1.531383769920937332e-01,
+    1.479819860511658591e-01,
+)  # fmt: skip
 
 
 def probabilities(bound: float, deviation: float) -> tuple[float, float]:
@@ -41,8 +75,18 @@ def probabilities(bound: float, deviation: float) -> tuple[float, float]:
 
 def chosen(condition: bool | NDArray[np.bool_], yes: Number, no: Number) -> Number:
     """One of two values, by a condition for each; lanes have instructions for it."""
-    choice: Number = np.where(condition, yes, no)
-    return choice
+    choice: Any = np.where(condition, yes, no)
+    return choice  # type: ignore[no-any-return]
+
+
+def polynomial(
+    x: Number, a: float, b: float, c: float, d: float, e: float, f: float, g: float, h: float
+) -> Number:
+    """A + b x + c x**2 + ... + h x**7; neighbours are summed first, so that fewer wait."""
+    square = x * x
+    low = (a + b * x) + square * (c + d * x)
+    high = (e + f * x) + square * (g + h * x)
+    return low + square * square * high
 
 
 def centre_and_tail(centred: Number, inside: float, below: float) -> tuple[Number, Number]:
@@ -76,120 +120,17 @@ def quantile(centre: Number, tail: Number) -> Number:
     s = fraction / (2.0 + fraction)
     z = s * s
     half_square = 0.5 * fraction * fraction
-    series = z * (
-        6.666666666666735130e-01
-        + z
-        * (
-            3.999999999940941908e-01
-            + z
-            * (
-                2.857142874366239149e-01
-                + z
-                * (
-                    2.222219843214978396e-01
-                    + z
-                    * (
-                        1.818357216161805012e-01
-                        + z * (1.531383769920937332e-01 + z * 1.479819860511658591e-01)
-                    )
-                )
-            )
-        )
-    )
+    series = polynomial(z, *_LOG)
     logarithm = exponent * _LN2_HIGH - (
         (half_square - (s * (half_square + series) + exponent * _LN2_LOW)) - fraction
     )
 
     near = abs(centre) <= 0.425
     r = 0.180625 - centre * centre
-    near_numerator = centre * (
-        3.3871328727963666080e0
-        + r
-        * (
-            1.3314166789178437745e2
-            + r
-            * (
-                1.9715909503065514427e3
-                + r
-                * (
-                    1.3731693765509461125e4
-                    + r
-                    * (
-                        4.5921953931549871457e4
-                        + r
-                        * (
-                            6.7265770927008700853e4
-                            + r * (3.3430575583588128105e4 + r * 2.5090809287301226727e3)
-                        )
-                    )
-                )
-            )
-        )
-    )
-    near_denominator = 1.0 + r * (
-        4.2313330701600911252e1
-        + r
-        * (
-            6.8718700749205790830e2
-            + r
-            * (
-                5.3941960214247511077e3
-                + r
-                * (
-                    2.1213794301586595867e4
-                    + r
-                    * (
-                        3.9307895800092710610e4
-                        + r * (2.8729085735721942674e4 + r * 5.2264952788528545610e3)
-                    )
-                )
-            )
-        )
-    )
     t = np.sqrt(-logarithm) - 1.6
-    far = 1.42343711074968357734e0 + t * (
-        4.63033784615654529590e0
-        + t
-        * (
-            5.76949722146069140550e0
-            + t
-            * (
-                3.64784832476320460504e0
-                + t
-                * (
-                    1.27045825245236838258e0
-                    + t
-                    * (
-                        2.41780725177450611770e-1
-                        + t * (2.27238449892691845833e-2 + t * 7.74545014278341407640e-4)
-                    )
-                )
-            )
-        )
-    )
-    far_numerator = chosen(centre < 0.0, -far, far)
-    far_denominator = 1.0 + t * (
-        2.05319162663775882187e0
-        + t
-        * (
-            1.67638483018380384940e0
-            + t
-            * (
-                6.89767334985100004550e-1
-                + t
-                * (
-                    1.48103976427480074590e-1
-                    + t
-                    * (
-                        1.51986665636164571966e-2
-                        + t * (5.47593808499534494600e-4 + t * 1.05075007164441684324e-9)
-                    )
-                )
-            )
-        )
-    )
+    far_top = polynomial(t, *_FAR_TOP)
     # One division for both cases.
-    result: Number = chosen(near, near_numerator, far_numerator) / chosen(
-        near, near_denominator, far_denominator
-    )
-    return result
+    top = chosen(near, centre * polynomial(r, *_NEAR_TOP), chosen(centre < 0.0, -far_top, far_top))
+    bottom = chosen(near, polynomial(r, *_NEAR_BOTTOM), polynomial(t, *_FAR_BOTTOM))
+    number: Number = top / bottom
+    return number

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.iterations import run_iterations
 from hilc_cli.engine.lanes import LANES
-from hilc_cli.engine.packs import NEVER, Kind, Pack
+from hilc_cli.engine.packs import NEVER as NEVER
+from hilc_cli.engine.packs import Kind, Pack
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import METRIC_NAMES
 

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numba
 import numpy as np
-from numba import typeof
 
 from hilc_cli.engine.batch import arguments, groups
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.iterations import run_iterations
 from hilc_cli.engine.lanes import LANES
 from hilc_cli.engine.packs import Pack
+
+type_of: Any = numba.typeof
 
 
 def is_compiled(experiments: Sequence[Experiment]) -> bool:
@@ -32,7 +34,7 @@ def is_compiled(experiments: Sequence[Experiment]) -> bool:
     for kind, members in groups(experiments):
         pack = Pack(experiments[members[0]].reference, kind)
         values = arguments(pack, np.empty((1, LANES)))
-        signatures.add(tuple(typeof(value) for value in values))
+        signatures.add(tuple(map(type_of, values)))
     return all(
         signature in run_iterations.overloads or _is_cached(signature) for signature in signatures
     )

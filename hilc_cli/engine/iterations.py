@@ -1,4 +1,4 @@
-"""The compiled outer loop of the batch engine: all iterations of a pack, and what is noted of each."""
+"""The compiled outer loop of the batch engine: the iterations, and what is noted of each."""
 
 from __future__ import annotations
 
@@ -20,18 +20,21 @@ from hilc_cli.engine.kernel import (
     INITIAL,
     LARGEST,
     LARGEST_SQUARE,
+    LIMIT,
     OUTPUT_NOISE,
     REST,
     ROW,
     SATURATED,
     SHIFTED,
     SQUARE_SUM,
+    M,
+    W,
     X,
     Y,
+    _reduced,
     follow,
 )
 from hilc_cli.engine.kernel import FORMULAS as KERNEL_FORMULAS
-from hilc_cli.engine.kernel import LIMIT, M, W, _reduced
 from hilc_cli.engine.lanes import Field, Noise, Words
 from hilc_cli.engine.machine_code import compiled, with_sources
 from hilc_cli.engine.noise import FORMULAS as NOISE_FORMULAS

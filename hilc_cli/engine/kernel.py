@@ -88,18 +88,19 @@ def _follow(
     """One pass of all lanes over the trajectory, in place.
 
     Args:
-        lanes: Parameters, state and metrics, see `Field`; the state is at the start, its measured
-            error is in the history and in the metrics.
-        words: What the disturbances are made from.
-        noise: Room for a block of them, see `Noise`; holds the output's offset at the start.
+        lanes: Parameters, state and metrics, see `Field`; state and metrics are set to the start.
+        words: What the disturbances are made from, see `lanes.Words`.
+        noise: Room for a block of them, see `Noise`.
         history: Wheel speeds and measured errors of the iteration before, replaced by those of
-            this one, see `History`; (n + 2) rows.
+            this one, see `History`; (n + 2) rows. The error at the start is that of this one.
         x_desired: Reference [m], n + 1 numbers.
         y_desired: Reference [m], likewise.
         heading_desired: Reference [rad], likewise.
         decay: exp(-k d_t), n numbers: the lanes run Eq. 21; None: they run Eq. 17.
         full_matrix: Anything: the gain matrix has any entries; None: those of Eq. 45, which then
             are in the gains.
+        own_heading: Anything: the gain matrix is taken at another heading than the true one: that
+            of the next arguments, or a disturbed one.
         reference_heading: Anything: the gain matrix is taken at the reference's heading.
         previous_heading: Anything: it is taken at the heading measured in the iteration before;
             both None: at the heading measured in this one.
@@ -173,8 +174,7 @@ def _follow(
                     lanes[M + 15 * W + j], lanes[M + 16 * W + j], lanes[M + 17 * W + j],
                 )  # fmt: skip
             mean_correction, difference_correction = _wheel_correction(
-                matrix, cos, sin,
-                weighted_x, weighted_y, weighted_heading
+                matrix, cos, sin, weighted_x, weighted_y, weighted_heading
             )
             mean = history[row + PAST_MEAN + j] + mean_correction
             difference = history[row + PAST_DIFFERENCE + j] + difference_correction

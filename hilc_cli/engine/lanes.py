@@ -54,6 +54,7 @@ class Field(IntEnum):
     REST = 92
     SHIFTED = 94
 
+
 FIELDS = Field.SHIFTED + 2
 
 
@@ -89,7 +90,7 @@ class Noise(IntEnum):
     POSE = 6 * BLOCK
 
 
-NOISE_ROWS = Noise.POSE + 3
+NOISE_ROWS = Noise.POSE + 6  # samples are drawn in pairs
 
 
 class History(IntEnum):

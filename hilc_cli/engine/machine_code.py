@@ -32,7 +32,7 @@ def formula(function: Callable[..., Any], *, liberties: frozenset[str] = LIBERTI
 
 def compiled(function: Callable[..., Any], *, cache: bool = False) -> Any:
     """A function with lane loops as machine code."""
-    options = {"error_model": "numpy", "fastmath": set(LIBERTIES)}
+    options: dict[str, Any] = {"error_model": "numpy", "fastmath": set(LIBERTIES)}
     if cache:
         try:
             return njit(function, cache=True, **options)
@@ -53,8 +53,7 @@ def with_sources(function: Callable[..., Any], others: Iterable[Callable[..., An
     return function
 
 
-@intrinsic  # type: ignore[misc]
-def use_widest_vectors(typing_context: Any) -> Any:
+def _use_widest_vectors(typing_context: Any) -> Any:
     """Makes the function in which it is called use 512-bit vectors where the processor has them.
 
     LLVM takes vectors of 256 bits for the better choice on such processors, which is right for
@@ -70,3 +69,6 @@ def use_widest_vectors(typing_context: Any) -> Any:
         return context.get_dummy_value()
 
     return types.none(), generate
+
+
+use_widest_vectors: Any = intrinsic(_use_widest_vectors)

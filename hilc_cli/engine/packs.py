@@ -19,9 +19,7 @@ from hilc_cli.engine.lanes import (
     LANES,
     NOISE_ROWS,
     WORD_ROWS,
-    Field,
     History,
-    Words,
 )
 from hilc_cli.engine.noise import NONE, NORMAL, UNIFORM
 from hilc_cli.errors import UsageError

@@ -1,7 +1,6 @@
 """The batch engine against the loop engine, which has an engine and tests of its own."""
 
 import math
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -245,5 +244,3 @@ def test_other_laws_are_refused() -> None:
     other = replace(scenario.experiment(), law=Other())  # type: ignore[arg-type]
     with pytest.raises(UsageError, match="hybrid"):
         simulate_batch([other])
-
-

@@ -1,10 +1,12 @@
 """What the compiler makes of the lane loops."""
 
 import re
+from typing import Any
 
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from hilc_cli.engine import kernel, noise
 from hilc_cli.engine.lanes import FIELDS, HISTORY_FIELDS, LANES, NOISE_ROWS, WORD_ROWS
@@ -16,7 +18,7 @@ DIVISIONS = r"\b(?:vdivpd|divpd|fdiv\s+v)\w*"
 PRODUCTS_OF_WORDS = r"\b(?:vpmuludq|pmuludq|umull)\b"
 
 
-def lane_arrays() -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # type: ignore[type-arg]
+def lane_arrays() -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     return (
         aligned(FIELDS * LANES, np.float64),
         aligned(WORD_ROWS * LANES, np.uint64),
