@@ -1,18 +1,22 @@
-"""Time a sample of the engines beside a scalar C program that does the same.
+"""Time a sample of the engines beside a scalar C program that does the same, all on one core.
 
 Usage: python benchmarks/batch.py [REPEATS]
 
-All on one core, in one go; the last column is what carries over to other machines. Needs the extra
-``batch`` and a C compiler.
+101 iterations of 2000 samples of Eq. 17 on the circle. The smallest of some short runs is taken, the
+programs in turn; the last column is what carries over to other machines. Needs the extra ``batch``
+and a C compiler; GNU Octave if it is there.
 """
 
+import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+from numpy_script import last_maximum_error
 
 import hilc_cli as hilc
 from hilc_cli.engine.batch import simulate_batch
@@ -20,65 +24,126 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import LANES
 from hilc_cli.laws.hybrid import HybridLaw
 
-GAINS = (0.1, 0.25, 0.25)
-SOURCE = Path(__file__).with_name("scalar.c")
+FOLDER = Path(__file__).parent
+GAINS = ("0.1", "0.25", "0.25")
+SAMPLES = 101 * 2000
+PACKS = 2
+SEED, STATE_BOUND, OUTPUT_BOUND = 1, 1e-4, 1e-3
+KINDS = {"uniform": "uniform", "normal": "truncated-normal"}
 
 
-def scalar_c(repeats: int) -> tuple[float, float]:
-    """Nanoseconds a sample, and the maximum error of the last iteration."""
+@dataclass(frozen=True)
+class Row:
+    """A line of the table.
+
+    Attributes:
+        name: What was run.
+        seconds: Of one experiment; None if it could not be run.
+        last: Largest position error of the last iteration [m]; None if it was not run to the end.
+    """
+
+    name: str
+    seconds: float | None
+    last: float | None = None
+
+
+def scalar_c(repeats: int, *arguments: object) -> tuple[float, float]:
+    """Seconds of an experiment, and the maximum error of the last iteration."""
     with tempfile.TemporaryDirectory() as folder:
         program = str(Path(folder) / "scalar")
-        build = ["cc", "-O3", "-march=native", str(SOURCE), "-o", program, "-lm"]
+        build = ["cc", "-O3", "-march=native", str(FOLDER / "scalar.c"), "-o", program, "-lm"]
         subprocess.run(build, check=True)
-        words = subprocess.run(
-            [program, *map(str, GAINS), str(repeats)], check=True, capture_output=True, text=True
-        ).stdout.split()
-    return float(words[0]), float(words[1])
+        words = [program, *GAINS, str(repeats), *map(str, arguments)]
+        answer = subprocess.run(words, check=True, capture_output=True, text=True).stdout.split()
+    return float(answer[0]) * SAMPLES / 1e9, float(answer[1])
 
 
-def nanoseconds(action: Callable[[], object], samples: int, repeats: int) -> float:
+def octave() -> Row:
+    """The same experiment in GNU Octave, a few iterations of it."""
+    name = "GNU Octave"
+    if shutil.which("octave") is None:
+        return Row(f"{name}: not installed", None)
+    words = ["octave", "--quiet", "--no-gui", str(FOLDER / "script.m")]
+    answer = subprocess.run(words, check=True, capture_output=True, text=True).stdout
+    return Row(name, float(answer) * SAMPLES)
+
+
+def seconds(action: Callable[[], object], repeats: int) -> float:
+    """The smallest of some runs, after one that may compile."""
     action()
     times = []
     for _ in range(repeats):
         start = time.perf_counter()
         action()
         times.append(time.perf_counter() - start)
-    return min(times) / samples * 1e9
+    return min(times)
 
 
 def varied(experiment: Experiment, cases: int) -> list[Experiment]:
+    """Experiments that differ in a gain; the first is the given one."""
     law = experiment.law
     assert isinstance(law, HybridLaw)
-    return [replace(experiment, law=replace(law, l1=law.l1 + 0.01 * i)) for i in range(cases)]
+    return [replace(experiment, law=replace(law, l1=law.l1 + 0.001 * i)) for i in range(cases)]
+
+
+def batch(name: str, scenario: hilc.Scenario, repeats: int) -> Row:
+    """The batch engine, some packs of experiments."""
+    cases = varied(scenario.experiment(), PACKS * LANES)
+    last = float(simulate_batch(cases).errors[0, -1])
+    return Row(name, seconds(lambda: simulate_batch(cases), repeats) / len(cases), last)
+
+
+def noisy(distribution: str) -> hilc.Scenario:
+    """The benchmark's scenario with disturbed state and output."""
+    values: dict[str, object] = {"disturbance.seed": SEED}
+    for name, bound in (("state", STATE_BOUND), ("output", OUTPUT_BOUND)):
+        values[f"disturbance.{name}.bound"] = [bound] * 3
+        values[f"disturbance.{name}.distribution"] = distribution
+        if distribution != "uniform":
+            values[f"disturbance.{name}.standard_deviation"] = [bound / 2] * 3
+    return hilc.load_scenario("example:fig8a", values)
+
+
+def quiet_rows(repeats: int) -> Iterable[Row]:
+    """Without disturbances; the first is what the others are compared with."""
+    scenario = hilc.load_scenario("example:fig8a")
+    yield Row("scalar C, cc -O3 -march=native", *scalar_c(repeats))
+    last = float(hilc.run(scenario).metrics["max_position_error_m"][-1])
+    yield Row("loop engine", seconds(lambda: hilc.run(scenario), 1), last)
+    yield Row("NumPy script", seconds(lambda: last_maximum_error(10), 1) / 11 * 101)
+    yield octave()
+    yield batch("batch engine, Eq. 17", scenario, repeats)
+    yield batch("batch engine, Eq. 21", hilc.load_scenario("example:fig4-compensated"), repeats)
+
+
+def noisy_rows(kind: str, repeats: int) -> Iterable[Row]:
+    """State and output disturbed, by the same numbers in each row."""
+    arguments = (kind, SEED, STATE_BOUND, OUTPUT_BOUND)
+    scenario = noisy(KINDS[kind])
+    yield Row("scalar C", *scalar_c(repeats, *arguments))
+    last = float(hilc.run(scenario).metrics["max_position_error_m"][-1])
+    yield Row("loop engine", seconds(lambda: hilc.run(scenario), 1), last)
+    yield batch("batch engine", scenario, repeats)
+
+
+def show(title: str, rows: Iterable[Row]) -> None:
+    print(f"{title:34}{'ms':>10}{'ns a sample':>14}{'x C':>9}   last maximum error [m]")
+    base = None
+    for row in rows:
+        line = f"{row.name:34}"
+        if row.seconds is not None:
+            base = base or row.seconds
+            nanoseconds = row.seconds / SAMPLES * 1e9
+            line += f"{row.seconds * 1e3:10.3f}{nanoseconds:14.2f}{base / row.seconds:9.3g}"
+        print(line + (f"   {row.last:.12f}" if row.last is not None else ""), flush=True)
+    print()
 
 
 def main() -> None:
-    repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 5
-    scenario = hilc.load_scenario("example:fig8a")
-    compensated = hilc.load_scenario("example:fig4-compensated")
-    noise = {"disturbance.state.bound": [1e-4] * 3, "disturbance.output.bound": [1e-3] * 3}
-    noisy = hilc.load_scenario("example:fig8a", noise)
-    samples = (scenario.spec.iterations + 1) * scenario.spec.trajectory.reference().samples
-    packs = 2 * LANES
-
-    base, last = scalar_c(repeats)
-    found = hilc.run(scenario).metrics["max_position_error_m"][-1]
-    print(f"maximum error of the last iteration: C {last:.12f} m, loop engine {found:.12f} m\n")
-    rows = {
-        "scalar C, cc -O3 -march=native": base,
-        "loop engine": nanoseconds(lambda: hilc.run(scenario), samples, 2),
-    }
-    for name, which in {
-        "batch engine, Eq. 17": scenario,
-        "batch engine, Eq. 21": compensated,
-        "batch engine, Eq. 17, all disturbances": noisy,
-    }.items():
-        cases = varied(which.experiment(), packs)
-        few = 1 if which is noisy else repeats
-        rows[name] = nanoseconds(lambda c=cases: simulate_batch(c), samples * packs, few)  # type: ignore[misc]
-    print(f"{'':42}{'ns a sample':>12}{'times faster than C':>22}")
-    for name, time_a_sample in rows.items():
-        print(f"{name:42}{time_a_sample:12.2f}{base / time_a_sample:22.2f}")
+    repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 10
+    show("no disturbance", quiet_rows(repeats))
+    for kind, distribution in KINDS.items():
+        show(f"state and output, {distribution}", noisy_rows(kind, repeats))
 
 
 if __name__ == "__main__":

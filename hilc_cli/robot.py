@@ -75,12 +75,34 @@ def euler_step(
     Source:
         Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
     """
-    distance = distance_gain * (left + right)
-    return (
-        x + distance * cos_heading,
-        y + distance * sin_heading,
-        heading + turn_gain * (left - right),
-    )
+    distance, turn = distance_gain * (left + right), turn_gain * (left - right)
+    return advance(x, y, heading, cos_heading, sin_heading, distance, turn)
+
+
+def advance(
+    x: float,
+    y: float,
+    heading: float,
+    cos_heading: float,
+    sin_heading: float,
+    distance: float,
+    turn: float,
+) -> tuple[float, float, float]:
+    """Pose after a step straight ahead, then a turn.
+
+    Args:
+        x: Position [m].
+        y: Position [m].
+        heading: Heading [rad].
+        cos_heading: Cosine of the heading.
+        sin_heading: Sine of the heading.
+        distance: Length of the step [m].
+        turn: Turn [rad].
+
+    Source:
+        Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
+    """
+    return x + distance * cos_heading, y + distance * sin_heading, heading + turn
 
 
 def step_gains(
@@ -127,6 +149,26 @@ def limit_wheel_speeds(left: float, right: float, bound: float) -> tuple[float, 
         min(max(left * scale, -bound), bound),
         min(max(right * scale, -bound), bound),
     )
+
+
+def limit_wheel_means(mean: float, half_difference: float, bound: float) -> tuple[float, float]:
+    """What `limit_wheel_speeds` does, of the wheel speeds' mean and half their difference.
+
+    The faster of mean + half_difference and mean - half_difference has the absolute value
+    |mean| + |half_difference|. In these numbers the turn does not depend on the position, so that
+    its feedback is short.
+
+    Args:
+        mean: (left + right) / 2 [rad/s].
+        half_difference: (left - right) / 2 [rad/s].
+        bound: b_w [rad/s], > 0; infinity for no limit.
+
+    Source:
+        Qiao et al. 2021, Eqs. 14 and 25.
+    """
+    fastest = abs(mean) + abs(half_difference)
+    scale = 1.0 if fastest <= bound else bound / fastest
+    return mean * scale, half_difference * scale
 
 
 def gravity_center_position(

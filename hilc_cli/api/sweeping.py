@@ -128,7 +128,8 @@ class Sweep(SweepData):
         pictures = [name for name in formats if name != "parquet"]
 
         def draw(into: Path) -> None:
-            from hilc_cli.figures.sweep.catalogue import save_sweep_figures  # Matplotlib starts slowly
+            # Matplotlib starts slowly.
+            from hilc_cli.figures.sweep.catalogue import save_sweep_figures
 
             save_sweep_figures(self, into, formats=pictures or ["png"])
 
@@ -238,7 +239,7 @@ def sweep(
             plan.name,
             plan.cases,
             store.rows(),
-            store.errors() if plan.spec.bands else None,
+            store.errors() if plan.bands else None,
             plan.spec.tolerance,
             plan.spec.metric,
             go_on,
@@ -419,7 +420,8 @@ def plot_sweep(
         ExistingResultsError: A picture stands there that may not be replaced.
         FileAccessError: They cannot be written.
     """
-    from hilc_cli.figures.sweep.catalogue import save_sweep_figures  # Matplotlib starts slowly
+    # Matplotlib starts slowly.
+    from hilc_cli.figures.sweep.catalogue import save_sweep_figures
 
     names: list[str] = []
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntEnum
-from statistics import NormalDist
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hilc_cli.disturbance.normal import centre_and_tail, probabilities, quantile
 from hilc_cli.disturbance.philox import open_unit_interval, philox
 
 Distribution = Literal["uniform", "truncated-normal"]
@@ -100,8 +100,7 @@ def _scaled(unit: Floats, distribution: Distribution, bound: float, deviation: f
     if distribution == "uniform" or bound == 0:
         centred: Floats = 2 * unit - 1
         return bound * centred
-    normal = NormalDist(0.0, deviation)
-    below = normal.cdf(-bound)
-    probabilities = below + unit * (1 - 2 * below)
-    drawn: Floats = np.array([normal.inv_cdf(p) for p in probabilities.tolist()])
+    inside, below = probabilities(bound, deviation)
+    centre, tail = centre_and_tail(2 * unit - 1, inside, below)
+    drawn: Floats = deviation * quantile(centre, tail)
     return drawn.clip(-bound, bound)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-LANES = 16
+LANES = 24
 """Experiments side by side. The history of so many lanes should stay in the second-level cache."""
 
 
@@ -16,53 +16,92 @@ class Field(IntEnum):
     """Rows of the lane array: parameters of a case, then its running state and metrics."""
 
     # Parameters.
-    L1 = 0
-    L2 = 1
-    L3 = 2
+    L1 = 0  # then l2, l3
     SPEED_LIMIT = 3
-    DISTANCE_GAIN = 4
-    TURN_GAIN = 5
-    H = 6
-    PEAK = 7
-    SLOPE = 8
-    START_X = 9
-    START_Y = 10
-    START_HEADING = 11
-    MATRIX = 12  # 18 rows
+    TOLERATED = 4  # what counts as within the limit: rounding of the mean may exceed it by a hair
+    DISTANCE_GAIN = 5  # of the wheels' mean speed
+    TURN_GAIN = 6  # of half their difference
+    H = 7
+    PEAK = 8
+    SLOPE = 9
+    POSE_X = 10  # then y, heading: without its disturbance
+    MATRIX = 13  # 18 rows: the row of the mean, then that of half the difference
+    # Parameters of the disturbances, see `NoiseField`.
+    STATE = 31
+    OUTPUT = 43
+    POSE = 55
+    # Gains of the running iteration, times the entries of Eq. 45 if the matrix has that form.
+    POSITION_GAINS = 67  # of the three errors of Eq. 17
+    HEADING_GAINS = 70
     # Running state.
-    X = 30
-    Y = 31
-    HEADING = 32
-    BEFORE_X = 33  # e_{i+1}(k-1)
-    BEFORE_Y = 34
-    BEFORE_HEADING = 35
-    INITIAL_ERROR_X = 36  # e_i(0)
-    INITIAL_ERROR_Y = 37
-    INITIAL_ERROR_HEADING = 38
-    PAST_HEADING = 39  # error of the heading measured at k in the iteration before
+    X = 73
+    Y = 74
+    HEADING = 75
+    INITIAL_ERROR = 76  # e_i(0): x, y, heading
+    COS = 79
+    SIN = 80
+    MEAN = 81  # (left + right) / 2, after the limit
+    HALF_DIFFERENCE = 82  # (left - right) / 2, likewise
     # Metrics of the running iteration.
-    LARGEST_SQUARE = 40
-    ERROR_SUM = 41
-    SQUARE_SUM = 42
-    LARGEST_X = 43
-    LARGEST_Y = 44
-    LARGEST_HEADING = 45
-    FASTEST_WHEEL = 46
-    SATURATED = 47
-    CHANGE_SQUARES = 48
+    LARGEST_SQUARE = 83
+    ERROR_SUM = 84
+    SQUARE_SUM = 85
+    LARGEST_ERRORS = 86  # x, y, heading
+    FASTEST_WHEEL = 89
+    SATURATED = 90
+    CHANGE_SQUARES = 91
+    # The heading, reduced for the cosine; second rows: that of the gain matrix.
+    REST = 92
+    SHIFTED = 94
 
 
-FIELDS = max(Field) + 1
+FIELDS = Field.SHIFTED + 2
+
+
+class NoiseField(IntEnum):
+    """Rows that a disturbance has in the lane array, three each: x, y, heading."""
+
+    BOUND = 0
+    INSIDE = 3  # see `disturbance.normal.truncated`
+    BELOW = 6
+    DEVIATION = 9
+
+
+class Words(IntEnum):
+    """Rows of the array of whole numbers: what the random words of a case are made from."""
+
+    KEYS = 0  # 20 round keys
+    FREQUENCY = 20  # by stream: 0 if the numbers repeat in every iteration, 1 if not
+    PASS = 23  # by stream: the iteration, 0 if the numbers repeat
+
+
+WORD_ROWS = Words.PASS + 3
+
+
+BLOCK = 16
+"""Samples for which disturbances are drawn at once; a power of two."""
+
+
+class Noise(IntEnum):
+    """Rows of the array of drawn offsets: x, y, heading for each sample of a block."""
+
+    STATE = 0
+    OUTPUT = 3 * BLOCK
+    POSE = 6 * BLOCK
+
+
+NOISE_ROWS = Noise.POSE + 6  # samples are drawn in pairs
 
 
 class History(IntEnum):
-    """Rows of the history array of each sample: what the next iteration learns from."""
+    """Rows of the history array of each sample: what the next iteration learns from.
 
-    LEFT = 0
-    RIGHT = 1
-    ERROR_X = 2  # measured
-    ERROR_Y = 3
-    ERROR_HEADING = 4
+    Sample k lies in the array's row k + 1; its row 0 is e(-1) = 0.
+    """
+
+    MEAN = 0  # (left + right) / 2
+    HALF_DIFFERENCE = 1  # (left - right) / 2
+    ERROR = 2  # measured: x, y, heading
 
 
-HISTORY_FIELDS = len(History)
+HISTORY_FIELDS = History.ERROR + 3

@@ -14,75 +14,82 @@ import math
 
 import numpy as np
 
-# pi/2 in three parts; the first two have 33 bits each, so that products with whole numbers up to
-# 2**20 are exact.
-_PART_1 = 1.57079632673412561417e00
-_PART_2 = 6.07710050630396597660e-11
-_PART_3 = 2.02226624879595063154e-21
+# pi/2 in three parts; the first two have 40 and 33 bits, so that products with whole numbers up to
+# 2**13 are exact, and the third is too small to round the result once more.
+_PART_1 = 1.5707963267941523
+_PART_2 = 7.443547480380993e-13
+_PART_3 = 1.0562999066987428e-23
 _TWO_OVER_PI = 2 / math.pi
 _BEYOND_REASON = 1e9
+_TO_WHOLE = 1.5 * 2.0**52
+"""Added to a number below 2**51, leaves it rounded to a whole one, whose last bits are then the
+last bits of the sum."""
 
 LARGEST = 1e4
 """Up to this heading [rad] the results are within 2 units in the last place."""
 
 
 def cos_sin(angle: float) -> tuple[float, float]:
-    """Cosine and sine of an angle [rad]."""
+    """Cosine and sine of an angle [rad].
+
+    Its three parts can also be called one after the other, each for many angles: a processor looks
+    ahead some hundred instructions, and finds more to do at once among short parts.
+    """
+    rest, shifted = reduced(angle)
+    cosine, sine = cos_sin_near_zero(rest)
+    return turned(cosine, sine, shifted)
+
+
+def reduced(angle: float) -> tuple[float, float]:
+    """An angle within pi/4 of zero [rad], and a number whose last bits count the quarter turns."""
     # A heading that no double resolves any more is taken for another one: a diverging run is to
     # go on until its numbers overflow, not until the reduction does.
     angle = min(max(angle, -_BEYOND_REASON), _BEYOND_REASON)
-    quarter_turns = np.floor(angle * _TWO_OVER_PI + 0.5)
-    first = angle - quarter_turns * _PART_1  # exact
-    second = quarter_turns * _PART_2  # exact
-    rest = first - second
-    lost = ((first - rest) - second) - quarter_turns * _PART_3  # what the line above has rounded
+    shifted = angle * _TWO_OVER_PI + _TO_WHOLE
+    quarter_turns = shifted - _TO_WHOLE
+    # The first difference is exact; where it is tiny, so is the second.
+    rest = angle - quarter_turns * _PART_1 - quarter_turns * _PART_2 - quarter_turns * _PART_3
+    return rest, shifted
+
+
+def cos_sin_near_zero(rest: float) -> tuple[float, float]:
+    """Cosine and sine of an angle within pi/4 of zero [rad]."""
     square = rest * rest
+    fourth = square * square
+    # Even and odd powers apart: less to wait for than one after the other.
     sine = rest + rest * square * (
-        -1.66666666666666324348e-01
+        (
+            -1.66666666666666324348e-01
+            + fourth * (-1.98412698298579493134e-04 + fourth * -2.50507602534068634195e-08)
+        )
         + square
         * (
             8.33333333332248946124e-03
-            + square
-            * (
-                -1.98412698298579493134e-04
-                + square
-                * (
-                    2.75573137070700676789e-06
-                    + square * (-2.50507602534068634195e-08 + square * 1.58969099521155010221e-10)
-                )
-            )
+            + fourth * (2.75573137070700676789e-06 + fourth * 1.58969099521155010221e-10)
         )
     )
-    half = 0.5 * square
-    leading = 1.0 - half
-    tail = (
-        square
-        * square
+    cosine = 1.0 + square * (
+        -0.5
+        + square
         * (
-            4.16666666666666019037e-02
+            (
+                4.16666666666666019037e-02
+                + fourth * (2.48015872894767294178e-05 + fourth * 2.08757232129817482790e-09)
+            )
             + square
             * (
                 -1.38888888888741095749e-03
-                + square
-                * (
-                    2.48015872894767294178e-05
-                    + square
-                    * (
-                        -2.75573143513906633035e-07
-                        + square
-                        * (2.08757232129817482790e-09 + square * -1.13596475577881948265e-11)
-                    )
-                )
+                + fourth * (-2.75573143513906633035e-07 + fourth * -1.13596475577881948265e-11)
             )
         )
     )
-    sine = sine + lost * leading
-    # What the subtraction from 1 has rounded away is put back.
-    cosine = leading + (((1.0 - leading) - half) + (tail - rest * lost))
-    half_turns = quarter_turns * 0.5
-    odd = half_turns != np.floor(half_turns)
-    turns = quarter_turns * 0.25
-    second_half = turns - np.floor(turns) >= 0.5
+    return cosine, sine
+
+
+def turned(cosine: float, sine: float, shifted: float) -> tuple[float, float]:
+    """Cosine and sine of an angle from those of what `reduced` has left of it."""
+    quarter = np.float64(shifted).view(np.int64)
+    odd = (quarter & 1) != 0
     cos = sine if odd else cosine
     sin = cosine if odd else sine
-    return (-cos if second_half != odd else cos), (-sin if second_half else sin)
+    return (-cos if ((quarter + 1) & 2) != 0 else cos), (-sin if (quarter & 2) != 0 else sin)

@@ -90,7 +90,7 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
         go_on: Called now and then; may raise to stop.
     """
     rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)
-    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.spec.bands else None
+    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.bands else None
     failures: list[Failure] = []
     for first in range(chunk.first, chunk.last, _AT_ONCE):
         go_on()

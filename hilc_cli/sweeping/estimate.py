@@ -69,7 +69,7 @@ def estimate(plan: Plan, workers: int) -> Estimate:
     cases, samples = len(plan.cases), samples_per_case(plan)
     columns = len(CASE_COLUMNS) + len(plan.axes)
     rows = cases * _BYTES_PER_VALUE * len(CASE_COLUMNS)
-    bands = cases * _BYTES_PER_VALUE * (plan.most_iterations + 1) if plan.spec.bands else 0
+    bands = cases * _BYTES_PER_VALUE * (plan.most_iterations + 1) if plan.bands else 0
     return Estimate(
         cases=cases,
         samples=cases * samples,

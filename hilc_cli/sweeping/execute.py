@@ -97,5 +97,5 @@ def _given_up(plan: Plan, outcome: Outcome) -> ChunkResult:
     chunk = outcome.chunk
     reason = outcome.reason if outcome.is_final else f"{outcome.reason}, {TRIES} times"
     rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)
-    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.spec.bands else None
+    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.bands else None
     return ChunkResult(chunk, rows, errors, (Failure(chunk, reason),))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from hilc_cli.results.sweep import SEED_KEY
 from hilc_cli.spec.axis import axis_text
 from hilc_cli.spec.dump import to_yaml
 from hilc_cli.spec.sweep import SweepSpec
@@ -44,6 +45,11 @@ class Plan:
     def cases(self) -> Cases:
         """All cases."""
         return Cases(self.axes, self.spec.sample, self.spec.cases or 0, self.spec.seed)
+
+    @property
+    def bands(self) -> bool:
+        """Whether the errors of all iterations are kept: if asked for, or if seeds vary."""
+        return self.spec.bands or SEED_KEY in self.axes
 
     @property
     def most_iterations(self) -> int:

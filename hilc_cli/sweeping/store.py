@@ -72,7 +72,7 @@ class MemoryStore:
         self.cases = Chunk(0, len(plan.cases))
         self._rows = np.full((len(self.cases), _COLUMNS), np.nan)
         shape = (plan.most_iterations + 1, len(self.cases))
-        self._errors = np.full(shape, np.nan) if plan.spec.bands else None
+        self._errors = np.full(shape, np.nan) if plan.bands else None
         self._done: list[Chunk] = []
         self._failures: list[Failure] = []
 
@@ -161,7 +161,7 @@ class FolderStore:
             "last": cases.last,
             "shard": shard,
             "iterations": plan.most_iterations,
-            "bands": plan.spec.bands,
+            "bands": plan.bands,
             "axes": {key: axis_to_data(axis) for key, axis in plan.axes.items()},
             "sample": plan.spec.sample,
             "cases": len(plan.cases),

@@ -1,7 +1,6 @@
 """The batch engine against the loop engine, which has an engine and tests of its own."""
 
 import math
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,10 +10,9 @@ from hypothesis import strategies as st
 
 from hilc_cli.api import load_scenario, run
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
-from hilc_cli.engine import batch, kernel
+from hilc_cli.engine import batch, iterations, kernel, noise
 from hilc_cli.engine.batch import NEVER, simulate_batch
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.kernel import run_iteration
 from hilc_cli.engine.lanes import LANES
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
@@ -210,6 +208,9 @@ def test_kernel_says_the_same_interpreted(monkeypatch: pytest.MonkeyPatch) -> No
             "controller.h": 3,
             "disturbance.state.bound": [1e-3] * 3,
             "disturbance.output.bound": [1e-3] * 3,
+            "disturbance.output.distribution": "truncated-normal",
+            "disturbance.output.standard_deviation": [1e-3] * 3,
+            "disturbance.initial_pose.bound": [1e-3] * 3,
         },
     )
     cases = []
@@ -224,9 +225,12 @@ def test_kernel_says_the_same_interpreted(monkeypatch: pytest.MonkeyPatch) -> No
             law = replace(law, matrix=matrix) if full else replace(law, compensation=False)
             cases.append(replace(experiment, law=law))
     compiled = simulate_batch(cases)
-    monkeypatch.setattr(batch, "run_iteration", run_iteration.py_func)
-    for formula in kernel.FORMULAS:
-        monkeypatch.setattr(kernel, f"_{formula.__name__}", formula)
+    monkeypatch.setattr(batch, "run_iterations", iterations.run_iterations.py_func)
+    for module in (iterations, kernel, noise):
+        for name, function in vars(module).items():
+            if hasattr(function, "py_func"):
+                monkeypatch.setattr(module, name, function.py_func)
+        monkeypatch.setattr(module, "use_widest_vectors", lambda: None, raising=False)
     interpreted = simulate_batch(cases)
     assert_agree(compiled.final, interpreted.final)
     assert_agree(compiled.errors, interpreted.errors)
@@ -240,20 +244,3 @@ def test_other_laws_are_refused() -> None:
     other = replace(scenario.experiment(), law=Other())  # type: ignore[arg-type]
     with pytest.raises(UsageError, match="hybrid"):
         simulate_batch([other])
-
-
-def test_kernel_is_vector_code() -> None:
-    # Compiled anew: code from the cache cannot be looked into.
-    scenario = load_scenario("example:fig6a", {"iterations": 0})
-    simulate_batch([scenario.experiment()])
-    fresh = kernel.compiled(run_iteration.py_func)
-    reference = CIRCLE
-    lanes = np.ones(64 * LANES)
-    history = np.zeros((reference.samples + 1) * 5 * LANES)
-    none = [None] * 7
-    fresh(lanes, history, reference.x, reference.y, reference.heading, *none)
-    (assembly,) = fresh.inspect_asm().values()
-    packed = re.findall(r"\b(?:vfmadd\w+pd|vmulpd|mulpd|fmla|fmul)\b", assembly)
-    divisions = re.findall(r"\b(?:vdivpd|divpd|fdiv\s+v)\w*", assembly)
-    assert len(packed) > 30
-    assert divisions

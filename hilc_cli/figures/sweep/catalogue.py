@@ -16,6 +16,7 @@ from hilc_cli.figures.sweep.effects import effects_figure
 from hilc_cli.figures.sweep.heat_map import map_figure
 from hilc_cli.figures.sweep.picking import varied_keys
 from hilc_cli.results.sweep import SweepData
+from hilc_cli.results.sweep_folder import SWEEP_PICTURE_KINDS
 
 _DRAWERS: Mapping[str, Callable[[SweepData], Figure]] = {
     "curve": curve_figure,
@@ -24,7 +25,8 @@ _DRAWERS: Mapping[str, Callable[[SweepData], Figure]] = {
     "effects": effects_figure,
     "bands": bands_figure,
 }
-SWEEP_KINDS = tuple(_DRAWERS)
+SWEEP_KINDS = SWEEP_PICTURE_KINDS
+assert set(SWEEP_KINDS) == set(_DRAWERS)
 
 
 def kinds_for(data: SweepData) -> tuple[str, ...]:

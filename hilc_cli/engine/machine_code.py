@@ -1,0 +1,74 @@
+"""How functions of the batch engine become machine code.
+
+What lane loops need to become vector code:
+
+- ``error_model="numpy"`` on every function in them, or each division brings a branch;
+- flat arrays with a constant number of lanes (`lanes.py`);
+- floating-point liberties that keep results to rounding: fused multiply-add (``contract``), no
+  distinction of signed zeros (``nsz``), division as product with the reciprocal of a loop constant
+  (``arcp``). Not-a-number and infinity keep their meaning: divergence must show.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import sys
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba import njit, types
+from numba.extending import intrinsic
+
+LIBERTIES = frozenset({"contract", "nsz", "arcp"})
+_WIDEST = 512 if llvm.get_host_cpu_features().get("avx512dq") else 0
+
+
+def formula(function: Callable[..., Any], *, liberties: frozenset[str] = LIBERTIES) -> Any:
+    """A formula as code that becomes part of the lane loop that calls it, whatever its length."""
+    return njit(function, error_model="numpy", fastmath=set(liberties), forceinline=True)
+
+
+def compiled(function: Callable[..., Any], *, cache: bool = False) -> Any:
+    """A function with lane loops as machine code."""
+    options: dict[str, Any] = {"error_model": "numpy", "fastmath": set(LIBERTIES)}
+    if cache:
+        try:
+            return njit(function, cache=True, **options)
+        except RuntimeError:  # No folder for it can be written; then compiled in each process.
+            pass
+    return njit(function, **options)
+
+
+def with_sources(function: Callable[..., Any], others: Iterable[Callable[..., Any]]) -> Any:
+    """The function under a name that depends on the modules that it and other functions are from.
+
+    The cache of compiled code looks for changes in the function's own file only; the name makes it
+    look at the others, too.
+    """
+    modules = sorted({function.__module__, *(other.__module__ for other in others)})
+    sources = "".join(inspect.getsource(sys.modules[name]) for name in modules)
+    function.__qualname__ += hashlib.sha256(sources.encode()).hexdigest()[:12]
+    return function
+
+
+def _use_widest_vectors(typing_context: Any) -> Any:
+    """Makes the function in which it is called use 512-bit vectors where the processor has them.
+
+    LLVM takes vectors of 256 bits for the better choice on such processors, which is right for
+    programs that use vectors now and then. A function attribute says so for one function, without
+    a setting that other users of Numba in the process would share.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        if _WIDEST:
+            # llvmlite writes attributes as they are, but knows the names of those without value
+            # only.
+            set.add(builder.function.attributes, f'"prefer-vector-width"="{_WIDEST}"')
+        return context.get_dummy_value()
+
+    return types.none(), generate
+
+
+use_widest_vectors: Any = intrinsic(_use_widest_vectors)

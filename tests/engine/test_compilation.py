@@ -1,0 +1,62 @@
+"""Whether machine code has to be compiled is known before it is."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hilc_cli.api import load_scenario
+from hilc_cli.engine import machine_code
+from hilc_cli.engine.batch import simulate_batch
+from hilc_cli.engine.compilation import is_compiled
+
+PROGRAM = """
+import sys
+from hilc_cli.api import load_scenario
+from hilc_cli.engine.batch import simulate_batch
+from hilc_cli.engine.compilation import is_compiled
+experiments = [load_scenario("example:fig6a", {"iterations": 1}).experiment()]
+before = is_compiled(experiments)
+if sys.argv[1:]:
+    simulate_batch(experiments)
+print(before, is_compiled(experiments))
+"""
+
+
+def answers(folder: Path, *arguments: str) -> str:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder)}
+    return subprocess.run(
+        [sys.executable, "-c", PROGRAM, *arguments],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.strip()
+
+
+def test_code_in_the_cache_counts_as_compiled(tmp_path: Path) -> None:
+    assert answers(tmp_path) == "False False"
+    assert answers(tmp_path, "run") == "False True"
+    assert answers(tmp_path) == "True True"
+
+
+def test_code_in_the_process_counts_as_compiled() -> None:
+    experiments = [load_scenario("example:fig6a", {"iterations": 1}).experiment()]
+    simulate_batch(experiments)
+    assert is_compiled(experiments)
+
+
+def test_engine_compiles_without_a_folder_for_its_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    def njit(function: Callable[..., float], *, cache: bool = False, **options: object) -> object:
+        if cache:
+            raise RuntimeError("cannot cache function: no locator available")
+        return function
+
+    def double(value: float) -> float:
+        return 2 * value
+
+    monkeypatch.setattr(machine_code, "njit", njit)
+    assert machine_code.compiled(double, cache=True) is double
