@@ -356,7 +356,8 @@ def _with_values(part: Any, places: _Places, values: Mapping[str, Value]) -> Any
     changes: dict[Any, Any] = {}
     for at, place in places.items():
         if isinstance(place, str):
-            changes[at] = values[place]
+            if place in values:
+                changes[at] = values[place]
         else:
             below = getattr(part, str(at)) if isinstance(part, BaseModel) else part[at]
             changes[at] = _with_values(below, place, values)
