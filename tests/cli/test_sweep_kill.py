@@ -13,9 +13,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+import pytest
+
 from tests.cli import sweeps
 from tests.cli.processes import outcome_of
-from tests.conftest import Outcome
+from tests.conftest import Hilc, Outcome
 
 KILLS = 20
 GONE_WITHIN = 10.0  # [s] a loaded machine is given time; half a second is what a worker needs
@@ -134,6 +136,22 @@ def test_killed_at_random_moments_and_resumed(tmp_path: Path) -> None:
     assert not part.exists()
     assert (tmp_path / "stderr").read_text() == ""
     sweeps.wait_for(lambda: sweeps.none_left(tmp_path), GONE_WITHIN)
+
+
+@pytest.mark.parametrize("step", ["Plan.resolved_yaml", "FolderStore.__init__"])
+def test_killed_while_its_folder_is_made(hilc: Hilc, folder: Path, step: str) -> None:
+    sweeps.put_sweep(folder)
+    script = f"""\
+import os, signal
+from hilc_cli.sweeping.plan import Plan
+from hilc_cli.sweeping.store import FolderStore
+{step} = lambda *arguments: os.kill(os.getpid(), signal.SIGKILL)
+{sweeps.ALONE}"""
+    outcome = sweeps.run(*sweeps.COMMAND, cwd=folder, script=script)
+    assert outcome == Outcome(-signal.SIGKILL, "", "")
+    assert hilc(*sweeps.COMMAND, "--resume", "-q") == Outcome(0, "", "")
+    assert sweeps.tables(sweeps.FOLDER) == sweeps.expected()
+    assert not sweeps.PART.exists()
 
 
 def test_killed_sweep_leaves_no_worker(tmp_path: Path) -> None:
