@@ -247,6 +247,8 @@ class FolderStore:
     def _recall(self, entry: dict[str, Any]) -> None:
         """Takes a chunk of the journal for done if its results are what the journal says."""
         chunk = Chunk(entry["first"], entry["last"])
+        if not self.cases.first <= chunk.first < chunk.last <= self.cases.last:
+            return  # the journal has come here from another sweep
         offset = chunk.first - self.cases.first
         checksum = zlib.crc32(self._read(ROWS, offset * _COLUMNS, len(chunk) * _COLUMNS).tobytes())
         for iteration in range(self._iterations + 1) if self._bands else ():
