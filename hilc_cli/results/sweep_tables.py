@@ -93,9 +93,8 @@ def _quoted(text: str) -> str:
     """The text as a cell of a CSV file."""
     if not set(text) & set(',"\r\n'):
         return text
-    buffer = io.StringIO()
-    csv.writer(buffer, lineterminator="").writerow([text])
-    return buffer.getvalue()
+    doubled = text.replace('"', '""')
+    return f'"{doubled}"'
 
 
 def read_cases(
