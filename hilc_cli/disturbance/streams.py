@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.disturbance.normal import centre_and_tail, probabilities, quantile
+from hilc_cli.disturbance.normal import centre_and_tail, probabilities, quantile, tail_distance
 from hilc_cli.disturbance.philox import open_unit_interval, philox
 
 Distribution = Literal["uniform", "truncated-normal"]
@@ -102,5 +102,5 @@ def _scaled(unit: Floats, distribution: Distribution, bound: float, deviation: f
         return bound * centred
     inside, below = probabilities(bound, deviation)
     centre, tail = centre_and_tail(2 * unit - 1, inside, below)
-    drawn: Floats = deviation * quantile(centre, tail)
+    drawn: Floats = deviation * quantile(centre, tail_distance(tail))
     return drawn.clip(-bound, bound)
