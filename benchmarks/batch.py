@@ -27,7 +27,7 @@ from hilc_cli.laws.hybrid import HybridLaw
 FOLDER = Path(__file__).parent
 GAINS = ("0.1", "0.25", "0.25")
 SAMPLES = 101 * 2000
-PACKS = 2
+PACKS = 4
 SEED, STATE_BOUND, OUTPUT_BOUND = 1, 1e-4, 1e-3
 KINDS = {"uniform": "uniform", "normal": "truncated-normal"}
 

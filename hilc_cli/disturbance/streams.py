@@ -44,7 +44,7 @@ class Bounded:
     @property
     def active(self) -> bool:
         """Whether any component can differ from 0."""
-        return any(bound > 0 for bound in self.bound)
+        return max(self.bound) > 0
 
 
 @dataclass(frozen=True, slots=True)
