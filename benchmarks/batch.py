@@ -2,9 +2,9 @@
 
 Usage: python benchmarks/batch.py [REPEATS]
 
-101 iterations of 2000 samples of Eq. 17 on the circle. The smallest of some short runs is taken, the
-programs in turn; the last column is what carries over to other machines. Needs the extra ``batch``
-and a C compiler; GNU Octave if it is there.
+101 iterations of 2000 samples of Eq. 17 on the circle. The smallest of some short runs is taken;
+the ratio to C is what carries over to other machines. Needs the extra ``batch`` and a C compiler,
+and GNU Octave for its row.
 """
 
 import shutil
@@ -27,7 +27,7 @@ from hilc_cli.laws.hybrid import HybridLaw
 FOLDER = Path(__file__).parent
 GAINS = ("0.1", "0.25", "0.25")
 SAMPLES = 101 * 2000
-PACKS = 2
+PACKS = 4
 SEED, STATE_BOUND, OUTPUT_BOUND = 1, 1e-4, 1e-3
 KINDS = {"uniform": "uniform", "normal": "truncated-normal"}
 

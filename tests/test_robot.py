@@ -13,6 +13,7 @@ from hilc_cli.robot import (
     Robot,
     euler_step,
     gravity_center_position,
+    limit_wheel_means,
     limit_wheel_speeds,
     step_gains,
     wheel_speeds_from_twist,
@@ -189,6 +190,20 @@ def test_infinite_bound_limits_nothing(left: float, right: float) -> None:
 def test_limiting_twice_changes_nothing_more(left: float, right: float, bound: float) -> None:
     once = limit_wheel_speeds(left, right, bound)
     assert limit_wheel_speeds(*once, bound) == once
+
+
+@given(left=speeds, right=speeds, bound=st.floats(0.1, 1e4))
+def test_mean_and_half_difference_are_limited_like_the_wheel_speeds(
+    left: float, right: float, bound: float
+) -> None:
+    mean, half_difference = limit_wheel_means((left + right) / 2, (left - right) / 2, bound)
+    found = mean + half_difference, mean - half_difference
+    assert found == pytest.approx(limit_wheel_speeds(left, right, bound), rel=1e-12, abs=1e-9)
+
+
+def test_mean_and_half_difference_within_the_bound_are_left_alone() -> None:
+    assert limit_wheel_means(100.0, -80.0, 180.0) == (100.0, -80.0)
+    assert limit_wheel_means(1e300, 1e300, math.inf) == (1e300, 1e300)
 
 
 def test_gravity_center_is_the_offset_turned_by_the_heading() -> None:

@@ -102,16 +102,14 @@ def centre_and_tail(centred: Number, inside: float, below: float) -> tuple[Numbe
     return centred * inside, below + (1.0 - abs(centred)) * inside
 
 
-def quantile(centre: Number, tail: Number) -> Number:
-    """The standard normal number for a probability, to about 1e-15 relative.
+def tail_distance(tail: Number) -> Number:
+    """How far out a tail of the standard normal distribution begins: sqrt(-log(tail)).
 
     Args:
-        centre: Probability between 0 and the number, with the number's sign.
-        tail: 0.5 - |centre|, the probability beyond the number, at least SMALLEST_TAIL.
+        tail: Probability of what lies beyond, > 0 and < 1.
 
     Source:
-        Wichura 1988, PPND16; its third case, for tails below SMALLEST_TAIL, is left out. The
-        logarithm in it is that of Sun Microsystems fdlibm 5.3, e_log.c.
+        Wichura 1988; the logarithm is that of Sun Microsystems fdlibm 5.3, e_log.c.
     """
     # tail = 2**exponent * (1 + fraction), with 1 + fraction between sqrt(1/2) and sqrt(2).
     bits = np.float64(tail).view(np.int64)
@@ -124,10 +122,23 @@ def quantile(centre: Number, tail: Number) -> Number:
     logarithm = exponent * _LN2_HIGH - (
         (half_square - (s * (half_square + series) + exponent * _LN2_LOW)) - fraction
     )
+    distance: Number = np.sqrt(-logarithm)
+    return distance
 
+
+def quantile(centre: Number, distance: Number) -> Number:
+    """The standard normal number for a probability, to about 1e-15 relative.
+
+    Args:
+        centre: Probability between 0 and the number, with the number's sign.
+        distance: `tail_distance` of the probability beyond the number, at least SMALLEST_TAIL.
+
+    Source:
+        Wichura 1988, PPND16; its third case, for tails below SMALLEST_TAIL, is left out.
+    """
     near = abs(centre) <= 0.425
     r = 0.180625 - centre * centre
-    t = np.sqrt(-logarithm) - 1.6
+    t = distance - 1.6
     far_top = polynomial(t, *_FAR_TOP)
     # One division for both cases.
     top = chosen(near, centre * polynomial(r, *_NEAR_TOP), chosen(centre < 0.0, -far_top, far_top))

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.disturbance.normal import centre_and_tail, probabilities, quantile
+from hilc_cli.disturbance.normal import centre_and_tail, probabilities, quantile, tail_distance
 from hilc_cli.disturbance.philox import open_unit_interval, philox
 
 Distribution = Literal["uniform", "truncated-normal"]
@@ -44,7 +44,7 @@ class Bounded:
     @property
     def active(self) -> bool:
         """Whether any component can differ from 0."""
-        return any(bound > 0 for bound in self.bound)
+        return max(self.bound) > 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,5 +102,5 @@ def _scaled(unit: Floats, distribution: Distribution, bound: float, deviation: f
         return bound * centred
     inside, below = probabilities(bound, deviation)
     centre, tail = centre_and_tail(2 * unit - 1, inside, below)
-    drawn: Floats = deviation * quantile(centre, tail)
+    drawn: Floats = deviation * quantile(centre, tail_distance(tail))
     return drawn.clip(-bound, bound)

@@ -10,7 +10,7 @@ from typing import Any
 from numba.extending import overload, register_jitable
 from numpy import uint64
 
-from hilc_cli.disturbance.normal import centre_and_tail, chosen, polynomial, quantile
+from hilc_cli.disturbance.normal import centre_and_tail, chosen, polynomial, quantile, tail_distance
 from hilc_cli.disturbance.philox import ROUNDS, mixed, open_unit_interval
 from hilc_cli.disturbance.philox import Words as WordArray
 from hilc_cli.disturbance.streams import Stream
@@ -25,8 +25,10 @@ def _chosen(condition, yes, no):  # type: ignore[no-untyped-def]  # Numba compar
 
 
 register_jitable(fastmath=set(LIBERTIES), error_model="numpy", forceinline=True)(polynomial)
-FORMULAS = (mixed, open_unit_interval, centre_and_tail, quantile)
-_mixed, _open_unit_interval, _centre_and_tail, _quantile = [formula(f) for f in FORMULAS]
+FORMULAS = (mixed, open_unit_interval, centre_and_tail, tail_distance, quantile)
+_mixed, _open_unit_interval, _centre_and_tail, _tail_distance, _quantile = [
+    formula(f) for f in FORMULAS
+]
 
 W = LANES
 KEYS = int(Words.KEYS) * W
@@ -40,7 +42,7 @@ def _drawing(stream: Stream, source: Field, target: Noise) -> Any:
     insides = (int(source) + int(NoiseField.INSIDE)) * W
     belows = (int(source) + int(NoiseField.BELOW)) * W
     deviations = (int(source) + int(NoiseField.DEVIATION)) * W
-    target_row = int(target) * W
+    target_row, distances = int(target) * W, int(Noise.TAIL_DISTANCE) * W
 
     def draw(
         noise: Floats, lanes: Floats, words: WordArray, kind: int, first: int, count: int
@@ -82,12 +84,15 @@ def _drawing(stream: Stream, source: Field, target: Noise) -> Any:
                 for j in range(3 * W):
                     noise[to + j] = lanes[bounds + j] * noise[to + j]
             else:
+                # In two loops, for the processor to find more to do at once.
                 for j in range(3 * W):
-                    bound = lanes[bounds + j]
-                    centre, tail = _centre_and_tail(
+                    noise[to + j], tail = _centre_and_tail(
                         noise[to + j], lanes[insides + j], lanes[belows + j]
                     )
-                    drawn = lanes[deviations + j] * _quantile(centre, tail)
+                    noise[distances + j] = _tail_distance(tail)
+                for j in range(3 * W):
+                    bound = lanes[bounds + j]
+                    drawn = lanes[deviations + j] * _quantile(noise[to + j], noise[distances + j])
                     noise[to + j] = min(max(drawn, -bound), bound)
 
     return compiled(draw)

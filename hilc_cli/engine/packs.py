@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +18,11 @@ from hilc_cli.engine.lanes import (
     LANES,
     NOISE_ROWS,
     WORD_ROWS,
+    Field,
     History,
 )
 from hilc_cli.engine.noise import NONE, NORMAL, UNIFORM
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.laws.hybrid import GainHeading, HybridLaw
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import METRIC_NAMES
@@ -32,11 +31,12 @@ from hilc_cli.robot import step_gains
 NEVER = -1
 _ROUNDING = 2.0**-50
 """What the absolute values of a mean and half a difference may add to what they are made of."""
+_LEFT = slice(Field.MATRIX, Field.MATRIX + 9)  # of the matrix; in the lanes the mean
+_RIGHT = slice(Field.MATRIX + 9, Field.MATRIX + 18)  # likewise; in the lanes half the difference
 _LINE = 64  # bytes; vectors that lie across two cache lines take twice as long
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
+class Kind(NamedTuple):
     """What experiments in the lanes of one pack have in common, beside the reference.
 
     Attributes:
@@ -135,6 +135,8 @@ class Pack:
         self.last[:cases], self.last[cases:] = last, NEVER
         rows = np.array([self._parameters(experiment) for experiment in experiments])
         lanes = self.lanes.reshape(FIELDS, LANES)
+        left, right = rows[:, _LEFT].copy(), rows[:, _RIGHT]
+        rows[:, _LEFT], rows[:, _RIGHT] = (left + right) / 2, (left - right) / 2
         lanes[: rows.shape[1], :cases] = rows.T
         lanes[: rows.shape[1], cases:] = rows[-1][:, np.newaxis]
         if self.kind.disturbed or self.kind.pose != NONE:
@@ -163,7 +165,7 @@ class Pack:
                 inputs[:, History.MEAN, lane], inputs[:, History.HALF_DIFFERENCE, lane] = means
 
     def _parameters(self, experiment: Experiment) -> list[float]:
-        """The rows of the lane array up to Field.POSITION_GAINS."""
+        """The rows of the lane array up to Field.POSITION_GAINS; the matrix still by wheels."""
         law, robot = hybrid_law(experiment), experiment.robot
         sample_time, limit = self.sample_time, experiment.speed_limit
         distance_gain, turn_gain = step_gains(
@@ -173,20 +175,13 @@ class Pack:
         parameters = [
             law.l1, law.l2, law.l3, limit, limit * (1 + _ROUNDING),
             2 * distance_gain, 2 * turn_gain, law.h, peak, peak / law.h,
-            *experiment.initial_pose, *_mean_and_half_difference(law.matrix),
+            *experiment.initial_pose, *law.matrix.coefficients,
         ]  # fmt: skip
         if self.kind.disturbed or self.kind.pose != NONE:
             disturbance = experiment.disturbance
             for source in (disturbance.state, disturbance.output, disturbance.initial_pose):
                 parameters += _noise_rows(source)
         return parameters
-
-
-def _mean_and_half_difference(matrix: GainMatrix) -> list[float]:
-    """Coefficients of the gain matrix for the wheel speeds' mean and half their difference."""
-    coefficients = matrix.coefficients
-    wheels = list(zip(coefficients[:9], coefficients[9:], strict=True))
-    return [(a + b) / 2 for a, b in wheels] + [(a - b) / 2 for a, b in wheels]
 
 
 def _noise_rows(source: Bounded) -> list[float]:

@@ -40,21 +40,22 @@ class GainMatrix:
     @property
     def coefficients(self) -> Coefficients:
         """The 18 coefficients, row by row, as `wheel_correction` takes them."""
-        flat = [
-            c for entry in (*self.left, *self.right) for c in (entry.constant, entry.cos, entry.sin)
-        ]
-        return tuple(flat)  # type: ignore[return-value]  # the 2 x 3 x 3 numbers above
+        a, b, c = self.left
+        d, e, f = self.right
+        return (
+            a.constant, a.cos, a.sin, b.constant, b.cos, b.sin, c.constant, c.cos, c.sin,
+            d.constant, d.cos, d.sin, e.constant, e.cos, e.sin, f.constant, f.cos, f.sin,
+        )  # fmt: skip
 
     @property
     def is_kinematic(self) -> bool:
         """Whether it has the form of Eq. 45, with any wheel radius and half track."""
-        (x, y, turning), (right_x, right_y, right_turning) = self.left, self.right
-        return (
-            x == right_x == Affine(cos=x.cos)
-            and y == right_y == Affine(sin=x.cos)
-            and turning == Affine(turning.constant)
-            and right_turning == Affine(-turning.constant)
-        )
+        coefficients = self.coefficients
+        along, turning = coefficients[1], coefficients[6]
+        return coefficients == (
+            0, along, 0, 0, 0, along, turning, 0, 0,
+            0, along, 0, 0, 0, along, -turning, 0, 0,
+        )  # fmt: skip
 
 
 def inverse_kinematics_gain(wheel_radius: float, signed_half_track: float) -> GainMatrix:
