@@ -20,6 +20,7 @@ from hilc_cli.version import __version__
 
 if TYPE_CHECKING:
     from hilc_cli.api import (
+        Execution,
         Run,
         RunData,
         Scenario,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "Execution",
     "HilcError",
     "Run",
     "RunData",

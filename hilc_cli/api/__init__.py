@@ -4,7 +4,6 @@ The commands call this and nothing else.
 """
 
 from hilc_cli.api.running import (
-    OnIteration,
     Run,
     RunData,
     Scenario,
@@ -15,35 +14,32 @@ from hilc_cli.api.running import (
     read_run,
     run,
 )
-from hilc_cli.api.sweeping import (
-    Estimate,
-    Failure,
-    Plan,
-    Sweep,
-    SweepData,
-    SweepSummary,
-    available_cores,
+from hilc_cli.api.sweep_folders import (
     check_sweep_output,
     discard_work,
-    estimate,
     is_complete,
     is_resumable,
     is_sweep,
-    merge_shards,
-    plan_sweep,
     plot_sweep,
     read_sweep,
-    require_parquet,
-    shard_cases,
-    sweep,
-    sweep_shard,
     work_folder,
 )
+from hilc_cli.api.sweep_results import Sweep
+from hilc_cli.api.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
+from hilc_cli.results.parquet import require_parquet
+from hilc_cli.results.sweep import SweepData
+from hilc_cli.results.sweep_summary import SweepSummary
+from hilc_cli.sweeping.chunks import Failure
+from hilc_cli.sweeping.compute import Execution
+from hilc_cli.sweeping.crew import available_cores
+from hilc_cli.sweeping.estimate import Estimate, estimate
+from hilc_cli.sweeping.plan import Plan
+from hilc_cli.sweeping.shards import shard_cases
 
 __all__ = [
     "Estimate",
+    "Execution",
     "Failure",
-    "OnIteration",
     "Plan",
     "Run",
     "RunData",

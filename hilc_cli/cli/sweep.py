@@ -192,18 +192,14 @@ def sweep(
         return
     report.warnings(plan)
     place = Path("runs") / f"{plan.name}-sweep"
-    how: dict[str, Any] = {
-        "workers": workers,
-        "scheduler": scheduler,
-        "resume": resume,
-        "force": force,
-        "fail_fast": fail_fast,
-        "go_on": session.go_on,
-    }
+    kept = {"resume": resume, "force": force}
+    how = api.Execution(
+        workers, scheduler, fail_fast, on_compile=report.compiling, go_on=session.go_on
+    )
     if part is not None:
         folder = out or place.with_name(f"{place.name}.{part[0]}-of-{part[1]}")
-        with _resumable(folder), report.progress(plan, part) as how["on_cases"]:
-            failures = api.sweep_shard(plan, part, folder, **how)
+        with _resumable(folder), report.progress(plan, part) as on_cases:
+            failures = api.sweep_shard(plan, part, folder, how.telling(on_cases), **kept)
         report.shard(plan, part, failures, folder)
         return
     folder = out or place
@@ -213,8 +209,8 @@ def sweep(
         report.say(f"nothing to resume: {folder} is complete")
         return
     with _resumable(work):
-        with report.progress(plan) as how["on_cases"]:
-            result = api.sweep(plan, work_folder=work, **how)
+        with report.progress(plan) as on_cases:
+            result = api.sweep(plan, how.telling(on_cases), work_folder=work, **kept)
         result.write(folder, **writing)
     if not result.failures:
         api.discard_work(work)

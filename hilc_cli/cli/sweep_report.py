@@ -39,6 +39,10 @@ class SweepReport:
         if not self.quiet:
             say(message)
 
+    def compiling(self) -> None:
+        """Why nothing moves for some seconds."""
+        self.say("compiling the engine for this machine, once for each kind of experiment")
+
     def warnings(self, plan: Plan) -> None:
         """What is legal but probably not meant."""
         for warning in plan.varied.scenario.warnings():

@@ -45,8 +45,8 @@ MARK = "HILC_TEST_SWEEP"
 
 # With worker processes, and in chunks, even where a sweep would be over before they started.
 FORCED = """\
-import hilc_cli.api.sweeping, hilc_cli.sweeping.chunks
-hilc_cli.api.sweeping._ALONE = 0
+import hilc_cli.sweeping.compute, hilc_cli.sweeping.chunks
+hilc_cli.sweeping.compute._ALONE = 0
 hilc_cli.sweeping.chunks._MOST_CASES = 16
 from hilc_cli.cli.main import main
 main()

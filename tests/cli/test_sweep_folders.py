@@ -321,7 +321,7 @@ def test_cases_that_kill_their_worker(
     write()
     sixty = ("sweep", "scenario.yaml", "--vary", f"{KEY}=0.01:0.60:60", "--no-plots", "-q")
     assert hilc(*sixty, "--out", "whole") == DONE
-    monkeypatch.setattr("hilc_cli.api.sweeping._ALONE", 0)
+    monkeypatch.setattr("hilc_cli.sweeping.compute._ALONE", 0)
     monkeypatch.setattr("hilc_cli.sweeping.chunks._MOST_CASES", 16)
     plan_sweep = api.plan_sweep
     with monkeypatch.context() as patch:

@@ -23,7 +23,8 @@ KILLS = 20
 GONE_WITHIN = 10.0  # [s] a loaded machine is given time; half a second is what a worker needs
 CHILDREN = """\
 import json, os, signal, sys
-import hilc_cli.api.sweeping, hilc_cli.sweeping.chunks, hilc_cli.cli.app, hilc_cli.cli.sweep_report
+import hilc_cli.sweeping.compute, hilc_cli.cli.app, hilc_cli.cli.sweep_report
+import hilc_cli.sweeping.chunks
 import hilc_cli.engine.batch
 from hilc_cli.cli.main import main
 hilc_cli.sweeping.chunks._MOST_CASES = 16
@@ -38,7 +39,7 @@ for line in sys.stdin:
     os.dup2(os.open(os.devnull, os.O_RDWR), 0)
     os.dup2(0, 1)
     sys.stdin, sys.stdout = open(0, closefd=False), open(1, "w", closefd=False)
-    hilc_cli.api.sweeping._ALONE = 1e99 if alone else 0
+    hilc_cli.sweeping.compute._ALONE = 1e99 if alone else 0
     sys.argv[1:] = arguments
     main()
 """

@@ -1,0 +1,111 @@
+"""Computes what is missing of a sweep, with the workers that are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from hilc_cli.engine.batch import simulate_batch
+from hilc_cli.engine.compilation import is_compiled
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import HilcError
+from hilc_cli.sweeping.chunks import cases_per_chunk
+from hilc_cli.sweeping.crew import Alone, Crew, Processes, available_cores
+from hilc_cli.sweeping.estimate import samples_per_case
+from hilc_cli.sweeping.execute import execute
+from hilc_cli.sweeping.plan import Plan
+from hilc_cli.sweeping.store import Store
+
+_ALONE = 2e8
+"""Samples that one process computes sooner than worker processes start."""
+
+_LOOKED_AT = 16
+"""Cases from which it is told whether something must be compiled."""
+
+
+def _nothing(*_: object) -> None:
+    """What is told to nobody."""
+
+
+@dataclass(frozen=True, slots=True)
+class Execution:
+    """How a sweep is computed; its results do not depend on it.
+
+    Attributes:
+        workers: Processes on this machine; None: as many as it has cores.
+        scheduler: Address of a Dask scheduler whose workers compute instead.
+        fail_fast: Stop at the first case that fails.
+        on_compile: Called before code is compiled, which takes some seconds, once on a machine.
+        on_cases: Told how many cases are done.
+        go_on: Called now and then; may raise to stop.
+    """
+
+    workers: int | None = None
+    scheduler: str | None = None
+    fail_fast: bool = False
+    on_compile: Callable[[], None] = _nothing
+    on_cases: Callable[[int], None] = _nothing
+    go_on: Callable[[], None] = _nothing
+
+    def telling(self, on_cases: Callable[[int], None]) -> Execution:
+        """The same, telling somebody how many cases are done."""
+        return replace(self, on_cases=on_cases)
+
+
+def compute(plan: Plan, store: Store, how: Execution) -> None:
+    """Computes what is missing in a store.
+
+    Raises:
+        FailedCasesError: A case has failed and `fail_fast` is set.
+        ClusterError: The Dask cluster cannot be reached.
+        FileAccessError: Results cannot be written.
+    """
+    missing = sum(map(len, store.missing()))
+    if missing == 0:
+        how.on_cases(len(store.cases))
+        return
+    if how.scheduler is None:
+        _compile(plan, how)
+    crew = _crew(plan, missing, how)
+    try:
+        execute(
+            plan,
+            store,
+            crew,
+            cases_per_chunk(plan, missing, crew.workers),
+            fail_fast=how.fail_fast,
+            on_cases=how.on_cases,
+            go_on=how.go_on,
+        )
+    finally:
+        crew.dismiss()
+
+
+def _crew(plan: Plan, missing: int, how: Execution) -> Crew:
+    if how.scheduler is not None:
+        from hilc_cli.sweeping.dask_crew import DaskCrew  # an extra
+
+        return DaskCrew(plan, how.scheduler, how.go_on)
+    if missing * samples_per_case(plan) < _ALONE:
+        return Alone(plan, how.go_on)
+    return Processes(plan, min(how.workers or available_cores(), missing))
+
+
+def _compile(plan: Plan, how: Execution) -> None:
+    """Compiles here, and tells of it, what all workers would otherwise compile in silence."""
+    looked_at = _some_experiments(plan)
+    if looked_at and not is_compiled(looked_at):
+        how.on_compile()
+        simulate_batch([replace(experiment, iterations=0) for experiment in looked_at])
+
+
+def _some_experiments(plan: Plan) -> list[Experiment]:
+    """Of cases from the first to the last: those between rarely need other code."""
+    last = len(plan.cases) - 1
+    found = []
+    for case in sorted({last * number // (_LOOKED_AT - 1) for number in range(_LOOKED_AT)}):
+        (values,) = plan.cases.values(case, case + 1)
+        with suppress(HilcError, ValueError, ArithmeticError):  # told when the case is computed
+            found.append(plan.varied.experiment(values))
+    return found
