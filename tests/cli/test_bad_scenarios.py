@@ -65,7 +65,7 @@ CASES = [
     (
         "unknown-top-far",
         plus("zzz: 3\n"),
-        "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, trajectory",
+        "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory",
     ),
     (
         "unknown-nested",
@@ -809,7 +809,7 @@ CASES = [
     (
         "key-number",
         plus("1: 2\n"),
-        "scenario.yaml:8:1: 1: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, trajectory",
+        "scenario.yaml:8:1: 1: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory",
     ),
     (
         "key-list",
@@ -819,7 +819,7 @@ CASES = [
     (
         "key-null",
         plus("? \n: 2\n"),
-        "scenario.yaml:8:2: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, trajectory",
+        "scenario.yaml:8:2: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory",
     ),
     (
         "tab",
@@ -981,7 +981,7 @@ CASES = [
             "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got -1; give a number above 0, such as 0.2 or 20 cm\n"
             "scenario.yaml:4:13: iterations: must be a whole number, got 1.5; give a whole number from 0 up, such as 100\n"
             "scenario.yaml:6:15: controller.gains.l1: has the unknown name 'a', got 'a'; give a number from 0 up, such as 0.5\n"
-            "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, trajectory"
+            "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory"
         ),
     ),
 ]
