@@ -1,0 +1,66 @@
+"""What a sweep is to compute: its scenario, its checksum, its length."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Mapping
+
+import pytest
+
+from hilc_cli.spec.loading import load_scenario
+from hilc_cli.spec.sweeping import plan_of
+from hilc_cli.sweeping.plan import Plan
+from tests.conftest import Write
+
+VARY = {"controller.gains.l1": "0.1:1:4"}
+
+
+def plan(
+    vary: Mapping[str, object] = VARY,
+    changes: Mapping[str, object] | None = None,
+    **options: object,
+) -> Plan:
+    return Plan(*plan_of(load_scenario("scenario.yaml", changes or {}), vary, options))
+
+
+@pytest.fixture(autouse=True)
+def inputs(write: Write) -> None:
+    write()
+
+
+@pytest.mark.parametrize(
+    ("vary", "most"),
+    [(VARY, 2), ({"iterations": [7, 30, 3]}, 30), ({"iterations": "1:50:9:log"}, 50)],
+)
+def test_most_iterations_of_any_case(vary: Mapping[str, object], most: int) -> None:
+    assert plan(vary).most_iterations == most
+
+
+def test_checksum_is_of_what_the_results_depend_on() -> None:
+    same = plan().checksum()
+    assert plan(metric="final_position_error_m").checksum() == same
+    assert plan(changes={"description": "x", "record.iterations": "all"}).checksum() == same
+    assert plan({"controller.gains.l1": "10 * 0.01 : 1 : 4"}).checksum() == same
+    others = [
+        plan({"controller.gains.l1": "0.1:1:5"}),
+        plan({"controller.gains.l1": "0.1:1:4:log"}),
+        plan({"controller.gains.l2": "0.1:1:4"}),
+        plan(changes={"iterations": 3}),
+        plan(changes={"model.wheel_radius": 0.2}),
+        plan(changes={"initial_input": "input.csv"}),
+        plan(changes={"trajectory.segments.0.line.length": 2}),
+        plan(tolerance=1),
+        plan(bands=True),
+        plan(sample="random", cases=4),
+        plan(sample="random", cases=4, seed=1),
+        plan(sample="sobol", cases=4),
+    ]
+    checksums = {same, *(other.checksum() for other in others)}
+    assert len(checksums) == len(others) + 1
+
+
+def test_worker_gets_the_whole_plan() -> None:
+    here = plan({"trajectory": ["path.yaml"], **VARY})
+    there: Plan = pickle.loads(pickle.dumps(here))
+    assert there.checksum() == here.checksum()
+    assert there.cases.values(0, 4) == here.cases.values(0, 4)
