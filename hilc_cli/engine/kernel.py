@@ -55,7 +55,7 @@ X, Y, HEADING = int(Field.X) * W, int(Field.Y) * W, int(Field.HEADING) * W
 INITIAL = int(Field.INITIAL_ERROR) * W
 COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
 REST, SHIFTED = int(Field.REST) * W, int(Field.SHIFTED) * W
-MEAN, DIFFERENCE = int(Field.MEAN) * W, int(Field.HALF_DIFFERENCE) * W
+PAST_MEAN, PAST_DIFFERENCE = int(Field.PAST_MEAN) * W, int(Field.PAST_HALF_DIFFERENCE) * W
 LARGEST_SQUARE = int(Field.LARGEST_SQUARE) * W
 ERROR_SUM, SQUARE_SUM = int(Field.ERROR_SUM) * W, int(Field.SQUARE_SUM) * W
 LARGEST = int(Field.LARGEST_ERRORS) * W
@@ -63,7 +63,7 @@ FASTEST_WHEEL = int(Field.FASTEST_WHEEL) * W
 SATURATED, CHANGE_SQUARES = int(Field.SATURATED) * W, int(Field.CHANGE_SQUARES) * W
 STATE_NOISE, OUTPUT_NOISE = int(Noise.STATE) * W, int(Noise.OUTPUT) * W
 ROW = HISTORY_FIELDS * W
-PAST_MEAN, PAST_DIFFERENCE = int(History.MEAN) * W, int(History.HALF_DIFFERENCE) * W
+MEAN, DIFFERENCE = int(History.MEAN) * W, int(History.HALF_DIFFERENCE) * W
 ERROR = int(History.ERROR) * W
 
 
@@ -176,31 +176,33 @@ def _follow(
             mean_correction, difference_correction = _wheel_correction(
                 matrix, cos, sin, weighted_x, weighted_y, weighted_heading
             )
-            mean = history[row + PAST_MEAN + j] + mean_correction
-            difference = history[row + PAST_DIFFERENCE + j] + difference_correction
-            lanes[MEAN + j], lanes[DIFFERENCE + j] = mean, difference
+            if all_metrics is not None:
+                lanes[PAST_MEAN + j] = history[row + MEAN + j]
+                lanes[PAST_DIFFERENCE + j] = history[row + DIFFERENCE + j]
+            mean = history[row + MEAN + j] + mean_correction
+            difference = history[row + DIFFERENCE + j] + difference_correction
+            history[row + MEAN + j], history[row + DIFFERENCE + j] = mean, difference
             limited |= abs(mean) + abs(difference) > lanes[TOLERATED + j]
         # Rarely so, and then in few samples: without the division the next cosine need not wait
         # for this one.
         if limited:
             for j in range(W):
-                mean, difference = lanes[MEAN + j], lanes[DIFFERENCE + j]
+                mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
                 if all_metrics is not None:
                     over = abs(mean) + abs(difference) > lanes[TOLERATED + j]
                     lanes[SATURATED + j] += 1.0 if over else 0.0
                 mean, difference = _limit_wheel_means(mean, difference, lanes[LIMIT + j])
-                lanes[MEAN + j], lanes[DIFFERENCE + j] = mean, difference
+                history[row + MEAN + j], history[row + DIFFERENCE + j] = mean, difference
         for j in range(W):
-            mean, difference = lanes[MEAN + j], lanes[DIFFERENCE + j]
+            mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
             if all_metrics is not None:
-                change = mean - history[row + PAST_MEAN + j]
-                difference_change = difference - history[row + PAST_DIFFERENCE + j]
+                change = mean - lanes[PAST_MEAN + j]
+                difference_change = difference - lanes[PAST_DIFFERENCE + j]
                 lanes[CHANGE_SQUARES + j] += 2.0 * (
                     change * change + difference_change * difference_change
                 )
                 fastest = abs(mean) + abs(difference)
                 lanes[FASTEST_WHEEL + j] = max(lanes[FASTEST_WHEEL + j], fastest)
-            history[row + PAST_MEAN + j], history[row + PAST_DIFFERENCE + j] = mean, difference
             x, y, heading = _advance(
                 lanes[X + j], lanes[Y + j], lanes[HEADING + j],
                 lanes[COS + j], lanes[SIN + j],

@@ -40,8 +40,8 @@ class Field(IntEnum):
     INITIAL_ERROR = 76  # e_i(0): x, y, heading
     COS = 79
     SIN = 80
-    MEAN = 81  # (left + right) / 2, after the limit
-    HALF_DIFFERENCE = 82  # (left - right) / 2, likewise
+    PAST_MEAN = 81  # (left + right) / 2 in the iteration before
+    PAST_HALF_DIFFERENCE = 82  # (left - right) / 2, likewise
     # Metrics of the running iteration.
     LARGEST_SQUARE = 83
     ERROR_SUM = 84

@@ -23,7 +23,7 @@ MOST_VALUES = 1_000_000
 """Of one key, so that they can be listed."""
 
 _AnyAxis = TypeVar("_AnyAxis", Choices, Range)
-_WHOLE_NUMBERS = re.compile(r"\s*([-+]?[0-9]{1,18})\s*\.\.\s*([-+]?[0-9]{1,18})\s*")
+_WHOLE_NUMBERS = re.compile(r"\s*([-+]?[0-9]{1,20})\s*\.\.\s*([-+]?[0-9]{1,20})\s*")
 _SPACINGS: dict[str, Spacing] = {"log": "log", "linear": "linear"}
 _REMEDY = "give 0.1,1,10 or 0.1:10:20 or 0.1:10:20:log or 1..30"
 
@@ -63,7 +63,8 @@ def _from_text(text: str) -> Axis:
         return _of_bearable_count(Range(low, high, "integer"))
     if ":" in text and not text.strip().startswith("example:"):
         return _range(text)
-    words = [word.strip() for word in text.split(",")]
+    inner = re.fullmatch(r"\s*\[(.*)\]\s*", text)  # as in YAML, by habit from --set
+    words = [word.strip() for word in (inner[1] if inner else text).split(",")]
     return _choices([_scalar(resolve_plain(word) if word else word) for word in words])
 
 

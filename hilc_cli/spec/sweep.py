@@ -38,6 +38,13 @@ class SweepSpec(Model):
         "max_position_error_m", description="what pictures show and the best case is best in"
     )
 
+
+class CompleteSweepSpec(SweepSpec):
+    """A sweep as it is to run: what one part of it needs of another is there.
+
+    What a scenario leaves out may still be given on the command line.
+    """
+
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
         """What does not fit together, whatever else is wrong."""

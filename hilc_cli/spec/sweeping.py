@@ -13,12 +13,13 @@ from pydantic import ValidationError
 
 from hilc_cli.errors import InvalidInputError, Problem, UsageError
 from hilc_cli.spec.axis import read_axis
+from hilc_cli.spec.checked_values import vary
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, Source, from_data, to_data
 from hilc_cli.spec.problems import problems_of
 from hilc_cli.spec.quantities import MOST_CASES
-from hilc_cli.spec.sweep import SweepSpec
+from hilc_cli.spec.sweep import CompleteSweepSpec, SweepSpec
 from hilc_cli.spec.valid import Scenario
-from hilc_cli.spec.varied import Varied, vary
+from hilc_cli.spec.varied import Varied
 from hilc_cli.variation.cases import Cases
 
 Variations = Mapping[str, object] | Sequence[str]
@@ -42,7 +43,7 @@ def plan_of(
     given = {key: value for key, value in (options or {}).items() if value is not None}
     tree = _tree(scenario, _nodes(variations), given)
     try:
-        spec = SweepSpec.model_validate(to_data(tree))
+        spec = CompleteSweepSpec.model_validate(to_data(tree))
     except ValidationError as error:
         problems = [
             replace(problem, path=problem.path.removeprefix("vary."))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -9,7 +10,7 @@ from dataclasses import dataclass, replace
 from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.compilation import is_compiled
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.errors import HilcError
+from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.sweeping.chunks import cases_per_chunk
 from hilc_cli.sweeping.crew import Alone, Crew, Processes, available_cores
 from hilc_cli.sweeping.estimate import samples_per_case
@@ -20,6 +21,7 @@ from hilc_cli.sweeping.store import Store
 _ALONE = 2e8
 """Samples that one process computes sooner than worker processes start."""
 
+_ADDRESS = re.compile(r"[a-z]+://\S+")
 _LOOKED_AT = 16
 """Cases from which it is told whether something must be compiled."""
 
@@ -39,6 +41,9 @@ class Execution:
         on_compile: Called before code is compiled, which takes some seconds, once on a machine.
         on_cases: Told how many cases are done.
         go_on: Called now and then; may raise to stop.
+
+    Raises:
+        UsageError: The address of the scheduler has another form.
     """
 
     workers: int | None = None
@@ -47,6 +52,12 @@ class Execution:
     on_compile: Callable[[], None] = _nothing
     on_cases: Callable[[int], None] = _nothing
     go_on: Callable[[], None] = _nothing
+
+    def __post_init__(self) -> None:
+        if self.scheduler is not None and not _ADDRESS.fullmatch(self.scheduler):
+            raise UsageError(
+                f"--scheduler {self.scheduler}: must read tcp://HOST:PORT, as the scheduler shows it"
+            )
 
     def telling(self, on_cases: Callable[[int], None]) -> Execution:
         """The same, telling somebody how many cases are done."""

@@ -29,10 +29,10 @@ def shard_cases(cases: int, number: int, shards: int) -> Chunk:
         UsageError: There is no such shard, or it would be empty.
     """
     if not 1 <= number <= shards:
-        raise UsageError(f"shard {number}/{shards}: K must be from 1 to N, such as 1/3")
+        raise UsageError(f"--shard {number}/{shards}: K must be from 1 to N, such as 1/3")
     if shards > cases:
         raise UsageError(
-            f"shard {number}/{shards}: there are only {cases} cases; make fewer shards"
+            f"--shard {number}/{shards}: there are only {cases} cases; make fewer shards"
         )
     return Chunk(cases * (number - 1) // shards, cases * number // shards)
 

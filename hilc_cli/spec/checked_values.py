@@ -1,0 +1,214 @@
+"""Checks of the values that a sweep puts into a scenario, before anything runs."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from hilc_cli.errors import MOST_PROBLEMS, InvalidInputError, Problem
+from hilc_cli.results.sweep_tables import value_text
+from hilc_cli.spec.nodes import Place
+from hilc_cli.spec.putting import (
+    Change,
+    as_scenario,
+    parts,
+    root,
+    validated,
+    value_at,
+    with_changes,
+)
+from hilc_cli.spec.reading import Inputs
+from hilc_cli.spec.record import RecordSpec
+from hilc_cli.spec.scenario import ScenarioSpec
+from hilc_cli.spec.trajectory import TrajectorySpec
+from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
+from hilc_cli.spec.varied import TRAJECTORY, Varied
+from hilc_cli.variation.axes import Axis, Choices, Range, Value
+
+_H = "controller.h"
+_WITHOUT_EFFECT = (
+    "name",
+    "description",
+    "record",
+    "sweep",
+    "robot.gravity_center",
+    "trajectory.name",
+    "trajectory.description",
+    "trajectory.closed",
+    "trajectory.corners",
+)
+_MOST_CORNERS = 64
+
+
+def vary(scenario: Scenario, axes: Mapping[str, Axis], places: Mapping[str, Place]) -> Varied:
+    """Checks the values that a sweep puts into a scenario.
+
+    Every value of a list and both ends of a range are validated beside the first values of the
+    other keys, then the corners of the box that they span, as far as these are few. All problems
+    are told.
+
+    Args:
+        scenario: The scenario.
+        axes: Values by dotted key.
+        places: Where the values of each key stand, for messages and relative paths.
+
+    Raises:
+        InvalidInputError: A key is unknown, or a value not valid.
+    """
+    # Which samples a run records has no effect on a sweep, and is not to limit its iterations.
+    spec = scenario.spec.model_copy(update={"record": RecordSpec(), "sweep": None})
+    base = replace(scenario, spec=spec)
+    given = None if "initial_input" in axes or base.initial_input is None else base.initial_input[0]
+    checked = _Checked(spec, places, None if given is None else len(given))
+    checked.add_all(axes)
+    checked.corners()
+    if checked.problems:
+        raise InvalidInputError(dict.fromkeys(checked.problems))
+    return Varied(base, {key: checked.axes[key] for key in axes}, checked.trajectories)
+
+
+class _Checked:
+    """The axes found valid so far."""
+
+    def __init__(
+        self, spec: ScenarioSpec, places: Mapping[str, Place], input_samples: int | None
+    ) -> None:
+        self.spec = spec
+        self.places = places
+        self.input_samples = input_samples
+        self.axes: dict[str, Axis] = {}
+        self.trajectories: dict[str, TrajectorySpec] = {}
+        self.problems: list[Problem] = []
+
+    def add_all(self, axes: Mapping[str, Axis]) -> None:
+        """Validates the values of each key beside the first values of the others."""
+        if _H in axes:
+            # It need not fit the scenario's trajectory, only those that it meets.
+            controller = self.spec.controller.model_copy(update={"h": None})
+            self.spec = self.spec.model_copy(update={"controller": controller})
+        if TRAJECTORY in axes:
+            self._add(TRAJECTORY, axes[TRAJECTORY])
+            first = next(iter(self.trajectories.values()), self.spec.trajectory)
+            self.spec = self.spec.model_copy(update={TRAJECTORY: first})
+        others = {key: axis for key, axis in axes.items() if key != TRAJECTORY}
+        self._start_from(
+            [(key, _written_ends(axis)[0], self.places[key]) for key, axis in others.items()]
+        )
+        for key, axis in others.items():
+            self._add(key, axis)
+
+    def _start_from(self, changes: Sequence[Change]) -> None:
+        """Puts first values into the scenario: together if they fit, otherwise those that do."""
+        try:
+            self.spec = validated(self.spec, changes)
+        except InvalidInputError:
+            if len(changes) > 1:
+                for change in changes:
+                    self._start_from([change])
+
+    def _add(self, key: str, axis: Axis) -> None:
+        place = self.places[key]
+        try:
+            if any(key == other or key.startswith(f"{other}.") for other in _WITHOUT_EFFECT):
+                message = "has no effect on the results; vary another key"
+                raise InvalidInputError([Problem(str(place), key, message)])
+            if key == TRAJECTORY:
+                self.axes[key] = self._trajectories(axis, place)
+            elif isinstance(axis, Choices):
+                self.axes[key] = self._choices(key, axis, place)
+            else:
+                self.axes[key] = self._range(key, axis, place)
+        except InvalidInputError as error:
+            self.problems.extend(error.problems)
+
+    def corners(self) -> None:
+        """Validates outermost values together, if each of them is valid by itself."""
+        if self.problems:
+            return
+        axes = {key: axis for key, axis in self.axes.items() if key != TRAJECTORY}
+        every = [[(key, end, self.places[key]) for end in axis.ends] for key, axis in axes.items()]
+        corners = itertools.islice(itertools.product(*every), _MOST_CORNERS)
+        for corner in (*corners, tuple(ends[-1] for ends in every)):
+            for path in self.trajectories.values() or [self.spec.trajectory]:
+                spec = self.spec.model_copy(update={TRAJECTORY: path})
+                try:
+                    self._check_input(validated(spec, corner).trajectory)
+                except InvalidInputError as error:
+                    self.problems.extend(error.problems)
+                    return
+
+    def _check_input(self, path: TrajectorySpec) -> None:
+        """Whether the scenario's input file fits a trajectory."""
+        samples = path.reference().samples
+        if self.input_samples not in (None, samples):
+            key = next(key for key in self.places if root(key) == TRAJECTORY)
+            message = f"has {samples} samples in {path.name}, but the initial input has"
+            message += f" {self.input_samples}; set initial_input to zero or feedforward"
+            raise InvalidInputError([Problem(str(self.places[key]), TRAJECTORY, message)])
+
+    def _choices(self, key: str, axis: Choices, place: Place) -> Choices:
+        found: dict[Value, None] = {}
+        problems: list[Problem] = []
+        for value in axis.values:
+            try:
+                valid = self._choice(key, value, place)
+            except InvalidInputError as error:
+                problems.extend(error.problems)
+                if len(problems) >= MOST_PROBLEMS:
+                    break
+                continue
+            if valid in found:
+                message = f"has the value {value_text(valid)} more than once; remove one"
+                problems.append(Problem(str(place), key, message))
+            found[valid] = None
+        if problems:
+            raise InvalidInputError(problems)
+        return Choices(tuple(found))
+
+    def _choice(self, key: str, value: Any, place: Place) -> Value:
+        if isinstance(value, Mapping):
+            message = "must hold single values, got a mapping; vary the keys below it"
+            raise InvalidInputError([Problem(str(place), key, message)])
+        if key == "initial_input" and value not in NAMED_INPUTS:
+            message = f"must be zero or feedforward in a sweep, got '{value}'"
+            raise InvalidInputError([Problem(str(place), key, message)])
+        valid = value_at(validated(self.spec, [(key, value, place)]), parts(key))
+        given: Value = value
+        return valid if isinstance(valid, bool | int | float | str) else given
+
+    def _range(self, key: str, axis: Range, place: Place) -> Range:
+        ends = Choices(tuple(dict.fromkeys(_written_ends(axis))))
+        found = self._choices(key, ends, place).values
+        if not all(isinstance(end, int | float) and not isinstance(end, bool) for end in found):
+            message = "takes no numbers; give a list of values"
+            raise InvalidInputError([Problem(str(place), key, message)])
+        whole = axis.spacing != "integer" and all(isinstance(end, int) for end in found)
+        return replace(axis, whole=whole)
+
+    def _trajectories(self, axis: Axis, place: Place) -> Choices:
+        inputs = Inputs()
+        problems: list[Problem] = []
+        for value in axis.values if isinstance(axis, Choices) else (None,):
+            try:
+                if not isinstance(value, str | Mapping):
+                    message = "must be a list of trajectory files; give their paths"
+                    raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])
+                tree = inputs.with_trajectory(with_changes(self.spec, [(TRAJECTORY, value, place)]))
+                path = as_scenario(tree).trajectory
+                if path.name in self.trajectories:
+                    message = f"has two trajectories named {path.name}; give them different names"
+                    raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])
+            except InvalidInputError as error:
+                problems.extend(error.problems)
+            else:
+                self.trajectories[path.name] = path
+        if inputs.problems or problems:
+            raise InvalidInputError([*inputs.problems, *problems])
+        return Choices(tuple(self.trajectories))
+
+
+def _written_ends(axis: Axis) -> Sequence[Value]:
+    """First and last value, or all words, as their author wrote them."""
+    return axis.ends if isinstance(axis, Choices) else axis.written or axis.ends
