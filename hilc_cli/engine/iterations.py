@@ -41,16 +41,13 @@ from hilc_cli.engine.noise import FORMULAS as NOISE_FORMULAS
 from hilc_cli.engine.noise import draw_output, draw_pose
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import LARGEST as LARGEST_NUMBER
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import METRIC_NAMES, IterationMetrics
 
 Integers = NDArray[np.int64]
-
 
 L1, POSE = int(Field.L1) * W, int(Field.POSE_X) * W
 FREQUENCY, PASS = int(Words.FREQUENCY) * W, int(Words.PASS) * W
 POSE_NOISE = int(Noise.POSE) * W
-STATE_STREAM, OUTPUT_STREAM = int(Stream.STATE), int(Stream.OUTPUT)
-POSE_STREAM = int(Stream.INITIAL_POSE)
 (
     MAX_ERROR,
     MEAN_ERROR,
@@ -250,5 +247,6 @@ def _run_iterations(
         iteration += 1
 
 
-_PARTS = (*KERNEL_FORMULAS, *NOISE_FORMULAS, follow.py_func, draw_pose.py_func, compiled, Field)
-run_iterations = compiled(with_sources(_run_iterations, _PARTS), cache=True)
+_PARTS = (*KERNEL_FORMULAS, *NOISE_FORMULAS, follow.py_func, draw_pose.py_func)
+_CONSTANTS = (Field, Stream, IterationMetrics, compiled)
+run_iterations = compiled(with_sources(_run_iterations, (*_PARTS, *_CONSTANTS)), cache=True)

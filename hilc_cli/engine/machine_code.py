@@ -22,7 +22,17 @@ from numba import njit, types
 from numba.extending import intrinsic
 
 LIBERTIES = frozenset({"contract", "nsz", "arcp"})
-_WIDEST = 512 if llvm.get_host_cpu_features().get("avx512dq") else 0
+
+
+def _widest() -> int:
+    """Bits of the widest vectors to ask for; 0 to leave that to the compiler."""
+    try:
+        return 512 if llvm.get_host_cpu_features().get("avx512dq") else 0
+    except RuntimeError:  # The processor cannot be asked.
+        return 0
+
+
+_WIDEST = _widest()
 
 
 def formula(function: Callable[..., Any], *, liberties: frozenset[str] = LIBERTIES) -> Any:
