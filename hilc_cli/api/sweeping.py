@@ -39,6 +39,7 @@ from hilc_cli.sweeping.store import (
     FolderStore,
     MemoryStore,
     Store,
+    is_empty,
     open_store,
     read_header,
     remove,
@@ -353,7 +354,7 @@ def discard_work(folder: str | Path) -> None:
     Raises:
         FileAccessError: It cannot be removed.
     """
-    if read_header(Path(folder)):
+    if read_header(Path(folder)) or is_empty(Path(folder)):
         remove(Path(folder))
 
 
