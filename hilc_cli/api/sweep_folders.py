@@ -13,7 +13,7 @@ from hilc_cli.results.sweep_folder import (
     read_sweep_manifest,
 )
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.store import read_header, remove
+from hilc_cli.sweeping.store import is_empty, read_header, remove
 
 
 def work_folder(folder: str | Path) -> Path:
@@ -27,7 +27,7 @@ def discard_work(folder: str | Path) -> None:
     Raises:
         FileAccessError: It cannot be removed.
     """
-    if read_header(Path(folder)):
+    if read_header(Path(folder)) or is_empty(Path(folder)):
         remove(Path(folder))
 
 

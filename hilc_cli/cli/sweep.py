@@ -206,6 +206,7 @@ def sweep(
     api.check_sweep_output(plan, folder, force=force)
     work = api.work_folder(folder)
     if resume and not api.is_resumable(work) and api.is_complete(plan, folder):
+        api.discard_work(work)
         report.say(f"nothing to resume: {folder} is complete")
         return
     with _resumable(work):

@@ -98,10 +98,13 @@ def _validated(
     return spec
 
 
-def _sweep_places(spec: ScenarioSpec, tree: MapNode) -> dict[str, Place]:
-    """Where the values of each varied key stand."""
-    keys = {} if spec.sweep is None else spec.sweep.vary
-    return {key: nearest(tree, ("sweep", "vary", key))[1] for key in keys}
+def _sweep_places(spec: ScenarioSpec, tree: MapNode) -> dict[tuple[str, str], Place]:
+    """Where each key of the section ``sweep`` stands, and the values of each varied key."""
+    if spec.sweep is None:
+        return {}
+    places = {("sweep", key): ("sweep", key) for key in spec.sweep.model_fields_set}
+    places |= {("vary", key): ("sweep", "vary", key) for key in spec.sweep.vary}
+    return {name: nearest(tree, keys)[1] for name, keys in places.items()}
 
 
 def _initial_input(

@@ -45,10 +45,7 @@ def plan_of(
     try:
         spec = CompleteSweepSpec.model_validate(to_data(tree))
     except ValidationError as error:
-        problems = [
-            replace(problem, path=problem.path.removeprefix("vary."))
-            for problem in problems_of(error, tree, SweepSpec)
-        ]
+        problems = [_told(problem) for problem in problems_of(error, tree, SweepSpec)]
         unread = {details["loc"] for details in error.errors()}
         raise InvalidInputError([*problems, *_others(scenario, tree, unread)]) from None
     if not spec.vary:
@@ -60,6 +57,13 @@ def plan_of(
     if spec.sample == "grid":
         _check_size(Cases(varied.axes))
     return varied, spec
+
+
+def _told(problem: Problem) -> Problem:
+    """The problem by the key that its author has written: in the file it is below ``sweep``."""
+    if problem.where.startswith(("--", "vary ")):
+        return replace(problem, path=problem.path.removeprefix("vary."))
+    return replace(problem, path=f"sweep.{problem.path}")
 
 
 def _check_size(grid: Cases) -> None:
@@ -107,13 +111,13 @@ def _tree(
     here = _place("the scenario's sweep")
     axes: dict[str, Node] = {
         # The values have been read before: they stand in for their text.
-        key: Scalar(scenario.sweep_places.get(key, here), axis, str(axis))
+        key: Scalar(scenario.sweep_places.get(("vary", key), here), axis, str(axis))
         for key, axis in own.pop("vary", {}).items()
     }
     axes.update(variations)
     nodes: dict[str, Node] = {"vary": MapNode(here, axes, {k: n.place for k, n in axes.items()})}
     for key, value in own.items():
-        nodes[key] = from_data(value, here)
+        nodes[key] = from_data(value, scenario.sweep_places.get(("sweep", key), here))
     for key, value in given.items():
         nodes[key] = from_data(value, _place(f"--{key} {value}"))
     return MapNode(here, nodes, {key: node.place for key, node in nodes.items()})

@@ -28,13 +28,14 @@ class Scenario:
         spec: What its author wrote, with defaults filled in.
         initial_input: Left and right wheel speeds of the input file that it names, if any.
         checksums: SHA-256 of each file that was read.
-        sweep_places: Where the values of each key under ``sweep: vary:`` stand.
+        sweep_places: Where ``("sweep", KEY)``, a key of the section ``sweep``, and ``("vary",
+            KEY)``, the values of a varied key, stand.
     """
 
     spec: ScenarioSpec
     initial_input: tuple[Floats, Floats] | None = None
     checksums: Mapping[str, str] = field(default_factory=dict)
-    sweep_places: Mapping[str, Place] = field(default_factory=dict)
+    sweep_places: Mapping[tuple[str, str], Place] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

@@ -55,9 +55,7 @@ class Execution:
 
     def __post_init__(self) -> None:
         if self.scheduler is not None and not _ADDRESS.fullmatch(self.scheduler):
-            raise UsageError(
-                f"--scheduler {self.scheduler}: must read tcp://HOST:PORT, as the scheduler shows it"
-            )
+            raise UsageError(f"--scheduler {self.scheduler}: must read tcp://HOST:PORT")
 
     def telling(self, on_cases: Callable[[int], None]) -> Execution:
         """The same, telling somebody how many cases are done."""

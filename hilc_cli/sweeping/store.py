@@ -308,7 +308,7 @@ def open_store(
         FileAccessError: It cannot be read or written.
     """
     with writing(folder):
-        is_there = folder.is_symlink() or (folder.exists() and not _is_empty(folder))
+        is_there = folder.is_symlink() or (folder.exists() and not is_empty(folder))
     if is_there:
         header = read_header(folder)
         if not header:
@@ -332,7 +332,8 @@ def open_store(
     return FolderStore.create(folder, plan, cases, shard)
 
 
-def _is_empty(folder: Path) -> bool:
+def is_empty(folder: Path) -> bool:
+    """Whether a folder is there with nothing in it, as one is whose removal was cut short."""
     return folder.is_dir() and not any(folder.iterdir())
 
 

@@ -228,6 +228,22 @@ def test_stopped_while_its_folder_is_removed(
         assert (sweeps.FOLDER / table).read_bytes() == (Path("whole") / table).read_bytes()
 
 
+def test_stopped_before_its_empty_folder_is_removed(
+    hilc: Hilc, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write()
+
+    def stop(self: Path) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "rmdir", stop)
+        assert hilc(*SWEEP).code == 130
+    assert listing(sweeps.PART) == {}
+    assert hilc(*SWEEP, "--resume") == DONE
+    assert not sweeps.PART.exists()
+
+
 @pytest.mark.parametrize("extra", ["--resume", "--force"])
 def test_two_sweeps_at_once(hilc: Hilc, write: Write, extra: str) -> None:
     write()

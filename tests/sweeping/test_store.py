@@ -10,10 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.sweeping.chunks import Chunk, run_chunk
 from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.store import FolderStore, open_store
+from tests.cli.inputs import listing
 from tests.sweeping.plans import small_plan
 
 ALL = Chunk(0, 64)
@@ -158,6 +159,19 @@ def test_entry_of_cases_that_are_not_here(tmp_path: Path, first: int) -> None:
     store = open_store(folder, plan, ALL, None, resume=True, force=False)
     assert compute(store, plan) == [ALL]
     store.close()
+
+
+def test_of_two_that_start_at_once_the_second_changes_nothing(tmp_path: Path) -> None:
+    folder = tmp_path / "part"
+    first = open_store(folder, small_plan(tmp_path), ALL, None, resume=False, force=False)
+    before = listing(folder)
+    # It has looked before the first one made the folder.
+    other = small_plan(tmp_path, cases=32)
+    with pytest.raises(ExistingResultsError):
+        FolderStore.create(folder, other, Chunk(0, 32), None)
+    assert listing(folder) == before
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+    first.close()
 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", "{}", '{"kind": "hilc sweep"}', "\0" * 100])
