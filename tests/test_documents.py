@@ -46,11 +46,13 @@ def test_the_python_example_runs(tmp_path: Path) -> None:
 
 
 def test_the_yaml_examples_are_valid(tmp_path: Path) -> None:
-    trajectory, scenario = blocks("yaml")
+    trajectory, scenario, sweep = blocks("yaml")
     (tmp_path / "trajectory.yaml").write_text(trajectory, encoding="utf-8")
     (tmp_path / "scenario.yaml").write_text(scenario, encoding="utf-8")
     loaded = hilc.load_scenario(tmp_path / "scenario.yaml")
     assert loaded.name == "my-experiment"
+    (tmp_path / "sweep.yaml").write_text(sweep, encoding="utf-8")
+    assert len(hilc.plan_sweep(hilc.load_scenario(tmp_path / "sweep.yaml")).cases) == 33
     assert loaded.compensates  # it starts at x = 9
     path = {"trajectory": str(tmp_path / "trajectory.yaml"), "initial_pose": None}
     other = hilc.load_scenario(tmp_path / "scenario.yaml", overrides=path)

@@ -28,7 +28,7 @@ from hilc_cli.api.sweep_results import Sweep
 from hilc_cli.api.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
 from hilc_cli.results.parquet import require_parquet
 from hilc_cli.results.sweep import SweepData
-from hilc_cli.results.sweep_summary import SweepSummary
+from hilc_cli.results.sweep_summary import SweepSummary, summarise_sweep
 from hilc_cli.sweeping.chunks import Failure
 from hilc_cli.sweeping.compute import Execution
 from hilc_cli.sweeping.crew import available_cores
@@ -66,6 +66,7 @@ __all__ = [
     "require_parquet",
     "run",
     "shard_cases",
+    "summarise_sweep",
     "sweep",
     "sweep_shard",
     "work_folder",

@@ -152,7 +152,7 @@ def sweep(
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
     from hilc_cli import api
-    from hilc_cli.cli.sweep_report import SweepReport
+    from hilc_cli.cli.sweep_report import AGAIN, SHARDS_AGAIN, SweepReport
 
     session: Session = context.obj
     report = SweepReport(json=json, quiet=quiet, verbose=verbose)
@@ -172,7 +172,7 @@ def sweep(
         result = api.merge_shards([Path(folder) for folder in targets], go_on=session.go_on)
         folder = out or Path("runs") / f"{result.name}-sweep"
         result.write(folder, **writing)
-        report.result(result, folder)
+        report.result(result, folder, SHARDS_AGAIN)
         return
     if len(targets) > 1:
         raise UsageError(f"give one scenario, got {len(targets)}; several folders need --merge")
@@ -207,7 +207,7 @@ def sweep(
     work = api.work_folder(folder)
     if resume and not api.is_resumable(work) and api.is_complete(plan, folder):
         api.discard_work(work)
-        report.say(f"nothing to resume: {folder} is complete")
+        report.complete(folder)
         return
     with _resumable(work):
         with report.progress(plan) as on_cases:
@@ -215,7 +215,7 @@ def sweep(
         result.write(folder, **writing)
     if not result.failures:
         api.discard_work(work)
-    report.result(result, folder)
+    report.result(result, folder, AGAIN)
 
 
 @contextmanager

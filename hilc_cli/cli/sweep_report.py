@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from hilc_cli.api import Estimate, Failure, Plan, Sweep, SweepSummary
 
 SOME_FAILED = 3
+AGAIN = "the same command with --resume tries these cases again"
+SHARDS_AGAIN = "--resume of their shards tries these cases again"
 _MOST_FAILURES = 10
 """So many are named one by one."""
 
@@ -71,27 +73,41 @@ class SweepReport:
         ]
         print_table(two_columns(f"{plan.name}, not computed", rows))
 
-    def result(self, result: Sweep, folder: Path) -> None:
+    def result(self, result: Sweep, folder: Path, again: str) -> None:
         """How a sweep went.
+
+        Args:
+            result: The sweep.
+            folder: Where it has been written.
+            again: How to try cases again that have failed.
 
         Raises:
             typer.Exit: Some cases have failed.
         """
-        summary = result.summary()
+        self._summary(result.summary(), result.failures, folder)
+        if self.verbose:
+            for step, seconds in result.how.get("timings_s", {}).items():
+                say(f"{step}: {seconds:.3f} s")
+        self._failures(result.failures, again)
+
+    def complete(self, folder: Path) -> None:
+        """A sweep of which nothing is left to do."""
+        from hilc_cli.api import read_sweep, summarise_sweep
+
+        self.say(f"nothing to resume: {folder} is complete")
+        self._summary(summarise_sweep(read_sweep(folder)), (), folder)
+
+    def _summary(self, summary: SweepSummary, failures: Sequence[Failure], folder: Path) -> None:
         if self.json:
             document = {
                 "folder": str(folder),
                 **asdict(summary),
-                "failures": _json(result.failures),
+                "failures": _json(failures),
             }
             print_json(document)
         elif not self.quiet:
             print_table(two_columns(f"{summary.name}, {summary.cases:,} cases", _rows(summary)))
             print_text(f"Written to {folder}")
-        if self.verbose:
-            for step, seconds in result.how.get("timings_s", {}).items():
-                say(f"{step}: {seconds:.3f} s")
-        self._failures(result.failures)
 
     def shard(
         self, plan: Plan, part: tuple[int, int], failures: Sequence[Failure], folder: Path
@@ -108,15 +124,15 @@ class SweepReport:
             )
         elif not self.quiet:
             print_text(f"Shard {number} of {shards} of {plan.name} is in {folder}")
-        self._failures(failures)
+        self._failures(failures, AGAIN)
 
-    def _failures(self, failures: Sequence[Failure]) -> None:
+    def _failures(self, failures: Sequence[Failure], again: str) -> None:
         for failure in failures[:_MOST_FAILURES]:
             say(f"{failure.chunk} failed: {failure.reason}")
         if len(failures) > _MOST_FAILURES:
-            say(f"... and {len(failures) - _MOST_FAILURES} more failures, see sweep.json")
+            say(f"... and {len(failures) - _MOST_FAILURES} more")
         if failures:
-            say("the same command with --resume tries these cases again")
+            say(again)
             raise typer.Exit(SOME_FAILED)
 
 

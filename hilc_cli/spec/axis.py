@@ -54,6 +54,17 @@ def axis_text(axis: Axis) -> str | list[Value]:
     return f"{axis.low!r}:{axis.high!r}{count}:{axis.spacing}"
 
 
+def shown_axis(axis: Axis) -> str:
+    """An axis as messages show it: as short as people write it."""
+    if isinstance(axis, Choices):
+        return ",".join(map(str, axis.values))
+    if axis.written is None:
+        return str(axis_text(axis))
+    low, high = axis.written
+    count = "" if axis.values_asked is None else f":{axis.values_asked}"
+    return f"{low}:{high}{count}{'' if axis.spacing == 'linear' else ':log'}"
+
+
 def _from_text(text: str) -> Axis:
     whole = _WHOLE_NUMBERS.fullmatch(text)
     if whole:

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.tables import MAX_CSV_BYTES, read_input
-from hilc_cli.spec.nodes import MapNode, Node, Place, Scalar, describe, nearest, to_data
+from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
 from hilc_cli.spec.overrides import apply_override, data_override, parse_override
 from hilc_cli.spec.problems import problems_of
 from hilc_cli.spec.reading import Inputs
@@ -102,7 +102,9 @@ def _sweep_places(spec: ScenarioSpec, tree: MapNode) -> dict[tuple[str, str], Pl
     """Where each key of the section ``sweep`` stands, and the values of each varied key."""
     if spec.sweep is None:
         return {}
-    places = {("sweep", key): ("sweep", key) for key in spec.sweep.model_fields_set}
+    places: dict[tuple[str, str], PathKeys] = {
+        ("sweep", key): ("sweep", key) for key in spec.sweep.model_fields_set
+    }
     places |= {("vary", key): ("sweep", "vary", key) for key in spec.sweep.vary}
     return {name: nearest(tree, keys)[1] for name, keys in places.items()}
 

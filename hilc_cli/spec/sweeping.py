@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from hilc_cli.errors import InvalidInputError, Problem, UsageError
-from hilc_cli.spec.axis import read_axis
+from hilc_cli.spec.axis import read_axis, shown_axis
 from hilc_cli.spec.checked_values import vary
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, Source, from_data, to_data
 from hilc_cli.spec.problems import problems_of
@@ -106,12 +106,12 @@ def _tree(
     own: dict[str, Any] = {}
     if scenario.spec.sweep is not None:
         own = dict(scenario.spec.sweep)
-        if given.get("sample", own["sample"]) == "grid":
+        if given.get("sample") == "grid":
             del own["cases"]  # it belongs to the sampling that has been replaced
     here = _place("the scenario's sweep")
     axes: dict[str, Node] = {
         # The values have been read before: they stand in for their text.
-        key: Scalar(scenario.sweep_places.get(("vary", key), here), axis, str(axis))
+        key: Scalar(scenario.sweep_places.get(("vary", key), here), axis, shown_axis(axis))
         for key, axis in own.pop("vary", {}).items()
     }
     axes.update(variations)

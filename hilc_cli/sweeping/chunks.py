@@ -20,9 +20,6 @@ _AT_ONCE = 16 * LANES
 """Experiments that are made and run together: enough for full lanes, few enough for little memory
 and for a worker that soon hears of a signal."""
 
-_SAMPLES_IN_A_SECOND = 2e8
-_MOST_CASES = 4096
-
 
 @dataclass(frozen=True, slots=True, order=True)
 class Chunk:
@@ -64,21 +61,6 @@ class ChunkResult:
     rows: Floats
     errors: Floats | None
     failures: tuple[Failure, ...] = ()
-
-
-def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
-    """How many cases make about a second of work, and keep all workers busy to the end.
-
-    Args:
-        plan: The sweep.
-        cases: How many there are to compute.
-        workers: How many compute them.
-    """
-    samples = plan.varied.scenario.spec.trajectory.reference().samples
-    of_a_second = _SAMPLES_IN_A_SECOND / (samples * (plan.most_iterations + 1))
-    fair = cases / (4 * workers)
-    packs = min(of_a_second, fair, _MOST_CASES) / LANES
-    return max(1, round(packs)) * LANES
 
 
 def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None) -> ChunkResult:

@@ -11,15 +11,14 @@ from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.compilation import is_compiled
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import HilcError, UsageError
-from hilc_cli.sweeping.chunks import cases_per_chunk
 from hilc_cli.sweeping.crew import Alone, Crew, Processes, available_cores
-from hilc_cli.sweeping.estimate import samples_per_case
 from hilc_cli.sweeping.execute import execute
 from hilc_cli.sweeping.plan import Plan
+from hilc_cli.sweeping.sizing import cases_per_chunk, seconds_per_case
 from hilc_cli.sweeping.store import Store
 
-_ALONE = 2e8
-"""Samples that one process computes sooner than worker processes start."""
+_ALONE = 0.5
+"""Seconds of work that one process does sooner than worker processes start."""
 
 _ADDRESS = re.compile(r"[a-z]+://\S+")
 _LOOKED_AT = 16
@@ -35,7 +34,8 @@ class Execution:
     """How a sweep is computed; its results do not depend on it.
 
     Attributes:
-        workers: Processes on this machine; None: as many as it has cores.
+        workers: Processes on this machine; None: as many as it has cores, but none for a sweep
+            that is over before they would have started.
         scheduler: Address of a Dask scheduler whose workers compute instead.
         fail_fast: Stop at the first case that fails.
         on_compile: Called before code is compiled, which takes some seconds, once on a machine.
@@ -96,7 +96,7 @@ def _crew(plan: Plan, missing: int, how: Execution) -> Crew:
         from hilc_cli.sweeping.dask_crew import DaskCrew  # an extra
 
         return DaskCrew(plan, how.scheduler, how.go_on)
-    if missing * samples_per_case(plan) < _ALONE:
+    if how.workers in (None, 1) and missing * seconds_per_case(plan) < _ALONE:
         return Alone(plan, how.go_on)
     return Processes(plan, min(how.workers or available_cores(), missing))
 

@@ -13,12 +13,20 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import Protocol
 
+from hilc_cli.errors import HilcError
 from hilc_cli.sweeping import worker
 from hilc_cli.sweeping.chunks import Chunk, ChunkResult, run_chunk
 from hilc_cli.sweeping.plan import Plan
 
+_MOST_LOSSES = 3
+"""Of each worker before any has computed anything."""
+
 PATIENCE = 0.5
 """Seconds after which a crew that has nothing to tell lets its owner look around."""
+
+
+class WorkersError(HilcError):
+    """Worker processes cannot do anything here."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,11 +138,16 @@ class _Worker:
 
 
 class Processes:
-    """Worker processes on this machine; one that dies is replaced."""
+    """Worker processes on this machine; one that dies is replaced.
+
+    Raises:
+        WorkersError: By `outcomes`, if they cannot even start.
+    """
 
     def __init__(self, plan: Plan, workers: int) -> None:
         self._plan = plan
         self._members: list[_Worker] = []
+        self._losses, self._has_begun = 0, False
         self.workers = workers
         try:
             for _ in range(workers):
@@ -161,13 +174,23 @@ class Processes:
         chunk, member.chunk = member.chunk, None
         assert chunk is not None  # only busy ones are waited for
         try:
-            return Outcome(chunk, member.here.recv())
+            answer = member.here.recv()
         except (EOFError, OSError):
-            member.end()
-            code = member.process.returncode
-            self._members[self._members.index(member)] = _Worker(self._plan)
-            how = f"signal {-code}" if code < 0 else f"exit code {code}"
-            return Outcome(chunk, None, f"the worker process ended with {how}")
+            return self._lost(member, chunk)
+        self._has_begun = True
+        if isinstance(answer, str):
+            return Outcome(chunk, None, answer, is_final=True)
+        return Outcome(chunk, answer)
+
+    def _lost(self, member: _Worker, chunk: Chunk) -> Outcome:
+        member.end()
+        code = member.process.returncode
+        how = f"signal {-code}" if code < 0 else f"exit code {code}"
+        self._losses += 1
+        if not self._has_begun and self._losses > _MOST_LOSSES * self.workers:
+            raise WorkersError(f"worker processes end before they do anything, with {how}")
+        self._members[self._members.index(member)] = _Worker(self._plan)
+        return Outcome(chunk, None, f"the worker process ended with {how}")
 
     def dismiss(self) -> None:
         """Stops all work at once and leaves no process behind."""

@@ -6,21 +6,17 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import LANES
-from hilc_cli.errors import HilcError
 from hilc_cli.results.sweep import CASE_COLUMNS
-from hilc_cli.spec.varied import CANNOT_BE_MADE, TRAJECTORY
+from hilc_cli.spec.varied import CANNOT_BE_MADE
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.variation.cases import Cases
+from hilc_cli.sweeping.sizing import samples_per_case
 
 _BASE_MEMORY = 250e6  # [bytes] Python with its libraries, pictures included
 _BYTES_PER_VALUE = 8
 _TRIAL_SAMPLES = 50_000
-_TRIAL_CASES = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,21 +38,6 @@ class Estimate:
     disk: float
     seconds: float
     workers: int
-
-
-def samples_per_case(plan: Plan) -> float:
-    """Samples of all iterations of a case, on average; of many cases estimated from some."""
-    keys = [key for key in plan.axes if key == "iterations" or key.split(".")[0] == TRAJECTORY]
-    cases = plan.cases
-    if cases.sampling == "grid":
-        # The other keys only repeat the combinations of these.
-        cases = Cases({key: plan.axes[key] for key in keys})
-    counts = []
-    for case in cases.values(0, min(len(cases), _TRIAL_CASES)) if keys else [{}]:
-        with suppress(HilcError):
-            spec = plan.varied.case({key: case[key] for key in keys}).spec
-            counts.append((spec.iterations + 1) * spec.trajectory.reference().samples)
-    return float(np.mean(counts)) if counts else 0.0
 
 
 def estimate(plan: Plan, workers: int) -> Estimate:

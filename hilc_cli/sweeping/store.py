@@ -322,7 +322,7 @@ def open_store(
             store.forget_failures()
             return store
         if not force:
-            what = "this sweep, unfinished" if same else "another sweep or version of hilc"
+            what = "this sweep" if same else "another sweep or version of hilc"
             go_on = "go on with --resume, or " if same else ""
             raise ExistingResultsError(
                 f"{folder}: holds results of {what}; {go_on}start anew with --force"

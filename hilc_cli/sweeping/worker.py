@@ -15,14 +15,20 @@ def serve(pipe: Connection) -> None:
     """Computes chunks until the pipe ends.
 
     Args:
-        pipe: Gives the plan first, then chunks; takes the result of each.
+        pipe: Gives the plan first, then chunks; takes the result of each, or a text that says why
+            there is none.
     """
     from hilc_cli.sweeping.chunks import run_chunk  # starts slowly
 
     try:
         plan = pipe.recv()
         while True:
-            pipe.send(run_chunk(plan, pipe.recv()))
+            chunk = pipe.recv()
+            try:
+                answer: object = run_chunk(plan, chunk)
+            except Exception as error:
+                answer = f"{type(error).__name__}: {error}"
+            pipe.send(answer)
     except (EOFError, OSError):
         return
 

@@ -23,7 +23,7 @@ SWEEP = """\
 name: test
 trajectory:
   name: path
-  sample_time: 10 ms
+  sample_time: 0.1 ms
   start: {x: 0, y: 0, heading: 0}
   segments:
     - line: {length: 1, duration: 0.25 s}
@@ -34,10 +34,11 @@ iterations: 20
 controller: {gains: {l1: 0.5}, h: 20, b_w: 180}
 disturbance: {state: {bound: [0.001, 0.001, 0.001]}}
 """
-VARY = ("disturbance.seed=1..160", "iterations=12,20")
+VARY = ("disturbance.seed=1..240", "iterations=12,20")
 OPTIONS = (*("--vary", VARY[0], "--vary", VARY[1]), *("--bands", "--tolerance", "0.8"))
 COMMAND = ("sweep", "sweep.yaml", *OPTIONS, "--no-plots")
-CASES = 320
+CASES = 480
+CHUNK = 24
 TABLES = ("bands.csv", "cases.csv", "scenario.yaml")
 FOLDER = Path("runs/test-sweep")
 PART = Path("runs/test-sweep.part")
@@ -45,9 +46,9 @@ MARK = "HILC_TEST_SWEEP"
 
 # With worker processes, and in chunks, even where a sweep would be over before they started.
 FORCED = """\
-import hilc_cli.sweeping.compute, hilc_cli.sweeping.chunks
+import hilc_cli.sweeping.compute, hilc_cli.sweeping.sizing
 hilc_cli.sweeping.compute._ALONE = 0
-hilc_cli.sweeping.chunks._MOST_CASES = 16
+hilc_cli.sweeping.sizing._MOST_CASES = 24
 from hilc_cli.cli.main import main
 main()
 """

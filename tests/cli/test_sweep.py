@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,7 @@ def table(path: Path) -> list[dict[str, str]]:
 def test_case_has_the_numbers_of_a_run(number: int, name: str) -> None:
     iterations = 3 + number % 4
     loaded = hilc_api.load_scenario(f"example:{name}")
+    loaded = replace(loaded, spec=loaded.spec.model_copy(update={"sweep": None}))
     run = hilc_api.run(hilc_api.load_scenario(f"example:{name}", {"iterations": iterations}))
     errors = run.metrics["max_position_error_m"]
     tolerance = float(np.sort(errors)[len(errors) // 2]) * (1 + 1e-6)
@@ -44,6 +46,18 @@ def test_case_has_the_numbers_of_a_run(number: int, name: str) -> None:
     expected = float(settled[0]) if settled else math.nan
     np.testing.assert_equal(sweep.columns["iterations_to_tolerance"][0], expected)
     assert sweep.columns["diverged"][0] == 0
+
+
+@pytest.mark.parametrize("name", ["gain-map", "gain-map-no-limit"])
+def test_map_of_gains(hilc: Hilc, folder: Path, name: str) -> None:
+    assert hilc("sweep", f"example:{name}", "--set", "iterations=3", "-q") == Outcome(0, "", "")
+    rows = table(folder / "runs" / f"{name}-sweep" / "cases.csv")
+    assert len(rows) == 40 * 40
+    gains = 0.02 * 1000 ** (np.arange(40) / 39)
+    np.testing.assert_allclose([float(row[L1]) for row in rows[::40]], gains, rtol=1e-12)
+    limited = max(float(row["max_wheel_speed_rad_s"]) for row in rows) <= 180
+    assert limited == (name == "gain-map")
+    assert (folder / "runs" / f"{name}-sweep" / "map.png").stat().st_size > 0
 
 
 def test_seeds_are_separate_runs(write: Write) -> None:

@@ -62,7 +62,7 @@ def resize(folder: Path) -> Iterator[Resize]:
 
 @pytest.mark.parametrize(
     ("size", "is_computed"),
-    [("88k", False), ("160k", True)],
+    [("120k", False), ("240k", True)],
     ids=["while it computes", "while results are written"],
 )
 def test_full_disk(hilc: Hilc, folder: Path, resize: Resize, size: str, is_computed: bool) -> None:
@@ -72,7 +72,11 @@ def test_full_disk(hilc: Hilc, folder: Path, resize: Resize, size: str, is_compu
     outcome = sweeps.run(*command, cwd=folder, script=sweeps.ALONE)
     resume = check_refused(outcome, "no space left on device")
     chunks = sweeps.chunks_kept(folder / "disk/sweep.part")
-    assert (chunks == sweeps.CASES // 16) if is_computed else (0 < chunks < sweeps.CASES // 16)
+    assert (
+        (chunks == sweeps.CASES // sweeps.CHUNK)
+        if is_computed
+        else (0 < chunks < sweeps.CASES // sweeps.CHUNK)
+    )
     assert [path.name for path in (folder / "disk").iterdir()] == ["sweep.part"]
 
     # Still full: the same again, and nothing is lost.

@@ -28,7 +28,7 @@ OTHER = ("sweep", "scenario.yaml", "--vary", f"{KEY}=0.1:0.9:9", "--no-plots", "
 SEED = (*SWEEP, "--set", "disturbance.seed=1")
 DONE = Outcome(0, "", "")
 UNFINISHED = (
-    "hilc: runs/test-sweep.part: holds results of this sweep, unfinished; "
+    "hilc: runs/test-sweep.part: holds results of this sweep; "
     "go on with --resume, or start anew with --force\n"
 )
 OTHER_PART = (
@@ -338,7 +338,7 @@ def test_cases_that_kill_their_worker(
     sixty = ("sweep", "scenario.yaml", "--vary", f"{KEY}=0.01:0.60:60", "--no-plots", "-q")
     assert hilc(*sixty, "--out", "whole") == DONE
     monkeypatch.setattr("hilc_cli.sweeping.compute._ALONE", 0)
-    monkeypatch.setattr("hilc_cli.sweeping.chunks._MOST_CASES", 16)
+    monkeypatch.setattr("hilc_cli.sweeping.sizing._MOST_CASES", 24)
     plan_sweep = api.plan_sweep
     with monkeypatch.context() as patch:
         patch.setattr(api, "plan_sweep", lambda *a, **b: deadly(plan_sweep(*a, **b)))
@@ -346,7 +346,7 @@ def test_cases_that_kill_their_worker(
     assert outcome == Outcome(
         3,
         "",
-        "hilc: cases 16 to 31 failed: the worker process ended with signal 9, "
+        "hilc: cases 24 to 47 failed: the worker process ended with signal 9, "
         f"{execute.TRIES} times\nhilc: the same command with --resume tries these cases again\n",
     )
     rows = (sweeps.FOLDER / "cases.csv").read_text().splitlines()

@@ -20,14 +20,14 @@ from tests.cli.processes import outcome_of
 from tests.conftest import Hilc, Outcome
 
 KILLS = 20
-CHUNKS = sweeps.CASES // 16
+CHUNKS = sweeps.CASES // sweeps.CHUNK
 GONE_WITHIN = 10.0  # [s] a loaded machine is given time; half a second is what a worker needs
 CHILDREN = """\
 import json, os, sys
-import hilc_cli.api, hilc_cli.sweeping.chunks, hilc_cli.sweeping.compute
+import hilc_cli.api, hilc_cli.sweeping.sizing, hilc_cli.sweeping.compute
 import hilc_cli.cli.app, hilc_cli.cli.sweep_report
 from hilc_cli.cli.main import main
-hilc_cli.sweeping.chunks._MOST_CASES = 16
+hilc_cli.sweeping.sizing._MOST_CASES = 24
 scenario = hilc_cli.api.load_scenario("sweep.yaml")
 hilc_cli.api.sweep(hilc_cli.api.plan_sweep(scenario, ["disturbance.seed=1..2"]))
 for line in sys.stdin:

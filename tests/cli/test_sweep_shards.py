@@ -35,10 +35,10 @@ def make_shards(hilc: Hilc, *, count: int = 3, more: tuple[str, ...] = ()) -> li
 @pytest.mark.parametrize(
     ("shard", "message"),
     [
-        ("0/3", "shard 0/3: K must be from 1 to N, such as 1/3"),
-        ("4/3", "shard 4/3: K must be from 1 to N, such as 1/3"),
-        ("1/0", "shard 1/0: K must be from 1 to N, such as 1/3"),
-        ("1/9", "shard 1/9: there are only 8 cases; make fewer shards"),
+        ("0/3", "--shard 0/3: K must be from 1 to N, such as 1/3"),
+        ("4/3", "--shard 4/3: K must be from 1 to N, such as 1/3"),
+        ("1/0", "--shard 1/0: K must be from 1 to N, such as 1/3"),
+        ("1/9", "--shard 1/9: there are only 8 cases; make fewer shards"),
         ("1", "--shard 1: must read K/N, such as 1/3"),
         ("1/", "--shard 1/: must read K/N, such as 1/3"),
         ("/3", "--shard /3: must read K/N, such as 1/3"),

@@ -31,7 +31,8 @@ _TYPES: dict[str, Any] = {
 _CHECKED = {
     *("$ref", "anyOf", "oneOf", "type", "enum", "const", "properties", "required", "items"),
     *("additionalProperties", "prefixItems", "minItems", "maxItems", "minimum", "maximum"),
-    *("exclusiveMinimum", "pattern", "maxLength"),
+    *("exclusiveMinimum", "pattern", "maxLength", "maxProperties", "propertyNames"),
+    "patternProperties",
 }
 _DESCRIBING = {"$schema", "$defs", "title", "description", "default"}
 
@@ -70,8 +71,17 @@ def fits(data: object, schema: dict[str, Any], root: dict[str, Any]) -> bool:
     if isinstance(data, dict):
         properties = schema.get("properties", {})
         closed = schema.get("additionalProperties") is False
+        by_pattern = schema.get("patternProperties", {}).items()
         return (
-            set(schema.get("required", [])) <= set(data)
+            len(data) <= schema.get("maxProperties", len(data))
+            and all(fits(key, schema.get("propertyNames", {}), root) for key in data)
+            and all(
+                fits(value, each, root)
+                for key, value in data.items()
+                for pattern, each in by_pattern
+                if re.search(pattern, key)
+            )
+            and set(schema.get("required", [])) <= set(data)
             and not (closed and set(data) - set(properties))
             and all(fits(value, properties.get(key, {}), root) for key, value in data.items())
         )

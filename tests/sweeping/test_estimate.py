@@ -8,7 +8,8 @@ import pytest
 
 import hilc_cli as hilc_api
 from hilc_cli.results.sweep import CASE_COLUMNS
-from hilc_cli.sweeping.estimate import estimate, samples_per_case
+from hilc_cli.sweeping.estimate import estimate
+from hilc_cli.sweeping.sizing import samples_per_case
 from tests.conftest import Write
 
 
