@@ -131,7 +131,13 @@ def test_nothing_to_resume(hilc: Hilc, write: Write) -> None:
     assert hilc(*SWEEP) == DONE
     before = listing(Path("runs"))
     outcome = hilc(*SWEEP[:-1], "--resume")
-    assert outcome == Outcome(0, "", "hilc: nothing to resume: runs/test-sweep is complete\n")
+    assert (outcome.code, outcome.err) == (
+        0,
+        "hilc: nothing to resume: runs/test-sweep is complete\n",
+    )
+    assert outcome.out.startswith("test, 8 cases\n")
+    document = json.loads(hilc(*SWEEP, "--resume", "--json").out)
+    assert (document["folder"], document["cases"]) == ("runs/test-sweep", 8)
     assert listing(Path("runs")) == before
 
 
@@ -351,7 +357,7 @@ def test_cases_that_kill_their_worker(
     )
     rows = (sweeps.FOLDER / "cases.csv").read_text().splitlines()
     whole = Path("whole/cases.csv").read_text().splitlines()
-    assert rows[:17] == whole[:17] and rows[33:] == whole[33:]
-    assert all(row.endswith(",,,") for row in rows[17:33])
+    assert rows[:25] == whole[:25] and rows[49:] == whole[49:]
+    assert all(row.endswith(",,,") for row in rows[25:49])
     assert hilc(*sixty, "--resume") == DONE
     assert (sweeps.FOLDER / "cases.csv").read_text().splitlines() == whole

@@ -15,14 +15,14 @@ from hilc_cli.variation.axes import Value
 
 
 class DeadlyVaried(Varied):
-    """Case 20 of gains 0.01, 0.02 ... kills."""
+    """Case 30 of gains 0.01, 0.02 ... kills."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return DeadlyVaried, super().__reduce__()[1]
 
     def experiment(self, values: Mapping[str, Value]) -> Experiment:
         gain = values["controller.gains.l1"]
-        if isinstance(gain, float) and round(gain, 4) == 0.21:
+        if isinstance(gain, float) and round(gain, 4) == 0.31:
             os.kill(os.getpid(), signal.SIGKILL)
         return super().experiment(values)
 
