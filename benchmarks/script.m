@@ -1,4 +1,4 @@
-% The experiment of benchmarks/batch.py in GNU Octave; prints seconds a sample.
+% The experiment of benchmarks/sweep.py in GNU Octave; prints seconds a sample.
 1;
 steps = 2000; iterations = 11;
 dt = 0.001; R = 0.2; B = 0.518; limit = 180; l1 = 0.1; l2 = 0.25; l3 = 0.25;

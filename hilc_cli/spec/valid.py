@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,14 @@ from hilc_cli.spec.scenario import ScenarioSpec
 
 NAMED_INPUTS = ("zero", "feedforward")
 INITIAL_INPUT_FILE = "initial-input.csv"
+
+
+@lru_cache(maxsize=16)
+def _nothing(samples: int) -> Floats:
+    """Wheels at rest, one array for all the cases of a sweep."""
+    nothing = np.zeros(samples)
+    nothing.setflags(write=False)
+    return nothing
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +89,8 @@ class Scenario:
             return self.initial_input
         if self.spec.initial_input == "feedforward":
             return feedforward(reference, self.spec.model.model(self.spec.robot.robot()))
-        return np.zeros(reference.samples), np.zeros(reference.samples)
+        nothing = _nothing(reference.samples)
+        return nothing, nothing
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""

@@ -1,18 +1,22 @@
-"""Time a sample of the engines beside a scalar C program that does the same, all on one core.
+"""What a sweep costs beside a scalar C program that does the same, and how that grows.
 
-Usage: python benchmarks/batch.py [REPEATS]
+Usage: python benchmarks/sweep.py [--most N] [--repeats N]
 
-101 iterations of 2000 samples of Eq. 17 on the circle. The smallest of some short runs is taken;
-the ratio to C is what carries over to other machines. Needs the extra ``batch`` and a C compiler,
-and GNU Octave for its row.
+101 iterations of 2000 samples of Eq. 17 on the circle. First an experiment in each engine, on one
+core unless the row says otherwise: the smallest of some short runs; the ratio to C is what carries
+over to other machines. Then whole sweeps by the command, from 100 cases to N (a million by default,
+which takes some minutes). Needs a C compiler, and GNU Octave for its row.
 """
 
+import argparse
+import os
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -23,12 +27,17 @@ from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import LANES
 from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.sweeping.crew import available_cores
 
 FOLDER = Path(__file__).parent
 GAINS = ("0.1", "0.25", "0.25")
 SAMPLES = 101 * 2000
 PACKS = 4
 SEED, STATE_BOUND, OUTPUT_BOUND = 1, 1e-4, 1e-3
+HILC = (
+    *(sys.executable, "-m", "hilc_cli", "sweep", "example:fig8a"),
+    *("--vary", "controller.gains.l1=0.05:1", "--vary", "controller.gains.l2=0:1"),
+)
 KINDS = {"uniform": "uniform", "normal": "truncated-normal"}
 
 
@@ -94,6 +103,69 @@ def batch(name: str, scenario: hilc.Scenario, repeats: int) -> Row:
     return Row(name, seconds(lambda: simulate_batch(cases), repeats) / len(cases), last)
 
 
+def sweep(name: str, workers: int) -> Row:
+    """A case of a whole sweep, the start of its processes taken off."""
+    few, many = (command(cases * workers, workers).seconds for cases in (2_000, 12_000))
+    return Row(name, (many - few) / (10_000 * workers))
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a command took.
+
+    Attributes:
+        seconds: From start to end.
+        memory: The most that its largest process had in memory [MB].
+    """
+
+    seconds: float
+    memory: float
+
+
+def command(cases: int, workers: int) -> Cost:
+    """``hilc sweep`` over two gains, with all it writes but pictures."""
+    drawn = ("--sample", "random", "--cases", str(cases), "--workers", str(workers))
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        process = subprocess.Popen(
+            [*HILC, *drawn, "--no-plots", "-q", "--out", f"{folder}/sweep"], cwd=folder
+        )
+        _, status, usage = os.wait4(process.pid, 0)
+        seconds = time.perf_counter() - start
+    if status:
+        sys.exit(f"a sweep of {cases} cases ended with status {status}")
+    return Cost(seconds, usage.ru_maxrss / 1e3)
+
+
+def growth(most: int) -> None:
+    """Whole sweeps on all cores, ten times larger each time."""
+    print(f"{'hilc sweep, cases':34}{'s':>10}{'us a case':>14}{'MB':>9}")
+    cases = 100
+    while cases <= most:
+        cost = command(cases, available_cores())
+        per_case = cost.seconds / cases * 1e6
+        print(f"{cases:<34,}{cost.seconds:10.2f}{per_case:14.1f}{cost.memory:9.0f}", flush=True)
+        cases *= 10
+    print()
+
+
+def together(scenario: hilc.Scenario, cores: int, repeats: int) -> Row:
+    """The batch engine on all cores, as many packs on each at the same time."""
+    cases = varied(scenario.experiment(), PACKS * LANES)
+    with ProcessPoolExecutor(cores) as pool:
+        times = []
+        for _ in range(1 + repeats):  # the first one starts the processes
+            start = time.perf_counter()
+            list(pool.map(simulated, [cases] * cores, [10] * cores))
+            times.append(time.perf_counter() - start)
+    return Row(f"batch engine, {cores} cores", min(times[1:]) / (10 * cores * len(cases)))
+
+
+def simulated(cases: list[Experiment], times: int) -> None:
+    for _ in range(times):
+        simulate_batch(cases)
+
+
 def noisy(distribution: str) -> hilc.Scenario:
     """The benchmark's scenario with disturbed state and output."""
     values: dict[str, object] = {"disturbance.seed": SEED}
@@ -114,6 +186,9 @@ def quiet_rows(repeats: int) -> Iterable[Row]:
     yield Row("NumPy script", seconds(lambda: last_maximum_error(10), 1) / 11 * 101)
     yield octave()
     yield batch("batch engine, Eq. 17", scenario, repeats)
+    yield together(scenario, available_cores(), repeats)
+    yield sweep("hilc sweep, 1 worker", 1)
+    yield sweep(f"hilc sweep, {available_cores()} workers", available_cores())
     yield batch("batch engine, Eq. 21", hilc.load_scenario("example:fig4-compensated"), repeats)
 
 
@@ -141,10 +216,14 @@ def show(title: str, rows: Iterable[Row]) -> None:
 
 
 def main() -> None:
-    repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 10
-    show("no disturbance", quiet_rows(repeats))
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--most", type=int, default=1_000_000)
+    parser.add_argument("--repeats", type=int, default=10)
+    given = parser.parse_args()
+    show("no disturbance", quiet_rows(given.repeats))
     for kind, distribution in KINDS.items():
-        show(f"state and output, {distribution}", noisy_rows(kind, repeats))
+        show(f"state and output, {distribution}", noisy_rows(kind, given.repeats))
+    growth(given.most)
 
 
 if __name__ == "__main__":
