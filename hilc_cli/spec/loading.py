@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.tables import MAX_CSV_BYTES, read_input
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
 from hilc_cli.spec.overrides import apply_override, data_override, parse_override
-from hilc_cli.spec.problems import problems_of
+from hilc_cli.spec.problems import model_in, problems_of
 from hilc_cli.spec.reading import Inputs
 from hilc_cli.spec.scenario import ScenarioSpec
 from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
@@ -38,7 +38,7 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
     _check_kind(tree)
     assert isinstance(tree, MapNode)  # _check_kind
     for keys, value in changes:
-        tree = apply_override(tree, keys, value, inputs.with_trajectory)
+        tree = apply_override(tree, keys, value, inputs.with_trajectory, _default)
     problems: list[Problem] = []
     try:
         tree = inputs.with_trajectory(tree)
@@ -48,6 +48,19 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
     return Scenario(
         spec, _initial_input(spec, tree, inputs), dict(inputs.checksums), _sweep_places(spec, tree)
     )
+
+
+def _default(keys: Sequence[str]) -> object:
+    """What a key of a scenario is if it is left out; None if that is nothing, or not known."""
+    part: type[BaseModel] | None = ScenarioSpec
+    value: object = None
+    for key in keys:
+        field = None if part is None else part.model_fields.get(key)
+        if field is None:
+            return None
+        part = model_in(field.annotation)
+        value = field.get_default(call_default_factory=True)
+    return value if isinstance(value, tuple) else None
 
 
 def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:

@@ -52,7 +52,11 @@ def data_override(key: str, value: object) -> tuple[tuple[str, ...], Node]:
 
 
 def apply_override(
-    tree: MapNode, keys: tuple[str, ...], value: Node, inline: Callable[[MapNode], MapNode]
+    tree: MapNode,
+    keys: tuple[str, ...],
+    value: Node,
+    inline: Callable[[MapNode], MapNode],
+    default: Callable[[tuple[str, ...]], object] = lambda keys: None,
 ) -> MapNode:
     """The tree with one value replaced or added.
 
@@ -61,31 +65,43 @@ def apply_override(
         keys: Keys and list indices on the way to the value; missing mappings are added.
         value: The value.
         inline: Puts the trajectory in the place of its path, for keys that lead into it.
+        default: What a list that is not in the tree is by default, for keys that lead into it.
 
     Raises:
         InvalidInputError: The way leads through a value that has no keys, or past a list's end.
     """
     if len(keys) > 1 and keys[0] == "trajectory":
         tree = inline(tree)
-    changed = _put(tree, keys, value, ())
+    changed = _put(tree, keys, value, (), default)
     assert isinstance(changed, MapNode)  # a mapping stays one
     return changed
 
 
-def _put(node: Node | None, keys: tuple[str, ...], value: Node, above: tuple[str, ...]) -> Node:
+def _put(
+    node: Node | None,
+    keys: tuple[str, ...],
+    value: Node,
+    above: tuple[str, ...],
+    default: Callable[[tuple[str, ...]], object],
+) -> Node:
     if not keys:
         return value
     key, rest = keys[0], keys[1:]
     here = (*above, key)
+    if node is None and key.isdecimal():
+        known = default(above)
+        node = None if known is None else from_data(known, value.place)
     if node is None or (isinstance(node, Scalar) and node.value is None):
         node = MapNode(value.place)
     if isinstance(node, MapNode):
-        return with_entry(node, key, _put(node.entries.get(key), rest, value, here), value.place)
+        return with_entry(
+            node, key, _put(node.entries.get(key), rest, value, here, default), value.place
+        )
     path = ".".join(here)
     if isinstance(node, ListNode):
         if key.isdecimal() and int(key) < len(node.items):
             items = list(node.items)
-            items[int(key)] = _put(items[int(key)], rest, value, here)
+            items[int(key)] = _put(items[int(key)], rest, value, here, default)
             return replace(node, items=tuple(items))
         last = len(node.items) - 1
         message = f"is no entry of the list; give a number from 0 to {last}"

@@ -108,12 +108,12 @@ def _model_at(model: type[BaseModel] | None, keys: PathKeys) -> type[BaseModel] 
     for key in keys:
         if isinstance(key, str):
             field = _fields(model).get(key)
-            model = None if field is None else _model_in(field.annotation)
+            model = None if field is None else model_in(field.annotation)
     return model
 
 
-def _model_in(annotation: object) -> type[BaseModel] | None:
+def model_in(annotation: object) -> type[BaseModel] | None:
     """The model within an optional or a list of it."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
-    return next(filter(None, map(_model_in, get_args(annotation))), None)
+    return next(filter(None, map(model_in, get_args(annotation))), None)
