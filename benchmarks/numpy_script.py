@@ -1,4 +1,4 @@
-"""The experiment of benchmarks/batch.py as a script would write it, with small NumPy arrays."""
+"""The experiment of benchmarks/sweep.py as a script would write it, with small NumPy arrays."""
 
 import numpy as np
 

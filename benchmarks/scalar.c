@@ -1,4 +1,4 @@
-/* The experiment of benchmarks/batch.py as a scalar C program: Eqs. 8, 11, 17, 25, 45 on the circle,
+/* The experiment of benchmarks/sweep.py as a scalar C program: Eqs. 8, 11, 17, 25, 45 on the circle,
    with all metrics of iterations.csv.
 
    Usage: scalar L1 L2 L3 REPEATS [none|uniform|normal [SEED STATE_BOUND OUTPUT_BOUND]]
