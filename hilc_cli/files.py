@@ -95,8 +95,9 @@ def write_file(path: Path, write: Callable[[Path], None]) -> None:
         try:
             write(draft)
             _open_to_others(draft, 0o666)
-            _sync(draft)
+            sync(draft)
             draft.replace(path)
+            sync(path.parent)
         except BaseException:
             draft.unlink(missing_ok=True)
             raise
@@ -130,8 +131,10 @@ def write_folder(
             fill(draft)
             _open_to_others(draft, 0o777)
             for file in draft.iterdir():
-                _sync(file)
+                sync(file)
+            sync(draft)
             _put_in_place(draft, place, may_replace)
+            sync(place.parent)
         finally:
             # After an exchange this is the old folder, after a failure the unfinished new one.
             # What somebody has put into the old one goes on, however this ends.
@@ -171,9 +174,10 @@ def merge_folder(
                         f"{there}: exists; choose another folder with --out, "
                         "or replace it with --force"
                     )
-                _sync(file)
+                sync(file)
             for file in files:
                 file.replace(path / file.name)
+            sync(path)
         finally:
             shutil.rmtree(draft, ignore_errors=True)
 
@@ -244,8 +248,8 @@ def _open_to_others(path: Path, mode: int) -> None:
     path.chmod(mode & ~mask)
 
 
-def _sync(path: Path) -> None:
-    """Waits until a file is on the disk: a full disk may tell only then."""
+def sync(path: Path) -> None:
+    """Waits until a file, or the names in a folder, are on the disk: a full disk may tell then."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)

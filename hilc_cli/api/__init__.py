@@ -30,7 +30,7 @@ from hilc_cli.results.parquet import require_parquet
 from hilc_cli.results.sweep import SweepData
 from hilc_cli.results.sweep_summary import SweepSummary, summarise_sweep
 from hilc_cli.sweeping.chunks import Failure
-from hilc_cli.sweeping.compute import Execution
+from hilc_cli.sweeping.compute import Execution, compile_for
 from hilc_cli.sweeping.crew import available_cores
 from hilc_cli.sweeping.estimate import Estimate, estimate
 from hilc_cli.sweeping.plan import Plan
@@ -51,6 +51,7 @@ __all__ = [
     "available_cores",
     "check_folder",
     "check_sweep_output",
+    "compile_for",
     "discard_work",
     "estimate",
     "is_complete",

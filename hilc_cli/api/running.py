@@ -15,7 +15,7 @@ from typing import Any, Protocol
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import merge_folder
-from hilc_cli.results.metrics import MetricsTable, measure
+from hilc_cli.results.metrics import MetricsTable, is_finite, measure
 from hilc_cli.results.recording import recorded_iterations
 from hilc_cli.results.run import RunData
 from hilc_cli.results.run_folder import check_output_folder, read_run_folder, write_run_folder
@@ -166,7 +166,8 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
     try:
         for trial in simulate(experiment):
             row = measure(trial, experiment.reference, before)
-            if not row.is_finite:
+            end = float(trial.x[-1]), float(trial.y[-1]), float(trial.heading[-1])
+            if not is_finite(row.max_position_error_m, *end):
                 raise DivergedError(trial.iteration)
             metrics.append(row)
             if trial.iteration in kept:

@@ -13,7 +13,7 @@ from hilc_cli.results.sweep_folder import (
     read_sweep_manifest,
 )
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.store import is_empty, read_header, remove
+from hilc_cli.sweeping.store import discard, read_header
 
 
 def work_folder(folder: str | Path) -> Path:
@@ -21,14 +21,13 @@ def work_folder(folder: str | Path) -> Path:
     return Path(folder).with_name(f"{Path(folder).name}.part")
 
 
-def discard_work(folder: str | Path) -> None:
-    """Removes a work folder; anything that somebody else has put there stays.
+def discard_work(plan: Plan, folder: str | Path) -> None:
+    """Removes the work folder of a sweep; another program's, and what it works on, stay.
 
     Raises:
         FileAccessError: It cannot be removed.
     """
-    if read_header(Path(folder)) or is_empty(Path(folder)):
-        remove(Path(folder))
+    discard(Path(folder), plan)
 
 
 def is_resumable(folder: str | Path) -> bool:

@@ -187,15 +187,17 @@ def sweep(
         bands=bands or None,
         metric=metric,
     )
-    if dry_run:
-        report.estimate(plan, api.estimate(plan, workers or api.available_cores()))
-        return
-    report.warnings(plan)
-    place = Path("runs") / f"{plan.name}-sweep"
-    kept = {"resume": resume, "force": force}
     how = api.Execution(
         workers, scheduler, fail_fast, on_compile=report.compiling, go_on=session.go_on
     )
+    report.warnings(plan)
+    if dry_run:
+        api.compile_for(plan, report.compiling)
+        computed = len(plan.cases if part is None else api.shard_cases(len(plan.cases), *part))
+        report.estimate(plan, api.estimate(plan, workers or api.available_cores(), computed))
+        return
+    place = Path("runs") / f"{plan.name}-sweep"
+    kept = {"resume": resume, "force": force}
     if part is not None:
         folder = out or place.with_name(f"{place.name}.{part[0]}-of-{part[1]}")
         with _resumable(folder), report.progress(plan, part) as on_cases:
@@ -206,7 +208,7 @@ def sweep(
     api.check_sweep_output(plan, folder, force=force)
     work = api.work_folder(folder)
     if resume and not api.is_resumable(work) and api.is_complete(plan, folder):
-        api.discard_work(work)
+        api.discard_work(plan, work)
         report.complete(folder)
         return
     with _resumable(work):
@@ -214,7 +216,7 @@ def sweep(
             result = api.sweep(plan, how.telling(on_cases), work_folder=work, **kept)
         result.write(folder, **writing)
     if not result.failures:
-        api.discard_work(work)
+        api.discard_work(plan, work)
     report.result(result, folder, AGAIN)
 
 
@@ -241,7 +243,7 @@ def _parse_shard(text: str) -> tuple[int, int]:
 
 
 def _check_merge(*others: object) -> None:
-    if any(others):
+    if any(other not in (None, False) for other in others):
         raise UsageError(
             "--merge takes the folders of all shards and no scenario, so that only --out, --force, "
             "--format, --no-plots, --json and -q go with it"

@@ -47,7 +47,7 @@ class SweepReport:
 
     def warnings(self, plan: Plan) -> None:
         """What is legal but probably not meant."""
-        for warning in plan.varied.scenario.warnings():
+        for warning in plan.warnings():
             self.say(f"warning: {warning}")
 
     def progress(
@@ -63,6 +63,8 @@ class SweepReport:
         """What a sweep would cost."""
         if self.json:
             print_json({"name": plan.name, **asdict(estimate)})
+            return
+        if self.quiet:
             return
         rows = [
             ("cases", f"{estimate.cases:,}"),
@@ -144,8 +146,10 @@ def _rows(summary: SweepSummary) -> list[tuple[str, str]]:
     if summary.within_tolerance is not None:
         rows.append((f"settled within {summary.tolerance:g} m", f"{summary.within_tolerance:,}"))
     if summary.median is not None and summary.worst is not None:
-        rows.append((f"median {metric}", f"{summary.median:.6g}"))
-        rows.append((f"largest {metric}", f"{summary.worst:.6g}"))
+        part = summary.ranked < summary.cases
+        of_these = f", of the {summary.ranked:,} that have it" if part else ""
+        rows.append((f"median {metric}{of_these}", f"{summary.median:.6g}"))
+        rows.append((f"largest {metric}{of_these}", f"{summary.worst:.6g}"))
     for best in summary.best:
         values = ", ".join(f"{key}={_shown(value)}" for key, value in best.values.items())
         rows.append((f"case {best.case}: {values}", f"{best.metric:.6g}"))

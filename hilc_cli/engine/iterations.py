@@ -40,8 +40,7 @@ from hilc_cli.engine.machine_code import compiled, with_sources
 from hilc_cli.engine.noise import FORMULAS as NOISE_FORMULAS
 from hilc_cli.engine.noise import draw_output, draw_pose
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import LARGEST as LARGEST_NUMBER
-from hilc_cli.results.metrics import METRIC_NAMES, IterationMetrics
+from hilc_cli.results.metrics import METRIC_NAMES, IterationMetrics, is_finite
 
 Integers = NDArray[np.int64]
 
@@ -165,12 +164,7 @@ def _note(
             continue
         x, y, heading = lanes[X + j], lanes[Y + j], lanes[HEADING + j]
         largest = math.sqrt(lanes[LARGEST_SQUARE + j])
-        if not (
-            largest <= LARGEST_NUMBER
-            and abs(x) <= LARGEST_NUMBER
-            and abs(y) <= LARGEST_NUMBER
-            and abs(heading) <= LARGEST_NUMBER
-        ):
+        if not _is_finite(largest, x, y, heading):
             diverged_at[j] = iteration
             continue
         errors[iteration * W + j] = largest
@@ -191,6 +185,7 @@ def _note(
     return goes_on
 
 
+_is_finite = compiled(is_finite)
 _compiled_begin, _compiled_note = compiled(_begin), compiled(_note)
 
 
@@ -248,5 +243,5 @@ def _run_iterations(
 
 
 _PARTS = (*KERNEL_FORMULAS, *NOISE_FORMULAS, follow.py_func, draw_pose.py_func)
-_CONSTANTS = (Field, Stream, IterationMetrics, compiled)
+_CONSTANTS = (Field, Stream, IterationMetrics, is_finite, compiled)
 run_iterations = compiled(with_sources(_run_iterations, (*_PARTS, *_CONSTANTS)), cache=True)

@@ -188,11 +188,13 @@ def _follow(
         if limited:
             for j in range(W):
                 mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
+                # Only here, too, what is to be limited: a lane does not see its neighbours.
+                over = abs(mean) + abs(difference) > lanes[TOLERATED + j]
                 if all_metrics is not None:
-                    over = abs(mean) + abs(difference) > lanes[TOLERATED + j]
                     lanes[SATURATED + j] += 1.0 if over else 0.0
-                mean, difference = _limit_wheel_means(mean, difference, lanes[LIMIT + j])
-                history[row + MEAN + j], history[row + DIFFERENCE + j] = mean, difference
+                within = _limit_wheel_means(mean, difference, lanes[LIMIT + j])
+                history[row + MEAN + j] = within[0] if over else mean
+                history[row + DIFFERENCE + j] = within[1] if over else difference
         for j in range(W):
             mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
             if all_metrics is not None:

@@ -12,8 +12,26 @@ import numpy as np
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 
-LARGEST = 1e150
-"""Metrics beyond this count as not finite: their squares are not."""
+LARGEST = 1e140
+"""Positions [m] and headings [rad] beyond this count as not finite: squares of what moves a robot
+there in a few steps, wheel speeds, are hardly finite any more."""
+
+
+def is_finite(largest_position_error: float, x: float, y: float, heading: float) -> bool:
+    """Whether an iteration has stayed within the finite numbers.
+
+    Args:
+        largest_position_error: Of the iteration [m].
+        x: Where it ended [m].
+        y: Likewise.
+        heading: Likewise [rad].
+    """
+    return (
+        abs(largest_position_error) <= LARGEST
+        and abs(x) <= LARGEST
+        and abs(y) <= LARGEST
+        and abs(heading) <= LARGEST
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +52,6 @@ class IterationMetrics:
     max_wheel_speed_rad_s: float
     saturated_samples: int
     input_change_rms_rad_s: float
-
-    @property
-    def is_finite(self) -> bool:
-        """Whether all of them are finite, and so are their squares, which pictures need."""
-        return all(abs(getattr(self, name)) <= LARGEST for name in METRIC_NAMES)
 
 
 METRIC_NAMES: tuple[str, ...] = tuple(IterationMetrics.__dataclass_fields__)

@@ -35,8 +35,9 @@ class SweepSummary:
         diverged: Of which so many left the finite numbers.
         failed: And so many could not be simulated.
         metric: What the cases are ranked by.
-        median: Its median over the cases that completed; None if none did.
-        worst: Its largest value over them.
+        ranked: So many cases have it: they completed, and reached what it counts to.
+        median: Its median over these; None if there are none.
+        worst: Its largest value over these.
         tolerance: Bound of the maximum error [m], if one was given.
         within_tolerance: Cases that settled within it, if one was given.
         best: The best cases, best first.
@@ -47,6 +48,7 @@ class SweepSummary:
     diverged: int
     failed: int
     metric: str
+    ranked: int
     median: float | None
     worst: float | None
     tolerance: float | None
@@ -70,6 +72,7 @@ def summarise_sweep(data: SweepData, best: int = 5) -> SweepSummary:
         diverged=int(data.diverged.sum()),
         failed=int(data.failed.sum()),
         metric=data.metric,
+        ranked=len(order),
         median=float(np.median(column[order])) if order else None,
         worst=float(column[order[-1]]) if order else None,
         tolerance=data.tolerance,

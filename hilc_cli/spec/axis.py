@@ -72,7 +72,7 @@ def _from_text(text: str) -> Axis:
         if low > high:
             raise wrong("must rise", "give the smaller number first, such as 1..30")
         return _of_bearable_count(Range(low, high, "integer"))
-    if ":" in text and not text.strip().startswith("example:"):
+    if ":" in text and "," not in text and "example:" not in text:
         return _range(text)
     inner = re.fullmatch(r"\s*\[(.*)\]\s*", text)  # as in YAML, by habit from --set
     words = [word.strip() for word in (inner[1] if inner else text).split(",")]

@@ -24,21 +24,10 @@ from hilc_cli.spec.record import RecordSpec
 from hilc_cli.spec.scenario import ScenarioSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
 from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
-from hilc_cli.spec.varied import TRAJECTORY, Varied
+from hilc_cli.spec.varied import TRAJECTORY, WITHOUT_EFFECT, Varied
 from hilc_cli.variation.axes import Axis, Choices, Range, Value
 
 _H = "controller.h"
-_WITHOUT_EFFECT = (
-    "name",
-    "description",
-    "record",
-    "sweep",
-    "robot.gravity_center",
-    "trajectory.name",
-    "trajectory.description",
-    "trajectory.closed",
-    "trajectory.corners",
-)
 _MOST_CORNERS = 64
 
 
@@ -111,7 +100,7 @@ class _Checked:
     def _add(self, key: str, axis: Axis) -> None:
         place = self.places[key]
         try:
-            if any(key == other or key.startswith(f"{other}.") for other in _WITHOUT_EFFECT):
+            if any(key == other or key.startswith(f"{other}.") for other in WITHOUT_EFFECT):
                 message = "has no effect on the results; vary another key"
                 raise InvalidInputError([Problem(str(place), key, message)])
             if key == TRAJECTORY:

@@ -25,10 +25,23 @@ _Places = dict[str | int, Any]
 """By part of a key: the whole key, or the places below."""
 
 TRAJECTORY = "trajectory"
+WITHOUT_EFFECT = (
+    "name",
+    "description",
+    "record",
+    "sweep",
+    "robot.gravity_center",
+    "trajectory.name",
+    "trajectory.description",
+    "trajectory.closed",
+    "trajectory.corners",
+)
+"""Keys on which the results of a case do not depend."""
+
 CANNOT_BE_MADE = (HilcError, ValueError, ArithmeticError)
 """What making the experiment of a case raises if its values do not fit together."""
-_MOST_PATHS = 1000
-"""Trajectories that are kept for the cases to come."""
+_MOST_SAMPLES = 1_000_000
+"""Of trajectories that are kept for the cases to come."""
 
 
 @dataclass(slots=True)
@@ -89,7 +102,8 @@ class Varied:
     def _trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:
         given = tuple(values.values())
         if given not in self._paths:
-            if len(self._paths) >= _MOST_PATHS:
+            kept = sum(path.reference().samples for path in self._paths.values())
+            if kept > _MOST_SAMPLES:
                 self._paths.clear()
             self._paths[given] = self._new_trajectory(values)
         return self._paths[given]

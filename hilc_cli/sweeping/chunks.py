@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,9 +16,12 @@ from hilc_cli.results.sweep import CASE_COLUMNS
 from hilc_cli.spec.varied import CANNOT_BE_MADE
 from hilc_cli.sweeping.plan import Plan
 
-_AT_ONCE = 16 * LANES
-"""Experiments that are made and run together: enough for full lanes, few enough for little memory
+_PACKS_AT_ONCE = 16
+"""Of experiments that are made and run together: enough to group them, few enough for little memory
 and for a worker that soon hears of a signal."""
+
+_SAMPLES_AT_ONCE = 1_000_000
+"""Of the trajectories of these experiments, each of which may have its own."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -74,15 +77,23 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
     rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)
     errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.bands else None
     failures: list[Failure] = []
-    for first in range(chunk.first, chunk.last, _AT_ONCE):
+    samples = plan.varied.scenario.spec.trajectory.reference().samples
+    at_once = LANES * max(1, min(_PACKS_AT_ONCE, _SAMPLES_AT_ONCE // (LANES * samples)))
+    for first in range(chunk.first, chunk.last, at_once):
         go_on()
-        last = min(first + _AT_ONCE, chunk.last)
+        last = min(first + at_once, chunk.last)
         experiments, failed = _experiments(plan, first, last)
         failures += failed
         if not experiments:
             continue
+        try:
+            result = simulate_batch(list(experiments.values()))
+        except Exception:
+            failures += _left_out(experiments)
+            if not experiments:
+                continue
+            result = simulate_batch(list(experiments.values()))
         numbers = np.array(list(experiments)) - chunk.first
-        result = simulate_batch(list(experiments.values()))
         iterations = np.array([experiment.iterations for experiment in experiments.values()])
         rows[numbers] = _rows(result, iterations, plan.spec.tolerance)
         if errors is not None:
@@ -100,6 +111,18 @@ def _experiments(plan: Plan, first: int, last: int) -> tuple[dict[int, Experimen
         except CANNOT_BE_MADE as error:
             failures.append(Failure(Chunk(case, case + 1), str(error)))
     return experiments, failures
+
+
+def _left_out(experiments: dict[int, Experiment]) -> list[Failure]:
+    """Takes out those that cannot be run, whatever the reason: the others are to go on."""
+    failures = []
+    for case, experiment in list(experiments.items()):
+        try:
+            simulate_batch([replace(experiment, iterations=0)])
+        except Exception as error:
+            failures.append(Failure(Chunk(case, case + 1), f"{type(error).__name__}: {error}"))
+            del experiments[case]
+    return failures
 
 
 def _rows(result: BatchResult, iterations: Floats, tolerance: float | None) -> Floats:

@@ -10,7 +10,9 @@ from dataclasses import dataclass, replace
 from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.compilation import is_compiled
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.errors import HilcError, UsageError
+from hilc_cli.engine.packs import Kind
+from hilc_cli.errors import UsageError
+from hilc_cli.spec.varied import CANNOT_BE_MADE, TRAJECTORY
 from hilc_cli.sweeping.crew import Alone, Crew, Processes, available_cores
 from hilc_cli.sweeping.execute import execute
 from hilc_cli.sweeping.plan import Plan
@@ -21,8 +23,8 @@ _ALONE = 0.5
 """Seconds of work that one process does sooner than worker processes start."""
 
 _ADDRESS = re.compile(r"[a-z]+://\S+")
-_LOOKED_AT = 16
-"""Cases from which it is told whether something must be compiled."""
+_LOOKED_AT, _MOST_VALUES = 16, 500
+"""Cases, and values of a key, from which it is told whether something must be compiled."""
 
 
 def _nothing(*_: object) -> None:
@@ -75,7 +77,7 @@ def compute(plan: Plan, store: Store, how: Execution) -> None:
         how.on_cases(len(store.cases))
         return
     if how.scheduler is None:
-        _compile(plan, how)
+        compile_for(plan, how.on_compile)
     crew = _crew(plan, missing, how)
     try:
         execute(
@@ -101,20 +103,31 @@ def _crew(plan: Plan, missing: int, how: Execution) -> Crew:
     return Processes(plan, min(how.workers or available_cores(), missing))
 
 
-def _compile(plan: Plan, how: Execution) -> None:
+def compile_for(plan: Plan, on_compile: Callable[[], None]) -> None:
     """Compiles here, and tells of it, what all workers would otherwise compile in silence."""
     looked_at = _some_experiments(plan)
     if looked_at and not is_compiled(looked_at):
-        how.on_compile()
-        simulate_batch([replace(experiment, iterations=0) for experiment in looked_at])
+        on_compile()
+        with suppress(Exception):  # what cannot be run is told when its case is computed
+            simulate_batch([replace(experiment, iterations=0) for experiment in looked_at])
 
 
 def _some_experiments(plan: Plan) -> list[Experiment]:
-    """Of cases from the first to the last: those between rarely need other code."""
-    last = len(plan.cases) - 1
-    found = []
-    for case in sorted({last * number // (_LOOKED_AT - 1) for number in range(_LOOKED_AT)}):
-        (values,) = plan.cases.values(case, case + 1)
-        with suppress(HilcError, ValueError, ArithmeticError):  # told when the case is computed
-            found.append(plan.varied.experiment(values))
-    return found
+    """Cases from the first to the last, and each value of each key beside the first of the others.
+
+    So most code that any case needs is seen, such as that for the one pose on the reference.
+    """
+    cases = plan.cases
+    last = len(cases) - 1
+    numbers = sorted({last * number // (_LOOKED_AT - 1) for number in range(_LOOKED_AT)})
+    looked_at = [values for case in numbers for values in cases.values(case, case + 1)]
+    for key, axis in plan.axes.items():
+        count = axis.count if cases.sampling == "grid" and not key.startswith(TRAJECTORY) else None
+        for index in range(min(count or 0, _MOST_VALUES)):
+            looked_at.append({**looked_at[0], key: axis.at(index)})
+    found: dict[tuple[object, ...], Experiment] = {}
+    for values in looked_at:
+        with suppress(*CANNOT_BE_MADE):  # told when the case is computed
+            experiment = plan.varied.experiment(values)
+            found.setdefault(Kind.of(experiment), experiment)
+    return list(found.values())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import pickle
 import queue
+import uuid
 import warnings
 from collections.abc import Callable
 from functools import lru_cache
@@ -54,6 +55,7 @@ class DaskCrew:
         logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is told below
         self._address, self._go_on = address, go_on
         self._plan = pickle.dumps(plan)
+        self._name = uuid.uuid4().hex
         self._ended: queue.SimpleQueue[tuple[Chunk, Any]] = queue.SimpleQueue()
         self._under_way: dict[Chunk, Any] = {}
         try:
@@ -75,7 +77,7 @@ class DaskCrew:
     def give(self, chunk: Chunk) -> None:
         """Hands over a chunk."""
         future = self._client.submit(
-            _run, self._plan, __version__, chunk, pure=False, key=f"hilc-{chunk.first}-{id(self)}"
+            _run, self._plan, __version__, chunk, pure=False, key=f"hilc-{self._name}-{chunk.first}"
         )
         self._under_way[chunk] = future
         self._await(chunk, future)

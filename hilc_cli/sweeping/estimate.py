@@ -16,6 +16,7 @@ from hilc_cli.sweeping.sizing import samples_per_case
 
 _BASE_MEMORY = 250e6  # [bytes] Python with its libraries, pictures included
 _BYTES_PER_VALUE = 8
+_START, _PER_CASE = 1.0, 5e-5  # [s] processes with their libraries; an experiment of its values
 _TRIAL_SAMPLES = 50_000
 
 
@@ -33,30 +34,31 @@ class Estimate:
     """
 
     cases: int
-    samples: float
-    memory: float
-    disk: float
+    samples: int
+    memory: int
+    disk: int
     seconds: float
     workers: int
 
 
-def estimate(plan: Plan, workers: int) -> Estimate:
+def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
     """What a sweep will cost, from a short trial of its first cases.
 
     Args:
         plan: The sweep.
         workers: How many compute it.
+        computed: How many of its cases they compute; by default all.
     """
-    cases, samples = len(plan.cases), samples_per_case(plan)
+    cases, samples = computed or len(plan.cases), samples_per_case(plan)
     columns = len(CASE_COLUMNS) + len(plan.axes)
     rows = cases * _BYTES_PER_VALUE * len(CASE_COLUMNS)
     bands = cases * _BYTES_PER_VALUE * (plan.most_iterations + 1) if plan.bands else 0
     return Estimate(
         cases=cases,
-        samples=cases * samples,
-        memory=_BASE_MEMORY + 3 * cases * _BYTES_PER_VALUE * columns,
+        samples=round(cases * samples),
+        memory=round(_BASE_MEMORY + 3 * cases * _BYTES_PER_VALUE * columns),
         disk=rows + bands,
-        seconds=cases * samples * _seconds_per_sample(plan) / workers,
+        seconds=_START + cases * (samples * _seconds_per_sample(plan) + _PER_CASE) / workers,
         workers=workers,
     )
 

@@ -13,7 +13,7 @@ from hilc_cli.results.sweep import SEED_KEY
 from hilc_cli.spec.axis import axis_text
 from hilc_cli.spec.dump import to_yaml
 from hilc_cli.spec.sweep import SweepSpec
-from hilc_cli.spec.varied import TRAJECTORY, Varied
+from hilc_cli.spec.varied import TRAJECTORY, WITHOUT_EFFECT, Varied
 from hilc_cli.variation.axes import Axis, axis_to_data
 from hilc_cli.variation.cases import Cases
 from hilc_cli.version import __version__
@@ -59,6 +59,17 @@ class Plan:
             return self.varied.scenario.spec.iterations
         return max(int(end) for end in axis.ends if end is not None)
 
+    def warnings(self) -> list[str]:
+        """What is legal but probably not meant."""
+        found = self.varied.scenario.warnings()
+        disturbance = self.varied.scenario.spec.disturbance
+        sources = (disturbance.state, disturbance.output, disturbance.initial_pose)
+        disturbed = any(source.bounded().active for source in sources)
+        bounds = [key for key in self.axes if key.startswith("disturbance.") and key != SEED_KEY]
+        if SEED_KEY in self.axes and not disturbed and not bounds:
+            found.append("disturbance.seed varies, but there is no disturbance: all bounds are 0")
+        return found
+
     def resolved(self) -> dict[str, Any]:
         """The scenario with its sweep and its files as plain data.
 
@@ -82,8 +93,18 @@ class Plan:
     def checksum(self) -> str:
         """Of all that the results of the cases depend on, this program's version included."""
         data = self.resolved()
-        del data["description"], data["record"], data["sweep"]["metric"]
-        data["axes"] = {key: axis_to_data(axis) for key, axis in self.axes.items()}
+        for key in WITHOUT_EFFECT:
+            *above, last = key.split(".")
+            part = data
+            for name in above:
+                part = part[name]
+            part.pop(last, None)
+        # In order: which values a case has depends on it.
+        data["axes"] = [[key, axis_to_data(axis)] for key, axis in self.axes.items()]
+        data["paths"] = [path.model_dump(mode="json") for path in self.varied.trajectories.values()]
+        data["bands"], data["tolerance"] = self.bands, self.spec.tolerance
+        if self.spec.sample != "grid":
+            data["drawn"] = [self.spec.sample, self.spec.cases, self.spec.seed]
         digest = hashlib.sha256(f"{__version__}\n{json.dumps(data, sort_keys=True)}".encode())
         for wheel in self.varied.scenario.initial_input or ():
             digest.update(wheel.tobytes())

@@ -8,14 +8,14 @@ import json
 import os
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
 from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
-from hilc_cli.files import read_file, write_folder, writing
+from hilc_cli.files import read_file, sync, write_folder, writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.results.sweep import CASE_COLUMNS
@@ -135,6 +135,8 @@ class FolderStore:
         self._files = {ROWS: _open(folder / ROWS)}
         if self._bands:
             self._files[ERRORS] = _open(folder / ERRORS)
+        with writing(folder):
+            sync(folder)
         self._done: dict[Chunk, tuple[Failure, ...]] = {}
         for entry in self._journal.entries():
             self._recall(entry)
@@ -330,6 +332,22 @@ def open_store(
         with closing(_locked_journal(folder, header)):
             remove(folder)
     return FolderStore.create(folder, plan, cases, shard)
+
+
+def discard(folder: Path, plan: Plan) -> None:
+    """Removes the folder of a sweep whose results have gone elsewhere.
+
+    What another program has open by now, or holds another sweep, stays.
+
+    Raises:
+        FileAccessError: It cannot be removed.
+    """
+    header = read_header(folder)
+    if header.get("checksum") == plan.checksum():
+        with suppress(ExistingResultsError), closing(_locked_journal(folder, header)):
+            remove(folder)
+    elif not header and is_empty(folder):
+        remove(folder)
 
 
 def is_empty(folder: Path) -> bool:

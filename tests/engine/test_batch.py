@@ -169,6 +169,39 @@ def test_result_does_not_depend_on_the_neighbours() -> None:
         assert np.isnan(together.errors[place, last:]).all()
 
 
+def test_lane_at_the_limit_does_not_see_a_neighbour_beyond_it() -> None:
+    # Wheels that have been limited once lie at the limit or a rounding above it.
+    robot = Robot(0.2, 0.518)
+    drawn = np.random.default_rng(0)
+    left, right = drawn.uniform(-400, 400, (2, CIRCLE.samples))
+
+    def case(gain: float, limit: float) -> Experiment:
+        law = HybridLaw(gain, 0.0, 0.0, model_gain(robot), "measured", False, 5)
+        pose, none = (10.0, 0.0, 1.5), Disturbance()
+        return Experiment(CIRCLE, robot, law, pose, left, right, True, 4, limit, none)
+
+    still = [case(0.0, 20.0 + number) for number in range(8)]
+    together = simulate_batch([*still, case(0.5, 5.0), case(5.0, 60.0)])
+    assert together.final[-2:, METRIC_NAMES.index("saturated_samples")].min() > 0
+    for number, experiment in enumerate(still):
+        alone = simulate_batch([experiment])
+        assert together.final[number].tobytes() == alone.final[0].tobytes()
+        assert together.errors[number].tobytes() == alone.errors[0].tobytes()
+
+
+def test_both_engines_take_the_same_iteration_for_diverged() -> None:
+    # At 1e140 m: until there a wheel may be faster than that, in either engine.
+    values = {"controller.b_w": None, "iterations": 30, "controller.gains.l1": 1e12}
+    found = run(load_scenario("example:fig6c", values))
+    assert found.diverged_at is not None
+    result = simulate_batch([load_scenario("example:fig6c", values).experiment()])
+    kept = result.errors[0, : result.diverged_at[0]]
+    assert kept.max() <= 1e140 and found.metrics["max_position_error_m"].max() <= 1e140
+    assert (
+        found.metrics["max_wheel_speed_rad_s"].max() > found.metrics["max_position_error_m"].max()
+    )
+
+
 def test_divergence_ends_about_when_it_does_in_the_loop_engine() -> None:
     free = {"controller.b_w": None, "iterations": 30}
     gains = [1e9, 0.5, 1e12]

@@ -36,6 +36,20 @@ def test_most_iterations_of_any_case(vary: Mapping[str, object], most: int) -> N
     assert plan(vary).most_iterations == most
 
 
+def test_checksum_tells_orders_of_the_keys_apart() -> None:
+    vary = {"controller.gains.l1": "0.1:1:4", "controller.gains.l2": [0, 1]}
+    backwards = dict(reversed(vary.items()))
+    assert plan(vary).checksum() != plan(backwards).checksum()
+
+
+def test_checksum_leaves_out_what_has_no_effect() -> None:
+    changes = {"robot.gravity_center": [1, 2], "trajectory.description": "another"}
+    assert plan(changes=changes).checksum() == plan().checksum()
+    assert plan(seed=5).checksum() == plan().checksum()
+    seeds = [plan(sample="random", cases=3, seed=seed).checksum() for seed in (0, 5)]
+    assert seeds[0] != seeds[1]
+
+
 def test_checksum_is_of_what_the_results_depend_on() -> None:
     same = plan().checksum()
     assert plan(metric="final_position_error_m").checksum() == same
