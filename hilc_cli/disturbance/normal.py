@@ -77,7 +77,7 @@ _FAR_BOTTOM: Coefficients = (
 
 
 def probabilities(bound: float, deviation: float) -> tuple[float, float]:
-    """What `truncated` takes: the probabilities of [0, bound] and of what lies above the bound.
+    """Probabilities of [0, bound] and of what lies above the bound, for `centre_and_tail`.
 
     Args:
         bound: Where the distribution is cut off; a distribution that is cut off at 0 is all 0.

@@ -62,7 +62,7 @@ class NoiseField(IntEnum):
     """Rows that a disturbance has in the lane array, three each: x, y, heading."""
 
     BOUND = 0
-    INSIDE = 3  # see `disturbance.normal.truncated`
+    INSIDE = 3  # see `disturbance.normal.probabilities`
     BELOW = 6
     DEVIATION = 9
 
