@@ -3,8 +3,9 @@
 
    Usage: scalar L1 L2 L3 REPEATS [none|uniform|normal [SEED STATE_BOUND OUTPUT_BOUND]]
 
-   The disturbances are those of hilc_cli/disturbance: Philox 4x32-10 and Wichura's AS 241, the
-   normal cut off at two standard deviations. Prints nanoseconds a sample and the last maximum error. */
+   The disturbances are those of hilc_cli/disturbance: Philox 4x32-10, and the normal cut off at two
+   standard deviations, here by Wichura's AS 241. Prints nanoseconds a sample and the last maximum
+   error. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -9,7 +9,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.disturbance.normal import centre_and_tail, probabilities, quantile, tail_distance
+from hilc_cli.disturbance.normal import (
+    NEAR,
+    centre_and_tail,
+    depth,
+    near_quantile,
+    probabilities,
+    quantile,
+)
 from hilc_cli.disturbance.philox import open_unit_interval, philox
 
 Distribution = Literal["uniform", "truncated-normal"]
@@ -102,5 +109,7 @@ def _scaled(unit: Floats, distribution: Distribution, bound: float, deviation: f
         return bound * centred
     inside, below = probabilities(bound, deviation)
     centre, tail = centre_and_tail(2 * unit - 1, inside, below)
-    drawn: Floats = deviation * quantile(centre, tail_distance(tail))
+    depths = depth(tail)
+    number = quantile if (depths > NEAR).any() else near_quantile
+    drawn: Floats = deviation * number(centre, depths)
     return drawn.clip(-bound, bound)

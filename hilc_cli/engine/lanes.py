@@ -62,7 +62,7 @@ class NoiseField(IntEnum):
     """Rows that a disturbance has in the lane array, three each: x, y, heading."""
 
     BOUND = 0
-    INSIDE = 3  # see `disturbance.normal.truncated`
+    INSIDE = 3  # see `disturbance.normal.probabilities`
     BELOW = 6
     DEVIATION = 9
 
@@ -88,10 +88,10 @@ class Noise(IntEnum):
     STATE = 0
     OUTPUT = 3 * BLOCK
     POSE = 6 * BLOCK
-    TAIL_DISTANCE = 6 * BLOCK + 6  # of the running sample; samples are drawn in pairs
+    DEPTH = 6 * BLOCK + 6  # of the numbers of the running sample; samples are drawn in pairs
 
 
-NOISE_ROWS = Noise.TAIL_DISTANCE + 3
+NOISE_ROWS = Noise.DEPTH + 3
 
 
 class History(IntEnum):

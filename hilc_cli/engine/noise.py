@@ -10,7 +10,17 @@ from typing import Any
 from numba.extending import overload, register_jitable
 from numpy import uint64
 
-from hilc_cli.disturbance.normal import centre_and_tail, chosen, polynomial, quantile, tail_distance
+from hilc_cli.disturbance.normal import (
+    NEAR,
+    centre_and_tail,
+    chosen,
+    cubic,
+    depth,
+    far_quantile,
+    near_quantile,
+    polynomial,
+    quantile,
+)
 from hilc_cli.disturbance.philox import ROUNDS, mixed, open_unit_interval
 from hilc_cli.disturbance.philox import Words as WordArray
 from hilc_cli.disturbance.streams import Stream
@@ -24,9 +34,10 @@ def _chosen(condition, yes, no):  # type: ignore[no-untyped-def]  # Numba compar
     return lambda condition, yes, no: yes if condition else no
 
 
-register_jitable(fastmath=set(LIBERTIES), error_model="numpy", forceinline=True)(polynomial)
-FORMULAS = (mixed, open_unit_interval, centre_and_tail, tail_distance, quantile)
-_mixed, _open_unit_interval, _centre_and_tail, _tail_distance, _quantile = [
+for part in (cubic, polynomial, near_quantile, far_quantile):
+    register_jitable(fastmath=set(LIBERTIES), error_model="numpy", forceinline=True)(part)
+FORMULAS = (mixed, open_unit_interval, centre_and_tail, depth, near_quantile, quantile)
+_mixed, _open_unit_interval, _centre_and_tail, _depth, _near_quantile, _quantile = [
     formula(f) for f in FORMULAS
 ]
 
@@ -42,7 +53,7 @@ def _drawing(stream: Stream, source: Field, target: Noise) -> Any:
     insides = (int(source) + int(NoiseField.INSIDE)) * W
     belows = (int(source) + int(NoiseField.BELOW)) * W
     deviations = (int(source) + int(NoiseField.DEVIATION)) * W
-    target_row, distances = int(target) * W, int(Noise.TAIL_DISTANCE) * W
+    target_row, depths = int(target) * W, int(Noise.DEPTH) * W
 
     def draw(
         noise: Floats, lanes: Floats, words: WordArray, kind: int, first: int, count: int
@@ -85,15 +96,24 @@ def _drawing(stream: Stream, source: Field, target: Noise) -> Any:
                     noise[to + j] = lanes[bounds + j] * noise[to + j]
             else:
                 # In two loops, for the processor to find more to do at once.
+                far = False
                 for j in range(3 * W):
                     noise[to + j], tail = _centre_and_tail(
                         noise[to + j], lanes[insides + j], lanes[belows + j]
                     )
-                    noise[distances + j] = _tail_distance(tail)
-                for j in range(3 * W):
-                    bound = lanes[bounds + j]
-                    drawn = lanes[deviations + j] * _quantile(noise[to + j], noise[distances + j])
-                    noise[to + j] = min(max(drawn, -bound), bound)
+                    noise[depths + j] = _depth(tail)
+                    far |= noise[depths + j] > NEAR
+                # Never so where the bound is three deviations or less, and else in few samples.
+                if far:
+                    for j in range(3 * W):
+                        number = _quantile(noise[to + j], noise[depths + j])
+                        bound = lanes[bounds + j]
+                        noise[to + j] = min(max(lanes[deviations + j] * number, -bound), bound)
+                else:
+                    for j in range(3 * W):
+                        number = _near_quantile(noise[to + j], noise[depths + j])
+                        bound = lanes[bounds + j]
+                        noise[to + j] = min(max(lanes[deviations + j] * number, -bound), bound)
 
     return compiled(draw)
 
