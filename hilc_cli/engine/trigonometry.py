@@ -1,7 +1,10 @@
 """Cosine and sine without branches, so that a compiler can compute many at once.
 
 Range reduction by multiples of pi/2 in three parts, then the minimax polynomials of the classic
-double precision kernels on [-pi/4, pi/4].
+double precision kernels on [-pi/4, pi/4]. `turned(*cos_sin_near_zero(rest), shifted)` with `rest,
+shifted = reduced(angle)` is the cosine and sine of an angle. The parts are called one after the other,
+each for many angles: a processor looks ahead some hundred instructions, and finds more to do at once
+among short parts.
 
 Source:
     Cody and Waite: Software Manual for the Elementary Functions, 1980 (reduction in parts);
@@ -29,21 +32,10 @@ LARGEST = 1e4
 """Up to this heading [rad] the results are within 2 units in the last place."""
 
 
-def cos_sin(angle: float) -> tuple[float, float]:
-    """Cosine and sine of an angle [rad].
-
-    Its three parts can also be called one after the other, each for many angles: a processor looks
-    ahead some hundred instructions, and finds more to do at once among short parts.
-    """
-    rest, shifted = reduced(angle)
-    cosine, sine = cos_sin_near_zero(rest)
-    return turned(cosine, sine, shifted)
-
-
 def reduced(angle: float) -> tuple[float, float]:
     """An angle within pi/4 of zero [rad], and a number whose last bits count the quarter turns."""
-    # A heading that no double resolves any more is taken for another one: a diverging run is to
-    # go on until its numbers overflow, not until the reduction does.
+    # A heading beyond all reason is taken for another one: a diverging run is to go on until its
+    # numbers overflow, not until the reduction does.
     angle = min(max(angle, -_BEYOND_REASON), _BEYOND_REASON)
     shifted = angle * _TWO_OVER_PI + _TO_WHOLE
     quarter_turns = shifted - _TO_WHOLE

@@ -5,8 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from hilc_cli.engine.trigonometry import LARGEST, cos_sin
+from hilc_cli.engine.machine_code import compiled
+from hilc_cli.engine.trigonometry import LARGEST, cos_sin_near_zero, reduced, turned
 from hilc_cli.reference.sampled import Floats
+
+
+# As in the engine: fused products and sums round differently from Python's.
+REDUCED, NEAR_ZERO, TURNED = map(compiled, (reduced, cos_sin_near_zero, turned))
+
+
+def cos_sin(angle: float) -> tuple[float, float]:
+    rest, shifted = REDUCED(angle)
+    cos, sin = TURNED(*NEAR_ZERO(rest), shifted)
+    return cos, sin
 
 
 def many(angles: Floats) -> tuple[Floats, Floats]:

@@ -148,7 +148,10 @@ def draw_effect(
     flat = where.flat[cases]
     if not spread.binned and len(spread.positions) > 1:
         gap = float(np.diff(where.flattened(spread.positions)).min())
-        flat = flat + _JITTER * gap * np.random.default_rng(0).uniform(-1, 1, len(flat))
+        aside = _JITTER * gap * np.random.default_rng(0).uniform(-1, 1, len(flat))
+        # Dots that lie on each other are drawn side by side, but none outside the panel.
+        low, high = where.flattened(np.array(where.limits()))
+        flat = (flat + aside).clip(low, high)
     axes.plot(
         where.bent(flat),
         metric,

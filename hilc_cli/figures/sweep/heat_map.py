@@ -56,7 +56,7 @@ def draw_map(axes: Axes, data: SweepData) -> None:
         data: A sweep with two varied keys.
     """
     keys = varied_keys(data)
-    x, y = (key_axis(data, key) for key in keys)
+    x, y = (key_axis(data, key, cells=True) for key in keys)
     results = results_of(data)
     combinations = combined(data, results, [x.positions, y.positions])
     notes = []

@@ -16,6 +16,7 @@ from hilc_cli.results.sweep import SweepData
 from hilc_cli.variation.axes import Choices, Value
 
 _MARGIN = 0.03  # beside the outermost values, of the axis
+_UNEVEN = 3  # largest by smallest gap from which on listed numbers get cells of one size
 _FEW = 6  # values that get a tick each, if there is room
 _LEAST_GAP = 0.4  # between words [inch]
 _BESIDE = 9  # letters that have room to the left of a panel
@@ -118,10 +119,19 @@ class KeyAxis:
         return values, [value_text(float(value)) for value in values]
 
 
-def key_axis(data: SweepData, key: str) -> KeyAxis:
-    """The axis of one key of a sweep."""
+def key_axis(data: SweepData, key: str, *, cells: bool = False) -> KeyAxis:
+    """The axis of one key of a sweep.
+
+    Args:
+        data: The sweep.
+        key: The key.
+        cells: Each value has a cell of its own: numbers that were listed far from evenly are
+            then set side by side like words, the smallest first.
+    """
     axis, values = data.axes[key], data.values[key]
-    if axis.is_numeric:
+    if cells and isinstance(axis, Choices) and _is_uneven(axis):
+        axis = Choices(tuple(sorted(axis.values)))  # type: ignore[type-var]  # numbers
+    elif axis.is_numeric:
         positions = np.fromiter(values, dtype=np.float64, count=len(values))
         return KeyAxis(key, positions, axis.is_logarithmic)
     assert isinstance(axis, Choices)  # ranges are numeric
@@ -137,6 +147,15 @@ def key_axis(data: SweepData, key: str) -> KeyAxis:
         False,
         tuple(value_text(v, longest=_LETTERS_KEPT) for _, v in places),
     )
+
+
+def _is_uneven(axis: Choices) -> bool:
+    """Whether numbers are so far from evenly spread that some cells would be much larger."""
+    if not axis.is_numeric or axis.count < 3:
+        return False
+    numbers = np.sort(np.array(axis.values, dtype=np.float64))
+    gaps = np.diff(np.log(numbers) if axis.is_logarithmic else numbers)
+    return bool(gaps.max() > _UNEVEN * gaps.min())
 
 
 def _told_apart(value: Value) -> tuple[bool, Value]:

@@ -20,7 +20,7 @@ HEADROOM = 0.06  # free space above and below the data, of the panel's height
 ZERO_HEIGHT = (ROW + HEADROOM) / 2  # where zeros are marked, of the panel's height
 
 _SMALLEST = 1e-300  # what is below it is drawn as zero
-_WIDE = 100  # largest by smallest value from which on a scale is logarithmic
+_WIDE = 30  # largest by smallest value from which on a scale is logarithmic
 _TOO_WIDE, _FAR = 1e12, 1e6  # a scale this wide ends so many medians up
 _MOST_MARKS = 300  # a row cannot show more
 _NAMES = {

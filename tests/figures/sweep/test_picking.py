@@ -134,9 +134,9 @@ def test_cells_end_halfway_between_values() -> None:
     assert single[0] < 0 < single[1]
 
 
-def test_scale_is_logarithmic_beyond_two_decades() -> None:
-    assert metric_scale(np.array([1.0, 101])).is_logarithmic
-    assert not metric_scale(np.array([1.0, 99])).is_logarithmic
+def test_scale_is_logarithmic_where_a_linear_one_hides_most() -> None:
+    assert metric_scale(np.array([1.0, 31])).is_logarithmic
+    assert not metric_scale(np.array([1.0, 29])).is_logarithmic
     assert not metric_scale(np.array([-1.0, 1, 1e6])).is_logarithmic
     assert not metric_scale(np.array([0.0, 0.0])).is_logarithmic
 
@@ -157,3 +157,14 @@ def test_scale_is_not_squashed_by_what_is_about_to_diverge() -> None:
     assert (scale.high, scale.beyond) == (1e6, 1)
     assert scale.notes("m") == ["1 value is above 1e6 m"]
     assert metric_scale(np.array([1e-12, 1e-9, 0.1])).notes("m") == []
+
+
+def test_numbers_listed_unevenly_get_cells_of_one_size() -> None:
+    def places(*values: float) -> list[float]:
+        data = sweep({L1: Choices(values)}, np.ones(len(values)))
+        return key_axis(data, L1, cells=True).positions.tolist()
+
+    assert places(10, 0, 1) == [2, 0, 1]
+    assert places(0, 1, 2, 4) == [0, 1, 2, 4]
+    assert places(0.01, 0.1, 1, 10) == [0.01, 0.1, 1, 10]
+    assert places(5, 7) == [5, 7]
