@@ -9,9 +9,8 @@ from hilc_cli.engine.machine_code import compiled
 from hilc_cli.engine.trigonometry import LARGEST, cos_sin_near_zero, reduced, turned
 from hilc_cli.reference.sampled import Floats
 
-
 # As in the engine: fused products and sums round differently from Python's.
-REDUCED, NEAR_ZERO, TURNED = map(compiled, (reduced, cos_sin_near_zero, turned))
+REDUCED, NEAR_ZERO, TURNED = (compiled(part) for part in (reduced, cos_sin_near_zero, turned))
 
 
 def cos_sin(angle: float) -> tuple[float, float]:

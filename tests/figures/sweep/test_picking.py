@@ -162,7 +162,7 @@ def test_scale_is_not_squashed_by_what_is_about_to_diverge() -> None:
 def test_numbers_listed_unevenly_get_cells_of_one_size() -> None:
     def places(*values: float) -> list[float]:
         data = sweep({L1: Choices(values)}, np.ones(len(values)))
-        return key_axis(data, L1, cells=True).positions.tolist()
+        return list(key_axis(data, L1, cells=True).positions)
 
     assert places(10, 0, 1) == [2, 0, 1]
     assert places(0, 1, 2, 4) == [0, 1, 2, 4]
