@@ -12,8 +12,9 @@ from hilc_cli.results.sweep_folder import (
     read_sweep_folder,
     read_sweep_manifest,
 )
+from hilc_cli.sweeping.opening import discard
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.store import discard, read_header
+from hilc_cli.sweeping.work_folder import read_header
 
 
 def work_folder(folder: str | Path) -> Path:

@@ -16,9 +16,11 @@ from hilc_cli.spec.valid import Scenario
 from hilc_cli.sweeping.chunks import Chunk, Failure
 from hilc_cli.sweeping.collect import collect
 from hilc_cli.sweeping.compute import Execution, compute
+from hilc_cli.sweeping.memory_store import MemoryStore, Store
+from hilc_cli.sweeping.opening import open_store
 from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.shards import merge, read_initial_input, shard_cases
-from hilc_cli.sweeping.store import FolderStore, MemoryStore, Store, open_store
+from hilc_cli.sweeping.store import FolderStore
 
 _DEFAULT = Execution()
 

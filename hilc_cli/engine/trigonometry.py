@@ -1,9 +1,9 @@
 """Cosine and sine without branches, so that a compiler can compute many at once.
 
 Range reduction by multiples of pi/2 in three parts, then the minimax polynomials of the classic
-double precision kernels on [-pi/4, pi/4]. `turned(*cos_sin_near_zero(rest), shifted)` with `rest,
-shifted = reduced(angle)` is the cosine and sine of an angle. The parts are called one after the other,
-each for many angles: a processor looks ahead some hundred instructions, and finds more to do at once
+double precision kernels on [-pi/4, pi/4]. With ``rest, shifted = reduced(angle)`` cosine and sine
+are ``turned(*cos_sin_near_zero(rest), shifted)``. The parts are called one after the other, each
+for many angles: a processor looks ahead some hundred instructions, and finds more to do at once
 among short parts.
 
 Source:

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.files import read_file, write_folder, writing
+from hilc_cli.errors import UsageError
+from hilc_cli.files import read_file, write_folder
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.output_folder import check_replaceable, read_manifest
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
     read_iterations,
@@ -37,7 +38,7 @@ PICTURE_FORMATS = ("png", "svg", "pdf")
 PICTURES = frozenset(f"{kind}.{suffix}" for kind in PICTURE_KINDS for suffix in PICTURE_FORMATS)
 
 KIND = "hilc run"
-_MAX_MANIFEST_BYTES = 10_000_000
+_MAX_SCENARIO_BYTES = 10_000_000
 
 
 def write_run_folder(
@@ -109,42 +110,18 @@ def check_output_folder(
     Raises:
         ExistingResultsError: The folder holds another run, or is no run folder.
     """
-    with writing(path):
-        is_folder, is_empty = path.is_dir(), not path.is_dir() or not any(path.iterdir())
-    if not is_folder:
-        if path.exists() or path.is_symlink():
-            raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
-        return
-    if Path.cwd().is_relative_to(path.resolve()):
-        # It would be exchanged for another one under the feet of whoever stands in it.
-        raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
-    if is_empty:
-        return
-    if not is_run_folder(path):
-        raise ExistingResultsError(
-            f"{path}: exists and is no run folder, so it is left as it is; "
-            "choose another with --out"
-        )
-    if force or _same_scenario(path, scenario_yaml, initial_input):
-        return
-    raise ExistingResultsError(
-        f"{path}: holds the results of another scenario; "
-        "choose another folder with --out, or replace it with --force"
+    check_replaceable(
+        path,
+        "run",
+        "another scenario",
+        is_own=lambda: is_run_folder(path),
+        is_same=lambda: force or _same_scenario(path, scenario_yaml, initial_input),
     )
 
 
 def is_run_folder(path: Path) -> bool:
     """Whether a folder has been written by `write_run_folder`."""
-    return read_manifest(path).get("kind") == KIND
-
-
-def read_manifest(path: Path) -> dict[str, Any]:
-    """The manifest of a run folder; empty if there is none that can be read."""
-    try:
-        manifest = json.loads(read_file(path / MANIFEST, _MAX_MANIFEST_BYTES))
-    except (UsageError, ValueError, RecursionError):
-        return {}
-    return manifest if isinstance(manifest, dict) else {}
+    return bool(read_manifest(path / MANIFEST, KIND))
 
 
 def read_run_folder(path: Path) -> RunData:
@@ -157,7 +134,7 @@ def read_run_folder(path: Path) -> RunData:
     """
     if not (path / ITERATIONS).exists():
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
-    manifest = read_manifest(path)
+    manifest = read_manifest(path / MANIFEST)
     metrics = read_iterations(path / ITERATIONS)
     reference, trials = read_samples(path / SAMPLES, str(manifest.get("trajectory", path.name)))
     if max(trials) >= len(metrics):
@@ -191,7 +168,7 @@ def _same_scenario(
     path: Path, scenario_yaml: str, initial_input: tuple[Floats, Floats] | None
 ) -> bool:
     try:
-        text = read_file(path / SCENARIO, _MAX_MANIFEST_BYTES).decode("utf-8")
+        text = read_file(path / SCENARIO, _MAX_SCENARIO_BYTES).decode("utf-8")
     except (UsageError, UnicodeDecodeError):
         return False
     if text != scenario_yaml:

@@ -7,9 +7,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.files import read_file, write_folder, writing
+from hilc_cli.errors import UsageError
+from hilc_cli.files import write_folder
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.output_folder import check_replaceable, read_manifest
 from hilc_cli.results.run_folder import INITIAL_INPUT, PICTURE_FORMATS, SCENARIO
 from hilc_cli.results.sweep import SweepData
 from hilc_cli.results.sweep_tables import read_bands, read_cases, write_bands, write_cases
@@ -24,7 +25,6 @@ PARQUET = "cases.parquet"
 SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands")
 _PICTURES = {f"{kind}.{suffix}" for kind in SWEEP_PICTURE_KINDS for suffix in PICTURE_FORMATS}
 _OWN = frozenset({MANIFEST, CASES, BANDS, PARQUET, SCENARIO, INITIAL_INPUT}) | _PICTURES
-_MAX_MANIFEST_BYTES = 1_000_000_000
 
 
 def write_sweep_folder(
@@ -107,36 +107,18 @@ def check_sweep_folder(path: Path, checksum: str, *, force: bool = False) -> Non
     Raises:
         ExistingResultsError: The folder holds another sweep, or is no sweep folder.
     """
-    with writing(path):
-        is_folder, is_empty = path.is_dir(), not path.is_dir() or not any(path.iterdir())
-    if not is_folder:
-        if path.exists() or path.is_symlink():
-            raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
-        return
-    if Path.cwd().is_relative_to(path.resolve()):
-        raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
-    if is_empty:
-        return
-    manifest = read_sweep_manifest(path)
-    if not manifest:
-        raise ExistingResultsError(
-            f"{path}: exists and is no sweep folder, so it is left as it is; "
-            "choose another with --out"
-        )
-    if not force and manifest.get("checksum") != checksum:
-        raise ExistingResultsError(
-            f"{path}: holds the results of another sweep; "
-            "choose another folder with --out, or replace it with --force"
-        )
+    check_replaceable(
+        path,
+        "sweep",
+        "another sweep",
+        is_own=lambda: bool(read_sweep_manifest(path)),
+        is_same=lambda: force or read_sweep_manifest(path).get("checksum") == checksum,
+    )
 
 
 def read_sweep_manifest(path: Path) -> dict[str, Any]:
     """What a sweep folder says of itself; empty if it is none."""
-    try:
-        manifest = json.loads(read_file(path / MANIFEST, _MAX_MANIFEST_BYTES))
-    except (UsageError, ValueError, RecursionError):
-        return {}
-    return manifest if isinstance(manifest, dict) and manifest.get("kind") == KIND else {}
+    return read_manifest(path / MANIFEST, KIND)
 
 
 def read_sweep_folder(path: Path) -> SweepData:

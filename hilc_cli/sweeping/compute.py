@@ -15,9 +15,9 @@ from hilc_cli.errors import UsageError
 from hilc_cli.spec.varied import CANNOT_BE_MADE, TRAJECTORY
 from hilc_cli.sweeping.crew import Alone, Crew, Processes, available_cores
 from hilc_cli.sweeping.execute import execute
+from hilc_cli.sweeping.memory_store import Store
 from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.sizing import cases_per_chunk, seconds_per_case
-from hilc_cli.sweeping.store import Store
 
 _ALONE = 0.5
 """Seconds of work that one process does sooner than worker processes start."""

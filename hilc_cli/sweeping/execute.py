@@ -11,8 +11,8 @@ from hilc_cli.errors import HilcError
 from hilc_cli.results.sweep import CASE_COLUMNS
 from hilc_cli.sweeping.chunks import Chunk, ChunkResult, Failure
 from hilc_cli.sweeping.crew import Crew, Outcome
+from hilc_cli.sweeping.memory_store import Store
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.store import Store
 
 TRIES = 3
 """So often a chunk is given to a worker that gets lost before its cases count as failed."""

@@ -1,105 +1,39 @@
-"""The results of a sweep while it is under way: in memory, or in a folder that survives a crash."""
+"""The results of a sweep while it is under way, in a folder that survives a crash."""
 
 from __future__ import annotations
 
 import errno
-import fcntl
 import json
 import os
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import closing, suppress
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
-from hilc_cli.files import read_file, sync, write_folder, writing
+from hilc_cli.errors import FileAccessError, UsageError
+from hilc_cli.files import sync, write_folder, writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.results.sweep import CASE_COLUMNS
 from hilc_cli.results.tables import write_input
 from hilc_cli.sweeping.chunks import Chunk, ChunkResult, Failure
-from hilc_cli.sweeping.journal import Journal
+from hilc_cli.sweeping.memory_store import gaps
 from hilc_cli.sweeping.plan import Plan
+from hilc_cli.sweeping.work_folder import (
+    ERRORS,
+    FILES,
+    HEADER,
+    KEYS,
+    KIND,
+    ROWS,
+    locked_journal,
+    read_header,
+)
 from hilc_cli.variation.axes import axis_to_data
 
-KIND = "hilc sweep in progress"
-HEADER = "plan.json"
-JOURNAL = "journal"
-ROWS = "results.bin"
-ERRORS = "errors.bin"
-_FILES = frozenset({HEADER, JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT})
-_KEYS = frozenset(
-    {"name", "checksum", "first", "last", "shard", "iterations", "bands"}
-    | {"axes", "sample", "cases", "seed", "tolerance_m", "metric"}
-)
-_MAX_HEADER_BYTES = 1_000_000_000
 _COLUMNS = len(CASE_COLUMNS)
-
-
-class Store(Protocol):
-    """Keeps what is known of the cases of a range."""
-
-    cases: Chunk
-
-    def missing(self) -> list[Chunk]:
-        """The cases of which nothing is known yet, in order."""
-        ...
-
-    def keep(self, result: ChunkResult) -> None:
-        """Remembers the results of a chunk."""
-        ...
-
-    def failures(self) -> list[Failure]:
-        """Cases that have failed, in order."""
-        ...
-
-    def rows(self) -> Floats:
-        """All rows, shape (cases, columns)."""
-        ...
-
-    def errors(self) -> Iterator[Floats]:
-        """The maximum errors of all cases, iteration by iteration."""
-        ...
-
-
-class MemoryStore:
-    """Keeps results in memory."""
-
-    def __init__(self, plan: Plan) -> None:
-        self.cases = Chunk(0, len(plan.cases))
-        self._rows = np.full((len(self.cases), _COLUMNS), np.nan)
-        shape = (plan.most_iterations + 1, len(self.cases))
-        self._errors = np.full(shape, np.nan) if plan.bands else None
-        self._done: list[Chunk] = []
-        self._failures: list[Failure] = []
-
-    def missing(self) -> list[Chunk]:
-        """The cases of which nothing is known yet, in order."""
-        return _gaps(self.cases, self._done)
-
-    def keep(self, result: ChunkResult) -> None:
-        """Remembers the results of a chunk."""
-        cases = slice(result.chunk.first, result.chunk.last)
-        self._rows[cases] = result.rows
-        if self._errors is not None and result.errors is not None:
-            self._errors[:, cases] = result.errors.T
-        self._done.append(result.chunk)
-        self._failures += result.failures
-
-    def failures(self) -> list[Failure]:
-        """Cases that have failed, in order."""
-        return sorted(self._failures, key=lambda failure: failure.chunk)
-
-    def rows(self) -> Floats:
-        """All rows, shape (cases, columns)."""
-        return self._rows
-
-    def errors(self) -> Iterator[Floats]:
-        """The maximum errors of all cases, iteration by iteration."""
-        yield from () if self._errors is None else self._errors
 
 
 class FolderStore:
@@ -126,12 +60,12 @@ class FolderStore:
         self.header = read_header(folder)
         if not self.header:
             raise UsageError(f"{folder}: is no folder of a sweep in progress, and no shard")
-        if not self.header.keys() >= _KEYS:
+        if not self.header.keys() >= KEYS:
             raise UsageError(f"{folder / HEADER}: is damaged, or of another version of hilc")
         self.cases = Chunk(self.header["first"], self.header["last"])
         self._iterations = int(self.header["iterations"])
         self._bands = bool(self.header["bands"])
-        self._journal = _locked_journal(folder, self.header)
+        self._journal = locked_journal(folder, self.header)
         self._files = {ROWS: _open(folder / ROWS)}
         if self._bands:
             self._files[ERRORS] = _open(folder / ERRORS)
@@ -186,13 +120,13 @@ class FolderStore:
             folder,
             fill,
             may_replace=lambda there: not read_header(there),
-            keeps=lambda name: name not in _FILES,
+            keeps=lambda name: name not in FILES,
         )
         return cls(folder)
 
     def missing(self) -> list[Chunk]:
         """The cases of which nothing is known yet, in order."""
-        return _gaps(self.cases, self._done)
+        return gaps(self.cases, self._done)
 
     def forget_failures(self) -> None:
         """Takes chunks with failed cases for missing, so that they are tried again."""
@@ -292,123 +226,6 @@ class FolderStore:
         return numbers
 
 
-def open_store(
-    folder: Path, plan: Plan, cases: Chunk, shard: str | None, *, resume: bool, force: bool
-) -> FolderStore:
-    """Opens the folder of a sweep under way, or makes it.
-
-    Args:
-        folder: The folder.
-        plan: The sweep.
-        cases: The cases that belong into it.
-        shard: ``K/N``, for a shard.
-        resume: Go on with what is there; cases that have failed are tried again.
-        force: Replace what is there of another sweep, or of this one if it is not resumed.
-
-    Raises:
-        ExistingResultsError: Something is there that may neither be resumed nor replaced.
-        FileAccessError: It cannot be read or written.
-    """
-    with writing(folder):
-        is_there = folder.is_symlink() or (folder.exists() and not is_empty(folder))
-    if is_there:
-        header = read_header(folder)
-        if not header:
-            raise ExistingResultsError(
-                f"{folder}: exists and holds no sweep in progress, so it is left as it is; "
-                "choose another folder with --out"
-            )
-        same = header.get("checksum") == plan.checksum() and header.get("shard") == shard
-        if same and resume:
-            store = FolderStore(folder)
-            store.forget_failures()
-            return store
-        if not force:
-            what = "this sweep" if same else "another sweep or version of hilc"
-            go_on = "go on with --resume, or " if same else ""
-            raise ExistingResultsError(
-                f"{folder}: holds results of {what}; {go_on}start anew with --force"
-            )
-        with closing(_locked_journal(folder, header)):
-            remove(folder)
-    return FolderStore.create(folder, plan, cases, shard)
-
-
-def discard(folder: Path, plan: Plan) -> None:
-    """Removes the folder of a sweep whose results have gone elsewhere.
-
-    What another program has open by now, or holds another sweep, stays.
-
-    Raises:
-        FileAccessError: It cannot be removed.
-    """
-    header = read_header(folder)
-    if header.get("checksum") == plan.checksum():
-        with suppress(ExistingResultsError), closing(_locked_journal(folder, header)):
-            remove(folder)
-    elif not header and is_empty(folder):
-        remove(folder)
-
-
-def is_empty(folder: Path) -> bool:
-    """Whether a folder is there with nothing in it, as one is whose removal was cut short."""
-    return folder.is_dir() and not any(folder.iterdir())
-
-
-def read_header(folder: Path) -> dict[str, Any]:
-    """What a folder says of the sweep in it; empty if it is no such folder."""
-    try:
-        header = json.loads(read_file(folder / HEADER, _MAX_HEADER_BYTES))
-    except (UsageError, ValueError, RecursionError):
-        return {}
-    return header if isinstance(header, dict) and header.get("kind") == KIND else {}
-
-
-def remove(folder: Path) -> None:
-    """Removes a folder of a sweep in progress, but nothing that somebody else has put there."""
-    with writing(folder):
-        # Without its journal the folder holds no results, without its header it is nobody's:
-        # at whatever moment this is stopped, it can be resumed or replaced.
-        for name in (JOURNAL, *sorted(_FILES - {JOURNAL, HEADER}), HEADER):
-            (folder / name).unlink(missing_ok=True)
-        if not any(folder.iterdir()):
-            folder.rmdir()
-
-
-def _locked_journal(folder: Path, header: Mapping[str, Any]) -> Journal:
-    """The journal, with which nobody else can have the folder open.
-
-    Raises:
-        ExistingResultsError: Somebody has, or has replaced it since its header was read.
-    """
-    journal = Journal(folder / JOURNAL)
-    try:
-        fcntl.flock(journal.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        here = os.path.samestat(os.fstat(journal.descriptor), (folder / JOURNAL).stat())
-        free = here and read_header(folder) == header
-    except OSError:
-        free = False
-    if not free:
-        journal.close()
-        raise ExistingResultsError(
-            f"{folder}: another program is at work on this sweep; wait until it has ended"
-        )
-    return journal
-
-
 def _open(path: Path) -> int:
     with writing(path):
         return os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-
-
-def _gaps(cases: Chunk, done: Iterable[Chunk]) -> list[Chunk]:
-    """What of the cases is in none of the chunks."""
-    gaps = []
-    position = cases.first
-    for chunk in sorted(done):
-        if chunk.first > position:
-            gaps.append(Chunk(position, chunk.first))
-        position = max(position, chunk.last)
-    if position < cases.last:
-        gaps.append(Chunk(position, cases.last))
-    return gaps

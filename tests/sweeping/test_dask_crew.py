@@ -12,8 +12,8 @@ import pytest
 from hilc_cli.sweeping.chunks import Chunk, ChunkResult, run_chunk
 from hilc_cli.sweeping.dask_crew import ClusterError, DaskCrew
 from hilc_cli.sweeping.execute import execute
+from hilc_cli.sweeping.memory_store import MemoryStore
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.store import MemoryStore
 from tests.sweeping.plans import small_plan
 
 

@@ -12,8 +12,10 @@ import pytest
 from hilc_cli.sweeping.chunks import Chunk, Failure, run_chunk
 from hilc_cli.sweeping.crew import Crew, Outcome
 from hilc_cli.sweeping.execute import TRIES, FailedCasesError, execute
+from hilc_cli.sweeping.memory_store import MemoryStore
+from hilc_cli.sweeping.opening import open_store
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.store import FolderStore, MemoryStore, open_store
+from hilc_cli.sweeping.store import FolderStore
 from tests.sweeping.plans import small_plan
 
 Loses = Callable[[Chunk, int], bool]

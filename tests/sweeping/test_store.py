@@ -12,8 +12,9 @@ import pytest
 
 from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.sweeping.chunks import Chunk, run_chunk
+from hilc_cli.sweeping.opening import open_store
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.store import FolderStore, open_store
+from hilc_cli.sweeping.store import FolderStore
 from tests.cli.inputs import listing
 from tests.sweeping.plans import small_plan
 

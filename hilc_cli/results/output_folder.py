@@ -1,0 +1,70 @@
+"""What folders of runs and of sweeps share: a manifest, and when they may be replaced."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from hilc_cli.errors import ExistingResultsError, UsageError
+from hilc_cli.files import read_file, writing
+
+_MAX_MANIFEST_BYTES = 1_000_000_000
+
+
+def read_manifest(path: Path, kind: str | None = None) -> dict[str, Any]:
+    """What a JSON file says of the folder that it is in.
+
+    Args:
+        path: The file.
+        kind: What its ``kind`` must be; None for anything.
+
+    Returns:
+        The document; empty if there is none of that kind that can be read.
+    """
+    try:
+        manifest = json.loads(read_file(path, _MAX_MANIFEST_BYTES))
+    except (UsageError, ValueError, RecursionError):
+        return {}
+    if not isinstance(manifest, dict) or kind not in (None, manifest.get("kind")):
+        return {}
+    return manifest
+
+
+def check_replaceable(
+    path: Path, what: str, other: str, is_own: Callable[[], bool], is_same: Callable[[], bool]
+) -> None:
+    """Whether results may be written to a folder.
+
+    Args:
+        path: The folder.
+        what: What is to be written there: ``run`` or ``sweep``.
+        other: What else of that kind may stand there, such as ``another sweep``.
+        is_own: Whether the folder holds something of that kind.
+        is_same: Whether it may be replaced.
+
+    Raises:
+        ExistingResultsError: Something stands there that may not be replaced.
+    """
+    with writing(path):
+        is_folder, is_empty = path.is_dir(), not path.is_dir() or not any(path.iterdir())
+    if not is_folder:
+        if path.exists() or path.is_symlink():
+            raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
+        return
+    if Path.cwd().is_relative_to(path.resolve()):
+        # It would be exchanged for another one under the feet of whoever stands in it.
+        raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
+    if is_empty:
+        return
+    if not is_own():
+        raise ExistingResultsError(
+            f"{path}: exists and is no {what} folder, so it is left as it is; "
+            "choose another with --out"
+        )
+    if not is_same():
+        raise ExistingResultsError(
+            f"{path}: holds the results of {other}; "
+            "choose another folder with --out, or replace it with --force"
+        )

@@ -1,0 +1,68 @@
+"""The folder of a sweep under way: the names in it, who may have it open, and how it goes."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from hilc_cli.errors import ExistingResultsError
+from hilc_cli.files import writing
+from hilc_cli.results.output_folder import read_manifest
+from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
+from hilc_cli.sweeping.journal import Journal
+
+KIND = "hilc sweep in progress"
+HEADER = "plan.json"
+JOURNAL = "journal"
+ROWS = "results.bin"
+ERRORS = "errors.bin"
+FILES = frozenset({HEADER, JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT})
+KEYS = frozenset(
+    {"name", "checksum", "first", "last", "shard", "iterations", "bands"}
+    | {"axes", "sample", "cases", "seed", "tolerance_m", "metric"}
+)
+
+
+def read_header(folder: Path) -> dict[str, Any]:
+    """What a folder says of the sweep in it; empty if it is no such folder."""
+    return read_manifest(folder / HEADER, KIND)
+
+
+def is_empty(folder: Path) -> bool:
+    """Whether a folder is there with nothing in it, as one is whose removal was cut short."""
+    return folder.is_dir() and not any(folder.iterdir())
+
+
+def remove(folder: Path) -> None:
+    """Removes a folder of a sweep in progress, but nothing that somebody else has put there."""
+    with writing(folder):
+        # Without its journal the folder holds no results, without its header it is nobody's:
+        # at whatever moment this is stopped, it can be resumed or replaced.
+        for name in (JOURNAL, *sorted(FILES - {JOURNAL, HEADER}), HEADER):
+            (folder / name).unlink(missing_ok=True)
+        if not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def locked_journal(folder: Path, header: Mapping[str, Any]) -> Journal:
+    """The journal, with which nobody else can have the folder open.
+
+    Raises:
+        ExistingResultsError: Somebody has, or has replaced it since its header was read.
+    """
+    journal = Journal(folder / JOURNAL)
+    try:
+        fcntl.flock(journal.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        here = os.path.samestat(os.fstat(journal.descriptor), (folder / JOURNAL).stat())
+        free = here and read_header(folder) == header
+    except OSError:
+        free = False
+    if not free:
+        journal.close()
+        raise ExistingResultsError(
+            f"{folder}: another program is at work on this sweep; wait until it has ended"
+        )
+    return journal
