@@ -1,40 +1,45 @@
 """The Python interface: load a scenario, run it or sweep it, keep the results.
 
-The commands call this and nothing else.
+The commands call this and nothing else. Each name is loaded when it is first used: a run needs no
+compiler, and a sweep no loop engine.
 """
 
-from hilc_cli.api.running import (
-    Run,
-    RunData,
-    Scenario,
-    Summary,
-    check_folder,
-    load_scenario,
-    plot,
-    read_run,
-    run,
-)
-from hilc_cli.api.sweep_folders import (
-    check_sweep_output,
-    discard_work,
-    is_complete,
-    is_resumable,
-    is_sweep,
-    plot_sweep,
-    read_sweep,
-    work_folder,
-)
-from hilc_cli.api.sweep_results import Sweep
-from hilc_cli.api.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
-from hilc_cli.results.parquet import require_parquet
-from hilc_cli.results.sweep import SweepData
-from hilc_cli.results.sweep_summary import SweepSummary, summarise_sweep
-from hilc_cli.sweeping.chunks import Failure
-from hilc_cli.sweeping.compute import Execution, compile_for
-from hilc_cli.sweeping.crew import available_cores
-from hilc_cli.sweeping.estimate import Estimate, estimate
-from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.shards import shard_cases
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from hilc_cli.api.running import (
+        Run,
+        RunData,
+        Scenario,
+        Summary,
+        check_folder,
+        load_scenario,
+        plot,
+        read_run,
+        run,
+    )
+    from hilc_cli.api.sweep_folders import (
+        check_sweep_output,
+        discard_work,
+        is_complete,
+        is_resumable,
+        is_sweep,
+        plot_sweep,
+        read_sweep,
+        work_folder,
+    )
+    from hilc_cli.api.sweep_results import Sweep
+    from hilc_cli.api.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
+    from hilc_cli.results.parquet import require_parquet
+    from hilc_cli.results.sweep import SweepData
+    from hilc_cli.results.sweep_summary import SweepSummary, summarise_sweep
+    from hilc_cli.sweeping.chunks import Failure
+    from hilc_cli.sweeping.compute import Execution, compile_for
+    from hilc_cli.sweeping.crew import available_cores
+    from hilc_cli.sweeping.estimate import Estimate, estimate
+    from hilc_cli.sweeping.plan import Plan
+    from hilc_cli.sweeping.shards import shard_cases
 
 __all__ = [
     "Estimate",
@@ -72,3 +77,65 @@ __all__ = [
     "sweep_shard",
     "work_folder",
 ]
+
+_HOMES = {
+    "hilc_cli.api.running": (
+        "Run",
+        "RunData",
+        "Scenario",
+        "Summary",
+        "check_folder",
+        "load_scenario",
+        "plot",
+        "read_run",
+        "run",
+    ),
+    "hilc_cli.api.sweep_folders": (
+        "check_sweep_output",
+        "discard_work",
+        "is_complete",
+        "is_resumable",
+        "is_sweep",
+        "plot_sweep",
+        "read_sweep",
+        "work_folder",
+    ),
+    "hilc_cli.api.sweep_results": ("Sweep",),
+    "hilc_cli.api.sweeping": (
+        "merge_shards",
+        "plan_sweep",
+        "sweep",
+        "sweep_shard",
+    ),
+    "hilc_cli.results.parquet": ("require_parquet",),
+    "hilc_cli.results.sweep": ("SweepData",),
+    "hilc_cli.results.sweep_summary": (
+        "SweepSummary",
+        "summarise_sweep",
+    ),
+    "hilc_cli.sweeping.chunks": ("Failure",),
+    "hilc_cli.sweeping.compute": (
+        "Execution",
+        "compile_for",
+    ),
+    "hilc_cli.sweeping.crew": ("available_cores",),
+    "hilc_cli.sweeping.estimate": (
+        "Estimate",
+        "estimate",
+    ),
+    "hilc_cli.sweeping.plan": ("Plan",),
+    "hilc_cli.sweeping.shards": ("shard_cases",),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    """Loads what is asked for."""
+    if name in _HOME_OF:
+        return getattr(import_module(_HOME_OF[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """The public names, loaded or not."""
+    return sorted(__all__)

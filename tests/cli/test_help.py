@@ -13,7 +13,7 @@ from hilc_cli.shipped_files import examples
 from tests.cli.processes import environment, run_hilc
 from tests.conftest import Hilc, Outcome, Write
 
-COMMANDS = ["run", "plot", "examples", "schema"]
+COMMANDS = ["run", "plot", "sweep", "examples", "schema"]
 HEAVY = {"numpy", "matplotlib", "pydantic", "yaml"}
 
 
@@ -128,3 +128,20 @@ def test_verbose_tells_how_long_it_took(hilc: Hilc, write: Write) -> None:
 def test_verbose_of_one_command_line_does_not_last(hilc: Hilc) -> None:
     assert "Traceback" in hilc("run", "nosuch.yaml", "-v").err
     assert "Traceback" not in hilc("run", "nosuch.yaml").err
+
+
+def test_a_run_needs_no_compiler(tmp_path: Path) -> None:
+    program = (
+        "import sys\nfrom hilc_cli.cli.main import main\n"
+        "try: main(['run', 'example:fig3-circle', '--set', 'iterations=0', '--no-plots', '-q'])\n"
+        "except SystemExit as end: code = end.code\n"
+        "print(code, sorted({'numba', 'scipy', 'matplotlib'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        text=True,
+    )
+    assert (done.stdout, done.stderr) == ("0 []\n", "")
