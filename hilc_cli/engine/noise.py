@@ -1,6 +1,6 @@
 """Disturbances drawn in vector lanes: the numbers that `disturbance.streams` draws.
 
-Each function draws the three numbers of one sample for all lanes.
+Each function draws three numbers for each of some samples, for all lanes.
 """
 
 from __future__ import annotations
