@@ -52,7 +52,7 @@ class DaskCrew:
                 "--scheduler needs the package distributed; install hilc-cli[dask]"
             ) from None
         self._distributed = distributed
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is told below
+        _silence()
         self._address, self._go_on = address, go_on
         self._plan = pickle.dumps(plan)
         self._name = uuid.uuid4().hex
@@ -151,6 +151,13 @@ class DaskCrew:
             f"{self._address}: the scheduler has no workers; start some with "
             f"'dask worker {self._address} --nthreads 1'"
         )
+
+
+def _silence() -> None:
+    """Stops Dask's own messages, each part of which has a level of its own: crews tell instead."""
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 def _run(plan: bytes, version: str, chunk: Chunk) -> ChunkResult:

@@ -98,3 +98,19 @@ def test_chunks_are_whole_packs_of_lanes(plan: Plan, cases: int, workers: int) -
     assert size >= LANES
     assert size % LANES == 0
     assert size <= 4096
+
+
+def test_case_that_cannot_be_run_leaves_the_others(write: Write) -> None:
+    write()
+    # A third of the smallest number is no standard deviation.
+    key = "disturbance.state.bound.0"
+    changes = {"disturbance.state.distribution": "truncated-normal"}
+    scenario = hilc_api.load_scenario("scenario.yaml", changes)
+    plan = hilc_api.plan_sweep(scenario, {key: [5e-324, 0.001, 0.002]})
+    result = run_chunk(plan, Chunk(0, 3))
+    (failure,) = result.failures
+    assert failure.chunk == Chunk(0, 1) and failure.reason.startswith("ZeroDivisionError")
+    assert np.isnan(result.rows[:, -1]).tolist() == [True, False, False]
+    sweep = hilc_api.sweep(plan)
+    assert sweep.failures == (failure,)
+    assert sweep.columns["max_position_error_m"][1:].tolist() == result.rows[1:, 0].tolist()
