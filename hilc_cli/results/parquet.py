@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 
 from hilc_cli.errors import UsageError
-from hilc_cli.results.metrics import INTEGER_METRICS
-from hilc_cli.results.sweep import DIVERGED, ITERATIONS_TO_TOLERANCE, SweepData
+from hilc_cli.results.sweep import WHOLE_COLUMNS, SweepData
 from hilc_cli.results.sweep_tables import CASE, value_text
 
-_WHOLE = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE, DIVERGED}
 _BLOCK = 100_000
 
 
@@ -42,7 +40,7 @@ def write_parquet(path: Path, data: SweepData, go_on: Callable[[], None]) -> Non
                 columns[key] = pyarrow.array(part if words is None else words)
             for name, column in data.columns.items():
                 numbers = pyarrow.array(column[block], from_pandas=True)  # nan becomes null
-                columns[name] = numbers.cast(pyarrow.int64()) if name in _WHOLE else numbers
+                columns[name] = numbers.cast(pyarrow.int64()) if name in WHOLE_COLUMNS else numbers
             table = pyarrow.table(columns)
             writer = writer or parquet.ParquetWriter(path, table.schema)
             writer.write_table(table)

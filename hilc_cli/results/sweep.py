@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import INTEGER_METRICS, METRIC_NAMES
 from hilc_cli.variation.axes import Axis, Value
 
 Numbers = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.uint64]
@@ -21,6 +21,9 @@ DIVERGED = "diverged"
 CASE_METRICS = (*METRIC_NAMES, ITERATIONS_TO_TOLERANCE, PEAK)
 CASE_COLUMNS = (*CASE_METRICS, DIVERGED)
 """Columns of ``cases.csv`` behind the varied keys."""
+
+WHOLE_COLUMNS = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE, DIVERGED}
+"""Columns of whole numbers."""
 
 SEED_KEY = "disturbance.seed"
 """Varying it repeats an experiment with other disturbances."""

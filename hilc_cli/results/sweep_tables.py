@@ -13,12 +13,11 @@ import numpy as np
 from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import INTEGER_METRICS
 from hilc_cli.results.sweep import (
     CASE_COLUMNS,
     DIVERGED,
-    ITERATIONS_TO_TOLERANCE,
     QUANTILES,
+    WHOLE_COLUMNS,
     Bands,
     Numbers,
     as_numbers,
@@ -32,7 +31,6 @@ BANDS_HEADER = (
     "cases",
     *(f"max_position_error_m_p{round(100 * quantile):02d}" for quantile in QUANTILES),
 )
-_WHOLE = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE, DIVERGED}
 _BLOCK = 10_000
 """Rows that are put into words at a time, so that a million cases need little memory."""
 
@@ -60,7 +58,7 @@ def write_cases(
             cells += [_words(column, first, last) for column in values.values()]
             for name, column in columns.items():
                 block: list[float] = column[first:last].tolist()
-                cells.append(_whole_cells(block) if name in _WHOLE else _cells(block))
+                cells.append(_whole_cells(block) if name in WHOLE_COLUMNS else _cells(block))
             file.writelines(f"{','.join(row)}\n" for row in zip(*cells, strict=True))
             go_on()
 

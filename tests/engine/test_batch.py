@@ -189,12 +189,13 @@ def test_lane_at_the_limit_does_not_see_a_neighbour_beyond_it() -> None:
         assert together.errors[number].tobytes() == alone.errors[0].tobytes()
 
 
-def test_both_engines_take_the_same_iteration_for_diverged() -> None:
+def test_both_engines_take_the_same_size_for_diverged() -> None:
     # At 1e140 m: until there a wheel may be faster than that, in either engine.
     values = {"controller.b_w": None, "iterations": 30, "controller.gains.l1": 1e12}
     found = run(load_scenario("example:fig6c", values))
     assert found.diverged_at is not None
     result = simulate_batch([load_scenario("example:fig6c", values).experiment()])
+    assert result.diverged_at[0] != NEVER
     kept = result.errors[0, : result.diverged_at[0]]
     assert kept.max() <= 1e140 and found.metrics["max_position_error_m"].max() <= 1e140
     assert (
