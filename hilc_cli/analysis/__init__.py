@@ -1,0 +1,1 @@
+"""What theory says of an experiment before it is simulated."""
