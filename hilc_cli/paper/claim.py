@@ -1,0 +1,73 @@
+"""A claim of the paper, and what measuring it gave."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from hilc_cli.results.run import RunData
+
+
+class Verdict(StrEnum):
+    """What the measured figures say of a claim."""
+
+    HOLDS = "holds"
+    IN_PART = "holds in part"
+    FAILS = "does not hold"
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A measured figure that a verdict rests on.
+
+    Attributes:
+        name: What was measured, such as ``maximum error, circle``.
+        value: The figure; None where there is none, such as an iteration that was never reached.
+        unit: Its unit; empty for a plain number.
+    """
+
+    name: str
+    value: float | None
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """The verdict on a claim with what decides it.
+
+    Attributes:
+        verdict: Computed from the figures by the claim's criterion.
+        figures: The measured figures.
+        reason: Why the claim does not hold, or not entirely, in sentences that can be checked;
+            empty where it holds.
+    """
+
+    verdict: Verdict
+    figures: tuple[Figure, ...]
+    reason: str = ""
+
+
+Evidence = Mapping[str, RunData]
+"""Runs of the shipped scenarios by name, all iterations of theirs measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """Something that the paper says, and how it is put to the test.
+
+    Attributes:
+        name: Short name, such as ``F3-1``.
+        sentence: The claim in our words.
+        place: Where in the paper it stands.
+        measured: What is measured.
+        criterion: When it holds and when it holds in part; stated before measuring.
+        judge: Measures and decides.
+    """
+
+    name: str
+    sentence: str
+    place: str
+    measured: str
+    criterion: str
+    judge: Callable[[Evidence], Finding]
