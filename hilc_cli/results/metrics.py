@@ -145,8 +145,19 @@ class MetricsTable:
         Returns:
             The iteration, or None if the last iteration is still above the bound.
         """
-        above = np.flatnonzero(~(self["max_position_error_m"] <= tolerance))
-        if len(above) == 0:
-            return 0 if len(self) else None
-        first = int(above[-1]) + 1
-        return first if first < len(self) else None
+        return settled_at(self["max_position_error_m"], tolerance)
+
+
+def settled_at(errors: Floats, tolerance: float) -> int | None:
+    """First iteration from which on an error stays at or below a bound.
+
+    Args:
+        errors: Error of each iteration, shape (iterations,); not-a-number is above any bound.
+        tolerance: The bound, in the same unit.
+
+    Returns:
+        The iteration, or None if the last iteration is still above the bound.
+    """
+    above = np.flatnonzero(~(errors <= tolerance))
+    first = int(above[-1]) + 1 if len(above) else 0
+    return first if first < len(errors) else None

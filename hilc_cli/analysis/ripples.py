@@ -1,0 +1,77 @@
+"""What an iteration does to ripples of the wheel speeds, by their frequency.
+
+Over a few samples the plant is an integrator, whatever the path. Along an eigenvector of the gain
+matrix times the control matrix, with eigenvalue c d_k, an iteration of Eq. 17 then multiplies a
+ripple z^k by
+
+    (1 - 1/z - l1 c d_k) / (1 - 1/z + c d_k (l2 / z + l3 / z^2)),   z = exp(i phi),
+
+which for small gains is 1 - c d_k (l1 - l2 - l3 (1 + 2 cos phi)) / 2. So feedback and learning do
+not add up, as Eq. 19 has it: where l2 + 3 l3 > l1 slow ripples grow from iteration to iteration,
+and where l2 > l1 + l3 the fastest do. All eigenvalues of the iteration may well lie within one
+then: they tell of the limit only, ripples of the many iterations before it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import UsageError
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.reference.sampled import Floats
+
+LONGEST_PERIOD = 20  # samples; for longer ones the path and the integrator's own growth count
+_FREQUENCIES = 200
+
+
+@dataclass(frozen=True, slots=True)
+class RippleGrowth:
+    """The ripple that fares worst.
+
+    Attributes:
+        factor: What an iteration multiplies it by.
+        period: Its period in samples, from 2 to LONGEST_PERIOD.
+    """
+
+    factor: float
+    period: float
+
+
+def ripple_growth(experiment: Experiment) -> RippleGrowth:
+    """The largest factor by which an iteration multiplies a ripple of the wheel speeds.
+
+    Args:
+        experiment: With the hybrid law; the speed limit is left out.
+
+    Raises:
+        UsageError: The law is another one.
+    """
+    law = experiment.law
+    if not isinstance(law, HybridLaw):
+        raise UsageError("the growth of ripples is known for the hybrid law only")
+    l2, l3 = (0.0, 0.0) if law.compensation else (law.l2, law.l3)  # Eq. 21 has neither
+    gains = experiment.reference.sample_time * _eigenvalues(experiment, law)
+    frequencies = np.linspace(2 * np.pi / LONGEST_PERIOD, np.pi, _FREQUENCIES)
+    back = np.exp(-1j * frequencies)  # 1 / z
+    learned = np.abs(1 - back - law.l1 * gains[:, None])
+    fed_back = np.abs(1 - back + gains[:, None] * (l2 * back + l3 * back**2))
+    factors = (learned / fed_back).max(axis=0)
+    worst = int(factors.argmax())
+    return RippleGrowth(float(factors[worst]), float(2 * np.pi / frequencies[worst]))
+
+
+def _eigenvalues(experiment: Experiment, law: HybridLaw) -> Floats:
+    """Eigenvalues of G B at the reference headings, without the scalar gains; complex, once each."""
+    robot, heading = experiment.robot, experiment.reference.heading[:-1]
+    cos, sin = np.cos(heading), np.sin(heading)
+    control = np.empty((len(heading), 3, 2))  # Eq. 9
+    control[:, 0, :] = (robot.wheel_radius / 2 * cos)[:, None]
+    control[:, 1, :] = (robot.wheel_radius / 2 * sin)[:, None]
+    turn = robot.wheel_radius / (2 * robot.signed_half_track)
+    control[:, 2, :] = turn, -turn
+    matrix = np.array([law.matrix.at(float(c), float(s)) for c, s in zip(cos, sin, strict=True)])
+    values = np.linalg.eigvals(matrix @ control)
+    return np.unique(values.round(12))

@@ -1,0 +1,150 @@
+"""The claims of Fig. 6: what the gains do to the number of iterations."""
+
+from __future__ import annotations
+
+from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
+from hilc_cli.paper.long_run import errors_of, shipped
+from hilc_cli.paper.yardstick import (
+    NEARLY,
+    count,
+    fewer,
+    iterations_needed,
+    iterations_needed_by,
+    percent,
+)
+from hilc_cli.results.summary import summarise
+
+_USEFUL = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # "a reasonable range (0.1 to 10)"
+_TOO_LARGE = (25.0, 30.0, 50.0)  # "too large (>20)"
+_LONG = 1000  # iterations
+_GROWN = 3.0  # last error of a long run by its smallest that counts as lost stability
+_WITH_L2, _WITH_L3 = ("fig6d", "fig6e", "fig6f"), ("fig6g", "fig6h", "fig6i")
+
+
+def _gain_and_iterations(evidence: Evidence) -> Finding:
+    gains = (*_USEFUL, *_TOO_LARGE)
+    experiments = [shipped("fig6a", f"controller.gains.l1={gain}") for gain in gains]
+    errors = dict(zip(gains, errors_of(experiments), strict=True))
+    size = experiments[0].reference.size
+    needed = {gain: iterations_needed_by(errors[gain], size) for gain in _USEFUL}
+    last = {gain: float(errors[gain][-1]) / size for gain in _TOO_LARGE}
+    falls = all(
+        fewer(needed[larger], needed[smaller])
+        for smaller, larger in zip(_USEFUL, _USEFUL[1:], strict=False)
+    )
+    fails_above = all(error > NEARLY for error in last.values())
+    figures = [count(f"needed with l1 = {gain:g}", needed[gain]) for gain in _USEFUL]
+    figures += [percent(f"error after 100 iterations with l1 = {gain:g}", last[gain]) for gain in last]
+    if falls and fails_above:
+        return Finding(Verdict.HOLDS, tuple(figures))
+    reached = {gain: iterations for gain, iterations in needed.items() if iterations is not None}
+    if not reached:
+        reason = f"No gain from {_USEFUL[0]:g} to {_USEFUL[-1]:g} gets there in 100 iterations."
+        return Finding(Verdict.IN_PART if fails_above else Verdict.FAILS, tuple(figures), reason)
+    best = min(reached, key=lambda gain: reached[gain])
+    share = summarise(evidence["fig6c"]).saturated_share
+    at_best = summarise(evidence["fig6b"]).saturated_share
+    peak = float(errors[10.0].max())
+    reason = (
+        f"Fewest iterations, {reached[best]}, are needed with l1 = {best:g}; beyond that the number "
+        f"grows again. Learning through an integrator first amplifies: by up to exp(l1 T / 2) over "
+        f"the T = 2 s of the circle, which for l1 = 10 the speed limit cuts off at {peak:.0f} m; "
+        f"the wheels are then at their limit in {share:.0%} of all samples, against {at_best:.0%} "
+        "for l1 = 1."
+    )
+    in_part = fails_above or fewer(needed[10.0], needed[0.1])
+    return Finding(Verdict.IN_PART if in_part else Verdict.FAILS, tuple(figures), reason)
+
+
+def _needed(evidence: Evidence, names: tuple[str, ...]) -> list[int | None]:
+    return [iterations_needed(evidence[name]) for name in names]
+
+
+def _feedback_speeds_up(evidence: Evidence) -> Finding:
+    names = ("fig6d", "fig6e", "fig6g", "fig6h")  # those that the text compares
+    without = iterations_needed(evidence["fig6a"])
+    needed = _needed(evidence, names)
+    figures = [count("needed without (6a)", without)]
+    figures += [
+        count(f"needed with ({name[3:]})", iterations)
+        for name, iterations in zip(names, needed, strict=True)
+    ]
+    better = [fewer(iterations, without) for iterations in needed]
+    if all(better):
+        return Finding(Verdict.HOLDS, tuple(figures))
+    slow = ", ".join(name for name, is_better in zip(names, better, strict=True) if not is_better)
+    verdict = Verdict.IN_PART if any(better) else Verdict.FAILS
+    return Finding(verdict, tuple(figures), f"No fewer iterations are needed in {slow}.")
+
+
+def _feedback_and_stability(evidence: Evidence) -> Finding:
+    names = ("fig6a", *_WITH_L2, *_WITH_L3)
+    figures = [
+        count(f"needed ({name[3:]})", iterations_needed(evidence[name]))
+        for name in (*_WITH_L2, *_WITH_L3)
+    ]
+    falls = all(
+        fewer(larger, smaller)
+        for row in (_WITH_L2, _WITH_L3)
+        for smaller, larger in zip(
+            _needed(evidence, row), _needed(evidence, row)[1:], strict=False
+        )
+    )
+    long_runs = errors_of(
+        [shipped(name, "controller.b_w=null", f"iterations={_LONG}") for name in names]
+    )
+    growth = {
+        name: float(errors[-1] / errors.min())
+        for name, errors in zip(names, long_runs, strict=True)
+    }
+    figures += [
+        Figure(f"last by smallest error in {_LONG} iterations without limit ({name[3:]})", ratio)
+        for name, ratio in growth.items()
+    ]
+    costs = growth["fig6f"] > _GROWN and growth["fig6i"] > _GROWN and growth["fig6a"] <= _GROWN
+    if falls and costs:
+        return Finding(Verdict.HOLDS, tuple(figures))
+    missing = []
+    if not falls:
+        missing.append("A larger gain does not always need fewer iterations.")
+    if not costs:
+        missing.append(
+            f"In {_LONG} iterations without limit the error of the largest gains does not grow "
+            f"{_GROWN:g} times above its smallest while that without feedback does not."
+        )
+    verdict = Verdict.IN_PART if falls or costs else Verdict.FAILS
+    return Finding(verdict, tuple(figures), " ".join(missing))
+
+
+CLAIMS = (
+    Claim(
+        "F6-1",
+        "Raising l1 from 0.1 to 10 lowers the number of iterations needed; above 20 tracking "
+        "fails.",
+        "Section 4.2.1, finding 1; Figure 6a-c",
+        f"iterations until the error stays within {NEARLY:.0%} of the circle's size, for gains "
+        "from 0.1 to 10; the error after 100 iterations for gains of 25 to 50",
+        "holds: the number falls from each gain to the next, and the gains above 20 miss the "
+        f"{NEARLY:.0%}; in part: one of the two, or at least 10 needs fewer than 0.1",
+        _gain_and_iterations,
+    ),
+    Claim(
+        "F6-2",
+        "Adding the running iteration's errors e_{i+1}(k) and e_{i+1}(k-1) speeds convergence up.",
+        "Section 4.2.1, finding 2; Figure 6a, d, e, g, h",
+        f"iterations until the error stays within {NEARLY:.0%} of the circle's size",
+        "holds: fewer than without in all of d, e, g, h; in part: in some",
+        _feedback_speeds_up,
+    ),
+    Claim(
+        "F6-3",
+        "Larger l2 and l3 lower the number of iterations needed, at the cost of stability.",
+        "Section 4.2.1, finding 3; Figure 6d-i",
+        f"iterations until the error stays within {NEARLY:.0%} of the circle's size; and, without "
+        f"the limit, the error after {_LONG} iterations by the smallest before",
+        "holds: the number falls from d to e to f and from g to h to i, and in the long run the "
+        f"error of f and of i grows above {_GROWN:g} times its smallest while that of a (no "
+        "feedback) does not; in part: one of the two",
+        _feedback_and_stability,
+    ),
+)
