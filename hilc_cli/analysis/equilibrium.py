@@ -107,7 +107,11 @@ def equilibrium(experiment: Experiment) -> Equilibrium | None:
 
 
 def _next_error(
-    matrix: GainMatrix, heading: float, known: tuple[float, ...], beside: tuple[float, float], drift: float
+    matrix: GainMatrix,
+    heading: float,
+    known: tuple[float, ...],
+    beside: tuple[float, float],
+    drift: float,
 ) -> Triple | None:
     """Solves G [e(k+1) + known] = 0 and beside . e(k+1) = drift for e(k+1)."""
     left, right = matrix.at(math.cos(heading), math.sin(heading))

@@ -17,11 +17,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.reference.sampled import Floats
+
+Complexes = NDArray[np.complex128]
 
 LONGEST_PERIOD = 20  # samples; for longer ones the path and the integrator's own growth count
 _FREQUENCIES = 200
@@ -63,8 +65,8 @@ def ripple_growth(experiment: Experiment) -> RippleGrowth:
     return RippleGrowth(float(factors[worst]), float(2 * np.pi / frequencies[worst]))
 
 
-def _eigenvalues(experiment: Experiment, law: HybridLaw) -> Floats:
-    """Eigenvalues of G B at the reference headings, without the scalar gains; complex, once each."""
+def _eigenvalues(experiment: Experiment, law: HybridLaw) -> Complexes:
+    """Eigenvalues of G B at the reference headings, without the scalars; complex, each once."""
     robot, heading = experiment.robot, experiment.reference.heading[:-1]
     cos, sin = np.cos(heading), np.sin(heading)
     control = np.empty((len(heading), 3, 2))  # Eq. 9
@@ -74,4 +76,4 @@ def _eigenvalues(experiment: Experiment, law: HybridLaw) -> Floats:
     control[:, 2, :] = turn, -turn
     matrix = np.array([law.matrix.at(float(c), float(s)) for c, s in zip(cos, sin, strict=True)])
     values = np.linalg.eigvals(matrix @ control)
-    return np.unique(values.round(12))
+    return np.unique(values.round(12)).astype(np.complex128)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.long_run import errors_of, shipped
 from hilc_cli.paper.yardstick import (
@@ -28,13 +30,12 @@ def _gain_and_iterations(evidence: Evidence) -> Finding:
     size = experiments[0].reference.size
     needed = {gain: iterations_needed_by(errors[gain], size) for gain in _USEFUL}
     last = {gain: float(errors[gain][-1]) / size for gain in _TOO_LARGE}
-    falls = all(
-        fewer(needed[larger], needed[smaller])
-        for smaller, larger in zip(_USEFUL, _USEFUL[1:], strict=False)
-    )
+    falls = all(fewer(needed[larger], needed[smaller]) for smaller, larger in pairwise(_USEFUL))
     fails_above = all(error > NEARLY for error in last.values())
     figures = [count(f"needed with l1 = {gain:g}", needed[gain]) for gain in _USEFUL]
-    figures += [percent(f"error after 100 iterations with l1 = {gain:g}", last[gain]) for gain in last]
+    figures += [
+        percent(f"error after 100 iterations with l1 = {gain:g}", last[gain]) for gain in last
+    ]
     if falls and fails_above:
         return Finding(Verdict.HOLDS, tuple(figures))
     reached = {gain: iterations for gain, iterations in needed.items() if iterations is not None}
@@ -46,11 +47,11 @@ def _gain_and_iterations(evidence: Evidence) -> Finding:
     at_best = summarise(evidence["fig6b"]).saturated_share
     peak = float(errors[10.0].max())
     reason = (
-        f"Fewest iterations, {reached[best]}, are needed with l1 = {best:g}; beyond that the number "
-        f"grows again. Learning through an integrator first amplifies: by up to exp(l1 T / 2) over "
-        f"the T = 2 s of the circle, which for l1 = 10 the speed limit cuts off at {peak:.0f} m; "
-        f"the wheels are then at their limit in {share:.0%} of all samples, against {at_best:.0%} "
-        "for l1 = 1."
+        f"Fewest iterations, {reached[best]}, are needed with l1 = {best:g}; beyond that the "
+        "number grows again. Learning through an integrator first amplifies: by up to "
+        "exp(l1 T / 2) over the T = 2 s of the circle, which for l1 = 10 the speed limit cuts off "
+        f"at {peak:.0f} m; the wheels are then at their limit in {share:.0%} of all samples, "
+        f"against {at_best:.0%} for l1 = 1."
     )
     in_part = fails_above or fewer(needed[10.0], needed[0.1])
     return Finding(Verdict.IN_PART if in_part else Verdict.FAILS, tuple(figures), reason)
@@ -86,9 +87,7 @@ def _feedback_and_stability(evidence: Evidence) -> Finding:
     falls = all(
         fewer(larger, smaller)
         for row in (_WITH_L2, _WITH_L3)
-        for smaller, larger in zip(
-            _needed(evidence, row), _needed(evidence, row)[1:], strict=False
-        )
+        for smaller, larger in pairwise(_needed(evidence, row))
     )
     long_runs = errors_of(
         [shipped(name, "controller.b_w=null", f"iterations={_LONG}") for name in names]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hilc_cli.analysis.equilibrium import equilibrium
+from hilc_cli.analysis.equilibrium import Equilibrium, equilibrium
 from hilc_cli.laws.compensation import compensation_gain
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.long_run import shipped
@@ -23,6 +23,7 @@ SAMPLE_TIME = 1e-3  # [s]
 CIRCLE = "fig4-compensated"
 OTHERS = {"arc-and-line": "fig5-arc-and-line", "cardioid": "fig5-cardioid", "spiral": "fig5-spiral"}
 _FIXED = 0.25  # spread of an offset by its mean up to which it is called fixed
+_TURN = 1.0  # turn within a sample beyond which no platform follows [rad]
 _BOUND = 180.0  # u_max of Eq. 44 [rad/s]
 
 
@@ -47,7 +48,10 @@ def _offset_remains(evidence: Evidence) -> Finding:
         return Finding(Verdict.HOLDS, figures)
     if not remains:
         return Finding(Verdict.FAILS, figures, f"The offset falls to {smallest:.3g} m.")
-    reason = f"An offset of {mean:.3g} m remains, but it varies between {smallest:.3g} and {largest:.3g} m."
+    reason = (
+        f"An offset of {mean:.3g} m remains, but it varies between {smallest:.3g} and "
+        f"{largest:.3g} m."
+    )
     return Finding(Verdict.IN_PART, figures, reason)
 
 
@@ -58,7 +62,9 @@ def _circle_is_tracked(evidence: Evidence) -> Finding:
     start = float(run.position_error(run.last.iteration)[0])
     figures = (
         percent("maximum error after sample h", error),
-        percent("that without compensation", relative_error_after(evidence["fig4-uncompensated"], H)),
+        percent(
+            "that without compensation", relative_error_after(evidence["fig4-uncompensated"], H)
+        ),
         Figure("initial error", start, "m"),
         Figure("fastest wheel of all iterations", fastest, "rad/s"),
     )
@@ -67,7 +73,7 @@ def _circle_is_tracked(evidence: Evidence) -> Finding:
         return Finding(tracked, figures)
     verdict = Verdict.IN_PART if tracked is not Verdict.FAILS else Verdict.FAILS
     limit = "The speed limit is kept." if kept else "The speed limit is not kept."
-    return Finding(verdict, figures, f"{limit} {_why({'circle': CIRCLE})}")
+    return Finding(verdict, figures, f"{limit} {_why(evidence, {'circle': CIRCLE})}")
 
 
 def _others_are_tracked(evidence: Evidence) -> Finding:
@@ -76,34 +82,49 @@ def _others_are_tracked(evidence: Evidence) -> Finding:
         percent(f"maximum error after sample h, {name}", error) for name, error in errors.items()
     )
     verdict = tracking(list(errors.values()))
-    return Finding(verdict, figures, "" if verdict is Verdict.HOLDS else _why(OTHERS))
+    return Finding(verdict, figures, "" if verdict is Verdict.HOLDS else _why(evidence, OTHERS))
 
 
-def _why(runs: Mapping[str, str]) -> str:
+def _why(evidence: Evidence, runs: Mapping[str, str]) -> str:
     """The equilibrium of Eq. 21 in figures."""
+    resting = {name: rest_without_limit(run) for name, run in runs.items()}
     told = ", ".join(
-        f"{resting_error(run):.2f} m" + (f" ({name})" if len(runs) > 1 else "")
-        for name, run in runs.items()
+        f"{rest.position_error[H + 1 :].max():.2f} m" + (f" ({name})" if len(runs) > 1 else "")
+        for name, rest in resting.items()
     )
-    return (
+    why = (
         "Eq. 21 stands still where G(k) [e(k+1) + w(k) e(0)] = 0: it holds an error of -w(k) e(0) "
         f"along the path and in heading, w(0) = {compensation_gain(0, H, SAMPLE_TIME):g} times the "
         "initial one, until sample h, and none after it. The sideways error has no column in G: it "
         "drifts meanwhile, and nothing removes it afterwards. Without limit this equilibrium has "
         f"errors of up to {told} after sample h."
     )
+    turns = {
+        name: float(abs(rest.error[1, 2] - rest.error[0, 2])) for name, rest in resting.items()
+    }
+    turned = {name: turn for name, turn in turns.items() if turn > _TURN}
+    if turned:
+        jumps = ", ".join(f"{turn:.1f} rad ({name})" for name, turn in turned.items())
+        last = [evidence[runs[name]] for name in turned]
+        share = max(run.last.saturated_samples / run.reference.samples for run in last)
+        why += (
+            f" It would turn the platform by {jumps} in the first sample, where the start is "
+            "turned as well, which no wheel within the limit does: there it is at its limit in up "
+            f"to {share:.0%} of the samples of iteration 100."
+        )
+    return why
 
 
-def resting_error(name: str) -> float:
-    """Largest position error after sample h in the equilibrium without limit [m].
+def rest_without_limit(name: str) -> Equilibrium:
+    """The equilibrium of a shipped scenario without its speed limit.
 
     Raises:
-        ValueError: There is no equilibrium.
+        ValueError: It has none.
     """
     rest = equilibrium(shipped(name, "controller.b_w=null"))
     if rest is None:
         raise ValueError(f"{name} has no equilibrium")
-    return float(rest.position_error[H + 1 :].max())
+    return rest
 
 
 CLAIMS = (

@@ -30,7 +30,9 @@ def _tracks(evidence: Evidence) -> Finding:
     reason = ""
     if verdict is not Verdict.HOLDS:
         runs = [evidence[run] for run in RUNS.values()]
-        halved = ", ".join(f"{_error_at(run, 50):.2f} to {_error_at(run, -1):.2f} m" for run in runs)
+        halved = ", ".join(
+            f"{_error_at(run, 50):.2f} to {_error_at(run, -1):.2f} m" for run in runs
+        )
         reason = (
             "Learning has almost stopped: from iteration 50 to the last one the maximum errors go "
             f"from {halved}. The law feeds e(k+1) into a speed, and the plant sums speeds, so that "
