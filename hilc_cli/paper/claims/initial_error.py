@@ -36,7 +36,7 @@ def _second_half(run: RunData) -> tuple[float, float, float]:
 def _offset_remains(evidence: Evidence) -> Finding:
     run = evidence["fig4-uncompensated"]
     smallest, mean, largest = _second_half(run)
-    spread = (largest - smallest) / mean
+    spread = (largest - smallest) / mean if mean > 0 else 0.0
     figures = (
         Figure("smallest error of the second half", smallest, "m"),
         Figure("mean error of the second half", mean, "m"),
