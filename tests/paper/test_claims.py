@@ -17,7 +17,10 @@ from tests.paper.evidence import SIZE, STEPS, evidence, reached, run_of
 HOLDS, IN_PART, FAILS = Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS
 BY_NAME = {claim.name: claim for claim in CLAIMS}
 # The rows of the paper's claims, in its order.
-NAMES = ["T1", "T2", "F3-1", "F3-2", "F4-1", "F4-2", "F5-1", "F6-1", "F6-2", "F6-3", "F7-1", "F7-2", "F7-3", "F8-1", "F8-2"]  # fmt: skip
+NAMES = [
+    *("T1", "T2", "F3-1", "F3-2", "F4-1", "F4-2", "F5-1", "F6-1", "F6-2", "F6-3"),
+    *("F7-1", "F7-2", "F7-3", "F8-1", "F8-2"),
+]
 
 
 def judge(name: str, **runs: RunData) -> Finding:
