@@ -1,7 +1,7 @@
 """The bounds of the convergence proof in the lambda-norm: Eqs. 35 to 43.
 
 The lambda-norm is sup_k lambda**-k ||.(k)||. A bound in it says of sample k that ||.(k)|| is at
-most lambda**k times as large. Numbers are kept as logarithms, since lambda**k soon is none any more.
+most lambda**k times as large. Numbers are kept as logarithms: lambda**k soon is too large for one.
 """
 
 from __future__ import annotations
@@ -149,9 +149,9 @@ def suitable_lambda(constants: Constants, iterations: int) -> float:
     """A lambda for Eq. 37, neither too small for A nor larger than need be.
 
     With rho < 1, A < 1 needs lambda > h2 + b_B (h1 + b_L2 + b_L3) / (1 - rho). Twice that distance
-    from h2 is taken: then 1 - A is at least (1 - rho) / 2, so that a larger lambda would not even
-    halve what the contraction costs. With rho >= 1 there is no limit; the distance is as many
-    times b_B (h1 + b_L2 + b_L3) as there are iterations, so that A^i grows little more than rho^i.
+    from h2 is taken: then 1 - A is at least (1 - rho) / 2, half of what any lambda can give. With
+    rho >= 1 there is no limit; the distance is as many times b_B (h1 + b_L2 + b_L3) as there are
+    iterations, so that A^i grows little more than rho^i.
 
     Args:
         constants: The constants.

@@ -17,8 +17,8 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.robot import Robot
 
 _GRID = 4096  # headings over a turn
-_COARSE = 720  # the same where two headings differ
-_PAIRS = 360  # differences of two headings, over the largest difference
+_COARSE = 360  # the same where two headings differ
+_PAIRS = 120  # differences of two headings, over the largest difference
 
 
 def largest_control(robot: Robot, wheels: WheelNorm) -> float:
