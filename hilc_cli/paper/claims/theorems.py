@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hilc_cli.analysis.conditions import theorem_1, theorem_2
+from hilc_cli.analysis.conditions import conditions
 from hilc_cli.analysis.equilibrium import equilibrium
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.claims import initial_error, tracking
@@ -28,7 +28,7 @@ def _without_initial_error(evidence: Evidence) -> Finding:
         experiments = [
             on_reachable_reference(shipped(name, *overrides)) for name in tracking.RUNS.values()
         ]
-        rho = max(theorem_1(experiment).printed.value for experiment in experiments)
+        rho = max(conditions(experiment).theorem_1_printed.rho for experiment in experiments)
         worst[gains] = max(
             float(errors[-1]) / experiment.reference.size
             for errors, experiment in zip(errors_of(experiments), experiments, strict=True)
@@ -66,7 +66,7 @@ def _with_initial_error(evidence: Evidence) -> Finding:
         after = (x**2 + y**2)[_COARSE_H + 1 :] ** 0.5
         rest = equilibrium(experiment)
         errors.append(float(after.max()) / reference.size)
-        rhos.append(theorem_2(experiment).printed.value)
+        rhos.append(conditions(experiment).theorem_2_printed.rho)
         figures.append(percent(f"largest error after sample h, {name}", errors[-1]))
         if rest is not None:
             resting.append(float(rest.position_error[_COARSE_H + 1 :].max()) / reference.size)
