@@ -25,12 +25,8 @@ def print_claims(result: Reproduction) -> None:
     if not result.judged:
         print_text("Claims are judged only together with all figures: hilc reproduce")
         return
-    table = Table(
-        title=count_text(result.judged),
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        title_style="bold",
-    )
+    print_text(count_text(result.judged))
+    table = Table(box=box.SIMPLE_HEAD)
     table.add_column("claim", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     table.add_column("the paper says")

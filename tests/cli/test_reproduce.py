@@ -19,6 +19,7 @@ import pytest
 
 from hilc_cli import api
 from hilc_cli.cli.main import main
+from hilc_cli.cli.reproduction_report import print_claims
 from hilc_cli.paper import folder as paper_folder
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.contents import FIGURES
@@ -241,7 +242,11 @@ def test_other_figures_are_replaced_by_force_only(hilc: Hilc, folder: Path, few:
         "choose another folder with --out, or replace it with --force\n",
     )
     assert listing(folder) == before
-    assert hilc("reproduce", "fig5", "--dpi", "20", "-q", "--force").code == 0
+    outcome = hilc("reproduce", "fig5", "--dpi", "20", "-qv", "--force")
+    assert (outcome.code, outcome.out) == (0, "")
+    assert re.fullmatch(
+        r"(hilc: (simulation|claims|figures and tables): \d+\.\d{3} s\n){3}", outcome.err
+    )
     assert (folder / "runs/reproduce/fig5.png").exists()
     assert not (folder / "runs/reproduce/fig4.png").exists()
 
@@ -283,6 +288,19 @@ def test_signal_while_it_is_written(
     assert (outcome.code, outcome.out, outcome.err.count("\n")) == (code, "", 1)
     assert [entry.name for entry in folder.iterdir()] == ["runs"]
     assert list((folder / "runs").iterdir()) == []
+
+
+def test_claims_are_printed_with_their_verdicts(capsys: pytest.CaptureFixture[str]) -> None:
+    result = api.reproduce(quick(["fig4"], overrides={"iterations": 0}))
+    judged = replace(result, judged=((CLAIMS[1], refuse({})),))
+    print_claims(judged)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "1 claim: 0 hold, 0 hold in part, 1 does not hold"
+    told = [re.split("  +", line.strip()) for line in lines[1:] if "─" not in line]
+    assert [cells for cells in told if cells != [""]] == [
+        ["claim", "verdict", "the paper says"],
+        ["B-2", "does not hold", "Something else"],
+    ]
 
 
 def test_unknown_figure_is_told(tmp_path: Path) -> None:
