@@ -11,6 +11,8 @@ The Python interface in short::
 
     plan = hilc.plan_sweep(scenario, {"controller.gains.l1": "0.1:10:40:log"})
     print(hilc.sweep(plan).columns["max_position_error_m"])
+
+    hilc.reproduce(hilc.plan_reproduction(["fig3"])).write("runs/fig3-of-the-paper")
 """
 
 from typing import TYPE_CHECKING, Any
@@ -21,6 +23,8 @@ from hilc_cli.version import __version__
 if TYPE_CHECKING:
     from hilc_cli.api import (
         Execution,
+        Reproduction,
+        ReproductionPlan,
         Run,
         RunData,
         Scenario,
@@ -30,11 +34,13 @@ if TYPE_CHECKING:
         check_folder,
         load_scenario,
         merge_shards,
+        plan_reproduction,
         plan_sweep,
         plot,
         plot_sweep,
         read_run,
         read_sweep,
+        reproduce,
         run,
         sweep,
         sweep_shard,
@@ -43,6 +49,8 @@ if TYPE_CHECKING:
 __all__ = [
     "Execution",
     "HilcError",
+    "Reproduction",
+    "ReproductionPlan",
     "Run",
     "RunData",
     "Scenario",
@@ -53,11 +61,13 @@ __all__ = [
     "check_folder",
     "load_scenario",
     "merge_shards",
+    "plan_reproduction",
     "plan_sweep",
     "plot",
     "plot_sweep",
     "read_run",
     "read_sweep",
+    "reproduce",
     "run",
     "sweep",
     "sweep_shard",

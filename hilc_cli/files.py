@@ -130,7 +130,7 @@ def write_folder(
         try:
             fill(draft)
             _open_to_others(draft, 0o777)
-            for file in draft.iterdir():
+            for file in draft.rglob("*"):
                 sync(file)
             sync(draft)
             _put_in_place(draft, place, may_replace)

@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from hilc_cli.api.reproducing import Reproduction, check_reproduction, reproduce
     from hilc_cli.api.running import (
         Run,
         RunData,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     )
     from hilc_cli.api.sweep_results import Sweep
     from hilc_cli.api.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
+    from hilc_cli.paper.plan import ReproductionPlan, plan_reproduction
     from hilc_cli.results.parquet import require_parquet
     from hilc_cli.results.sweep import SweepData
     from hilc_cli.results.sweep_summary import SweepSummary, summarise_sweep
@@ -46,6 +48,8 @@ __all__ = [
     "Execution",
     "Failure",
     "Plan",
+    "Reproduction",
+    "ReproductionPlan",
     "Run",
     "RunData",
     "Scenario",
@@ -55,6 +59,7 @@ __all__ = [
     "SweepSummary",
     "available_cores",
     "check_folder",
+    "check_reproduction",
     "check_sweep_output",
     "compile_for",
     "discard_work",
@@ -64,11 +69,13 @@ __all__ = [
     "is_sweep",
     "load_scenario",
     "merge_shards",
+    "plan_reproduction",
     "plan_sweep",
     "plot",
     "plot_sweep",
     "read_run",
     "read_sweep",
+    "reproduce",
     "require_parquet",
     "run",
     "shard_cases",
@@ -79,6 +86,11 @@ __all__ = [
 ]
 
 _HOMES = {
+    "hilc_cli.api.reproducing": (
+        "Reproduction",
+        "check_reproduction",
+        "reproduce",
+    ),
     "hilc_cli.api.running": (
         "Run",
         "RunData",
@@ -106,6 +118,10 @@ _HOMES = {
         "plan_sweep",
         "sweep",
         "sweep_shard",
+    ),
+    "hilc_cli.paper.plan": (
+        "ReproductionPlan",
+        "plan_reproduction",
     ),
     "hilc_cli.results.parquet": ("require_parquet",),
     "hilc_cli.results.sweep": ("SweepData",),

@@ -7,6 +7,7 @@ import typer
 from hilc_cli.cli.examples import examples
 from hilc_cli.cli.options import Version
 from hilc_cli.cli.plot import plot
+from hilc_cli.cli.reproduce import reproduce
 from hilc_cli.cli.run import run
 from hilc_cli.cli.schema import schema
 from hilc_cli.cli.sweep import sweep
@@ -28,6 +29,7 @@ def hilc(context: typer.Context, version: Version = False) -> None:
       hilc run example:fig3-circle
       hilc plot runs/fig3-circle --kind error --format svg
       hilc sweep example:fig8a --vary controller.gains.l1=0.05:1:20
+      hilc reproduce fig3
     """
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
@@ -36,5 +38,6 @@ def hilc(context: typer.Context, version: Version = False) -> None:
 app.command()(run)
 app.command()(plot)
 app.command()(sweep)
+app.command()(reproduce)
 app.command()(examples)
 app.command()(schema)

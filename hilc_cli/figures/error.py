@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -27,6 +27,8 @@ _SINGLE = (
     ("rms_position_error_m", "RMS", style.VERMILLION, style.DASHED),
     ("mean_position_error_m", "Mean", style.GREEN, style.DOTTED),
 )
+SINGLE_METRICS = tuple(column[0] for column in _SINGLE)
+"""What is drawn of a single run."""
 
 
 def drawable(errors: Floats) -> Floats:
@@ -40,7 +42,12 @@ def saturated_share(run: RunData) -> Floats:
     return run.metrics["saturated_samples"] / max(1, run.reference.samples)
 
 
-def draw_error(axes: Axes, runs: Sequence[RunData]) -> None:
+def draw_error(
+    axes: Axes,
+    runs: Sequence[RunData],
+    metrics: Collection[str] = SINGLE_METRICS,
+    entitle: labels.Entitle = labels.set_title,
+) -> None:
     """Draws the position error against the iteration.
 
     Of a single run the maximum, RMS and mean; of several the maximum, and the mean as a thin line.
@@ -48,6 +55,8 @@ def draw_error(axes: Axes, runs: Sequence[RunData]) -> None:
     Args:
         axes: Where to draw.
         runs: At least one.
+        metrics: Which of ``SINGLE_METRICS`` to draw of a single run.
+        entitle: Puts the title above the panel.
     """
     several = len(runs) > 1
     shares = [share for share in map(saturated_share, runs) if share.any()]
@@ -61,7 +70,7 @@ def draw_error(axes: Axes, runs: Sequence[RunData]) -> None:
         columns = (
             ((_SINGLE[0][0], name, color, "-"), (_SINGLE[2][0], "_mean", color, style.DOTTED))
             if several
-            else _SINGLE
+            else tuple(column for column in _SINGLE if column[0] in metrics)
         )
         for place, (metric, label, line_color, line_style) in enumerate(columns):
             errors = drawable(run.metrics[metric])
@@ -106,7 +115,7 @@ def draw_error(axes: Axes, runs: Sequence[RunData]) -> None:
     _scale_iterations(axes, runs)
     _scale_errors(axes, lines, strips)
     _draw_strips(axes, runs, strip)
-    labels.set_title(axes, "Position error", [*_gap_notes(runs), *labels.divergence_notes(runs)])
+    entitle(axes, "Position error", [*_gap_notes(runs), *labels.divergence_notes(runs)])
 
 
 def _legend_proxies(axes: Axes, *, several: bool, zeros: bool) -> None:

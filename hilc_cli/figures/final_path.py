@@ -22,12 +22,15 @@ def same_path(references: Sequence[Reference]) -> bool:
     )
 
 
-def draw_final_path(axes: Axes, runs: Sequence[RunData]) -> None:
+def draw_final_path(
+    axes: Axes, runs: Sequence[RunData], entitle: labels.Entitle = labels.set_title
+) -> None:
     """Draws the last recorded path of each run and the dashed reference.
 
     Args:
         axes: Where to draw.
         runs: At least one; all with one reference if they share it, with one each if not.
+        entitle: Puts the title above the panel.
     """
     names = labels.run_labels(runs)
     references = [run.reference for run in runs]
@@ -61,7 +64,7 @@ def draw_final_path(axes: Axes, runs: Sequence[RunData]) -> None:
         view.draw_reference(axes, references[0])
     if len(notes) > 1:
         notes = [f"{len(notes)} of {len(trials)} paths leave the view"]
-    labels.set_title(
+    entitle(
         axes,
         f"Final path, {labels.last_iteration_text(runs)}",
         [*notes, *labels.divergence_notes(runs)],

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.ticker import Formatter
 
 from hilc_cli.figures.style import NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
 from hilc_cli.results.run import RunData
+
+Entitle = Callable[[Axes, str, Sequence[str]], None]
+"""Titles a panel and puts notes that the reader must know beside it, as `set_title` does."""
 
 LONGEST_LABEL = 64
 _LONG = 1e5  # numbers from here on are written with an exponent

@@ -99,6 +99,7 @@ def draw_path_change(
     iterations: Collection[int] | None = None,
     scale: Normalize | None = None,
     title: str = "Path over the iterations",
+    entitle: labels.Entitle = labels.set_title,
 ) -> None:
     """Draws the recorded paths of one run.
 
@@ -108,6 +109,7 @@ def draw_path_change(
         iterations: The iterations to show; None for all that are recorded.
         scale: Colours of the iterations if several runs share them, see `iteration_scale`.
         title: What stands above the panel.
+        entitle: Puts it there.
     """
     trials = chosen_trials(run, iterations)
     if scale is None:
@@ -115,22 +117,23 @@ def draw_path_change(
     notes = draw_paths(axes, run.reference, trials, scale)
     if not trials:
         notes.append("no path of these iterations")
-    labels.set_title(axes, title, [*notes, *labels.divergence_notes([run])])
+    entitle(axes, title, [*notes, *labels.divergence_notes([run])])
 
 
-def draw_color_bar(bar: Axes, scale: Normalize) -> None:
-    """Fills axes with the colours of the iterations."""
+def draw_color_bar(bar: Axes, scale: Normalize, *, lying: bool = False) -> None:
+    """Fills axes with the colours of the iterations, from the bottom up or from left to right."""
     figure = layout.root_figure(bar)
     mappable = ScalarMappable(scale, style.iteration_colors())
     assert scale.vmin is not None
     assert scale.vmax is not None
-    drawn = figure.colorbar(mappable, cax=bar, label="Iteration")
+    orientation = "horizontal" if lying else "vertical"
+    drawn = figure.colorbar(mappable, cax=bar, label="Iteration", orientation=orientation)
     drawn.set_ticks([], minor=True)
     ticks = _bar_ticks(int(scale.vmin), int(scale.vmax))
     drawn.set_ticks(ticks, labels=list(map(str, ticks)))
     assert drawn.solids is not None
     drawn.solids.set_edgecolor("face")  # or PDF viewers show seams between the colours
-    bar.yaxis.labelpad = 2
+    (bar.xaxis if lying else bar.yaxis).labelpad = 2
 
 
 def _bar_ticks(first: int, last: int) -> list[int]:

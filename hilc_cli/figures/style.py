@@ -35,6 +35,8 @@ HEADING_SIZE = 10.0  # [pt]
 TITLE_SIZE = 9.5  # [pt]
 TEXT_SIZE = 8.5  # [pt]
 SMALL_SIZE = 8.0  # [pt]
+PRINT_SIZE = 7.0  # of text on a journal's page [pt]
+PRINT_SHRINK = 0.65  # of lines and marks there
 
 _PALEST = 0.9  # viridis beyond this is too pale for a thin line on white
 
@@ -78,9 +80,23 @@ _RC: dict[Any, Any] = {
 }
 
 
-def applied() -> AbstractContextManager[None]:
-    """The settings of all pictures, for as long as a figure is built or saved."""
-    return matplotlib.rc_context(_RC)
+_PRINT: dict[Any, Any] = {
+    "font.size": PRINT_SIZE,
+    "axes.labelsize": PRINT_SIZE,
+    "axes.titlesize": PRINT_SIZE,
+    "legend.fontsize": PRINT_SIZE,
+    "xtick.labelsize": PRINT_SIZE,
+    "ytick.labelsize": PRINT_SIZE,
+}
+
+
+def applied(*, in_print: bool = False) -> AbstractContextManager[None]:
+    """The settings of all pictures, for as long as a figure is built or saved.
+
+    Args:
+        in_print: With the text sizes of a journal's page, where many panels share one.
+    """
+    return matplotlib.rc_context({**_RC, **_PRINT} if in_print else _RC)
 
 
 def iteration_colors() -> Colormap:

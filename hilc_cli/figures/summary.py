@@ -77,8 +77,9 @@ def _summary_of_several(runs: Sequence[RunData], iterations: Collection[int] | N
         layout.add_panel(figure, layout.LEFT + place * column, top + layout.TOP, width, height)
         for place in range(3)
     ]
-    for panel, draw in zip(panels, (draw_final_path, draw_error, draw_wheel_speeds), strict=True):
-        draw(panel, runs)
+    draw_final_path(panels[0], runs)
+    draw_error(panels[1], runs)
+    draw_wheel_speeds(panels[2], runs)
     own = max(layout.legend_below(panel, width, without=names) for panel in panels)
     shared = layout.shared_legend(
         panels[1], names, layout.LEFT, height_above + own, sheet - 2 * layout.LEFT

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,12 +24,19 @@ def held(speeds: Floats) -> Floats:
     return np.append(speeds, speeds[-1:])
 
 
-def draw_wheel_speeds(axes: Axes, runs: Sequence[RunData]) -> None:
+def draw_wheel_speeds(
+    axes: Axes,
+    runs: Sequence[RunData],
+    limits: Collection[float] | None = None,
+    entitle: labels.Entitle = labels.set_title,
+) -> None:
     """Draws the wheel speeds of the last recorded iteration against time, and the speed limit.
 
     Args:
         axes: Where to draw; the values of the limits stand to the right of them.
         runs: At least one.
+        limits: The limits to show [rad/s]; None for those that the runs kept.
+        entitle: Puts the title above the panel.
     """
     several = len(runs) > 1
     largest = 0.0
@@ -64,7 +71,9 @@ def draw_wheel_speeds(axes: Axes, runs: Sequence[RunData]) -> None:
             linewidth=style.PATH_WIDTH,
             label="Right wheel",
         )
-    notes = _draw_limits(axes, runs, largest)
+    if limits is None:
+        limits = {run.speed_limit for run in runs if run.speed_limit is not None}
+    notes = _draw_limits(axes, sorted(limits), largest)
     duration = max(float(run.reference.times[-1]) for run in runs)
     axes.set_xlim(0, duration)
     axes.margins(y=0.08)
@@ -73,16 +82,15 @@ def draw_wheel_speeds(axes: Axes, runs: Sequence[RunData]) -> None:
     axes.set_xlabel("Time [s]")
     axes.set_ylabel("Wheel speed [rad/s]", labelpad=2)
     axes.grid(visible=True)
-    labels.set_title(
+    entitle(
         axes,
         f"Wheel speeds, {labels.last_iteration_text(runs)}",
         [*notes, *labels.divergence_notes(runs)],
     )
 
 
-def _draw_limits(axes: Axes, runs: Sequence[RunData], largest: float) -> list[str]:
+def _draw_limits(axes: Axes, limits: Sequence[float], largest: float) -> list[str]:
     """Draws each limit as two lines with their values; says so if one is out of view."""
-    limits = sorted({run.speed_limit for run in runs if run.speed_limit is not None})
     near = [limit for limit in limits if largest == 0 or limit <= _LIMIT_IN_VIEW * largest]
     for limit in near:
         for value in (limit, -limit):

@@ -1,0 +1,89 @@
+"""``hilc reproduce``: the paper's figures and claims, with the data of every panel."""
+
+from __future__ import annotations
+
+import sys
+from itertools import count
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hilc_cli.cli.options import (
+    Force,
+    Formats,
+    Json,
+    OutputFolder,
+    PictureFormat,
+    Quiet,
+    Verbose,
+    Version,
+)
+from hilc_cli.cli.session import Session
+
+
+def complete_figure(incomplete: str) -> list[str]:
+    """Names of figures that an argument may go on with."""
+    from hilc_cli.paper.contents import FIGURE_NAMES
+
+    return [name for name in FIGURE_NAMES if name.startswith(incomplete)]
+
+
+def reproduce(
+    context: typer.Context,
+    figures: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[FIG]...",
+            help="Figures of the paper, fig3 to fig8. [default: all, and the claims]",
+            autocompletion=complete_figure,
+            show_default=False,
+        ),
+    ] = None,
+    out: OutputFolder = None,
+    force: Force = False,
+    formats: Formats = None,
+    dpi: Annotated[int, typer.Option(min=20, max=1200, help="Resolution of png.")] = 300,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    version: Version = False,
+) -> None:
+    """Reproduce the paper's figures 3 to 8 and judge its claims.
+
+    Writes to runs/reproduce: the figures, the data of every panel, claims.md and claims.csv, and
+    index.md that shows it all. Judging the claims takes the runs of all figures.
+
+    \b
+    Examples:
+      hilc reproduce
+      hilc reproduce fig3 fig7 --format svg --out runs/two-figures
+    """
+    from hilc_cli import api
+    from hilc_cli.cli.reproduction_report import document, print_claims
+    from hilc_cli.cli.terminal import print_json, print_text, progress, say
+
+    plan = api.plan_reproduction(figures or [])
+    folder = out or Path("runs") / "reproduce"
+    chosen = [choice.value for choice in formats or [PictureFormat.PNG]]
+    api.check_reproduction(plan, folder, force=force)
+    session: Session = context.obj
+    with progress("reproduce", plan.steps, quiet=quiet) as advance:
+        done = count(1)
+
+        def on_step() -> None:
+            session.go_on()
+            advance(next(done))
+
+        result = api.reproduce(plan, on_step=on_step)
+        timings = result.write(
+            folder, force=force, formats=chosen, dpi=dpi, command=sys.argv, on_step=on_step
+        )
+    if json:
+        print_json(document(result, folder, chosen))
+    elif not quiet:
+        print_claims(result)
+        print_text(f"Written to {folder}; begin with {folder / 'index.md'}")
+    if verbose:
+        for step, seconds in {**result.timings, **timings}.items():
+            say(f"{step}: {seconds:.3f} s")

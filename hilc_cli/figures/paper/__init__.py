@@ -1,0 +1,1 @@
+"""Sheets of many panels, as large as a journal prints them."""

@@ -1,0 +1,135 @@
+"""The folder of a reproduction: what is in it, and when it may be replaced."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from hilc_cli.errors import ExistingResultsError
+from hilc_cli.files import write_folder
+from hilc_cli.paper.claim_tables import Judged, claims_text, write_claims_csv
+from hilc_cli.paper.index import index_text
+from hilc_cli.paper.names import (
+    CLAIMS_CSV,
+    CLAIMS_MD,
+    DATA,
+    INDEX,
+    MANIFEST,
+    OWN,
+    OWN_DATA,
+    data_name,
+    picture_name,
+)
+from hilc_cli.paper.panel_tables import write_panel
+from hilc_cli.paper.panels import panel_rows
+from hilc_cli.paper.plan import ReproductionPlan
+from hilc_cli.results.output_folder import check_replaceable, read_manifest
+from hilc_cli.results.run import RunData
+
+KIND = "hilc reproduce"
+
+
+def write_reproduction_folder(
+    path: Path,
+    plan: ReproductionPlan,
+    runs: Mapping[str, RunData],
+    judged: Judged,
+    manifest: Callable[[], Mapping[str, Any]],
+    *,
+    formats: Sequence[str],
+    dpi: int,
+    command: str,
+    versions: Mapping[str, str],
+    force: bool = False,
+    on_figure: Callable[[], None] = lambda: None,
+) -> None:
+    """Writes figures, data, claims and index as a whole.
+
+    Args:
+        path: The folder.
+        plan: What has been reproduced.
+        runs: The results by the names of the examples.
+        judged: The claims with their verdicts; none if they were not judged.
+        manifest: Gives what else is to be known, asked last; kind and files are added.
+        formats: Of the pictures.
+        dpi: Dots per inch of PNG files.
+        command: That writes the same folder.
+        versions: Of the programs that took part, by name.
+        force: Replace the folder of other figures or results.
+        on_figure: Called after each figure; may raise to stop.
+
+    Raises:
+        ExistingResultsError: The folder holds something else.
+        FileAccessError: It cannot be written.
+    """
+    from hilc_cli.figures.paper.sheet import sheet_figure  # Matplotlib starts slowly
+    from hilc_cli.figures.save import save_figure
+
+    def fill(folder: Path) -> None:
+        (folder / DATA).mkdir()
+        for figure in plan.figures:
+            rows = panel_rows(figure, runs, plan.scenarios)
+            sheet = sheet_figure(f"Figure {figure.number}. {figure.title}", rows)
+            for suffix in formats:
+                save_figure(sheet, folder / picture_name(figure, suffix), dpi)
+            drawn = [panel for row in rows for panel in row.panels]
+            for panel, content in zip(figure.panels, drawn, strict=True):
+                write_panel(folder / data_name(panel), content)
+            on_figure()
+        if judged:
+            write_claims_csv(folder / CLAIMS_CSV, judged)
+            _write(folder / CLAIMS_MD, claims_text(judged))
+        _write(folder / INDEX, index_text(plan, runs, judged, formats, command, versions))
+        everything = [entry for entry in folder.rglob("*") if entry.is_file()]
+        files = [file.relative_to(folder).as_posix() for file in everything]
+        document = {
+            "kind": KIND,
+            "figures": [figure.name for figure in plan.figures],
+            "checksum": plan.checksum(),
+            **manifest(),
+            "files": sorted([*files, MANIFEST]),
+        }
+        _write(folder / MANIFEST, json.dumps(document, indent=2) + "\n")
+
+    def may_replace(folder: Path) -> bool:
+        check_reproduction_folder(folder, plan, force=force)
+        return True
+
+    write_folder(path, fill, may_replace, keeps=lambda name: name not in OWN)
+
+
+def check_reproduction_folder(path: Path, plan: ReproductionPlan, *, force: bool = False) -> None:
+    """Whether a reproduction may be written to a folder; to be asked before a long simulation.
+
+    Args:
+        path: The folder.
+        plan: What is to be written.
+        force: Replace the folder of other figures or results.
+
+    Raises:
+        ExistingResultsError: The folder holds something else, or somebody's own files stand
+            among the data.
+    """
+    check_replaceable(
+        path,
+        "reproduction",
+        "other figures or scenarios",
+        is_own=lambda: bool(read_manifest(path / MANIFEST, KIND)),
+        is_same=lambda: force or _manifest(path).get("checksum") == plan.checksum(),
+    )
+    for name in sorted(f"{DATA}/{entry.name}" for entry in (path / DATA).glob("*")):
+        if name not in OWN_DATA:
+            raise ExistingResultsError(
+                f"{path / name}: is no file of a reproduction, which would be replaced; "
+                "move it elsewhere"
+            )
+
+
+def _manifest(path: Path) -> dict[str, Any]:
+    return read_manifest(path / MANIFEST, KIND)
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")

@@ -1,0 +1,31 @@
+"""The files of a reproduction by name."""
+
+from __future__ import annotations
+
+from hilc_cli.paper.contents import FIGURE_NAMES, FIGURES, PaperFigure, PaperPanel
+from hilc_cli.results.run_folder import PICTURE_FORMATS
+
+MANIFEST = "manifest.json"
+INDEX = "index.md"
+CLAIMS_CSV = "claims.csv"
+CLAIMS_MD = "claims.md"
+DATA = "data"
+
+
+def picture_name(figure: PaperFigure, suffix: str) -> str:
+    """The picture of a figure in one format."""
+    return f"{figure.name}.{suffix}"
+
+
+def data_name(panel: PaperPanel) -> str:
+    """The table of a panel."""
+    return f"{DATA}/{panel.name}.csv"
+
+
+OWN = frozenset(
+    {MANIFEST, INDEX, CLAIMS_CSV, CLAIMS_MD, DATA}
+    | {f"{name}.{suffix}" for name in FIGURE_NAMES for suffix in PICTURE_FORMATS}
+)
+"""What hilc writes; anything else in such a folder is somebody's own."""
+
+OWN_DATA = frozenset(data_name(panel) for figure in FIGURES for panel in figure.panels)
