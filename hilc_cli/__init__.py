@@ -20,6 +20,7 @@ from hilc_cli.version import __version__
 
 if TYPE_CHECKING:
     from hilc_cli.api import (
+        Check,
         Execution,
         Run,
         RunData,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
         Summary,
         Sweep,
         SweepData,
+        check,
         check_folder,
         load_scenario,
         merge_shards,
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "Check",
     "Execution",
     "HilcError",
     "Run",
@@ -50,6 +53,7 @@ __all__ = [
     "Sweep",
     "SweepData",
     "__version__",
+    "check",
     "check_folder",
     "load_scenario",
     "merge_shards",

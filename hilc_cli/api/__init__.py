@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from hilc_cli.api.checking import Check, check
     from hilc_cli.api.running import (
         Run,
         RunData,
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from hilc_cli.sweeping.shards import shard_cases
 
 __all__ = [
+    "Check",
     "Estimate",
     "Execution",
     "Failure",
@@ -54,6 +56,7 @@ __all__ = [
     "SweepData",
     "SweepSummary",
     "available_cores",
+    "check",
     "check_folder",
     "check_sweep_output",
     "compile_for",
@@ -79,6 +82,10 @@ __all__ = [
 ]
 
 _HOMES = {
+    "hilc_cli.api.checking": (
+        "Check",
+        "check",
+    ),
     "hilc_cli.api.running": (
         "Run",
         "RunData",
