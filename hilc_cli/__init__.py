@@ -22,6 +22,7 @@ from hilc_cli.version import __version__
 
 if TYPE_CHECKING:
     from hilc_cli.api import (
+        Check,
         Execution,
         Reproduction,
         ReproductionPlan,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
         Summary,
         Sweep,
         SweepData,
+        check,
         check_folder,
         load_scenario,
         merge_shards,
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "Check",
     "Execution",
     "HilcError",
     "Reproduction",
@@ -58,6 +61,7 @@ __all__ = [
     "Sweep",
     "SweepData",
     "__version__",
+    "check",
     "check_folder",
     "load_scenario",
     "merge_shards",

@@ -92,7 +92,7 @@ name: "1e3"
 description: "017: 'quoted' # no comment\\n  second line, ö, \\t \\u2028 end "
 trajectory: {trajectory}
 robot: {{wheel_radius: 33 mm, wheel_separation: 1/3 m, turn_convention: rep103,
-        gravity_center: [1 cm, -pi/100]}}
+        gravity_center: [1 cm, -pi/100], friction: 4/7}}
 model: {{wheel_radius: 36 mm, half_track: 145/2 mm}}
 initial_pose: {{x: 1/3 m, heading: 10 deg}}
 iterations: 6

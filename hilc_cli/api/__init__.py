@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from hilc_cli.api.checking import Check, check
     from hilc_cli.api.reproducing import Reproduction, check_reproduction, reproduce
     from hilc_cli.api.running import (
         Run,
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     from hilc_cli.sweeping.shards import shard_cases
 
 __all__ = [
+    "Check",
     "Estimate",
     "Execution",
     "Failure",
@@ -58,6 +60,7 @@ __all__ = [
     "SweepData",
     "SweepSummary",
     "available_cores",
+    "check",
     "check_folder",
     "check_reproduction",
     "check_sweep_output",
@@ -90,6 +93,10 @@ _HOMES = {
         "Reproduction",
         "check_reproduction",
         "reproduce",
+    ),
+    "hilc_cli.api.checking": (
+        "Check",
+        "check",
     ),
     "hilc_cli.api.running": (
         "Run",

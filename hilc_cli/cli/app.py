@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from hilc_cli.cli.check import check
 from hilc_cli.cli.examples import examples
 from hilc_cli.cli.options import Version
 from hilc_cli.cli.plot import plot
@@ -26,6 +27,7 @@ def hilc(context: typer.Context, version: Version = False) -> None:
 
     \b
     Example:
+      hilc check example:fig3-circle
       hilc run example:fig3-circle
       hilc plot runs/fig3-circle --kind error --format svg
       hilc sweep example:fig8a --vary controller.gains.l1=0.05:1:20
@@ -36,6 +38,7 @@ def hilc(context: typer.Context, version: Version = False) -> None:
 
 
 app.command()(run)
+app.command()(check)
 app.command()(plot)
 app.command()(sweep)
 app.command()(reproduce)

@@ -86,7 +86,7 @@ class PathBuilder:
         self._pose = (x, y, heading)
         self._sample_time = sample_time
         self._corners = corners
-        self._segments: list[tuple[Segment, int]] = []
+        self._segments: list[tuple[Segment, int, float]] = []  # with its samples and corner
         self.samples = 0
 
     def add(self, plan: SegmentPlan) -> None:
@@ -109,7 +109,8 @@ class PathBuilder:
         x, y, heading = segment.at(np.array([1.0]))
         self._pose = (float(x[0]), float(y[0]), float(heading[0]))
         samples = self._samples(segment.length, plan.duration, plan.speed)
-        self._segments.append((segment, samples))
+        corner = jump if abs(jump) > HEADING_TOLERANCE else 0.0
+        self._segments.append((segment, samples, corner))
         self.samples += samples
 
     def gap(self) -> float:
@@ -131,14 +132,23 @@ class PathBuilder:
         x, y, heading = (np.empty(total + 1) for _ in range(3))
         first = 0
         ends = []
-        for segment, samples in self._segments:
+        for segment, samples, _ in self._segments:
             part = slice(first, first + samples + 1)
             # k / m rather than a step added up: sample k comes from the closed form.
             x[part], y[part], heading[part] = segment.at(np.arange(samples + 1) / samples)
             first += samples
             ends.append(first)
         x[0], y[0], heading[0] = self._start
-        return Reference(name, self._sample_time, x, y, heading, tuple(ends))
+        return Reference(
+            name,
+            self._sample_time,
+            x,
+            y,
+            heading,
+            segment_ends=tuple(ends),
+            lengths=tuple(segment.length for segment, _, _ in self._segments),
+            corners=tuple(corner for _, _, corner in self._segments),
+        )
 
     def _line(self, plan: LinePlan) -> Line:
         x, y, running = self._pose

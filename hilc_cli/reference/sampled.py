@@ -21,6 +21,8 @@ class Reference:
         y: Position [m], shape (n + 1,).
         heading: Unwrapped heading [rad], shape (n + 1,).
         segment_ends: Sample index at which each segment ends; empty if it is not known.
+        lengths: Length of each segment [m]; empty if it is not known.
+        corners: Jump of the heading at the start of each segment [rad]; empty if it is not known.
     """
 
     name: str
@@ -29,6 +31,8 @@ class Reference:
     y: Floats
     heading: Floats
     segment_ends: tuple[int, ...] = ()
+    lengths: tuple[float, ...] = ()
+    corners: tuple[float, ...] = ()
 
     @property
     def samples(self) -> int:

@@ -144,6 +144,7 @@ PositiveSpeed = Annotated[
 PositiveWheelSpeed = Annotated[
     float, Quantity(Unit(angle=1, time=-1), "180 or 1700 rpm", above=0, most=1e12)
 ]
+PositiveNumber = Annotated[float, Quantity(PLAIN, "0.8", above=0, most=_LARGEST)]
 Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, most=1e12)]
 Tolerance = Annotated[float, Quantity(PLAIN, "1e-9", least=0, most=_LARGEST)]
 Iterations = Annotated[int, Quantity(PLAIN, "100", least=0, most=10_000_000, whole=True)]

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from hilc_cli.robot import Robot, TurnConvention
 from hilc_cli.spec.model import Model, wrong_at
-from hilc_cli.spec.quantities import Coordinate, PositiveLength
+from hilc_cli.spec.quantities import Coordinate, PositiveLength, PositiveNumber
 
 
 class RobotSpec(Model):
@@ -28,6 +28,11 @@ class RobotSpec(Model):
     )
     gravity_center: tuple[Coordinate, Coordinate] = Field(
         (0.0, 0.0), description="D_cx, D_cy [m] in the platform's frame; only reported"
+    )
+    friction: PositiveNumber | None = Field(
+        None,
+        description="coefficient mu of the tyres, which hold a lateral acceleration of "
+        "mu * 9.80665 m/s^2; used by 'hilc check' only",
     )
 
     def robot(self) -> Robot:

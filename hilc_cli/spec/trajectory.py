@@ -133,6 +133,11 @@ class TrajectorySpec(Model):
         self._path()
         return self
 
+    @property
+    def segment_names(self) -> list[str]:
+        """Keys of the segments' shapes, such as ``segments.0.line``."""
+        return [f"segments.{index}.{segment.kind}" for index, segment in enumerate(self.segments)]
+
     def reference(self) -> Reference:
         """The sampled trajectory."""
         return self._reference

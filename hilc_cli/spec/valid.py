@@ -118,6 +118,8 @@ class Scenario:
         for key, platform in (("robot", robot), ("model", model)):
             data[key]["half_track"] = platform.half_track
             del data[key]["wheel_separation"]
+        if spec.robot.friction is None:
+            del data["robot"]["friction"]
         data["model"]["wheel_radius"] = model.wheel_radius
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:

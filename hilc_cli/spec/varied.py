@@ -31,6 +31,7 @@ WITHOUT_EFFECT = (
     "record",
     "sweep",
     "robot.gravity_center",
+    "robot.friction",
     "trajectory.name",
     "trajectory.description",
     "trajectory.closed",

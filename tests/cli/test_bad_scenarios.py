@@ -506,6 +506,36 @@ CASES = [
         "scenario.yaml:8:16: initial_trial: is not one of the choices, got 'openloop'; give open-loop or feedback",
     ),
     (
+        "friction-zero",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, friction: 0"),
+        "scenario.yaml:3:38: robot.friction: must be above 0, got 0; give a number above 0, such as 0.8",
+    ),
+    (
+        "friction-negative",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, friction: -1/2"),
+        "scenario.yaml:3:38: robot.friction: must be above 0, got '-1/2'; give a number above 0, such as 0.8",
+    ),
+    (
+        "friction-unit",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, friction: 8 m"),
+        "scenario.yaml:3:38: robot.friction: has the wrong unit, got '8 m'; give a number above 0, such as 0.8",
+    ),
+    (
+        "friction-infinite",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, friction: .inf"),
+        "scenario.yaml:3:38: robot.friction: must be finite, got .inf; give a number above 0, such as 0.8",
+    ),
+    (
+        "friction-bool",
+        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, friction: true"),
+        "scenario.yaml:3:38: robot.friction: must be a number, got true; give a number above 0, such as 0.8",
+    ),
+    (
+        "friction-of-the-model",
+        plus("model: {friction: 0.8}\n"),
+        "scenario.yaml:8:9: model.friction: is an unknown key; known: half_track, wheel_radius, wheel_separation",
+    ),
+    (
         "gravity-center-short",
         scenario("wheel_radius: 0.2", "wheel_radius: 0.2, gravity_center: [1]"),
         "scenario.yaml:3:44: robot.gravity_center.1: is missing; the list has too few entries",
@@ -1002,6 +1032,7 @@ def test_wrong_scenario_is_explained(
 
 EMPTY_VALUES = [
     ("iterations:", "iterations: 2"),
+    ("half_track: 0.5, friction: }", "half_track: 0.5}"),
     ("b_w:", "b_w: 180"),
     ("b_w: 180\n  gain_matrix:", "b_w: 180"),
     ("b_w: 180\ninitial_pose:", "b_w: 180"),

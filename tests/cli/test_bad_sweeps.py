@@ -404,6 +404,11 @@ CASES: list[tuple[list[str], int, str]] = [
         "--vary robot.gravity_center=1,2: robot.gravity_center: has no effect on the results; vary another key",
     ),
     (
+        ["--vary", "robot.friction=0.5,1"],
+        2,
+        "--vary robot.friction=0.5,1: robot.friction: has no effect on the results; vary another key",
+    ),
+    (
         ["--vary", "model.half_track=1,2", "--vary", "model.wheel_separation=1,2"],
         2,
         "--vary model.wheel_separation=1,2: model: has both half_track and wheel_separation; give one of them",

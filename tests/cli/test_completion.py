@@ -17,6 +17,7 @@ BIN = Path(sys.executable).parent
         ("hilc run example : fig6", 4, {"fig6a", "fig6i"}),
         ("hilc run example :", 3, {"fig3-circle", "figure-eight"}),
         ("hilc run exam", 2, {"example:fig3-circle"}),
+        ("hilc check example : fig6", 4, {"fig6a", "fig6i"}),
         ("hilc plot --ki", 2, {"--kind"}),
     ],
 )

@@ -138,6 +138,24 @@ def test_allowed_corner_turns_the_shorter_way_from_a_wound_up_heading() -> None:
     assert reference.heading[-1] == pytest.approx(3.5 * math.pi, abs=1e-12)
 
 
+def test_reference_tells_of_lengths_and_corners() -> None:
+    reference = build_reference(
+        "corners",
+        (0.0, 0.0, 0.5),
+        [
+            LinePlan(to=(3.0, 4.0), duration=0.005),
+            ArcPlan(math.pi / 2, "right", radius=2.0, duration=0.01),
+            LinePlan(length=0.25, duration=0.001),
+        ],
+        0.001,
+        corners=True,
+    )
+    assert reference.lengths == pytest.approx((5.0, math.pi, 0.25), rel=1e-15)
+    # The line heads atan(4 / 3), the start 0.5; the others go on as they arrive.
+    assert reference.corners == pytest.approx((math.atan2(4, 3) - 0.5, 0, 0), abs=1e-15)
+    assert reference.corners[1:] == (0, 0)
+
+
 def test_speed_stands_in_for_the_duration() -> None:
     by_speed = build_reference("line", ORIGIN, [LinePlan(length=3.0, speed=1.5)], 0.01)
     assert by_speed.samples == 200

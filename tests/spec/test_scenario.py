@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -60,6 +61,17 @@ def test_model_is_the_robot_where_it_is_left_out() -> None:
     resolved = load_scenario("scenario.yaml", {"model.wheel_separation": 3}).resolved()
     assert resolved["model"] == {"wheel_radius": 0.2, "half_track": 1.5}
     assert resolved["robot"]["half_track"] == 0.5
+
+
+def test_friction_is_resolved_if_it_is_given(folder: Path) -> None:
+    # Left out, it leaves no trace: run folders of scenarios that do not know it stay theirs.
+    assert "friction" not in load_scenario("scenario.yaml").resolved_yaml()
+    given = load_scenario("scenario.yaml", {"robot.friction": "4/7"})
+    (folder / "resolved.yaml").write_text(given.resolved_yaml())
+    again = load_scenario("resolved.yaml")
+    assert again.spec.robot.friction == 4 / 7
+    assert again.resolved_yaml() == given.resolved_yaml()
+    assert again.experiment().robot == load_scenario("scenario.yaml").experiment().robot
 
 
 def test_deviation_is_a_third_of_the_bound_by_default() -> None:

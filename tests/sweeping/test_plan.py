@@ -43,7 +43,11 @@ def test_checksum_tells_orders_of_the_keys_apart() -> None:
 
 
 def test_checksum_leaves_out_what_has_no_effect() -> None:
-    changes = {"robot.gravity_center": [1, 2], "trajectory.description": "another"}
+    changes = {
+        "robot.gravity_center": [1, 2],
+        "robot.friction": 0.8,
+        "trajectory.description": "another",
+    }
     assert plan(changes=changes).checksum() == plan().checksum()
     assert plan(seed=5).checksum() == plan().checksum()
     seeds = [plan(sample="random", cases=3, seed=seed).checksum() for seed in (0, 5)]

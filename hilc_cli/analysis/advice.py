@@ -1,0 +1,169 @@
+"""What is legal in an experiment but unwise, each with its remedy."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.analysis.loop_gain import loop_gains
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.reference.path import POSITION_TOLERANCE
+
+_FACTOR = 10.0  # a gain matrix that is off by more hardly is so on purpose
+_MARGIN = 1e-9  # beyond what rounding may make of a limiting case
+
+
+def advice(experiment: Experiment) -> list[str]:
+    """What is legal but unwise, in sentences that name keys of the scenario.
+
+    Args:
+        experiment: Any; what concerns gains is told of the hybrid law only.
+    """
+    found = [*_iterations(experiment), *_path(experiment), *_disturbances(experiment)]
+    law = experiment.law
+    if isinstance(law, HybridLaw):
+        for part in (_learning, _strength, _feedback, _first_trial, _compensation):
+            found += part(experiment, law)
+    return found
+
+
+def _iterations(experiment: Experiment) -> list[str]:
+    if experiment.iterations > 0:
+        return []
+    return ["iterations is 0: the first input is run, and nothing is learned"]
+
+
+def _path(experiment: Experiment) -> list[str]:
+    """Of the reference as a whole."""
+    reference = experiment.reference
+    gap = math.dist((reference.x[0], reference.y[0]), (reference.x[-1], reference.y[-1]))
+    turned = math.remainder(float(reference.heading[-1] - reference.heading[0]), 2 * math.pi)
+    closed = gap <= POSITION_TOLERANCE < reference.size
+    if closed and abs(turned) > _MARGIN * reference.samples:
+        return [
+            f"trajectory ends where it starts, but heads {abs(turned):.4g} rad away from its "
+            "start: a robot that drives it again has to turn on the spot first"
+        ]
+    return []
+
+
+def _disturbances(experiment: Experiment) -> list[str]:
+    reference, disturbance = experiment.reference, experiment.disturbance
+    steps = np.hypot(np.diff(reference.x), np.diff(reference.y))
+    step = float(np.median(steps))
+    found = []
+    if max(disturbance.state.bound[:2]) >= step > 0:
+        found.append(
+            f"disturbance.state.bound of {max(disturbance.state.bound[:2]):g} m is added at every "
+            f"sample, in which the reference moves by {step:.3g} m only; make it smaller"
+        )
+    if max(disturbance.output.bound[:2]) >= reference.size > 0:
+        found.append(
+            f"disturbance.output.bound of {max(disturbance.output.bound[:2]):g} m is as large as "
+            f"the whole path, {reference.size:.3g} m; make it smaller"
+        )
+    if disturbance.output.bound[2] >= math.pi / 2:
+        found.append(
+            f"disturbance.output.bound of {disturbance.output.bound[2]:g} rad hides whether the "
+            "robot drives ahead or aside; make it less than pi/2"
+        )
+    return found
+
+
+def _learning(experiment: Experiment, law: HybridLaw) -> list[str]:
+    feedback = law.l2 > 0 or law.l3 > 0
+    if law.l1 > 0 or experiment.iterations == 0:
+        return []
+    if law.compensation or not feedback:
+        return ["controller.gains.l1 is 0: every iteration repeats the first input; raise it"]
+    return [
+        "controller.gains.l1 is 0: no wheel speed is corrected by the error that it causes, only "
+        "by those before, and the iterations do not settle; raise it"
+    ]
+
+
+def _strength(experiment: Experiment, law: HybridLaw) -> list[str]:
+    """What one iteration makes of an error, by the gain matrix on the true platform."""
+    gains = _loop_gains(experiment, law)
+    strength = np.abs(gains)
+    wrong = (gains.real <= _MARGIN * strength.max()).any(axis=1)
+    if wrong.any():
+        first = int(wrong.argmax())
+        return [
+            f"controller.gain_matrix corrects some errors the wrong way, or not at all, at "
+            f"{np.count_nonzero(wrong)} of {len(wrong)} samples, at first at sample {first}: the "
+            "iterations do not settle on the reference; its first row is the left wheel, its "
+            "second the right one"
+        ]
+    found = []
+    weakest, strongest = float(strength.min()), float(strength.max())
+    if law.matrix.is_kinematic and (weakest < 1 / _FACTOR or strongest > _FACTOR):
+        found.append(
+            f"controller.gain_matrix acts on the true robot with {weakest:.3g} to {strongest:.3g} "
+            "times the strength of Eq. 45 with its true R and B; check the units of robot and "
+            "model, or make up for it in controller.gains"
+        )
+    # |1 - d l1 g| < 1 for all loop gains g
+    bound = float((2 * gains.real / strength**2).min()) / experiment.reference.sample_time
+    if law.l1 >= bound * (1 - _MARGIN):
+        found.append(
+            f"controller.gains.l1 of {law.l1:g} is too large for this sample_time: it turns the "
+            "error that a sample's wheel speeds cause into one as large or larger, and the "
+            f"iterations do not settle; keep it below {bound:.3g}"
+        )
+    return found
+
+
+def _feedback(experiment: Experiment, law: HybridLaw) -> list[str]:
+    """Growth of an error e(k+1) = (1 - d l2 g) e(k) - d l3 g e(k-1) within an iteration."""
+    if law.compensation or (law.l2 == 0 and law.l3 == 0):
+        return []
+    gains = experiment.reference.sample_time * _loop_gains(experiment, law)
+    if (gains.real <= 0).any():
+        return []  # told of the gain matrix
+    half = (1 - law.l2 * gains) / 2
+    root = np.sqrt(half**2 - law.l3 * gains)
+    growth = float(max(np.abs(half + root).max(), np.abs(half - root).max()))
+    if growth <= 1 + _MARGIN:
+        return []
+    return [
+        f"controller.gains.l2 of {law.l2:g} and l3 of {law.l3:g} make the feedback within an "
+        f"iteration unstable at this sample_time: an error grows to {growth:.3g} times its size "
+        "from sample to sample; lower them, or shorten sample_time"
+    ]
+
+
+def _first_trial(experiment: Experiment, law: HybridLaw) -> list[str]:
+    feedback = not law.compensation and (law.l2 > 0 or law.l3 > 0)
+    if not experiment.learn_in_first or feedback:
+        return []
+    return ["initial_trial 'feedback' has no effect: the law has no feedback within an iteration"]
+
+
+def _compensation(experiment: Experiment, law: HybridLaw) -> list[str]:
+    if not law.compensation:
+        return []
+    found = []
+    reference, disturbance = experiment.reference, experiment.disturbance
+    if 2 * law.h > reference.samples:
+        found.append(
+            f"controller.h of {law.h} of {reference.samples} samples: Theorem 2 promises the "
+            "reference for what comes after sample h only; make it shorter"
+        )
+    start = (reference.x[0], reference.y[0], reference.heading[0])
+    pairs = zip(start, experiment.initial_pose, strict=True)
+    off = any(abs(wanted - given) > POSITION_TOLERANCE for wanted, given in pairs)
+    scattered = disturbance.initial_pose.active and not disturbance.initial_pose.repeat
+    if scattered and not off:
+        found.append(
+            "disturbance.initial_pose differs in each iteration, and the law compensates each time "
+            "what it has met the time before; set 'compensation: off', or 'repeat: true'"
+        )
+    return found
+
+
+def _loop_gains(experiment: Experiment, law: HybridLaw) -> NDArray[np.complex128]:
+    return loop_gains(law.matrix, experiment.robot, experiment.reference.heading[:-1])

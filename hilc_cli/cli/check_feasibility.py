@@ -1,0 +1,236 @@
+"""The part of ``hilc check`` that tells whether wheels and tyres can follow the trajectory."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from hilc_cli.cli.section import Grid, Section
+
+if TYPE_CHECKING:
+    from hilc_cli.analysis.demand import Joint, SegmentDemand
+    from hilc_cli.analysis.feasibility import Feasibility
+    from hilc_cli.api import Check
+
+_MOST_ROWS = 24
+"""So many segments are shown if not all are asked for."""
+
+
+def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
+    """What the trajectory demands, beside what is possible.
+
+    Args:
+        check: What was found.
+        verbose: All segments, and the joints between them.
+    """
+    feasibility = check.feasibility
+    demand = feasibility.demand
+    grids = [_segments(feasibility, demand.segments if verbose else _shown(feasibility))]
+    if verbose:
+        grids.append(_joints(demand.joints))
+    return Section(
+        "feasibility",
+        "Can wheels and tyres follow the trajectory?",
+        _rows(feasibility),
+        grids,
+        check.findings["feasibility"].warnings,
+        _document(feasibility),
+    )
+
+
+def _rows(feasibility: Feasibility) -> list[tuple[str, str]]:
+    demand, limits = feasibility.demand, feasibility.limits
+    fastest, sharpest = demand.fastest, demand.sharpest
+    share = feasibility.share(fastest.fastest_wheel)
+    of_limit = "no limit" if share is None else f"{share:.1%} of b_w, {limits.wheel_speed:g} rad/s"
+    held = "robot.friction not given"
+    if limits.friction is not None:
+        held = f"tyres hold {limits.lateral:.4g} m/s^2"
+    lateral = "none"
+    if sharpest.lateral_acceleration:
+        lateral = (
+            f"{sharpest.lateral_acceleration:.4g} m/s^2 ({feasibility.needed_friction:.3g} g) "
+            f"in {sharpest.name}; {held}"
+        )
+    rows = [
+        ("Fastest wheel", f"{fastest.fastest_wheel:.4g} rad/s in {fastest.name}; {of_limit}"),
+        ("Lateral acceleration", lateral),
+        ("Jump from rest", _jump(demand.joints[0], demand.sample_time)),
+    ]
+    largest = demand.largest_jump
+    if largest is not None:
+        at = f"{_jump(largest, demand.sample_time)}, at {largest.name}"
+        rows.append(("Largest jump on the way", at))
+    inside = max(segment.wheel_acceleration for segment in demand.segments)
+    inside_text = f"up to {inside:.4g} rad/s^2" if inside else "none: each runs at constant speed"
+    rows.append(("Acceleration in segments", inside_text))
+    rows.append(("Verdict", _verdict(feasibility)))
+    return rows
+
+
+def _jump(joint: Joint, sample_time: float) -> str:
+    if not joint.jump:
+        return "none"
+    return f"{joint.jump:.4g} rad/s in one sample, {joint.jump / sample_time:.3g} rad/s^2"
+
+
+def _verdict(feasibility: Feasibility) -> str:
+    from hilc_cli.analysis.demand import Joint
+
+    offences, total = feasibility.offences, len(feasibility.demand.segments)
+    if not offences:
+        return "feasible"
+    corners = sum(isinstance(offence, Joint) for offence in offences)
+    segments = len(offences) - corners
+    parts = [f"{segments} of {_counted(total, 'segment')}"] if segments else []
+    parts += [_counted(corners, "corner")] if corners else []
+    return f"infeasible: {' and '.join(parts)}"
+
+
+def _counted(count: int, name: str) -> str:
+    return f"{count} {name}" if count == 1 else f"{count} {name}s"
+
+
+def _shown(feasibility: Feasibility) -> Sequence[SegmentDemand]:
+    """All segments if they are few, otherwise those that demand most, in the path's order."""
+    segments = feasibility.demand.segments
+    if len(segments) <= _MOST_ROWS:
+        return segments
+    limits = feasibility.limits
+    top_wheel = min(limits.wheel_speed, feasibility.demand.fastest.fastest_wheel)
+    top_tyre = min(limits.lateral, feasibility.demand.sharpest.lateral_acceleration) or 1.0
+
+    def strain(segment: SegmentDemand) -> float:
+        most = max(segment.fastest_wheel / top_wheel, segment.lateral_acceleration / top_tyre)
+        return round(most, 9)  # so that rounding does not decide which of equal ones are shown
+
+    most = sorted(segments, key=strain, reverse=True)[:_MOST_ROWS]
+    return sorted(most, key=lambda segment: segment.first)
+
+
+def _segments(feasibility: Feasibility, shown: Sequence[SegmentDemand]) -> Grid:
+    from hilc_cli.analysis.feasibility import GRAVITY
+
+    header = [
+        ("Segment", ""),
+        ("Time", "s"),
+        ("Length", "m"),
+        ("Speed", "m/s"),
+        ("Yaw", "rad/s"),
+        ("Wheel", "rad/s"),
+        ("Lateral", "m/s^2"),
+        ("", "g"),
+    ]
+    limited, short = feasibility.share(0.0) is not None, not feasibility.feasible
+    header[6:6] = [("b_w", "%")] if limited else []
+    header += [("Needs", "s")] if short else []
+    rows = []
+    for segment in shown:
+        row = [
+            segment.name.removeprefix("segments."),
+            f"{segment.duration:.4g}",
+            f"{segment.length:.4g}",
+            f"{segment.speed:.4g}",
+            f"{segment.yaw_rate:.4g}",
+            f"{segment.fastest_wheel:.4g}",
+            f"{segment.lateral_acceleration:.4g}",
+            f"{segment.lateral_acceleration / GRAVITY:.3g}",
+        ]
+        share = feasibility.share(segment.fastest_wheel)
+        row[6:6] = [] if share is None else [f"{100 * share:.1f}"]
+        row += [_needed(feasibility, segment)] if short else []
+        rows.append(row)
+    total = len(feasibility.demand.segments)
+    note = (
+        ""
+        if len(shown) == total
+        else (f"{len(shown)} of {total} segments, those that demand most; -v shows all")
+    )
+    return Grid(header, rows, note)
+
+
+def _needed(feasibility: Feasibility, segment: SegmentDemand) -> str:
+    """The duration that a segment needs, if it has less."""
+    if feasibility.keeps(segment, segment.samples):
+        return "-"
+    samples = feasibility.least_samples(segment)
+    return "none" if samples is None else f"{samples * feasibility.demand.sample_time:.12g}"
+
+
+def _joints(joints: Sequence[Joint]) -> Grid:
+    header = [
+        ("Start of", ""),
+        ("Sample", ""),
+        ("Left jump", "rad/s"),
+        ("Right jump", "rad/s"),
+        ("Corner", "rad"),
+        ("Wheel in it", "rad/s"),
+    ]
+    rows = [
+        [
+            joint.name.removeprefix("segments."),
+            f"{joint.sample}",
+            f"{joint.left_jump:.4g}",
+            f"{joint.right_jump:.4g}",
+            f"{joint.corner:.4g}" if joint.corner else "-",
+            f"{joint.corner_wheel:.4g}" if joint.corner else "-",
+        ]
+        for joint in joints
+    ]
+    return Grid(header, rows)
+
+
+def _document(feasibility: Feasibility) -> dict[str, object]:
+    demand, limits = feasibility.demand, feasibility.limits
+    fastest = demand.fastest.fastest_wheel
+    return {
+        "feasible": feasibility.feasible,
+        "speed_limit_rad_s": _finite(limits.wheel_speed),
+        "friction": limits.friction,
+        "max_wheel_speed_rad_s": _finite(fastest),
+        "share_of_speed_limit": _finite(feasibility.share(fastest)),
+        "max_lateral_acceleration_m_s2": _finite(demand.sharpest.lateral_acceleration),
+        "needed_friction": _finite(feasibility.needed_friction),
+        "segments": [
+            {
+                "name": segment.name,
+                "first_sample": segment.first,
+                "samples": segment.samples,
+                "duration_s": segment.duration,
+                "length_m": segment.length,
+                "turn_rad": segment.turn,
+                "speed_m_s": _finite(segment.speed),
+                "yaw_rate_rad_s": _finite(segment.yaw_rate),
+                "max_wheel_speed_rad_s": _finite(segment.fastest_wheel),
+                "max_wheel_acceleration_rad_s2": _finite(segment.wheel_acceleration),
+                "lateral_acceleration_m_s2": _finite(segment.lateral_acceleration),
+                "feasible": feasibility.keeps(segment, segment.samples),
+                "least_duration_s": _least_duration(feasibility, segment),
+            }
+            for segment in demand.segments
+        ],
+        "joints": [
+            {
+                "name": joint.name,
+                "sample": joint.sample,
+                "left_jump_rad_s": _finite(joint.left_jump),
+                "right_jump_rad_s": _finite(joint.right_jump),
+                "corner_rad": joint.corner,
+                "corner_wheel_speed_rad_s": _finite(joint.corner_wheel),
+                "corner_lateral_acceleration_m_s2": _finite(joint.corner_lateral),
+                "feasible": feasibility.turns(joint),
+            }
+            for joint in demand.joints
+        ],
+    }
+
+
+def _least_duration(feasibility: Feasibility, segment: SegmentDemand) -> float | None:
+    samples = feasibility.least_samples(segment)
+    return None if samples is None else samples * feasibility.demand.sample_time
+
+
+def _finite(number: float | None) -> float | None:
+    """A number as JSON has it, where there is no infinity."""
+    return None if number is None or not math.isfinite(number) else number

@@ -1,0 +1,57 @@
+"""What ``hilc check`` prints: its sections in their order, or one JSON document."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hilc_cli.cli.check_feasibility import feasibility_section
+from hilc_cli.cli.section import Section
+
+if TYPE_CHECKING:
+    from hilc_cli.api import Check
+    from hilc_cli.robot import Robot
+
+
+def sections(check: Check, *, verbose: bool = False) -> list[Section]:
+    """The report, section by section.
+
+    Args:
+        check: What was found.
+        verbose: Long tables as a whole.
+    """
+    return [_settings(check), feasibility_section(check, verbose=verbose)]
+
+
+def document(check: Check) -> dict[str, object]:
+    """The report as one JSON document."""
+    return {
+        "name": check.scenario.name,
+        "trajectory": check.scenario.spec.trajectory.name,
+        "ok": not check.failures,
+        "failures": list(check.failures),
+        "warnings": list(check.warnings),
+        **{part.key: part.document for part in sections(check) if part.key},
+    }
+
+
+def _settings(check: Check) -> Section:
+    """The scenario in a few lines, and what is unwise in it."""
+    scenario, spec = check.scenario, check.scenario.spec
+    gains, demand = spec.controller.gains, check.feasibility.demand
+    robot = spec.robot.robot()
+    law = "Eq. 21, compensating the initial error" if scenario.compensates else "Eq. 17"
+    rows = [
+        ("Robot", f"{_platform(robot)}; turn convention: {robot.turn_convention}"),
+        ("Model", _platform(spec.model.model(robot))),
+        ("Law", f"{law}; l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}"),
+        ("Iterations", f"{spec.iterations}"),
+    ]
+    title = (
+        f"{scenario.name}: {spec.trajectory.name}, {demand.samples} samples of "
+        f"{demand.sample_time:g} s"
+    )
+    return Section("", title, rows, warnings=check.findings["settings"].warnings)
+
+
+def _platform(platform: Robot) -> str:
+    return f"wheel radius {platform.wheel_radius:g} m, half track {platform.half_track:g} m"

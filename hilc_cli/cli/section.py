@@ -1,0 +1,89 @@
+"""A part of a report: how it reads on the terminal, and what it is as JSON."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from hilc_cli.cli.terminal import is_decorated, print_table, print_text, two_columns
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A table with a header.
+
+    Attributes:
+        header: Names of the columns, units below them.
+        rows: The first cell of each is text, the others are numbers.
+        note: What is to be said below the table; empty for nothing.
+    """
+
+    header: Sequence[tuple[str, str]]
+    rows: Sequence[Sequence[str]]
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A part of a report.
+
+    Attributes:
+        key: Of its part of the JSON document; empty if it has none.
+        title: Above its rows.
+        rows: Names and what there is to say of them.
+        grids: Tables below the rows.
+        warnings: What is legal but unwise.
+        document: Its part of the JSON document.
+    """
+
+    key: str
+    title: str
+    rows: Sequence[tuple[str, str]] = ()
+    grids: Sequence[Grid] = ()
+    warnings: Sequence[str] = ()
+    document: Mapping[str, object] = field(default_factory=dict)
+
+
+def print_section(section: Section) -> None:
+    """A section to stdout."""
+    print_table(two_columns(section.title, section.rows, numbers=False))
+    for grid in section.grids:
+        print_text("")
+        print_table(_table(grid))
+        if grid.note:
+            _print_paragraph(grid.note)
+    if section.warnings:
+        print_text("")
+    for warning in section.warnings:
+        _print_paragraph(f"warning: {warning}")
+
+
+def _table(grid: Grid) -> Table:
+    from rich import box
+    from rich.markup import escape  # units stand in brackets, as Rich's markup does
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False, show_edge=False)
+    for index, (name, unit) in enumerate(grid.header):
+        text = f"{name}\n[{unit}]" if unit else name
+        table.add_column(
+            escape(text), justify="right" if index else "left", no_wrap=not index, overflow="fold"
+        )
+    for row in grid.rows:
+        table.add_row(*row)
+    return table
+
+
+def _print_paragraph(text: str) -> None:
+    """A text, in lines as wide as the terminal if there is one, in one line if not."""
+    if is_decorated(sys.stdout):
+        width = max(40, min(100, shutil.get_terminal_size().columns))
+        text = textwrap.fill(text, width, subsequent_indent="  ", break_long_words=False)
+    print_text(text)

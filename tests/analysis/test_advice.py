@@ -1,0 +1,249 @@
+"""What is unwise, where possible shown to be so by simulating it."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hilc_cli.analysis.advice import advice
+from hilc_cli.disturbance.streams import Bounded, Disturbance
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.loop import simulate
+from hilc_cli.laws.gain_matrix import Affine, GainMatrix, model_gain
+from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
+from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.trial import Trial
+from hilc_cli.robot import Robot
+from tests.engine.experiments import experiment_of, law_of
+from tests.reference.paths import paper_reference
+
+DT = 0.5
+OTHER = Robot(0.2, 0.518, "rep103")
+
+
+def line(samples: int, sample_time: float = DT) -> Reference:
+    """A line along x at 1 m/s."""
+    x = sample_time * np.arange(samples + 1, dtype=np.float64)
+    return Reference("line", sample_time, x, 0 * x, 0 * x)
+
+
+def spot(samples: int) -> Reference:
+    """A turn on the spot at 0.1 rad/s."""
+    heading = 0.1 * DT * np.arange(samples + 1, dtype=np.float64)
+    return Reference("spot", DT, 0 * heading, 0 * heading, heading)
+
+
+def errors(reference: Reference, trial: Trial) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """The error of what moves."""
+    return reference.x - trial.x + reference.heading - trial.heading
+
+
+def one_of(experiment: Experiment, start: str) -> str:
+    """The only advice, which starts so."""
+    (text,) = advice(experiment)
+    assert text.startswith(start), text
+    return text
+
+
+@pytest.mark.parametrize("name", ["circle", "arc-and-line", "spiral"])
+def test_paper_is_not_advised(name: str) -> None:
+    assert advice(experiment_of(paper_reference(name), law_of(0.1, 0.25, 0.25))) == []
+
+
+@pytest.mark.parametrize("reference", [line(4), spot(4)], ids=["line", "spot"])
+@pytest.mark.parametrize("model", [Robot(0.1, 0.4), Robot(0.3, 0.9)])
+def test_bound_of_l1_parts_what_settles_from_what_does_not(
+    reference: Reference, model: Robot
+) -> None:
+    ahead, turning = 0.2 / model.wheel_radius, 0.2 / 0.518 * model.half_track / model.wheel_radius
+    bound = 2 / DT / max(ahead, turning)
+    text = one_of(
+        experiment_of(reference, law_of(1.1 * bound, matrix=model_gain(model))),
+        "controller.gains.l1 of ",
+    )
+    told = float(text.rpartition(" ")[2])
+    assert told == pytest.approx(bound, rel=5e-3)
+    ours = 2 / DT / (turning if reference.name == "spot" else ahead)
+    for factor in (0.8, 1.2):
+        law = law_of(factor * ours, matrix=model_gain(model))
+        experiment = experiment_of(reference, law, iterations=150)
+        *_, last = simulate(experiment)
+        worst = np.abs(errors(reference, last)).max()
+        assert worst < 1e-6 if factor < 1 else worst > 1e6
+    slow = law_of(0.8 * bound, matrix=model_gain(model))
+    assert advice(experiment_of(reference, slow)) == []
+
+
+@pytest.mark.parametrize(("l2", "l3"), [(2.1, 0.0), (3.0, 0.25), (0.5, 1.1)])
+def test_unstable_feedback_grows_as_told(l2: float, l3: float) -> None:
+    reference = line(80)
+    law = law_of(0.0, l2 / DT, l3 / DT)
+    (text, _) = reversed(advice(experiment_of(reference, law)))
+    assert text.startswith("controller.gains.l2 of ")
+    match = re.search(r"grows to ([0-9.]+) times its size", text)
+    assert match is not None
+    # Without learning e(k+1) = (1 - a2) e(k) - a3 e(k-1) + v d: differences have no constant.
+    _, trial, *_ = simulate(experiment_of(reference, law))
+    changes = np.abs(np.diff(errors(reference, trial)))
+    growth = (changes[-10:].max() / changes[30:40].max()) ** (1 / 40)
+    assert float(match[1]) == pytest.approx(growth, rel=0.02)
+
+
+@pytest.mark.parametrize(("l2", "l3"), [(1.9, 0.0), (2.4, 0.5), (0.5, 0.9)])
+def test_stable_feedback_is_not_advised(l2: float, l3: float) -> None:
+    assert advice(experiment_of(line(80), law_of(0.1, l2 / DT, l3 / DT))) == []
+
+
+def test_compensating_law_has_no_feedback_to_be_unstable() -> None:
+    law = law_of(0.1, 10 / DT, compensation=True, h=20)
+    assert advice(experiment_of(line(80), law)) == []
+
+
+def test_without_l1_the_first_step_is_never_corrected() -> None:
+    reference = line(3)
+    experiment = experiment_of(reference, law_of(0.0, 0.5), iterations=40)
+    one_of(experiment, "controller.gains.l1 is 0: no wheel speed is corrected by the error")
+    trials = list(simulate(experiment))
+    assert {trial.x[1] for trial in trials} == {0.0}
+    # The second wheel speed meets the same error again and again, and grows without end.
+    speeds = [trial.left[1] for trial in trials]
+    np.testing.assert_allclose(np.diff(speeds), 0.5 * DT / 0.2, rtol=1e-9)
+
+
+@pytest.mark.parametrize("law", [law_of(0.0), law_of(0.0, 1.0, 1.0, compensation=True, h=1)])
+def test_without_gains_every_iteration_is_the_first(law: object) -> None:
+    experiment = experiment_of(line(3), law)  # type: ignore[arg-type]
+    one_of(experiment, "controller.gains.l1 is 0: every iteration repeats the first input")
+    assert {tuple(trial.x) for trial in simulate(experiment)} == {(0, 0, 0, 0)}
+
+
+def test_no_iterations_learn_nothing() -> None:
+    experiment = experiment_of(line(3), law_of(0.0), iterations=0)
+    assert advice(experiment) == ["iterations is 0: the first input is run, and nothing is learned"]
+
+
+def test_matrix_that_turns_the_wrong_way_drives_the_heading_off() -> None:
+    law = law_of(0.5, matrix=model_gain(OTHER))
+    text = one_of(experiment_of(spot(4), law), "controller.gain_matrix corrects some errors the ")
+    assert "at 4 of 4 samples, at first at sample 0" in text
+    *_, last = simulate(experiment_of(spot(4), law, iterations=60))
+    assert np.abs(errors(spot(4), last)).max() > 1e3
+    right = experiment_of(spot(4), law, robot=OTHER)
+    assert advice(right) == []
+
+
+def test_matrix_is_judged_where_the_reference_heads() -> None:
+    # Both wheels get cos(heading) times the error in x: nothing of one in y, and none in heading.
+    row = (Affine(cos=5.0), Affine(), Affine(2.0))
+    other = (Affine(cos=5.0), Affine(), Affine(-2.0))
+    matrix = GainMatrix(row, other)
+    ahead = build_reference("a", (0, 0, 0), [LinePlan(length=1.0, duration=1.0)], 0.1)
+    aside = build_reference("b", (0, 0, math.pi / 2), [LinePlan(length=1.0, duration=1.0)], 0.1)
+    assert advice(experiment_of(ahead, law_of(1.0, matrix=matrix))) == []
+    one_of(experiment_of(aside, law_of(1.0, matrix=matrix)), "controller.gain_matrix corrects some")
+
+
+@pytest.mark.parametrize(
+    ("model", "told"),
+    [
+        (Robot(200.0, 518.0), "0.001 to 1 times"),
+        (Robot(0.2, 518.0), "1 to 1e+03 times"),
+        (Robot(0.3, 0.4), None),
+        (Robot(1.9, 4.5), None),
+    ],
+)
+def test_units_of_the_model_are_doubted_if_it_is_far_off(model: Robot, told: str | None) -> None:
+    experiment = experiment_of(line(3, 1e-4), law_of(1.0, matrix=model_gain(model)))
+    if told is None:
+        assert advice(experiment) == []
+    else:
+        assert told in one_of(experiment, "controller.gain_matrix acts on the true robot with ")
+
+
+@pytest.mark.parametrize(
+    ("gains", "compensation", "advised"),
+    [((1.0, 0.0), False, True), ((1.0, 1.0), False, False), ((1.0, 1.0), True, True)],
+)
+def test_first_trial_needs_feedback(
+    gains: tuple[float, float], compensation: bool, advised: bool
+) -> None:
+    law = law_of(*gains, compensation=compensation, h=1)
+    experiment = experiment_of(line(3), law, learn_in_first=True)
+    assert [text.partition(":")[0] for text in advice(experiment)] == [
+        "initial_trial 'feedback' has no effect"
+    ] * advised
+    first = next(iter(simulate(experiment)))
+    assert (not first.x.any()) is advised
+
+
+@pytest.mark.parametrize(("h", "advised"), [(5, False), (6, True), (10, True)])
+def test_compensation_is_to_leave_something_of_the_trajectory(h: int, advised: bool) -> None:
+    law = law_of(1.0, compensation=True, h=h)
+    experiment = experiment_of(line(10), law, initial_pose=(0.1, 0.0, 0.0))
+    assert [text.partition(":")[0] for text in advice(experiment)] == [
+        f"controller.h of {h} of 10 samples"
+    ] * advised
+    assert advice(experiment_of(line(10), law_of(1.0, h=h))) == []
+
+
+@pytest.mark.parametrize(
+    ("offset", "repeat", "compensation", "advised"),
+    [
+        (0.0, False, True, True),
+        (0.0, True, True, False),
+        (0.5, False, True, False),
+        (0.0, False, False, False),
+    ],
+)
+def test_scattered_start_is_not_to_be_compensated(
+    offset: float, repeat: bool, compensation: bool, advised: bool
+) -> None:
+    experiment = experiment_of(
+        line(10),
+        law_of(1.0, compensation=compensation, h=2),
+        initial_pose=(offset, 0.0, 0.0),
+        disturbance=Disturbance(initial_pose=Bounded((0.1, 0.0, 0.0), repeat=repeat)),
+    )
+    assert [text.partition(" differs")[0] for text in advice(experiment)] == [
+        "disturbance.initial_pose"
+    ] * advised
+
+
+# The line of ten samples is 5 m long, 0.5 m in each.
+DISTURBANCES: Mapping[str, tuple[Disturbance, str | None]] = {
+    "step": (Disturbance(state=Bounded((0.0, 0.5, 0.0))), "disturbance.state.bound of 0.5 m"),
+    "part of a step": (Disturbance(state=Bounded((0.4, 0.4, 9.0))), None),
+    "path": (Disturbance(output=Bounded((5.0, 0.0, 0.0))), "disturbance.output.bound of 5 m"),
+    "part of the path": (Disturbance(output=Bounded((4.9, 4.9, 1.5))), None),
+    "direction": (Disturbance(output=Bounded((0.0, 0.0, 1.6))), "disturbance.output.bound of 1.6"),
+}
+
+
+@pytest.mark.parametrize("name", DISTURBANCES)
+def test_disturbances_are_not_to_hide_the_motion(name: str) -> None:
+    disturbance, start = DISTURBANCES[name]
+    experiment = experiment_of(line(10), law_of(1.0), disturbance=disturbance)
+    if start is None:
+        assert advice(experiment) == []
+    else:
+        one_of(experiment, start)
+
+
+@pytest.mark.parametrize("turns", [1, 2, 5])
+def test_whole_turns_close_the_heading(turns: int) -> None:
+    plan = ArcPlan(2 * math.pi * turns, "left", radius=1.0, duration=1.0)
+    reference = build_reference("turns", (0.0, 0.0, 1.0), [plan], 0.001)
+    assert advice(experiment_of(reference, law_of(1.0))) == []
+
+
+def test_closed_path_with_another_heading_is_told() -> None:
+    experiment = experiment_of(paper_reference("cardioid"), law_of(1.0))
+    text = one_of(experiment, "trajectory ends where it starts, but heads 3.142 rad away ")
+    assert text.endswith("has to turn on the spot first")
+    opened = replace(experiment.reference, x=experiment.reference.x + np.linspace(0, 1e-3, 2001))
+    assert advice(replace(experiment, reference=opened)) == []

@@ -1,0 +1,389 @@
+"""``hilc check``: exact reports, exit codes, JSON, streams."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import pty
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+import hilc_cli as hilc_api
+from hilc_cli.shipped_files import examples
+from tests.cli.inputs import SCENARIO, TRAJECTORY, listing, scenario, trajectory
+from tests.cli.processes import HILC, TIMEOUT, environment, run_hilc
+from tests.conftest import Hilc, Outcome, Write
+
+REPORT = """\
+test: path, 3 samples of 0.1 s
+
+  Robot        wheel radius 0.2 m, half track 0.5 m; turn convention: paper
+  Model        wheel radius 0.2 m, half track 0.5 m
+  Law          Eq. 17; l1 0.5, l2 0, l3 0
+  Iterations   2
+
+Can wheels and tyres follow the trajectory?
+
+  Fastest wheel              16.67 rad/s in segments.0.line; 9.3% of b_w, 180 rad/s
+  Lateral acceleration       none
+  Jump from rest             16.67 rad/s in one sample, 167 rad/s^2
+  Acceleration in segments   none: each runs at constant speed
+  Verdict                    feasible
+
+         Time  Length  Speed      Yaw    Wheel  b_w  Lateral
+Segment   [s]     [m]  [m/s]  [rad/s]  [rad/s]  [%]  [m/s^2]  [g]
+─────────────────────────────────────────────────────────────────
+0.line    0.3       1  3.333        0    16.67  9.3        0    0
+"""
+TOO_FAST = (
+    "hilc: trajectory.segments.0.line needs a wheel speed of 16.67 rad/s, above b_w of 12 rad/s; "
+    "give it at least 0.5 s (at most 2 m/s) instead of 0.3 s"
+)
+# Half a turn of 1 m radius after the line, twice as fast, and a line at a right angle to it.
+WINDING = (
+    TRAJECTORY
+    + "  - semicircle: {radius: 1, turn: left, duration: 0.5 s}\n"
+    + "  - line: {to: [0, 0], duration: 1 s}\n"
+    + "corners: allow\n"
+)
+
+
+def test_report_of_a_line(hilc: Hilc, write: Write, folder: Path) -> None:
+    write()
+    before = listing(folder)
+    assert hilc("check", "scenario.yaml") == Outcome(0, REPORT, "")
+    assert listing(folder) == before
+
+
+def test_quiet_check_tells_by_its_exit_code(hilc: Hilc, write: Write) -> None:
+    write()
+    assert hilc("check", "scenario.yaml", "-q") == Outcome(0, "", "")
+    # 1 m in 0.5 s on wheels of 0.2 m are 10 rad/s, in 0.4 s 12.5.
+    outcome = hilc("check", "scenario.yaml", "-q", "--set", "controller.b_w=12")
+    assert outcome == Outcome(3, "", f"{TOO_FAST}\n")
+
+
+def test_remedy_is_good_enough(hilc: Hilc, write: Write) -> None:
+    changes = ("--set", "controller.b_w=12", "--set", "trajectory.segments.0.line={length: 1}")
+    write()
+    for key in ("duration=0.5 s", "speed=2 m/s"):
+        setting = f"trajectory.segments.0.line.{key}"
+        outcome = hilc("check", "scenario.yaml", "-q", *changes, "--set", setting)
+        assert outcome == Outcome(0, "", "")
+
+
+def test_infeasible_report_has_the_duration_that_is_needed(hilc: Hilc, write: Write) -> None:
+    write()
+    outcome = hilc("check", "scenario.yaml", "--set", "controller.b_w=12")
+    assert (outcome.code, outcome.err) == (3, f"{TOO_FAST}\n")
+    assert "  Verdict                    infeasible: 1 of 1 segment\n" in outcome.out
+    assert outcome.out.endswith(
+        "         Time  Length  Speed      Yaw    Wheel    b_w  Lateral       Needs\n"
+        "Segment   [s]     [m]  [m/s]  [rad/s]  [rad/s]    [%]  [m/s^2]  [g]    [s]\n"
+        "──────────────────────────────────────────────────────────────────────────\n"
+        "0.line    0.3       1  3.333        0    16.67  138.9        0    0    0.5\n"
+    )
+
+
+def test_fastest_wheel_may_be_as_fast_as_the_limit(hilc: Hilc, write: Write) -> None:
+    write()
+    assert hilc("check", "scenario.yaml", "--set", "controller.b_w=50/3").code == 0
+    assert hilc("check", "scenario.yaml", "--set", "controller.b_w=49.999/3").code == 3
+
+
+def test_without_a_limit_wheels_may_be_as_fast_as_they_like(hilc: Hilc, write: Write) -> None:
+    write({"path.yaml": trajectory("length: 1", "length: 1e9")})
+    outcome = hilc("check", "scenario.yaml", "--set", "controller.b_w=null")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert "1.667e+10 rad/s in segments.0.line; no limit\n" in outcome.out
+    assert "b_w" not in outcome.out
+
+
+def test_friction_that_is_not_enough_is_infeasible(hilc: Hilc, write: Write) -> None:
+    write({"path.yaml": WINDING.replace("{to: [0, 0], duration", "{length: 1, duration")})
+    changes = ("--set", "controller.b_w=null", "--set", "robot.friction=0.8")
+    outcome = hilc("check", "scenario.yaml", *changes)
+    # Five chords of 2 sin(pi / 10) in 0.1 s each, times 2 pi rad/s.
+    needed = 2 * math.sin(math.pi / 10) / 0.1 * 2 * math.pi
+    assert outcome.err == (
+        f"hilc: trajectory.segments.1.semicircle needs {needed:.4g} m/s^2 of lateral "
+        "acceleration, above the 7.845 m/s^2 that a friction of 0.8 holds; "
+        "give it at least 1.2 s (at most 2.61799 m/s) instead of 0.5 s\n"
+    )
+    assert outcome.code == 3
+    assert "; tyres hold 7.845 m/s^2\n" in outcome.out
+    assert "friction of" not in outcome.out
+    without = hilc("check", "scenario.yaml", "--set", "controller.b_w=null")
+    assert (without.code, without.err) == (0, "")
+    assert "\nwarning: trajectory.segments.1.semicircle needs 38.83 m/s^2 of lateral accel" in (
+        without.out
+    )
+
+
+def test_several_failures_are_one_line(hilc: Hilc, write: Write) -> None:
+    write({"path.yaml": WINDING})
+    outcome = hilc("check", "scenario.yaml", "--set", "controller.b_w=12")
+    assert (outcome.code, outcome.err.count("\n")) == (3, 1)
+    assert outcome.err == f"{TOO_FAST} (2 more in the report)\n"
+    assert "Verdict                    infeasible: 2 of 3 segments and 1 corner\n" in outcome.out
+
+
+def test_verbose_report_has_the_joints(hilc: Hilc, write: Write) -> None:
+    write({"path.yaml": WINDING})
+    outcome = hilc("check", "scenario.yaml", "-v")
+    assert outcome.code == 0
+    table = outcome.out.partition("Start of ")[2].partition("\n\n")[0].splitlines()[2:]
+    rows = [line.split() for line in table]
+    # Along the line 50 / 3 rad/s; in the semicircle (6.18 +- pi) / 0.2; then sqrt(5) / 0.2.
+    speed, back = 20 * math.sin(math.pi / 10), math.sqrt(5) / 0.2
+    left, right = (speed + math.pi) / 0.2, (speed - math.pi) / 0.2
+    corner = math.atan2(-2, -1) + 2 * math.pi - math.pi
+    assert rows == [
+        ["0.line", "0", "16.67", "16.67", "-", "-"],
+        ["1.semicircle", "3", f"{left - 50 / 3:.4g}", f"{right - 50 / 3:.4g}", "-", "-"],
+        [
+            "2.line",
+            "8",
+            f"{back - left:.4g}",
+            f"{back - right:.4g}",
+            f"{corner:.4g}",
+            f"{left + 0.5 * corner / 0.1 / 0.2:.4g}",
+        ],
+    ]
+
+
+def test_long_table_is_shortened_to_what_demands_most(hilc: Hilc, write: Write) -> None:
+    lines = "".join(
+        f"  - line: {{length: {2 if index == 25 else 1}, duration: 0.1 s}}\n" for index in range(30)
+    )
+    write({"path.yaml": TRAJECTORY + lines})
+    out = hilc("check", "scenario.yaml").out
+    assert "\n24 of 31 segments, those that demand most; -v shows all\n" in out
+    rows = [line for line in out.splitlines() if ".line  " in line]
+    names = [line.split()[0] for line in rows]
+    assert names == [f"{index}.line" for index in [*range(1, 24), 26]]
+    out = hilc("check", "scenario.yaml", "-v").out
+    assert "those that demand most" not in out
+    assert len([line for line in out.splitlines() if ".line  " in line]) == 2 * 31
+
+
+UNWISE: Mapping[str, str] = {
+    "iterations=0": "iterations is 0: ",
+    "controller.gains.l1=50": "controller.gains.l1 of 50 is too large for this sample_time: ",
+    "controller.gains.l2=50": "controller.gains.l2 of 50 and l3 of 0 make the feedback ",
+    "model.wheel_radius=200": "controller.gain_matrix acts on the true robot with 0.001 to ",
+    "initial_pose.heading=200 deg": "initial_pose.heading differs by more than half a turn ",
+    "initial_pose.y=1": "controller.h of 3 of 3 samples: ",
+    "trajectory.start.y=0": "",
+}
+
+
+@pytest.mark.parametrize("change", UNWISE)
+def test_what_is_unwise_is_warned_of(hilc: Hilc, write: Write, change: str) -> None:
+    write()
+    outcome = hilc("check", "scenario.yaml", "--set", change)
+    assert (outcome.code, outcome.err) == (0, "")
+    warnings = [line for line in outcome.out.splitlines() if line.startswith("warning: ")]
+    document = json.loads(hilc("check", "scenario.yaml", "--set", change, "--json").out)
+    assert [f"warning: {text}" for text in document["warnings"]] == warnings
+    if UNWISE[change]:
+        assert any(line.startswith(f"warning: {UNWISE[change]}") for line in warnings)
+    else:
+        assert warnings == []
+
+
+def test_json_document(hilc: Hilc, write: Write) -> None:
+    write({"path.yaml": WINDING})
+    changes = ("--set", "controller.b_w=12", "--set", "robot.friction=0.8")
+    outcome = hilc("check", "scenario.yaml", "--json", *changes)
+    assert (outcome.code, outcome.err.count("\n")) == (3, 1)
+    document = json.loads(outcome.out)
+    assert list(document) == ["name", "trajectory", "ok", "failures", "warnings", "feasibility"]
+    assert (document["name"], document["trajectory"], document["ok"]) == ("test", "path", False)
+    assert len(document["failures"]) == 3
+    assert outcome.err.startswith(f"hilc: {document['failures'][0]} (2 more")
+    part = document["feasibility"]
+    assert list(part) == [
+        "feasible",
+        "speed_limit_rad_s",
+        "friction",
+        "max_wheel_speed_rad_s",
+        "share_of_speed_limit",
+        "max_lateral_acceleration_m_s2",
+        "needed_friction",
+        "segments",
+        "joints",
+    ]
+    assert (part["feasible"], part["speed_limit_rad_s"], part["friction"]) == (False, 12, 0.8)
+    assert part["share_of_speed_limit"] == pytest.approx(part["max_wheel_speed_rad_s"] / 12)
+    assert part["needed_friction"] * 9.80665 == pytest.approx(part["max_lateral_acceleration_m_s2"])
+    assert [each["feasible"] for each in part["segments"]] == [False, False, True]
+    assert [each["feasible"] for each in part["joints"]] == [True, True, False]
+    assert list(part["segments"][0]) == [
+        "name",
+        "first_sample",
+        "samples",
+        "duration_s",
+        "length_m",
+        "turn_rad",
+        "speed_m_s",
+        "yaw_rate_rad_s",
+        "max_wheel_speed_rad_s",
+        "max_wheel_acceleration_rad_s2",
+        "lateral_acceleration_m_s2",
+        "feasible",
+        "least_duration_s",
+    ]
+    assert list(part["joints"][0]) == [
+        "name",
+        "sample",
+        "left_jump_rad_s",
+        "right_jump_rad_s",
+        "corner_rad",
+        "corner_wheel_speed_rad_s",
+        "corner_lateral_acceleration_m_s2",
+        "feasible",
+    ]
+    first, arc, last = part["segments"]
+    assert [each["name"] for each in part["segments"]] == [
+        "segments.0.line",
+        "segments.1.semicircle",
+        "segments.2.line",
+    ]
+    assert [each["first_sample"] for each in part["segments"]] == [0, 3, 8]
+    assert first["least_duration_s"] == pytest.approx(0.5)
+    assert arc["length_m"] == pytest.approx(math.pi)
+    assert last["least_duration_s"] == pytest.approx(last["duration_s"]) == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    "change", ["robot.wheel_radius=1e-320", "controller.b_w=1e-320", "robot.friction=1e-320"]
+)
+def test_numbers_at_the_end_of_their_range_are_no_crash(
+    hilc: Hilc, write: Write, change: str
+) -> None:
+    write({"path.yaml": WINDING})
+    for more in ((), ("-v",), ("--json",)):
+        outcome = hilc("check", "scenario.yaml", "--set", change, *more)
+        assert (outcome.code, outcome.err.count("\n")) == (3, 1)
+    assert json.loads(outcome.out)["ok"] is False
+
+
+def test_wrong_scenario_is_explained_as_in_a_run(hilc: Hilc, write: Write) -> None:
+    write({"scenario.yaml": scenario("iterations: 2", "iterations: -2")})
+    outcome = hilc("check", "scenario.yaml")
+    assert outcome == hilc("run", "scenario.yaml")
+    assert (outcome.code, outcome.out) == (2, "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "hilc: missing argument 'SCENARIO'; see 'hilc check --help'\n"),
+        (["nosuch.yaml"], "hilc: nosuch.yaml: there is no such file; check the path\n"),
+        (["x", "y"], "hilc: got unexpected extra argument(s) (y); see 'hilc check --help'\n"),
+    ],
+)
+def test_wrong_command_line_is_explained(hilc: Hilc, arguments: list[str], message: str) -> None:
+    assert hilc("check", *arguments) == Outcome(2, "", message)
+
+
+# Fastest wheel: (v + B w) / R of the sharpest segment; friction: v^2 / (r g), or v w / g.
+PATHS = {
+    "circle": ((10 * math.pi + 0.518 * math.pi) / 0.2, 10 * math.pi**2 / 9.80665),
+    "arc-and-line": ((10 * math.pi + 0.518 * 2 * math.pi) / 0.2, 20 * math.pi**2 / 9.80665),
+    "cardioid": ((5 * math.pi + 0.518 * 2 * math.pi) / 0.2, 10 * math.pi**2 / 9.80665),
+    "spiral": ((8 * math.pi + 0.518 * 2 * math.pi) / 0.2, 16 * math.pi**2 / 9.80665),
+    "figure-eight": ((math.pi / 3) * (1 + 0.08) / 0.033, (math.pi / 3) ** 2 / 9.80665),
+    "rounded-square": (1.5 * math.pi / 2 / 1.57 * 0.5 / 0.1, 0.5 * (math.pi / 3.14) ** 2 / 9.80665),
+}
+
+
+@pytest.mark.parametrize("name", [path.stem for path in examples()])
+def test_shipped_scenario_is_feasible(name: str) -> None:
+    found = hilc_api.check(hilc_api.load_scenario(f"example:{name}"))
+    assert found.failures == ()
+    fastest, friction = PATHS[found.scenario.spec.trajectory.name]
+    # Chords are shorter than arcs by the square of a step's turn over 24.
+    coarsest = 0.0101**2 / 24
+    assert found.feasibility.demand.fastest.fastest_wheel == pytest.approx(fastest, rel=coarsest)
+    assert found.feasibility.needed_friction == pytest.approx(friction, rel=coarsest)
+    paper = friction > 1
+    told = [text for text in found.warnings if "of lateral acceleration" in text]
+    assert len(told) == paper
+    others = [text for text in found.warnings if text not in told]
+    closed_askew = found.scenario.spec.trajectory.name == "cardioid"
+    assert [text.partition(",")[0] for text in others] == [
+        "trajectory ends where it starts"
+    ] * closed_askew
+
+
+def test_check_from_standard_input_in_a_process(tmp_path: Path) -> None:
+    (tmp_path / "path.yaml").write_text(TRAJECTORY)
+    outcome = run_hilc("check", "-", cwd=tmp_path, stdin=SCENARIO.encode())
+    assert outcome == Outcome(0, REPORT, "")
+
+
+def test_reader_that_has_seen_enough_ends_the_report(tmp_path: Path) -> None:
+    command = f"{' '.join(HILC)} check example:fig3-circle -v | head -1; echo ${{PIPESTATUS[0]}}"
+    done = subprocess.run(
+        ["bash", "-c", command],
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+    )
+    assert done.stdout == "fig3-circle: circle, 2000 samples of 0.001 s\n0\n"
+    assert done.stderr == ""
+
+
+def test_report_fits_a_terminal(tmp_path: Path) -> None:
+    own, theirs = pty.openpty()
+    changes = {"COLUMNS": "80", "LINES": "24"}
+    arguments = ("check", "example:fig3-arc-and-line", "--set", "controller.b_w=100")
+    with subprocess.Popen(
+        [*HILC, *arguments],
+        cwd=tmp_path,
+        env=environment(changes),
+        stdout=theirs,
+        stderr=subprocess.DEVNULL,
+    ) as process:
+        os.close(theirs)
+        printed = b""
+        while True:
+            try:
+                chunk = os.read(own, 65_536)
+            except OSError:  # what a pseudo-terminal says at its end
+                break
+            printed += chunk
+        assert process.wait(TIMEOUT) == 3
+    os.close(own)
+    text = printed.decode()
+    assert "\x1b[1m" in text
+    plain = "".join(part.partition("m")[2] for part in f"m{text}".split("\x1b[")).splitlines()
+    assert max(map(len, plain)) <= 80
+    assert any(line.startswith("0.semicircle   0.5   15.71  31.42") for line in plain)
+
+
+def test_check_imports_neither_pictures_nor_a_compiler(tmp_path: Path) -> None:
+    program = (
+        "import sys\nfrom hilc_cli.cli.main import main\n"
+        "try: main(['check', 'example:fig3-circle', '-q'])\n"
+        "except SystemExit as end: code = end.code\n"
+        "print(code, sorted({'numba', 'matplotlib'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+    )
+    assert (done.stdout, done.stderr) == ("0 []\n", "")
