@@ -145,8 +145,21 @@ class MetricsTable:
         Returns:
             The iteration, or None if the last iteration is still above the bound.
         """
-        above = np.flatnonzero(~(self["max_position_error_m"] <= tolerance))
-        if len(above) == 0:
-            return 0 if len(self) else None
-        first = int(above[-1]) + 1
-        return first if first < len(self) else None
+        return settled_at(self["max_position_error_m"], tolerance)
+
+
+def settled_at(max_position_errors: Floats, tolerance: float) -> int | None:
+    """First iteration from which on the maximum position error stays at or below a bound.
+
+    Args:
+        max_position_errors: Of iterations 0, 1, ... [m], shape (iterations,).
+        tolerance: The bound [m].
+
+    Returns:
+        The iteration, or None if the last iteration is still above the bound.
+    """
+    above = np.flatnonzero(~(max_position_errors <= tolerance))
+    if len(above) == 0:
+        return 0 if len(max_position_errors) else None
+    first = int(above[-1]) + 1
+    return first if first < len(max_position_errors) else None
