@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -97,9 +98,10 @@ class LiftedIteration:
         self._open = ErrorRecursion(self.plant.states)
         self._closed = self._open
         if self._has_feedback:
-            loop = self.plant.inputs @ self.gains
-            before = -self.l3 * loop if self.l3 else None
-            self._closed = ErrorRecursion(self.plant.states - self.l2 * loop, before)
+            with np.errstate(over="ignore", invalid="ignore"):  # absurd gains: nothing is finite
+                loop = self.plant.inputs @ self.gains
+                before = -self.l3 * loop if self.l3 else None
+                self._closed = ErrorRecursion(self.plant.states - self.l2 * loop, before)
 
     @property
     def samples(self) -> int:
@@ -155,8 +157,7 @@ class LiftedIteration:
         """The iteration after a given one.
 
         Args:
-            previous: An iteration of this map, or measured: what is learned from its errors is
-                exact then.
+            previous: The iteration that is learned from.
         """
         errors = previous.errors
         if self._compensates:
@@ -175,7 +176,10 @@ class LiftedIteration:
 
         T is block lower triangular with the blocks I - l1 d G_k B_k, whatever the feedback.
         """
-        blocks = np.eye(2) - self.l1 * (self.gains @ self.plant.inputs)
+        with np.errstate(over="ignore", invalid="ignore"):
+            blocks = np.eye(2) - self.l1 * (self.gains @ self.plant.inputs)
+        if not np.isfinite(blocks).all():
+            return math.inf
         return float(np.abs(np.linalg.eigvals(blocks)).max())
 
     def largest_singular_value(self) -> float:

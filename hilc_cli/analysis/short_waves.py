@@ -27,7 +27,11 @@ def short_wave_growth(lifted: LiftedIteration) -> float | None:
         they decay. None where this says nothing, since the law does not correct two motions of the
         wheels independently and each in the right sense at every sample.
     """
-    eigenvalues = np.linalg.eigvals(lifted.gains @ lifted.plant.inputs)  # g d
+    with np.errstate(over="ignore", invalid="ignore"):
+        blocks = lifted.gains @ lifted.plant.inputs
+    if not np.isfinite(blocks).all():
+        return None
+    eigenvalues = np.linalg.eigvals(blocks)  # g d
     if np.iscomplexobj(eigenvalues) or (eigenvalues <= 0).any():
         return None
     excess = lifted.l2 + 3 * lifted.l3 - lifted.l1

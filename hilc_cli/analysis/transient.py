@@ -114,11 +114,10 @@ def _driven_error(experiment: Experiment, inputs: Floats) -> float:
     distance_gain, turn_gain = step_gains(
         robot.wheel_radius, robot.signed_half_track, reference.sample_time
     )
-    x, y, heading = experiment.initial_pose
-    headings = heading + np.cumsum(turn_gain * (inputs[:, 0] - inputs[:, 1]))
-    headings = np.concatenate([[heading], headings[:-1]])
     distances = distance_gain * (inputs[:, 0] + inputs[:, 1])
-    error_x = reference.x[1:] - (x + np.cumsum(distances * np.cos(headings)))
-    error_y = reference.y[1:] - (y + np.cumsum(distances * np.sin(headings)))
-    start = math.hypot(reference.x[0] - x, reference.y[0] - y)
-    return max(start, float(np.hypot(error_x, error_y).max()))
+    turns = turn_gain * (inputs[:, 0] - inputs[:, 1])
+    x, y, heading = experiment.initial_pose
+    headings = np.cumsum(np.concatenate([[heading], turns[:-1]]))
+    xs = np.cumsum(np.concatenate([[x], distances * np.cos(headings)]))
+    ys = np.cumsum(np.concatenate([[y], distances * np.sin(headings)]))
+    return float(np.hypot(reference.x - xs, reference.y - ys).max())

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
+from hilc_cli.engine.loop import simulate
+from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.robot import Robot
 from tests.analysis.linear_learning import LinearLearning
@@ -24,7 +24,7 @@ def winding(steps: int) -> Reference:
     """Left, straight on and right, each a third of 1.2 s; 4 m long."""
     third = steps // 3
     sample_time = 1.2 / (3 * third)
-    plans = [
+    plans: list[SegmentPlan] = [
         ArcPlan(1.5, "left", radius=0.9, duration=third * sample_time),
         LinePlan(length=1.3, duration=third * sample_time),
         ArcPlan(2.0, "right", radius=0.7, duration=third * sample_time),
@@ -107,3 +107,12 @@ CASES: dict[str, Case] = {
     "off-the-start": Case(0.5, 0.25, 0.25, offset=(0.02, -0.03, 0.01)),
     "rep103": Case(2.0, 1.0, robot=Robot(0.03, 0.08, "rep103"), model=Robot(0.035, 0.07, "rep103")),
 }
+
+
+def driven(case: Case, nominal: Reference) -> tuple[Floats, Reference]:
+    """An input, shape (n, 2), and a reference that the case's robot tracks exactly with it."""
+    drive = case.linear(nominal).feedforward()
+    experiment = case.experiment(nominal, (drive[:, 0].copy(), drive[:, 1].copy()))
+    first = replace(experiment, learn_in_first=False, iterations=0)
+    (trial,) = simulate(first)
+    return drive, Reference("driven", nominal.sample_time, trial.x, trial.y, trial.heading)

@@ -7,14 +7,17 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from hilc_cli.analysis.lifted import LiftedIteration
+from hilc_cli.analysis.transient import predict_transient
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
 from hilc_cli.laws.law import PreviousIteration, WheelController
+from hilc_cli.reference.path import LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.robot import Robot
-from tests.analysis.cases import CASES, Case, winding
+from tests.analysis.cases import CASES, Case, driven, winding
 from tests.engine.experiments import experiment_of, law_of
 from tests.reference.paths import paper_reference
 
@@ -76,7 +79,10 @@ def test_iterations_follow_the_independent_simulation(name: str) -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_largest_singular_value_is_that_of_the_dense_matrix(name: str) -> None:
-    expected = np.linalg.svd(dense(name), compute_uv=False)[0]
+    matrix = dense(name)
+    last = 2 * STEPS - 1
+    (square,) = eigh(matrix.T @ matrix, eigvals_only=True, subset_by_index=(last, last))
+    expected = np.sqrt(square)
     assert lifted(name).largest_singular_value() == pytest.approx(expected, rel=1e-10)
 
 
@@ -118,27 +124,20 @@ def test_learning_of_nothing_keeps_the_input() -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_operator_is_the_derivative_of_an_iteration_of_the_engine(name: str) -> None:
-    # Central differences about an input that tracks exactly: the reference is put where the plant
-    # gets with the feedforward. The second derivatives cancel, the third are of the size of the
-    # first; the width is 1e-4 of what moves the platform by its own size.
+    # Central differences about an input that tracks exactly: what multiplies an error in the
+    # engine is of second order and cancels, the third order is 1e-6 of the first.
     case = replace(CASES[name], offset=(0.0, 0.0, 0.0), learn_in_first=False)
-    nominal = winding(60)
-    drive = case.linear(nominal).feedforward()
-    experiment = case.experiment(nominal, (drive[:, 0].copy(), drive[:, 1].copy()))
-    (driven,) = simulate(replace(experiment, iterations=0))
-    reference = Reference("driven", nominal.sample_time, driven.x, driven.y, driven.heading)
+    drive, reference = driven(case, winding(60))
+    experiment = replace(case.experiment(reference), iterations=1)
     change, width = noise(5, 60), 1e-3
 
     def next_input(inputs: Floats) -> Floats:
         left, right = inputs[:, 0].copy(), inputs[:, 1].copy()
-        changed = replace(
-            experiment, reference=reference, initial_left=left, initial_right=right, iterations=1
-        )
-        *_, trial = simulate(changed)
+        *_, trial = simulate(replace(experiment, initial_left=left, initial_right=right))
         return np.column_stack([trial.left, trial.right])
 
     slope = (next_input(drive + width * change) - next_input(drive - width * change)) / (2 * width)
-    applied = LiftedIteration(replace(experiment, reference=reference)).apply(change)
+    applied = LiftedIteration(experiment).apply(change)
     np.testing.assert_allclose(applied, slope, rtol=0, atol=1e-6 * np.abs(slope).max())
 
 
@@ -148,6 +147,29 @@ def test_feedback_that_runs_away_has_no_finite_growth() -> None:
     iteration = LiftedIteration(unstable.experiment(winding(STEPS)))
     assert iteration.largest_singular_value() == np.inf
     assert iteration.spectral_radius() < 1
+
+
+@pytest.mark.parametrize("gains", [(1e308, 0.0, 0.0), (1.0, 1e308, 0.0), (1.0, 0.0, 1e308)])
+def test_absurd_gains_are_infinite_and_silent(gains: tuple[float, float, float]) -> None:
+    experiment = Case(*gains).experiment(winding(60))
+    iteration = LiftedIteration(experiment)
+    assert iteration.largest_singular_value() == np.inf
+    assert iteration.spectral_radius() > 1e300 or gains[0] == 1.0
+    assert predict_transient(experiment, 3).max_position_error_m[-1] == np.inf
+
+
+@pytest.mark.parametrize("steps", [1, 2])
+@pytest.mark.parametrize("name", CASES)
+def test_shortest_trajectories(name: str, steps: int) -> None:
+    plan = LinePlan(length=0.1, duration=0.1 * steps)
+    reference = build_reference("short", (0.0, 0.0, 0.3), [plan], 0.1)
+    iteration = LiftedIteration(CASES[name].experiment(reference))
+    inputs = noise(9, steps)
+    matrix = CASES[name].linear(reference).matrix()
+    expected = (matrix @ inputs.ravel()).reshape(steps, 2)
+    np.testing.assert_allclose(iteration.apply(inputs), expected, rtol=0, atol=1e-12)
+    largest = np.linalg.svd(matrix, compute_uv=False)[0]
+    assert iteration.largest_singular_value() == pytest.approx(largest, rel=1e-10)
 
 
 def test_law_of_another_kind_is_refused() -> None:

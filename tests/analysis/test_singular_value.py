@@ -25,7 +25,7 @@ def test_close_neighbours_are_told_apart() -> None:
 
 
 def test_volterra_operator() -> None:
-    # The singular values of the sums s_k = v_1 + ... + v_k are 1 / (2 sin((2 j - 1) pi / (4n + 2))).
+    # Those of the sums s_k = v_1 + ... + v_k are 1 / (2 sin((2 j - 1) pi / (4 n + 2))), j = 1..n.
     n = 100
     expected = 1 / (2 * np.sin(np.pi / (4 * n + 2)))
     assert of(np.tri(n)) == pytest.approx(expected, rel=1e-12)
