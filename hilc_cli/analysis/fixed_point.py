@@ -1,0 +1,160 @@
+"""Where learning comes to rest: the iteration after which the law changes the input no more."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.analysis.linearisation import hybrid_law
+from hilc_cli.disturbance.streams import Triple
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.compensation import compensation_gain
+from hilc_cli.laws.gain_matrix import Coefficients, wheel_correction
+from hilc_cli.laws.hybrid import HybridLaw, compensated_error, learned_error
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.robot import euler_step, step_gains
+
+ROUNDING = 1e-12
+"""A determinant that is smaller, as a share of the products it is made of, counts as zero."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FixedPoint:
+    """The iteration that an update repeats.
+
+    Attributes:
+        errors: e(k), reference less pose [m, m, rad], shape (n + 1, 3); infinite from where it
+            leaves the finite numbers.
+        inputs: The wheel speeds that hold it [rad/s], shape (n, 2), likewise.
+    """
+
+    errors: Floats
+    inputs: Floats
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether it stays within the finite numbers."""
+        return bool(np.isfinite(self.errors).all())
+
+    @property
+    def position_error_m(self) -> Floats:
+        """Distance from the reference at each sample [m], shape (n + 1,)."""
+        with np.errstate(over="ignore"):
+            distance: Floats = np.hypot(self.errors[:, 0], self.errors[:, 1])
+        return distance
+
+    @property
+    def max_position_error_m(self) -> float:
+        """Largest distance from the reference [m]."""
+        return float(self.position_error_m.max())
+
+    @property
+    def max_wheel_speed_rad_s(self) -> float:
+        """Largest absolute wheel speed [rad/s]; beyond the speed limit it cannot be driven."""
+        return float(np.abs(self.inputs).max())
+
+
+def fixed_point(experiment: Experiment) -> FixedPoint | None:
+    """The fixed point of Eq. 17 or 21: at each sample the correction is zero.
+
+    From sample to sample this is a linear equation for the two wheel speeds, since the pose at
+    sample k is known: nothing is linearised. The law sees the two components G_k e of an error. In
+    those Eq. 17 rests where l1 e(k+1) + l2 e(k) + l3 e(k-1) = 0, which grows from sample to sample
+    unless the roots of l1 z^2 + l2 z + l3 are inside the unit circle, and Eq. 21 where
+    e(k+1) = -w(k) e(0), with w the weight of the compensation. The third component is what the
+    plant makes of it.
+
+    Whether learning gets there is another question: in the end if the spectral radius of
+    `LiftedIteration` is below 1, but perhaps not in any number of iterations that one would run.
+
+    Args:
+        experiment: The experiment; its speed limit and its disturbances are left out.
+
+    Returns:
+        The fixed point; None if there is none, or more than one: nothing is learned from the
+        previous iteration, or the gain matrix is blind to a motion of the platform at some sample.
+
+    Raises:
+        UsageError: The experiment has another law than the hybrid law.
+    """
+    law, reference, robot = hybrid_law(experiment), experiment.reference, experiment.robot
+    steps = reference.samples
+    distance_gain, turn_gain = step_gains(
+        robot.wheel_radius, robot.signed_half_track, reference.sample_time
+    )
+    desired = np.column_stack([reference.x, reference.y, reference.heading]).tolist()
+    errors, inputs = np.full((steps + 1, 3), math.inf), np.full((steps, 2), math.inf)
+    pose = experiment.initial_pose
+    start = now = _less(desired[0], pose)
+    before = (0.0, 0.0, 0.0)  # e(-1) = 0
+    errors[0] = start
+    for k in range(steps):
+        weight = compensation_gain(k, law.h, reference.sample_time)
+        ahead = _less(desired[k + 1], pose)  # e(k+1), were the wheels at rest
+        past = _weighed(law, ahead, now, before, weight, start)
+        cos, sin = math.cos(pose[2]), math.sin(pose[2])
+        gain_heading = desired[k][2] if law.gain_heading == "reference" else pose[2]
+        speeds = _speeds_at_rest(
+            law.matrix.coefficients,
+            math.cos(gain_heading),
+            math.sin(gain_heading),
+            past,
+            (law.l1 * distance_gain * cos, law.l1 * distance_gain * sin, law.l1 * turn_gain),
+        )
+        if speeds is None:
+            return None
+        pose = euler_step(*pose, cos, sin, *speeds, distance_gain, turn_gain)
+        if not all(math.isfinite(value) for value in (*pose, *speeds)):
+            break
+        before, now = now, _less(desired[k + 1], pose)
+        errors[k + 1], inputs[k] = now, speeds
+    return FixedPoint(errors, inputs)
+
+
+def _weighed(
+    law: HybridLaw, ahead: Triple, now: Triple, before: Triple, weight: float, start: Triple
+) -> Triple:
+    """The errors that the law multiplies by its matrix, summed with their gains."""
+    if law.compensation:
+        x, y, heading = (
+            compensated_error(law.l1, a, weight, s) for a, s in zip(ahead, start, strict=True)
+        )
+    else:
+        x, y, heading = (
+            learned_error(law.l1, a, law.l2, n, law.l3, b)
+            for a, n, b in zip(ahead, now, before, strict=True)
+        )
+    return x, y, heading
+
+
+def _speeds_at_rest(
+    coefficients: Coefficients, cos: float, sin: float, error: Triple, motion: Triple
+) -> tuple[float, float] | None:
+    """The wheel speeds (left, right) that take away what the gain matrix sees of an error.
+
+    Args:
+        coefficients: Of the gain matrix.
+        cos: Cosine of the heading at which it is taken.
+        sin: Sine of that heading.
+        error: An error [m, m, rad], times gains.
+        motion: What 1 rad/s of the left wheel takes from it; the right wheel turns the other way.
+
+    Returns:
+        The speeds [rad/s]; None if the matrix does not tell the two wheels apart.
+    """
+    along_x, along_y, turn = motion
+    # G (error - motion_left left - motion_right right) = 0 by Cramer's rule.
+    a, c = wheel_correction(coefficients, cos, sin, along_x, along_y, turn)
+    b, d = wheel_correction(coefficients, cos, sin, along_x, along_y, -turn)
+    e, f = wheel_correction(coefficients, cos, sin, *error)
+    determinant = a * d - b * c
+    if abs(determinant) <= ROUNDING * (abs(a * d) + abs(b * c)):
+        return None
+    return (e * d - b * f) / determinant, (a * f - e * c) / determinant
+
+
+def _less(desired: Triple, pose: Triple) -> Triple:
+    """The error of a pose [m, m, rad]."""
+    return desired[0] - pose[0], desired[1] - pose[1], desired[2] - pose[2]

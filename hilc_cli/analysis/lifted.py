@@ -1,0 +1,214 @@
+"""One learning update as a linear operator on the input of a whole iteration."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from hilc_cli.analysis.linearisation import Linearisation, gains_along, hybrid_law, linearise
+from hilc_cli.analysis.recursion import ErrorRecursion
+from hilc_cli.analysis.singular_value import largest_singular_value
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.compensation import compensation_gain
+from hilc_cli.laws.hybrid import compensated_error
+from hilc_cli.reference.sampled import Floats
+
+
+class LinearPass(NamedTuple):
+    """One iteration of the linearised experiment.
+
+    Attributes:
+        inputs: u_i - u_d [rad/s], shape (n, 2).
+        errors: e_i [m, m, rad], shape (n + 1, 3).
+    """
+
+    inputs: Floats
+    errors: Floats
+
+
+class LiftedIteration:
+    """The map u_{i+1} - u_d = T (u_i - u_d) + f of an experiment, linearised along its reference.
+
+    The plant is linear in e and u - u_d, and the gain matrix is taken at the reference's heading,
+    whichever heading the law takes: the difference multiplies an error and is of second order. The
+    speed limit and the disturbances are left out. f holds what does not change with the iteration:
+    the initial error, and what the feedforward leaves of each step.
+
+    T is square, of 2 n rows, and block lower triangular, since a law with feedback in the iteration
+    looks back only. It is never formed: to apply it costs O(n).
+
+    Attributes:
+        plant: The linearised plant.
+        gains: G_k, the gain matrix along the reference, shape (n, 2, 3).
+        l1: Gain of e_i(k+1).
+        l2: Gain of e_{i+1}(k); 0 with compensation.
+        l3: Gain of e_{i+1}(k-1); 0 with compensation.
+        weights: What the law adds of e_i(0) at each sample, shape (n,): `compensation_gain` or 0.
+        start: e_i(0), the initial error of every iteration [m, m, rad], shape (3,).
+
+    Source:
+        Qiao et al. 2021, Eqs. 8, 17 and 21, linearised.
+    """
+
+    plant: Linearisation
+    gains: Floats
+    l1: float
+    l2: float
+    l3: float
+    weights: Floats
+    start: Floats
+
+    def __init__(self, experiment: Experiment) -> None:
+        """Linearises an experiment.
+
+        Args:
+            experiment: The experiment.
+
+        Raises:
+            UsageError: It has another law than the hybrid law.
+        """
+        law, reference = hybrid_law(experiment), experiment.reference
+        steps = reference.samples
+        self.plant = linearise(reference, experiment.robot)
+        self.gains = gains_along(law.matrix, self.plant.cos, self.plant.sin)
+        self.l1 = law.l1
+        self.l2, self.l3 = (0.0, 0.0) if law.compensation else (law.l2, law.l3)
+        self.weights = np.zeros(steps)
+        self._compensates = law.compensation
+        if law.compensation:
+            self.weights[:] = [
+                compensation_gain(k, law.h, reference.sample_time) for k in range(steps)
+            ]
+        self.start = np.array(
+            [
+                reference.x[0] - experiment.initial_pose[0],
+                reference.y[0] - experiment.initial_pose[1],
+                reference.heading[0] - experiment.initial_pose[2],
+            ]
+        )
+        self._first_input = (
+            np.column_stack([experiment.initial_left, experiment.initial_right])
+            - self.plant.feedforward
+        )
+        self._learn_in_first = experiment.learn_in_first
+        self._constant = np.vstack([self.start, self.plant.residual])
+        self._undriven = np.zeros_like(self._constant)
+        self._open = ErrorRecursion(self.plant.states)
+        self._closed = self._open
+        if self._has_feedback:
+            with np.errstate(over="ignore", invalid="ignore"):  # absurd gains: nothing is finite
+                loop = self.plant.inputs @ self.gains
+                before = -self.l3 * loop if self.l3 else None
+                self._closed = ErrorRecursion(self.plant.states - self.l2 * loop, before)
+
+    @property
+    def samples(self) -> int:
+        """Number of sampling intervals n."""
+        return len(self.gains)
+
+    @property
+    def _has_feedback(self) -> bool:
+        return self.l2 != 0 or self.l3 != 0
+
+    def apply(self, inputs: Floats) -> Floats:
+        """T times an input.
+
+        Args:
+            inputs: Shape (n, 2) [rad/s].
+
+        Returns:
+            Shape (n, 2) [rad/s].
+        """
+        errors = self._open.solve(self._driven(self._undriven, inputs))
+        learned = inputs + _times(self.gains, self.l1 * errors[1:])
+        return self._fed_back(learned, self._undriven).inputs
+
+    def adjoint(self, inputs: Floats) -> Floats:
+        """The transpose of T times an input.
+
+        Args:
+            inputs: Shape (n, 2) [rad/s].
+
+        Returns:
+            Shape (n, 2) [rad/s].
+        """
+        gains, plant = self.gains.transpose(0, 2, 1), self.plant.inputs.transpose(0, 2, 1)
+        if self._has_feedback:
+            errors = _times(gains, inputs)
+            weighted = np.zeros_like(self._constant)
+            weighted[:-1] = self.l2 * errors
+            weighted[:-2] += self.l3 * errors[1:]
+            inputs = inputs - _times(plant, self._closed.solve_transposed(weighted)[1:])
+        learned = np.zeros_like(self._constant)
+        learned[1:] = self.l1 * _times(gains, inputs)
+        result: Floats = inputs - _times(plant, self._open.solve_transposed(learned)[1:])
+        return result
+
+    def first(self) -> LinearPass:
+        """Iteration 0: the initial input as it is, or with the law's feedback."""
+        if self._learn_in_first:
+            return self._fed_back(self._first_input, self._constant)
+        errors = self._open.solve(self._driven(self._constant, self._first_input))
+        return LinearPass(self._first_input, errors)
+
+    def next(self, previous: LinearPass) -> LinearPass:
+        """The iteration after a given one.
+
+        Args:
+            previous: The iteration that is learned from.
+        """
+        errors = previous.errors
+        if self._compensates:
+            past = np.column_stack(
+                [
+                    compensated_error(self.l1, errors[1:, axis], self.weights, errors[0, axis])
+                    for axis in range(3)
+                ]
+            )
+        else:
+            past = self.l1 * errors[1:]
+        return self._fed_back(previous.inputs + _times(self.gains, past), self._constant)
+
+    def spectral_radius(self) -> float:
+        """The largest absolute eigenvalue of T: below 1 the iteration converges in the end.
+
+        T is block lower triangular with the blocks I - l1 d G_k B_k, whatever the feedback.
+        """
+        with np.errstate(over="ignore", invalid="ignore"):
+            blocks = np.eye(2) - self.l1 * (self.gains @ self.plant.inputs)
+        if not np.isfinite(blocks).all():
+            return math.inf
+        return float(np.abs(np.linalg.eigvals(blocks)).max())
+
+    def largest_singular_value(self) -> float:
+        """The most by which T may lengthen an input; if below 1 the convergence is monotone.
+
+        Length is the root of the sum of squares over both wheels and all samples. Of the errors
+        there is no such number, since they have no common unit.
+        """
+        return largest_singular_value(self.apply, self.adjoint, (self.samples, 2))
+
+    def _driven(self, constant: Floats, inputs: Floats) -> Floats:
+        """The right side of the error's recursion for a given input."""
+        right = constant.copy()
+        right[1:] -= _times(self.plant.inputs, inputs)
+        return right
+
+    def _fed_back(self, learned: Floats, constant: Floats) -> LinearPass:
+        """An iteration whose input is what was learned before it, and the feedback in it."""
+        errors = self._closed.solve(self._driven(constant, learned))
+        if not self._has_feedback:
+            return LinearPass(learned, errors)
+        now = errors[:-1]
+        before = np.zeros_like(now)
+        before[1:] = errors[:-2]
+        fed = self.l2 * now + self.l3 * before  # Eq. 17, the terms of the running iteration
+        return LinearPass(learned + _times(self.gains, fed), errors)
+
+
+def _times(matrices: Floats, vectors: Floats) -> Floats:
+    """Each matrix times its vector: shapes (n, a, b) and (n, b) to (n, a)."""
+    product: Floats = np.einsum("kab,kb->ka", matrices, vectors)
+    return product
