@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.analysis.linearisation import hybrid_law
+from hilc_cli.analysis.matrices import hybrid_law
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.compensation import compensation_gain

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hilc_cli.analysis.linearisation import Linearisation, gains_along, hybrid_law, linearise
+from hilc_cli.analysis.linearisation import Linearisation, linearise
+from hilc_cli.analysis.matrices import GainParts, hybrid_law
 from hilc_cli.analysis.recursion import ErrorRecursion
 from hilc_cli.analysis.singular_value import largest_singular_value
 from hilc_cli.engine.experiment import Experiment
@@ -71,8 +72,8 @@ class LiftedIteration:
         """
         law, reference = hybrid_law(experiment), experiment.reference
         steps = reference.samples
-        self.plant = linearise(reference, experiment.robot)
-        self.gains = gains_along(law.matrix, self.plant.cos, self.plant.sin)
+        self.plant = linearise(experiment)
+        self.gains = GainParts.of(law.matrix).at(reference.heading[:-1])
         self.l1 = law.l1
         self.l2, self.l3 = (0.0, 0.0) if law.compensation else (law.l2, law.l3)
         self.weights = np.zeros(steps)

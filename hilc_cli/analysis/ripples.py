@@ -17,13 +17,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hilc_cli.analysis.loop_gain import loop_gains
+from hilc_cli.analysis.matrices import hybrid_law
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.errors import UsageError
-from hilc_cli.laws.hybrid import HybridLaw
-
-Complexes = NDArray[np.complex128]
 
 LONGEST_PERIOD = 20  # samples; for longer ones the path and the integrator's own growth count
 _FREQUENCIES = 200
@@ -51,11 +48,11 @@ def ripple_growth(experiment: Experiment) -> RippleGrowth:
     Raises:
         UsageError: The law is another one.
     """
-    law = experiment.law
-    if not isinstance(law, HybridLaw):
-        raise UsageError("the growth of ripples is known for the hybrid law only")
+    law = hybrid_law(experiment)
     l2, l3 = (0.0, 0.0) if law.compensation else (law.l2, law.l3)  # Eq. 21 has neither
-    gains = experiment.reference.sample_time * _eigenvalues(experiment, law)
+    eigenvalues = loop_gains(law.matrix, experiment.robot, experiment.reference.heading[:-1])
+    # The same ones over and over, but for rounding, if the matrix has the form of Eq. 45.
+    gains = experiment.reference.sample_time * np.unique(eigenvalues.round(12))
     frequencies = np.linspace(2 * np.pi / LONGEST_PERIOD, np.pi, _FREQUENCIES)
     back = np.exp(-1j * frequencies)  # 1 / z
     learned = np.abs(1 - back - law.l1 * gains[:, None])
@@ -63,17 +60,3 @@ def ripple_growth(experiment: Experiment) -> RippleGrowth:
     factors = (learned / fed_back).max(axis=0)
     worst = int(factors.argmax())
     return RippleGrowth(float(factors[worst]), float(2 * np.pi / frequencies[worst]))
-
-
-def _eigenvalues(experiment: Experiment, law: HybridLaw) -> Complexes:
-    """Eigenvalues of G B at the reference headings, without the scalars; complex, each once."""
-    robot, heading = experiment.robot, experiment.reference.heading[:-1]
-    cos, sin = np.cos(heading), np.sin(heading)
-    control = np.empty((len(heading), 3, 2))  # Eq. 9
-    control[:, 0, :] = (robot.wheel_radius / 2 * cos)[:, None]
-    control[:, 1, :] = (robot.wheel_radius / 2 * sin)[:, None]
-    turn = robot.wheel_radius / (2 * robot.signed_half_track)
-    control[:, 2, :] = turn, -turn
-    matrix = np.array([law.matrix.at(float(c), float(s)) for c, s in zip(cos, sin, strict=True)])
-    values = np.linalg.eigvals(matrix @ control)
-    return np.unique(values.round(12)).astype(np.complex128)

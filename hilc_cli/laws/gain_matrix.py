@@ -15,9 +15,6 @@ Coefficients = tuple[
     float, float, float, float, float, float, float, float, float,
 ]  # fmt: skip
 
-Row = tuple[float, float, float]
-"""Entries of one wheel at a given heading."""
-
 
 @dataclass(frozen=True, slots=True)
 class Affine:
@@ -49,18 +46,6 @@ class GainMatrix:
             a.constant, a.cos, a.sin, b.constant, b.cos, b.sin, c.constant, c.cos, c.sin,
             d.constant, d.cos, d.sin, e.constant, e.cos, e.sin, f.constant, f.cos, f.sin,
         )  # fmt: skip
-
-    def at(self, cos_heading: float, sin_heading: float) -> tuple[Row, Row]:
-        """The rows of the left and right wheel at a heading."""
-
-        def row(entries: tuple[Affine, Affine, Affine]) -> Row:
-            a, b, c = (
-                entry.constant + entry.cos * cos_heading + entry.sin * sin_heading
-                for entry in entries
-            )
-            return a, b, c
-
-        return row(self.left), row(self.right)
 
     @property
     def is_kinematic(self) -> bool:

@@ -230,7 +230,7 @@ def test_limit_and_iterations(
     ],
 )
 def test_smoothness(amplitudes: Sequence[float], errors: Sequence[float], verdict: Verdict) -> None:
-    swing = (-1.0) ** np.arange(STEPS)
+    swing = np.cos(np.pi * np.arange(STEPS))
     runs = {
         f"fig7{c}": run_of([error], left=amplitude * swing)
         for c, amplitude, error in zip("abcd", amplitudes, errors, strict=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hilc_cli.analysis.equilibrium import Equilibrium, equilibrium
+from hilc_cli.analysis.fixed_point import FixedPoint, fixed_point
 from hilc_cli.laws.compensation import compensation_gain
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.long_run import shipped
@@ -89,7 +89,7 @@ def _why(evidence: Evidence, runs: Mapping[str, str]) -> str:
     """The equilibrium of Eq. 21 in figures."""
     resting = {name: rest_without_limit(run) for name, run in runs.items()}
     told = ", ".join(
-        f"{rest.position_error[H + 1 :].max():.2f} m" + (f" ({name})" if len(runs) > 1 else "")
+        f"{rest.position_error_m[H + 1 :].max():.2f} m" + (f" ({name})" if len(runs) > 1 else "")
         for name, rest in resting.items()
     )
     why = (
@@ -100,7 +100,7 @@ def _why(evidence: Evidence, runs: Mapping[str, str]) -> str:
         f"errors of up to {told} after sample h."
     )
     turns = {
-        name: float(abs(rest.error[1, 2] - rest.error[0, 2])) for name, rest in resting.items()
+        name: float(abs(rest.errors[1, 2] - rest.errors[0, 2])) for name, rest in resting.items()
     }
     turned = {name: turn for name, turn in turns.items() if turn > _TURN}
     if turned:
@@ -115,14 +115,14 @@ def _why(evidence: Evidence, runs: Mapping[str, str]) -> str:
     return why
 
 
-def rest_without_limit(name: str) -> Equilibrium:
+def rest_without_limit(name: str) -> FixedPoint:
     """The equilibrium of a shipped scenario without its speed limit.
 
     Raises:
         ValueError: It has none.
     """
-    rest = equilibrium(shipped(name, "controller.b_w=null"))
-    if rest is None:
+    rest = fixed_point(shipped(name, "controller.b_w=null"))
+    if rest is None or not rest.is_finite:
         raise ValueError(f"{name} has no equilibrium")
     return rest
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hilc_cli.analysis.conditions import conditions
-from hilc_cli.analysis.equilibrium import equilibrium
+from hilc_cli.analysis.fixed_point import fixed_point
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.claims import initial_error, tracking
 from hilc_cli.paper.long_run import errors_of, last_trial, on_reachable_reference, shipped
@@ -64,12 +64,12 @@ def _with_initial_error(evidence: Evidence) -> Finding:
         reference, trial = experiment.reference, last_trial(experiment)
         x, y = reference.x - trial.x, reference.y - trial.y
         after = (x**2 + y**2)[_COARSE_H + 1 :] ** 0.5
-        rest = equilibrium(experiment)
+        rest = fixed_point(experiment)
         errors.append(float(after.max()) / reference.size)
         rhos.append(conditions(experiment).theorem_2_printed.rho)
         figures.append(percent(f"largest error after sample h, {name}", errors[-1]))
         if rest is not None:
-            resting.append(float(rest.position_error[_COARSE_H + 1 :].max()) / reference.size)
+            resting.append(float(rest.position_error_m[_COARSE_H + 1 :].max()) / reference.size)
             apart.append(abs(errors[-1] - resting[-1]))
             figures.append(percent(f"that of the equilibrium, {name}", resting[-1]))
     figures.append(Figure("largest rho as printed", round(max(rhos), 12)))
