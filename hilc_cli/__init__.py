@@ -20,6 +20,7 @@ from hilc_cli.version import __version__
 
 if TYPE_CHECKING:
     from hilc_cli.api import (
+        Comparison,
         Execution,
         Run,
         RunData,
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
         Sweep,
         SweepData,
         check_folder,
+        compare,
         load_scenario,
         merge_shards,
         plan_sweep,
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "Comparison",
     "Execution",
     "HilcError",
     "Run",
@@ -51,6 +54,7 @@ __all__ = [
     "SweepData",
     "__version__",
     "check_folder",
+    "compare",
     "load_scenario",
     "merge_shards",
     "plan_sweep",

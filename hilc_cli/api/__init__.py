@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from hilc_cli.api.comparing import Comparison, compare
     from hilc_cli.api.running import (
         Run,
         RunData,
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from hilc_cli.sweeping.shards import shard_cases
 
 __all__ = [
+    "Comparison",
     "Estimate",
     "Execution",
     "Failure",
@@ -56,6 +58,7 @@ __all__ = [
     "available_cores",
     "check_folder",
     "check_sweep_output",
+    "compare",
     "compile_for",
     "discard_work",
     "estimate",
@@ -79,6 +82,10 @@ __all__ = [
 ]
 
 _HOMES = {
+    "hilc_cli.api.comparing": (
+        "Comparison",
+        "compare",
+    ),
     "hilc_cli.api.running": (
         "Run",
         "RunData",

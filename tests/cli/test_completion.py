@@ -18,6 +18,7 @@ BIN = Path(sys.executable).parent
         ("hilc run example :", 3, {"fig3-circle", "figure-eight"}),
         ("hilc run exam", 2, {"example:fig3-circle"}),
         ("hilc plot --ki", 2, {"--kind"}),
+        ("hilc compare --table m", 3, {"markdown"}),
     ],
 )
 def test_bash_gets_what_it_can_put_behind_the_cursor(
