@@ -23,6 +23,7 @@ from hilc_cli.version import __version__
 if TYPE_CHECKING:
     from hilc_cli.api import (
         Check,
+        Comparison,
         Execution,
         Reproduction,
         ReproductionPlan,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
         SweepData,
         check,
         check_folder,
+        compare,
         load_scenario,
         merge_shards,
         plan_reproduction,
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Check",
+    "Comparison",
     "Execution",
     "HilcError",
     "Reproduction",
@@ -63,6 +66,7 @@ __all__ = [
     "__version__",
     "check",
     "check_folder",
+    "compare",
     "load_scenario",
     "merge_shards",
     "plan_reproduction",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import errno
+import filecmp
 import os
 import shutil
 import stat
@@ -146,7 +147,11 @@ def write_folder(
 
 
 def merge_folder(
-    path: Path, fill: Callable[[Path], None], may_replace: Callable[[Path], bool]
+    path: Path,
+    fill: Callable[[Path], None],
+    may_replace: Callable[[Path], bool],
+    *,
+    or_same: bool = False,
 ) -> None:
     """Adds files to a folder, each as a whole, after all of them could be made.
 
@@ -154,6 +159,7 @@ def merge_folder(
         path: The folder; made if it is not there.
         fill: Writes the files into the folder that it is given.
         may_replace: Whether a file of the same name that stands there may be replaced.
+        or_same: A file of the same name and content may stand there in any case.
 
     Raises:
         ExistingResultsError: One may not; nothing has been added then.
@@ -169,7 +175,11 @@ def merge_folder(
             files = sorted(draft.iterdir())
             for file in files:
                 there = path / file.name
-                if os.path.lexists(there) and not may_replace(there):
+                if (
+                    os.path.lexists(there)
+                    and not may_replace(there)
+                    and not (or_same and _is_same(file, there))
+                ):
                     raise ExistingResultsError(
                         f"{there}: exists; choose another folder with --out, "
                         "or replace it with --force"
@@ -180,6 +190,11 @@ def merge_folder(
             sync(path)
         finally:
             shutil.rmtree(draft, ignore_errors=True)
+
+
+def _is_same(one: Path, other: Path) -> bool:
+    """Whether two files, of which the other may be anything, have the same content."""
+    return other.is_file() and filecmp.cmp(one, other, shallow=False)
 
 
 def _move_kept(old: Path, new: Path, keeps: Callable[[str], bool]) -> None:

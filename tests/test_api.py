@@ -221,6 +221,28 @@ def test_plot_of_a_run_in_memory(folder: Path) -> None:
     assert all((folder / path).stat().st_size > 1000 for path in drawn)
 
 
+def test_comparison_of_runs_in_memory(folder: Path) -> None:
+    runs = [
+        hilc_api.run(hilc_api.load_scenario("scenario.yaml", {"name": name, "iterations": 3}))
+        for name in ("a", "b")
+    ]
+    comparison = hilc_api.compare(runs)
+    assert comparison.table.values("run") == ["a", "b"]
+    assert comparison.table.values("iterations") == [3, 3]
+    errors = [run.metrics["max_position_error_m"][-1] for run in runs]
+    assert comparison.table.values("max_position_error_m") == errors
+    files = comparison.write("out", plots=False)
+    assert files == [Path("out") / f"comparison.{kind}" for kind in ("csv", "md", "tex")]
+    assert comparison.text("csv") == files[0].read_text()
+    with pytest.raises(UsageError, match="unknown kind of table 'markdwn'; did you mean 'markdo"):
+        comparison.text("markdwn")
+    with pytest.raises(UsageError, match="at least two runs"):
+        hilc_api.compare(runs[:1])
+    with pytest.raises(UsageError, match="unknown picture format 'gif'"):
+        comparison.write("new", formats=["gif"])
+    assert not (folder / "new").exists()
+
+
 def test_plot_of_an_unknown_kind_makes_no_folder(folder: Path) -> None:
     run = hilc_api.run(hilc_api.load_scenario("scenario.yaml"))
     with pytest.raises(UsageError, match="did you mean 'error'"):

@@ -162,6 +162,18 @@ def test_nothing_is_added_if_one_file_may_not_be_replaced(tmp_path: Path) -> Non
     assert listing(tmp_path) == before
 
 
+def test_file_of_the_same_content_may_stand_there(tmp_path: Path) -> None:
+    merge_folder(tmp_path, fill, lambda there: False)
+    before = listing(tmp_path)
+    merge_folder(tmp_path, fill, lambda there: False, or_same=True)
+    assert listing(tmp_path) == before
+    with pytest.raises(ExistingResultsError):
+        merge_folder(tmp_path, fill, lambda there: False)
+    (tmp_path / "b").write_bytes((tmp_path / "b").read_bytes().swapcase() + b" ")
+    with pytest.raises(ExistingResultsError, match="b: exists"):
+        merge_folder(tmp_path, fill, lambda there: False, or_same=True)
+
+
 def test_folder_of_files_that_cannot_be_made_is_not_made_either(tmp_path: Path) -> None:
     def fail(draft: Path) -> None:
         raise UsageError("there is no such kind")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from hilc_cli.api.checking import Check, check
+    from hilc_cli.api.comparing import Comparison, compare
     from hilc_cli.api.reproducing import Reproduction, check_reproduction, reproduce
     from hilc_cli.api.running import (
         Run,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Check",
+    "Comparison",
     "Estimate",
     "Execution",
     "Failure",
@@ -64,6 +66,7 @@ __all__ = [
     "check_folder",
     "check_reproduction",
     "check_sweep_output",
+    "compare",
     "compile_for",
     "discard_work",
     "estimate",
@@ -97,6 +100,10 @@ _HOMES = {
     "hilc_cli.api.checking": (
         "Check",
         "check",
+    ),
+    "hilc_cli.api.comparing": (
+        "Comparison",
+        "compare",
     ),
     "hilc_cli.api.running": (
         "Run",

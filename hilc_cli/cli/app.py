@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from hilc_cli.cli.check import check
+from hilc_cli.cli.compare import compare
 from hilc_cli.cli.examples import examples
 from hilc_cli.cli.options import Version
 from hilc_cli.cli.plot import plot
@@ -40,6 +41,7 @@ def hilc(context: typer.Context, version: Version = False) -> None:
 app.command()(run)
 app.command()(check)
 app.command()(plot)
+app.command()(compare)
 app.command()(sweep)
 app.command()(reproduce)
 app.command()(examples)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -19,9 +18,6 @@ from hilc_cli.cli.options import (
     Verbose,
     Version,
 )
-
-if TYPE_CHECKING:
-    from hilc_cli.api import RunData
 
 
 def plot(
@@ -63,8 +59,8 @@ def plot(
     """
     from hilc_cli import api
     from hilc_cli.cli.ranges import parse_whole_numbers
+    from hilc_cli.cli.several_runs import check_shared_folder, read_runs, shared_folder
     from hilc_cli.errors import UsageError
-    from hilc_cli.results.run_folder import is_run_folder
 
     kinds = [choice.value for choice in kind or []]
     suffixes = [choice.value for choice in formats or [PictureFormat.PNG]]
@@ -82,14 +78,14 @@ def plot(
         _tell(out or runs[0], pictures, json=json, quiet=quiet)
         return
     wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
-    results = _told_apart([api.read_run(folder) for folder in runs], runs)
+    results = read_runs(runs)
     chosen: set[int] | None = None
     if wanted is not None:
         chosen = {*wanted.single, *(i for run in results for i in run.trials if i in wanted)}
     in_place = out is None and len(runs) == 1
-    folder = out or (runs[0] if in_place else Path("runs") / _name_together(runs))
-    if len(runs) > 1 and is_run_folder(folder):
-        raise UsageError(f"--out {folder}: is the folder of one run; name another for several")
+    folder = out or (runs[0] if in_place else shared_folder(runs))
+    if len(runs) > 1:
+        check_shared_folder(folder)
     pictures = api.plot(
         results,
         folder,
@@ -110,20 +106,3 @@ def _tell(folder: Path, pictures: list[Path], *, json: bool, quiet: bool) -> Non
         print_json({"folder": str(folder), "files": [str(picture) for picture in pictures]})
     elif not quiet:
         print_text("\n".join(map(str, pictures)))
-
-
-def _told_apart(results: list[RunData], folders: list[Path]) -> list[RunData]:
-    """The runs by the names of their folders, where two have the same name."""
-    if len({run.name for run in results}) == len(results):
-        return results
-    return [
-        replace(run, name=folder.resolve().name)
-        for run, folder in zip(results, folders, strict=True)
-    ]
-
-
-def _name_together(folders: list[Path]) -> str:
-    names = [folder.resolve().name for folder in folders]
-    if len(names) == 2:
-        return f"{names[0]}-vs-{names[1]}"
-    return f"{names[0]}-and-{len(names) - 1}-more"

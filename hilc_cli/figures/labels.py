@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import Formatter
 
 from hilc_cli.figures.style import NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
-from hilc_cli.results.run import RunData
+from hilc_cli.results.run import RunData, distinct_names
 
 Entitle = Callable[[Axes, str, Sequence[str]], None]
 """Titles a panel and puts notes that the reader must know beside it, as `set_title` does."""
@@ -24,17 +24,9 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 def run_labels(runs: Sequence[RunData]) -> list[str]:
     """The names of runs, shortened where they are very long and told apart where they are equal."""
-    labels: list[str] = []
-    for run in runs:
-        name = shortened(run.name)
-        # Matplotlib leaves labels that start with an underscore out of the legend.
-        name = f" {name}" if name.startswith("_") else name
-        label, count = name, 1
-        while label in labels:
-            count += 1
-            label = f"{name} ({count})"
-        labels.append(label)
-    return labels
+    names = [shortened(run.name) for run in runs]
+    # Matplotlib leaves labels that start with an underscore out of the legend.
+    return distinct_names([f" {name}" if name.startswith("_") else name for name in names])
 
 
 def shortened(name: str, longest: int = LONGEST_LABEL) -> str:

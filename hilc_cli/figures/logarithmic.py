@@ -49,26 +49,27 @@ def _within(bottom: float, top: float, digits: tuple[int, ...] | range) -> list[
     return [value for value in values if bottom <= math.log10(value) <= top]
 
 
-def narrow_ticks(low: float, high: float, most: int = 6) -> Ticks:
+def narrow_ticks(low: float, high: float, most: int = 6, least: int = 2) -> Ticks:
     """Ticks between two positive numbers that may be close together.
 
     Args:
         low: The lower end.
         high: The upper end, > low.
         most: About so many fit.
+        least: With fewer ticks at ones, twos and fives they are spread like linear ones.
 
     Returns:
         Major ticks, their labels, minor ticks.
     """
     found = ticks(math.log10(low), math.log10(high), most)
-    if len(found[0]) >= 2:
+    if len(found[0]) >= least:
         return found
     round_numbers = MaxNLocator(nbins=max(2, most), steps=[1, 2, 5, 10]).tick_values(low, high)
     inside = [float(value) for value in round_numbers if low <= value <= high]
     return inside, labels.PlainFormatter().format_ticks(inside), []
 
 
-def set_scale(axis: XAxis | YAxis, low: float, high: float, most: int = 6) -> None:
+def set_scale(axis: XAxis | YAxis, low: float, high: float, most: int = 6, least: int = 2) -> None:
     """Makes an axis logarithmic, from one positive number to another, with its ticks."""
     if isinstance(axis, XAxis):
         axis.axes.set_xscale("log")
@@ -76,6 +77,6 @@ def set_scale(axis: XAxis | YAxis, low: float, high: float, most: int = 6) -> No
     else:
         axis.axes.set_yscale("log")
         axis.axes.set_ylim(low, high)
-    major, texts, minor = narrow_ticks(low, high, most)
+    major, texts, minor = narrow_ticks(low, high, most, least)
     axis.set_ticks(major, labels=texts)
     axis.set_ticks(minor, labels=[""] * len(minor), minor=True)

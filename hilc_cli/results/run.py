@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -68,3 +68,15 @@ class RunData:
             trial.x, trial.y, np.cos(trial.heading), np.sin(trial.heading), self.gravity_center
         )
         return x, y, trial.heading
+
+
+def distinct_names(names: Sequence[str]) -> list[str]:
+    """The names of runs that stand side by side, equal ones told apart by a number."""
+    found: list[str] = []
+    for name in names:
+        distinct, count = name, 1
+        while distinct in found:
+            count += 1
+            distinct = f"{name} ({count})"
+        found.append(distinct)
+    return found

@@ -22,7 +22,7 @@ from hilc_cli.results.sweep import (
     Numbers,
     as_numbers,
 )
-from hilc_cli.results.tables import MAX_CSV_BYTES
+from hilc_cli.results.tables import MAX_CSV_BYTES, quoted
 from hilc_cli.variation.axes import Axis, Choices, Value
 
 CASE = "case"
@@ -51,7 +51,7 @@ def write_cases(
     """
     cases = len(columns[DIVERGED])
     with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(",".join([CASE, *map(_quoted, values), *columns]) + "\n")
+        file.write(",".join([CASE, *map(quoted, values), *columns]) + "\n")
         for first in range(0, cases, _BLOCK):
             last = min(first + _BLOCK, cases)
             cells: list[Sequence[str]] = [list(map(str, range(first, last)))]
@@ -84,15 +84,7 @@ def value_text(value: Value) -> str:
         return "null"
     if isinstance(value, bool):
         return str(value).lower()
-    return _quoted(value) if isinstance(value, str) else repr(value)
-
-
-def _quoted(text: str) -> str:
-    """The text as a cell of a CSV file."""
-    if not set(text) & set(',"\r\n'):
-        return text
-    doubled = text.replace('"', '""')
-    return f'"{doubled}"'
+    return quoted(value) if isinstance(value, str) else repr(value)
 
 
 def read_cases(

@@ -193,6 +193,14 @@ def read_input(path: Path, content: bytes, steps: int, sample_time: float) -> tu
     return table[:, 2].copy(), table[:, 3].copy()
 
 
+def quoted(text: str) -> str:
+    """The text as a cell of a CSV file."""
+    if not set(text) & set(',"\r\n'):
+        return text
+    doubled = text.replace('"', '""')
+    return f'"{doubled}"'
+
+
 def _lists(*columns: Floats) -> list[list[float]]:
     return [column.tolist() for column in columns]
 

@@ -19,6 +19,7 @@ BIN = Path(sys.executable).parent
         ("hilc run exam", 2, {"example:fig3-circle"}),
         ("hilc check example : fig6", 4, {"fig6a", "fig6i"}),
         ("hilc plot --ki", 2, {"--kind"}),
+        ("hilc compare --table m", 3, {"markdown"}),
     ],
 )
 def test_bash_gets_what_it_can_put_behind_the_cursor(

@@ -13,7 +13,7 @@ from hilc_cli.shipped_files import examples
 from tests.cli.processes import environment, run_hilc
 from tests.conftest import Hilc, Outcome, Write
 
-COMMANDS = ["run", "check", "plot", "sweep", "reproduce", "examples", "schema"]
+COMMANDS = ["run", "check", "plot", "compare", "sweep", "reproduce", "examples", "schema"]
 HEAVY = {"numpy", "matplotlib", "pydantic", "yaml"}
 
 

@@ -1,0 +1,124 @@
+"""``hilc compare``: several runs in one table and one picture."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hilc_cli.cli.options import (
+    Force,
+    Formats,
+    Json,
+    OutputFolder,
+    PictureFormat,
+    Quiet,
+    Verbose,
+    Version,
+)
+
+if TYPE_CHECKING:
+    from hilc_cli.api import Comparison
+
+
+class TableKind(StrEnum):
+    """What is printed."""
+
+    TERMINAL = "terminal"
+    CSV = "csv"
+    MARKDOWN = "markdown"
+    LATEX = "latex"
+
+
+def compare(
+    runs: Annotated[
+        list[Path],
+        typer.Argument(metavar="RUN", help="At least two run folders.", show_default=False),
+    ],
+    table: Annotated[
+        TableKind | None,
+        typer.Option("--table", help="The table to print. [default: terminal]"),
+    ] = None,
+    formats: Formats = None,
+    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no picture.")] = False,
+    out: OutputFolder = None,
+    force: Force = False,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    version: Version = False,
+) -> None:
+    """Compare runs: errors, speeds and learning, in one table and one picture.
+
+    Writes comparison.csv, .md, .tex and .png to --out, by default runs/A-vs-B, and prints the
+    table. Nothing is simulated.
+
+    \b
+    Examples:
+      hilc compare runs/fig4-uncompensated runs/fig4-compensated
+      hilc compare runs/fig6? --out figure-6 --format pdf
+      hilc compare runs/fig7a runs/fig7b --no-plots --table latex > table.tex
+    """
+    from hilc_cli import api
+    from hilc_cli.cli.several_runs import check_shared_folder, read_runs, shared_folder
+    from hilc_cli.cli.terminal import print_json
+    from hilc_cli.errors import UsageError
+
+    if len(runs) < 2:
+        raise UsageError(f"{runs[0]}: is only one run; give at least two to compare")
+    if json and table is not None:
+        raise UsageError("--json and --table both say what is printed; give one of them")
+    for folder in runs:
+        if api.is_sweep(folder):
+            raise UsageError(f"{folder}: is the folder of a sweep; give folders of runs to compare")
+    folder = out or shared_folder(runs)
+    check_shared_folder(folder)
+    result = api.compare(read_runs(runs))
+    files = result.write(
+        folder,
+        force=force,
+        formats=[choice.value for choice in formats or [PictureFormat.PNG]],
+        plots=not no_plots,
+    )
+    if json:
+        print_json(_document(result, folder, files))
+    elif not quiet:
+        _tell(result, folder, table or TableKind.TERMINAL)
+
+
+def _tell(result: Comparison, folder: Path, kind: TableKind) -> None:
+    from hilc_cli.cli.comparison_table import print_comparison
+    from hilc_cli.cli.terminal import print_text, say
+
+    if kind is TableKind.TERMINAL:
+        print_comparison(result.table)
+        print_text(f"Written to {folder}")
+    else:
+        print_text(result.text(kind.value).rstrip("\n"))
+        say(f"written to {folder}")
+
+
+def _document(result: Comparison, folder: Path, files: list[Path]) -> dict[str, object]:
+    from math import isfinite
+
+    table = result.table
+    names = [column.name for column in table.columns]
+    titles = [str(row.values[0]) for row in table.rows]
+    return {
+        "folder": str(folder),
+        "files": [str(file) for file in files],
+        "runs": [
+            {
+                name: None if isinstance(value, float) and not isfinite(value) else value
+                for name, value in zip(names, row.values, strict=True)
+            }
+            for row in table.rows
+        ],
+        "best": {
+            name: [titles[number] for number in sorted(table.best(place))]
+            for place, name in enumerate(names)
+            if table.columns[place].is_ranked
+        },
+    }

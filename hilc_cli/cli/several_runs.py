@@ -1,0 +1,53 @@
+"""What commands on several run folders share: names that differ, and where the results go."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hilc_cli.errors import UsageError
+
+if TYPE_CHECKING:
+    from hilc_cli.api import RunData
+
+
+def read_runs(folders: Sequence[Path]) -> list[RunData]:
+    """The runs in some folders, told apart by the names of the folders if two are called alike.
+
+    Raises:
+        HilcError: One is no run folder, or damaged.
+    """
+    from hilc_cli.api import read_run
+
+    runs = [read_run(folder) for folder in folders]
+    choices = (
+        [run.name for run in runs],
+        [folder.resolve().name for folder in folders],
+        [str(folder) for folder in folders],
+    )
+    names = next((names for names in choices if len(set(names)) == len(names)), choices[1])
+    return [replace(run, name=name) for run, name in zip(runs, names, strict=True)]
+
+
+def shared_folder(folders: Sequence[Path]) -> Path:
+    """Where the results of several runs go by default, such as runs/A-vs-B."""
+    names = [folder.resolve().name for folder in folders]
+    if len(names) == 2:
+        return Path("runs") / f"{names[0]}-vs-{names[1]}"
+    return Path("runs") / f"{names[0]}-and-{len(names) - 1}-more"
+
+
+def check_shared_folder(folder: Path) -> None:
+    """Makes sure that results of several runs do not end up among those of one.
+
+    Raises:
+        UsageError: The folder is that of a run or of a sweep.
+    """
+    from hilc_cli.api import is_sweep
+    from hilc_cli.results.run_folder import is_run_folder
+
+    what = "run" if is_run_folder(folder) else "sweep" if is_sweep(folder) else ""
+    if what:
+        raise UsageError(f"--out {folder}: is the folder of one {what}; name another for several")
