@@ -2,17 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from hilc_cli.analysis.advice import advice
+from hilc_cli.analysis.bounds import Bounds
+from hilc_cli.analysis.conditions import Conditions, conditions
 from hilc_cli.analysis.demand import demand_of
 from hilc_cli.analysis.feasibility import Feasibility, Limits
 from hilc_cli.analysis.findings import Findings
+from hilc_cli.analysis.forecast import Forecast, forecast, forecast_findings, rest_error
+from hilc_cli.analysis.measured import Comparison
+from hilc_cli.analysis.measured import compare as beside
 from hilc_cli.analysis.remedies import feasibility_findings
+from hilc_cli.analysis.theories import CORRECTED, WITHIN_LIMIT, theories
+from hilc_cli.api.running import OnIteration, RunData, Summary, measured_trials
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import DivergedError
+from hilc_cli.files import merge_folder
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.results.metrics import MetricsTable
+from hilc_cli.results.summary import summarise
+from hilc_cli.results.trial import Trial
 from hilc_cli.spec.valid import Scenario
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulated:
+    """A simulation beside what theory says of it.
+
+    Attributes:
+        run: The run.
+        comparisons: The bounds of each theory beside the run, by the theory's name; empty if the
+            law is another one than the hybrid law.
+    """
+
+    run: RunData
+    comparisons: Mapping[str, Comparison]
+
+    @property
+    def summary(self) -> Summary:
+        """The run in a few figures."""
+        return summarise(self.run)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,11 +56,23 @@ class Check:
     Attributes:
         scenario: What was checked.
         feasibility: What its trajectory demands of wheels and tyres, beside what they can do.
-        findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``.
+        forecast: What learning is expected to do; None for another law than the hybrid law.
+        rest_error_m: Largest position error where learning rests, after a compensation; None if
+            it rests at no finite motion.
+        conditions: Those of the paper's theorems; None for another law.
+        theories: Bounds of the paper's theory, by name; None for another law.
+        simulated: A simulation, if one was asked for.
+        findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
+            ``learning``, ``theory``.
     """
 
     scenario: Scenario
     feasibility: Feasibility
+    forecast: Forecast | None
+    rest_error_m: float | None
+    conditions: Conditions | None
+    theories: Mapping[str, Bounds] | None
+    simulated: Simulated | None
     findings: Mapping[str, Findings]
 
     @property
@@ -39,12 +85,63 @@ class Check:
         """What is legal but unwise."""
         return tuple(text for part in self.findings.values() for text in part.warnings)
 
+    def plot(
+        self,
+        folder: str | Path,
+        *,
+        formats: Sequence[str] = ("png",),
+        may_replace: Callable[[Path], bool] = lambda file: False,
+    ) -> list[Path]:
+        """Draws the predicted error over the iterations, beside the simulated one if there is one.
 
-def check(scenario: Scenario) -> Check:
-    """Checks a scenario, without simulating it.
+        Args:
+            folder: Where to put transient.FORMAT; made if it is not there.
+            formats: png, svg, pdf.
+            may_replace: Whether a picture of that name that stands there may be replaced.
+
+        Returns:
+            The pictures; none if nothing is predicted of the law.
+
+        Raises:
+            UsageError: There is no such format.
+            ExistingResultsError: A picture stands there that may not be replaced.
+            FileAccessError: They cannot be written.
+        """
+        from hilc_cli.figures.save import save_figure  # Matplotlib starts slowly
+        from hilc_cli.figures.transient import transient_figure
+
+        if self.forecast is None:
+            return []
+        errors = self.forecast.transient.max_position_error_m
+        figure = transient_figure(
+            self.scenario.name,
+            errors,
+            self.forecast.transient.path_size_m,
+            None if self.simulated is None else self.simulated.run.metrics["max_position_error_m"],
+            self.rest_error_m,
+        )
+        names = [f"transient.{name}" for name in dict.fromkeys(formats)]
+
+        def draw(into: Path) -> None:
+            for name in names:
+                save_figure(figure, into / name)
+
+        merge_folder(Path(folder), draw, may_replace)
+        return [Path(folder) / name for name in names]
+
+
+def check(
+    scenario: Scenario, *, simulate: bool = False, on_iteration: OnIteration | None = None
+) -> Check:
+    """Checks a scenario.
 
     Args:
         scenario: From `load_scenario`.
+        simulate: Run it as well, and put what it does beside what theory says.
+        on_iteration: Told of each completed iteration of that run.
+
+    Raises:
+        DivergedError: Not even the first iteration of the run stayed within the finite numbers.
     """
     experiment = scenario.experiment()
     names = scenario.spec.trajectory.segment_names
@@ -59,4 +156,72 @@ def check(scenario: Scenario) -> Check:
             "settings": Findings(warnings=(*scenario.warnings(), *advice(experiment))),
             "feasibility": feasibility_findings(feasibility),
         }
-    return Check(scenario, feasibility, findings)
+        expected, rest, premises, bounds = None, None, None, None
+        if isinstance(experiment.law, HybridLaw):
+            expected = forecast(experiment)
+            if expected.rest is not None and expected.rest.is_finite:
+                rest = rest_error(experiment, expected.rest)
+            premises, bounds = conditions(experiment), theories(experiment)
+            findings["learning"] = forecast_findings(experiment, expected)
+        simulated = (
+            _simulated(scenario, experiment, bounds or {}, on_iteration) if simulate else None
+        )
+        findings["theory"] = _theory_findings(simulated)
+    return Check(scenario, feasibility, expected, rest, premises, bounds, simulated, findings)
+
+
+def _simulated(
+    scenario: Scenario,
+    experiment: Experiment,
+    bounds: Mapping[str, Bounds],
+    on_iteration: OnIteration | None,
+) -> Simulated:
+    """One run, of which each iteration is measured as it comes, and only the last is kept."""
+    metrics = MetricsTable()
+    last: dict[int, Trial] = {}
+    diverged_at: int | None = None
+
+    def completed() -> Iterator[Trial]:
+        nonlocal diverged_at
+        try:
+            for trial in measured_trials(experiment, metrics):
+                last.clear()
+                last[trial.iteration] = trial
+                if on_iteration is not None:
+                    on_iteration(trial.iteration)
+                yield trial
+        except DivergedError as error:
+            if not last:
+                raise
+            diverged_at = error.iteration
+
+    comparisons = beside(experiment, bounds, completed())
+    return Simulated(
+        RunData(
+            name=scenario.name,
+            reference=experiment.reference,
+            metrics=metrics,
+            trials=last,
+            speed_limit=scenario.speed_limit,
+            gravity_center=experiment.robot.gravity_center,
+            diverged_at=diverged_at,
+        ),
+        comparisons,
+    )
+
+
+def _theory_findings(simulated: Simulated | None) -> Findings:
+    """Bounds that should hold, and do not: a violated one is a defect of the theory's code."""
+    if simulated is None:
+        return Findings()
+    found = []
+    for name in (CORRECTED, WITHIN_LIMIT):
+        for quantity, part in (
+            simulated.comparisons[name].parts if name in simulated.comparisons else {}
+        ).items():
+            if len(part.violated):
+                found.append(
+                    f"the bound of the {quantity} error, {name}, is violated in "
+                    f"{len(part.violated)} iterations, which should not be; please report it"
+                )
+    return Findings(warnings=tuple(found))

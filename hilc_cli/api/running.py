@@ -5,13 +5,14 @@ from __future__ import annotations
 import platform
 import sys
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
+from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import merge_folder
@@ -161,25 +162,20 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
     kept = recorded_iterations(scenario.spec.record.iterations, experiment.iterations)
     metrics = MetricsTable()
     trials: dict[int, Trial] = {}
-    before: Trial | None = None
+    last: Trial | None = None
     diverged_at: int | None = None
     try:
-        for trial in simulate(experiment):
-            row = measure(trial, experiment.reference, before)
-            end = float(trial.x[-1]), float(trial.y[-1]), float(trial.heading[-1])
-            if not is_finite(row.max_position_error_m, *end):
-                raise DivergedError(trial.iteration)
-            metrics.append(row)
+        for trial in measured_trials(experiment, metrics):
             if trial.iteration in kept:
                 trials[trial.iteration] = trial
-            before = trial
+            last = trial
             if on_iteration is not None:
                 on_iteration(trial.iteration)
     except DivergedError as error:
-        if before is None:
+        if last is None:
             raise
         diverged_at = error.iteration
-        trials[before.iteration] = before  # the last one always is kept
+        trials[last.iteration] = last  # the last one always is kept
     return Run(
         name=scenario.name,
         reference=experiment.reference,
@@ -192,6 +188,27 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
         started=started,
         timings={"simulation": time.perf_counter() - clock},
     )
+
+
+def measured_trials(experiment: Experiment, metrics: MetricsTable) -> Iterator[Trial]:
+    """The iterations of an experiment, each measured as it is completed.
+
+    Args:
+        experiment: What to simulate.
+        metrics: Empty; gets a row for each iteration.
+
+    Raises:
+        DivergedError: An iteration left the finite numbers; it is neither measured nor yielded.
+    """
+    before: Trial | None = None
+    for trial in simulate(experiment):
+        row = measure(trial, experiment.reference, before)
+        end = float(trial.x[-1]), float(trial.y[-1]), float(trial.heading[-1])
+        if not is_finite(row.max_position_error_m, *end):
+            raise DivergedError(trial.iteration)
+        metrics.append(row)
+        yield trial
+        before = trial
 
 
 def read_run(folder: str | Path) -> RunData:

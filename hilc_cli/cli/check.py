@@ -2,16 +2,42 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Annotated
+
 import typer
 
-from hilc_cli.cli.options import Json, Overrides, Quiet, ScenarioArgument, Verbose, Version
+from hilc_cli.cli.options import (
+    Force,
+    Formats,
+    Json,
+    OutputFolder,
+    Overrides,
+    PictureFormat,
+    Quiet,
+    ScenarioArgument,
+    Verbose,
+    Version,
+)
+from hilc_cli.cli.session import Session
 
 WRONG = 3
 
 
 def check(
+    context: typer.Context,
     scenario: ScenarioArgument,
     set_: Overrides = None,
+    simulate: Annotated[
+        bool,
+        typer.Option("--simulate", help="Run it as well, and show the errors beside the theory."),
+    ] = False,
+    plot: Annotated[
+        bool, typer.Option("--plot", help="Draw the predicted error over the iterations.")
+    ] = False,
+    formats: Formats = None,
+    out: OutputFolder = None,
+    force: Force = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -19,28 +45,50 @@ def check(
 ) -> None:
     """Check a scenario without simulating it.
 
-    Is the file valid, can wheels and tyres follow the trajectory, is something set that is legal
-    but unwise? Exits with 3 if the scenario cannot work, and says why and what would help.
+    Is the file valid, can wheels and tyres follow the trajectory, does learning converge, how fast
+    and to what, and what do the paper's theorems say? Exits with 3 if the scenario cannot work,
+    and says why and what would help. --plot writes transient.png to --out, by default
+    runs/NAME-check; nothing else is written.
 
     \b
     Examples:
       hilc check scenarios/fig3-circle.yaml
       hilc check my.yaml --set controller.b_w=100 --set robot.friction=0.8
+      hilc check example:fig7a --simulate --plot
       hilc check my.yaml -q && hilc run my.yaml
     """
     from hilc_cli import api
     from hilc_cli.cli.check_report import document, sections
     from hilc_cli.cli.section import print_section
-    from hilc_cli.cli.terminal import print_json, print_text, say
+    from hilc_cli.cli.terminal import print_json, print_text, progress, say
+    from hilc_cli.errors import UsageError
 
-    found = api.check(api.load_scenario(scenario, set_ or []))
+    if not plot and (out is not None or formats or force):
+        raise UsageError("--out, --format and --force are about the picture; add --plot")
+    valid = api.load_scenario(scenario, set_ or [])
+    session: Session = context.obj
+    silent = quiet or not simulate
+    with progress(valid.name, valid.spec.iterations + 1, quiet=silent) as advance:
+
+        def on_iteration(iteration: int) -> None:
+            session.go_on()
+            advance(iteration + 1)
+
+        found = api.check(valid, simulate=simulate, on_iteration=on_iteration)
+    pictures: list[Path] = []
+    if plot:
+        folder = Path("runs") / f"{valid.name}-check" if out is None else out
+        names = [choice.value for choice in formats or [PictureFormat.PNG]]
+        pictures = found.plot(folder, formats=names, may_replace=lambda file: force or out is None)
     if json:
-        print_json(document(found))
+        print_json(document(found, pictures))
     elif not quiet:
         for number, section in enumerate(sections(found, verbose=verbose)):
             if number:
                 print_text("")
             print_section(section)
+        for picture in pictures:
+            print_text(f"\nWritten to {picture}")
     if found.failures:
         first, more = found.failures[0], len(found.failures) - 1
         say(f"{first} ({more} more in the report)" if more else first)

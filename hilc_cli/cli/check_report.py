@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hilc_cli.cli.check_feasibility import feasibility_section
+from hilc_cli.cli.check_learning import learning_section
+from hilc_cli.cli.check_theory import theory_section
 from hilc_cli.cli.section import Section
 
 if TYPE_CHECKING:
@@ -19,11 +23,21 @@ def sections(check: Check, *, verbose: bool = False) -> list[Section]:
         check: What was found.
         verbose: Long tables as a whole.
     """
-    return [_settings(check), feasibility_section(check, verbose=verbose)]
+    return [
+        _settings(check),
+        feasibility_section(check, verbose=verbose),
+        learning_section(check),
+        theory_section(check, verbose=verbose),
+    ]
 
 
-def document(check: Check) -> dict[str, object]:
-    """The report as one JSON document."""
+def document(check: Check, pictures: Sequence[Path] = ()) -> dict[str, object]:
+    """The report as one JSON document.
+
+    Args:
+        check: What was found.
+        pictures: What was drawn.
+    """
     return {
         "name": check.scenario.name,
         "trajectory": check.scenario.spec.trajectory.name,
@@ -31,6 +45,7 @@ def document(check: Check) -> dict[str, object]:
         "failures": list(check.failures),
         "warnings": list(check.warnings),
         **{part.key: part.document for part in sections(check) if part.key},
+        "files": [str(picture) for picture in pictures],
     }
 
 

@@ -1,0 +1,168 @@
+"""What learning can be expected to do: the figures of the linear theory, and what they mean."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.analysis.findings import Findings
+from hilc_cli.analysis.fixed_point import FixedPoint, fixed_point
+from hilc_cli.analysis.lifted import LiftedIteration
+from hilc_cli.analysis.loop_gain import loop_gains
+from hilc_cli.analysis.matrices import hybrid_law
+from hilc_cli.analysis.ripples import RippleGrowth, ripple_growth
+from hilc_cli.analysis.transient import Transient, predict_transient
+from hilc_cli.engine.experiment import Experiment
+
+MARGIN = 1e-9
+"""Beyond what rounding may make of a limiting case."""
+_FAR = 0.01  # of the path's size: what is further off does not count as on the reference
+_POOR_HEADING = 1.0  # initial heading error beyond which the linear theory says little [rad]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Forecast:
+    """Learning along the reference, without the speed limit and disturbances.
+
+    Attributes:
+        spectral_radius: Of one iteration; below 1 learning settles in the end.
+        largest_singular_value: Of one iteration; below 1 each brings the input nearer to the one
+            where learning rests.
+        ripple: The ripple of the wheel speeds that fares worst in an iteration.
+        transient: Predicted errors.
+        rest: Where learning rests; None if that is no single motion.
+    """
+
+    spectral_radius: float
+    largest_singular_value: float
+    ripple: RippleGrowth
+    transient: Transient
+    rest: FixedPoint | None
+
+    @property
+    def settles(self) -> bool:
+        """Whether learning settles in the end."""
+        return self.spectral_radius < 1
+
+    @property
+    def is_monotone(self) -> bool:
+        """Whether each iteration brings the input nearer to where learning rests."""
+        return self.largest_singular_value < 1
+
+
+def forecast(experiment: Experiment) -> Forecast:
+    """The figures of the linear theory.
+
+    Raises:
+        UsageError: The experiment has another law than the hybrid law.
+    """
+    lifted = LiftedIteration(experiment)
+    return Forecast(
+        lifted.spectral_radius(),
+        lifted.largest_singular_value(),
+        ripple_growth(experiment),
+        predict_transient(experiment),
+        fixed_point(experiment),
+    )
+
+
+def forecast_findings(experiment: Experiment, found: Forecast) -> Findings:
+    """What the figures mean for the experiment."""
+    if experiment.iterations == 0:
+        return Findings()  # nothing is to be learned
+    if not found.settles:
+        return Findings(failures=(_why_it_does_not_settle(experiment, found),))
+    return Findings(
+        warnings=(
+            *_of_the_start(experiment),
+            *_of_ripples(experiment, found),
+            *_of_rest(experiment, found),
+        )
+    )
+
+
+def _why_it_does_not_settle(experiment: Experiment, found: Forecast) -> str:
+    """The reason for a spectral radius of 1 and more: l1, or the gain matrix."""
+    law = hybrid_law(experiment)
+    cannot = f"learning cannot converge (spectral radius {found.spectral_radius:.6g}): "
+    if law.l1 == 0:
+        if law.compensation or (law.l2 == 0 and law.l3 == 0):
+            return f"{cannot}controller.gains.l1 is 0, so every iteration is the first; raise it"
+        return (
+            f"{cannot}controller.gains.l1 is 0, so no wheel speed is corrected by the error that "
+            "it causes, only by those before; raise it"
+        )
+    gains = loop_gains(law.matrix, experiment.robot, experiment.reference.heading[:-1])
+    strength = np.abs(gains)
+    wrong = (gains.real <= MARGIN * strength.max()).any(axis=1)
+    if wrong.any():
+        return (
+            f"{cannot}controller.gain_matrix corrects some errors the wrong way, or not at all, at "
+            f"{np.count_nonzero(wrong)} of {len(wrong)} samples, at first at sample "
+            f"{int(wrong.argmax())}; its first row is the left wheel, its second the right one"
+        )
+    # |1 - d l1 g| < 1 for all loop gains g
+    bound = float((2 * gains.real / strength**2).min()) / experiment.reference.sample_time
+    return (
+        f"{cannot}controller.gains.l1 of {law.l1:g} turns the error that a sample's wheel speeds "
+        f"cause into one as large or larger; keep it below {bound:.3g}"
+    )
+
+
+def _of_the_start(experiment: Experiment) -> list[str]:
+    turned = abs(float(experiment.reference.heading[0]) - experiment.initial_pose[2])
+    if turned <= _POOR_HEADING:
+        return []
+    return [
+        f"initial_pose.heading is off by {turned:.3g} rad: the predicted errors are rough then, "
+        "only where learning rests is exact"
+    ]
+
+
+def _of_ripples(experiment: Experiment, found: Forecast) -> list[str]:
+    if found.ripple.factor <= 1 + MARGIN:
+        return []
+    law = hybrid_law(experiment)
+    remedy = (
+        "lower l2 and l3 until l2 + 3 l3 is below l1"
+        if law.matrix.is_kinematic and (law.l2 > 0 or law.l3 > 0)
+        else "lower the gains"
+    )
+    return [
+        f"controller.gains let ripples of the wheel speeds grow by {found.ripple.factor - 1:.2%} "
+        f"in each iteration (at a period of {found.ripple.period:.3g} samples), which in the long "
+        f"run spoils what was learned; stop in time, or {remedy}"
+    ]
+
+
+def _of_rest(experiment: Experiment, found: Forecast) -> list[str]:
+    rest = found.rest
+    if rest is None:
+        return []
+    if not rest.is_finite:
+        return [
+            "learning has no finite motion to rest at: its feedback makes errors grow from sample "
+            "to sample; lower l2 and l3"
+        ]
+    error = rest_error(experiment, rest)
+    if error <= _FAR * experiment.reference.size:
+        return []
+    beyond = ""
+    if rest.max_wheel_speed_rad_s > experiment.speed_limit:
+        beyond = (
+            f", and its wheel speeds, up to {rest.max_wheel_speed_rad_s:.4g} rad/s, exceed b_w, so "
+            "that with the limit it comes to rest elsewhere"
+        )
+    where = " after sample h" if hybrid_law(experiment).compensation else ""
+    return [
+        f"learning does not rest on the reference: there its position error{where} is up to "
+        f"{error:.3g} m, {error / experiment.reference.size:.1%} of the path's size{beyond}"
+    ]
+
+
+def rest_error(experiment: Experiment, rest: FixedPoint) -> float:
+    """Largest position error where learning rests, of what comes after a compensation [m]."""
+    law = hybrid_law(experiment)
+    first = law.h + 1 if law.compensation and law.h < experiment.reference.samples else 0
+    return float(rest.position_error_m[first:].max())
