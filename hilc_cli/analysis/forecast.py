@@ -152,7 +152,7 @@ def _of_rest(experiment: Experiment, found: Forecast) -> list[str]:
     if rest.max_wheel_speed_rad_s > experiment.speed_limit:
         beyond = (
             f", and its wheel speeds, up to {rest.max_wheel_speed_rad_s:.4g} rad/s, exceed b_w, so "
-            "that with the limit it comes to rest elsewhere"
+            "that it cannot rest exactly there"
         )
     where = " after sample h" if hybrid_law(experiment).compensation else ""
     return [

@@ -112,13 +112,14 @@ class Check:
 
         if self.forecast is None:
             return []
+        rest = self.forecast.rest
         errors = self.forecast.transient.max_position_error_m
         figure = transient_figure(
             self.scenario.name,
             errors,
             self.forecast.transient.path_size_m,
             None if self.simulated is None else self.simulated.run.metrics["max_position_error_m"],
-            self.rest_error_m,
+            rest.max_position_error_m if rest is not None and rest.is_finite else None,
         )
         names = [f"transient.{name}" for name in dict.fromkeys(formats)]
 

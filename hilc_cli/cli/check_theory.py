@@ -88,8 +88,8 @@ def _constants(theories: Mapping[str, Bounds]) -> Grid:
         ["B", *(_number(theory.B) for theory in theories.values())],
     ]
     note = (
-        "Constants of Eqs. 12 to 37. printed: as it stands; with d_k: d_k B for B; corrected: every "
-        "gap of the proof closed; in limit: likewise, with |u| <= b_w."
+        "Constants of Eqs. 12 to 37. printed: as it stands; with d_k: d_k B for B; corrected: all "
+        "gaps of the proof closed; in limit: likewise, with |u| <= b_w."
     )
     return Grid([("Constant", ""), *_columns(theories)], rows, note)
 
@@ -139,7 +139,7 @@ def _columns(theories: Mapping[str, object]) -> list[tuple[str, str]]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.4g}" if abs(value) > 1e-12 else "0"
+    return f"{value:.5g}" if abs(value) > 1e-12 else "0"
 
 
 def _log(value: float) -> str:
