@@ -95,7 +95,7 @@ def _why(evidence: Evidence, runs: Mapping[str, str]) -> str:
     why = (
         "Eq. 21 stands still where G(k) [e(k+1) + w(k) e(0)] = 0: it holds an error of -w(k) e(0) "
         f"along the path and in heading, w(0) = {compensation_gain(0, H, SAMPLE_TIME):g} times the "
-        "initial one, until sample h, and none after it. The sideways error has no column in G: it "
+        "initial one, until sample h, and none after it. G does not see the sideways error: it "
         "drifts meanwhile, and nothing removes it afterwards. Without limit this equilibrium has "
         f"errors of up to {told} after sample h."
     )
