@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
+import numpy as np
+
+from hilc_cli.analysis.circle import sideways_error_after_compensation
 from hilc_cli.analysis.fixed_point import FixedPoint, fixed_point
 from hilc_cli.laws.compensation import compensation_gain
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
@@ -67,6 +71,12 @@ def _circle_is_tracked(evidence: Evidence) -> Finding:
         ),
         Figure("initial error", start, "m"),
         Figure("fastest wheel of all iterations", fastest, "rad/s"),
+        Figure("error after h in equilibrium, closed form", abs(_held_on_the_circle(run)), "m"),
+        Figure(
+            "that solved sample by sample",
+            float(rest_without_limit(CIRCLE).position_error_m[H + 1]),
+            "m",
+        ),
     )
     tracked, kept = tracking([error]), fastest <= _BOUND
     if tracked is Verdict.HOLDS and kept:
@@ -74,6 +84,22 @@ def _circle_is_tracked(evidence: Evidence) -> Finding:
     verdict = Verdict.IN_PART if tracked is not Verdict.FAILS else Verdict.FAILS
     limit = "The speed limit is kept." if kept else "The speed limit is not kept."
     return Finding(verdict, figures, f"{limit} {_why(evidence, {'circle': CIRCLE})}")
+
+
+def _held_on_the_circle(run: RunData) -> float:
+    """The sideways error in equilibrium after sample h, in closed form [m]."""
+    reference, start = run.reference, run.last
+    x, y = reference.x[0] - start.x[0], reference.y[0] - start.y[0]
+    cos, sin = math.cos(reference.heading[0]), math.sin(reference.heading[0])
+    duration = float(reference.times[-1])
+    return sideways_error_after_compensation(
+        along=cos * x + sin * y,
+        sideways=cos * y - sin * x,
+        heading=float(reference.heading[0] - start.heading[0]),
+        speed=float(np.hypot(np.diff(reference.x), np.diff(reference.y)).sum()) / duration,
+        yaw_rate=float(reference.heading[-1] - reference.heading[0]) / duration,
+        duration=H * reference.sample_time,
+    )
 
 
 def _others_are_tracked(evidence: Evidence) -> Finding:
