@@ -89,7 +89,7 @@ def _circle_is_tracked(evidence: Evidence) -> Finding:
 def _held_on_the_circle(run: RunData) -> float:
     """The sideways error in equilibrium after sample h, in closed form [m]."""
     reference, start = run.reference, run.last
-    x, y = reference.x[0] - start.x[0], reference.y[0] - start.y[0]
+    x, y = float(reference.x[0] - start.x[0]), float(reference.y[0] - start.y[0])
     cos, sin = math.cos(reference.heading[0]), math.sin(reference.heading[0])
     duration = float(reference.times[-1])
     return sideways_error_after_compensation(
