@@ -42,14 +42,16 @@ def run_hilc(
     changes: Mapping[str, str] | None = None,
     timeout: float = TIMEOUT,
     before: Callable[[], None] | None = None,
+    covered: bool = True,
 ) -> Outcome:
     """Runs a command line to its end; a run that lasts longer than the timeout is killed."""
+    variables = environment(changes)
     done = subprocess.run(
         [*HILC, *arguments],
         cwd=cwd,
         input=stdin,
         capture_output=True,
-        env=environment(changes),
+        env=variables if covered else uncovered(variables),
         timeout=timeout,
         preexec_fn=before,
         check=False,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 import shlex
 import subprocess
@@ -12,6 +13,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+import pytest
 
 import hilc_cli as hilc
 from hilc_cli import api
@@ -44,10 +47,11 @@ FOLDER = Path("runs/test-sweep")
 PART = Path("runs/test-sweep.part")
 MARK = "HILC_TEST_SWEEP"
 
-# With worker processes, and in chunks, even where a sweep would be over before they started.
+# With two worker processes, and in chunks, even where a sweep would be over before they started.
 FORCED = """\
 import hilc_cli.sweeping.compute, hilc_cli.sweeping.sizing
 hilc_cli.sweeping.compute._ALONE = 0
+hilc_cli.sweeping.compute.available_cores = lambda: 2
 hilc_cli.sweeping.sizing._MOST_CASES = 24
 from hilc_cli.cli.main import main
 main()
@@ -59,7 +63,8 @@ ALONE = FORCED.replace("_ALONE = 0", "_ALONE = 1e99")
 @functools.cache
 def expected() -> dict[str, bytes]:
     """The tables as one process computes them in memory, in one chunk."""
-    with TemporaryDirectory() as name:
+    with TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hilc_cli.sweeping.compute._ALONE", math.inf)
         folder = Path(name)
         (folder / "sweep.yaml").write_text(SWEEP)
         scenario = hilc.load_scenario(folder / "sweep.yaml")

@@ -13,6 +13,8 @@ import pytest
 from tests.cli import sweeps
 from tests.conftest import Hilc, Outcome
 
+pytestmark = pytest.mark.usefixtures("alone")
+
 Resize = Callable[[str], None]
 SMALLEST_FILE = 78_400  # errors.bin reaches it after some chunks
 

@@ -26,6 +26,7 @@ def test_worker_processes(tmp_path: Path, workers: str) -> None:
     sweeps.wait_for(lambda: sweeps.none_left(tmp_path))
 
 
+@pytest.mark.usefixtures("alone")
 def test_alone_into_a_folder(hilc: Hilc, folder: Path) -> None:
     sweeps.put_sweep(folder)
     assert hilc(*sweeps.COMMAND, "-q") == Outcome(0, "", "")
@@ -38,6 +39,7 @@ def test_resolved_scenario_gives_the_same_sweep(hilc: Hilc, folder: Path) -> Non
     assert sweeps.tables(sweeps.FOLDER) == sweeps.expected()
 
 
+@pytest.mark.usefixtures("alone")
 def test_three_shards(hilc: Hilc, folder: Path) -> None:
     sweeps.put_sweep(folder)
     assert hilc(*sweeps.COMMAND, "--shard", "2/3", "-q") == Outcome(0, "", "")

@@ -28,6 +28,7 @@ import hilc_cli.api, hilc_cli.sweeping.sizing, hilc_cli.sweeping.compute
 import hilc_cli.cli.app, hilc_cli.cli.sweep_report
 from hilc_cli.cli.main import main
 hilc_cli.sweeping.sizing._MOST_CASES = 24
+hilc_cli.sweeping.compute.available_cores = lambda: 2
 scenario = hilc_cli.api.load_scenario("sweep.yaml")
 hilc_cli.api.sweep(hilc_cli.api.plan_sweep(scenario, ["disturbance.seed=1..2"]))
 for line in sys.stdin:
@@ -101,7 +102,7 @@ def test_killed_at_random_moments_and_resumed(tmp_path: Path) -> None:
     draw = random.Random(seed)
     sweeps.put_sweep(tmp_path)
     folder, part = tmp_path / sweeps.FOLDER, tmp_path / sweeps.PART
-    command = (*sweeps.COMMAND, "--workers", "2", "-q", "--resume")
+    command = (*sweeps.COMMAND, "-q", "--resume")
     kills = in_its_midst = finished = 0
     with prepared(tmp_path) as prepared_sweeps:
         while kills < KILLS:
@@ -135,6 +136,7 @@ def test_killed_at_random_moments_and_resumed(tmp_path: Path) -> None:
     sweeps.wait_for(lambda: sweeps.none_left(tmp_path), GONE_WITHIN)
 
 
+@pytest.mark.usefixtures("alone")
 @pytest.mark.parametrize("step", ["store.json", "store.FolderStore.__init__"])
 def test_killed_while_its_folder_is_made(hilc: Hilc, folder: Path, step: str) -> None:
     sweeps.put_sweep(folder)

@@ -12,8 +12,10 @@ from pathlib import Path
 import pytest
 
 from tests.cli import sweeps
-from tests.cli.processes import outcome_of, run_hilc
+from tests.cli.processes import outcome_of
 from tests.conftest import Hilc, Outcome
+
+pytestmark = pytest.mark.usefixtures("alone")
 
 SOON = 20.0  # [s] on a loaded machine; three seconds are aimed at
 Signal = Callable[[subprocess.Popen[bytes]], None]
@@ -40,11 +42,11 @@ SIGNALS = [
 
 
 @pytest.mark.parametrize(("send", "code", "word"), SIGNALS)
-def test_signal_in_mid_sweep(tmp_path: Path, send: Signal, code: int, word: str) -> None:
-    sweeps.put_sweep(tmp_path)
-    command = (*sweeps.COMMAND, "--workers", "2")
-    with sweeps.started(*command, cwd=tmp_path) as process:
-        sweeps.wait_for_chunks(process, tmp_path / sweeps.PART)
+def test_signal_in_mid_sweep(hilc: Hilc, folder: Path, send: Signal, code: int, word: str) -> None:
+    sweeps.put_sweep(folder)
+    with sweeps.started(*sweeps.COMMAND, cwd=folder) as process:
+        sweeps.wait_for_chunks(process, sweeps.PART)
+        assert len(sweeps.workers_of(process)) == 2
         clock = time.monotonic()
         send(process)
         outcome = outcome_of(process)
@@ -55,15 +57,14 @@ def test_signal_in_mid_sweep(tmp_path: Path, send: Signal, code: int, word: str)
     first, last = outcome.err.splitlines()
     assert first.startswith("hilc: go on with: hilc sweep ") and first.endswith(" --resume")
     assert last == f"hilc: {word}; nothing was left half written"
-    assert sweeps.none_left(tmp_path)
-    assert sweeps.chunks_kept(tmp_path / sweeps.PART) >= 1
-    assert not (tmp_path / sweeps.FOLDER).exists()
+    assert sweeps.none_left(folder)
+    assert sweeps.chunks_kept() >= 1
+    assert not sweeps.FOLDER.exists()
 
-    resume = sweeps.line_to_go_on(outcome.err)
-    outcome = run_hilc(*resume, cwd=tmp_path)
+    outcome = hilc(*sweeps.line_to_go_on(outcome.err))
     assert (outcome.code, outcome.err) == (0, "")
-    assert sweeps.tables(tmp_path / sweeps.FOLDER) == sweeps.expected()
-    assert not (tmp_path / sweeps.PART).exists()
+    assert sweeps.tables(sweeps.FOLDER) == sweeps.expected()
+    assert not sweeps.PART.exists()
 
 
 def test_line_to_go_on_replaces_what_may_be_replaced(hilc: Hilc, folder: Path) -> None:

@@ -402,21 +402,22 @@ def test_shortest_run_of_the_shortest_path(hilc: Hilc, write: Write, folder: Pat
     assert hilc("plot", "runs/test", "-q") == Outcome(0, "", "")
 
 
-def test_a_hundred_thousand_iterations_hold_few_paths(write: Write) -> None:
+def test_ten_thousand_iterations_hold_few_paths(write: Write) -> None:
     write()
-    scenario = hilc_api.load_scenario("scenario.yaml", {"iterations": 100_000})
+    scenario = hilc_api.load_scenario("scenario.yaml", {"iterations": 10_000})
     alive: list[int] = []
     sizes: list[int] = []
 
     def count(iteration: int) -> None:
-        if iteration in (50, 50_000, 100_000):
+        if iteration in (50, 5_000, 10_000):
             alive.append(sum(type(thing) is Trial for thing in gc.get_objects()))
             sizes.append(len(gc.get_objects()))
 
     before = sum(type(thing) is Trial for thing in gc.get_objects())
     run = hilc_api.run(scenario, on_iteration=count)
-    assert len(run.metrics) == 100_001
-    assert max(alive) - before <= 28  # what is recorded, and the running one
+    assert len(run.metrics) == 10_001
+    # What is recorded, however long the run (see test_recording.py), and the running one.
+    assert max(alive) - before <= 28
     assert sizes[2] < sizes[0] + 2_000  # nothing else piles up either
 
 
