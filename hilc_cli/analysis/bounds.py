@@ -164,7 +164,8 @@ def suitable_lambda(constants: Constants, iterations: int) -> float:
     coupling = c.b_B * (c.h1 + c.h3 + c.b_L3)
     if coupling == 0:
         return 2 * c.h2
-    return c.h2 + coupling * (2 / (1 - c.rho) if c.rho < 1 else max(2, iterations))
+    found = c.h2 + coupling * (2 / (1 - c.rho) if c.rho < 1 else max(2, iterations))
+    return max(found, smallest_lambda(c) * (1 + 1e-9))  # tiny gains are lost beside h2
 
 
 def state_series(constants: Constants, lambda_: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +11,15 @@ from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.fixed_point import FixedPoint, fixed_point
 from hilc_cli.analysis.lifted import LiftedIteration
 from hilc_cli.analysis.loop_gain import loop_gains
-from hilc_cli.analysis.matrices import hybrid_law
+from hilc_cli.analysis.matrices import desired_motion, hybrid_law
 from hilc_cli.analysis.ripples import RippleGrowth, ripple_growth
 from hilc_cli.analysis.transient import Transient, predict_transient
 from hilc_cli.engine.experiment import Experiment
 
 MARGIN = 1e-9
 """Beyond what rounding may make of a limiting case."""
+LEAST_PROGRESS = 1e-14
+"""A spectral radius that is nearer to 1 cannot be told from it."""
 _FAR = 0.01  # of the path's size: what is further off does not count as on the reference
 _POOR_HEADING = 1.0  # initial heading error beyond which the linear theory says little [rad]
 
@@ -43,7 +46,7 @@ class Forecast:
     @property
     def settles(self) -> bool:
         """Whether learning settles in the end."""
-        return self.spectral_radius < 1
+        return self.spectral_radius < 1 - LEAST_PROGRESS
 
     @property
     def is_monotone(self) -> bool:
@@ -78,6 +81,7 @@ def forecast_findings(experiment: Experiment, found: Forecast) -> Findings:
             *_of_the_start(experiment),
             *_of_ripples(experiment, found),
             *_of_rest(experiment, found),
+            *_of_limit(experiment, found),
         )
     )
 
@@ -104,6 +108,11 @@ def _why_it_does_not_settle(experiment: Experiment, found: Forecast) -> str:
         )
     # |1 - d l1 g| < 1 for all loop gains g
     bound = float((2 * gains.real / strength**2).min()) / experiment.reference.sample_time
+    if law.l1 < bound / 2:
+        return (
+            f"{cannot}controller.gains.l1 of {law.l1:g} changes wheel speeds by less than the "
+            "rounding of their numbers; raise it"
+        )
     return (
         f"{cannot}controller.gains.l1 of {law.l1:g} turns the error that a sample's wheel speeds "
         f"cause into one as large or larger; keep it below {bound:.3g}"
@@ -129,35 +138,52 @@ def _of_ripples(experiment: Experiment, found: Forecast) -> list[str]:
         if law.matrix.is_kinematic and (law.l2 > 0 or law.l3 > 0)
         else "lower the gains"
     )
+    with np.errstate(over="ignore"):
+        growth = float(np.float64(found.ripple.factor) ** experiment.iterations)
+    in_all = f", {growth:.3g} times in {experiment.iterations}" if math.isfinite(growth) else ""
     return [
-        f"controller.gains let ripples of the wheel speeds grow by {found.ripple.factor - 1:.2%} "
-        f"in each iteration (at a period of {found.ripple.period:.3g} samples), which in the long "
-        f"run spoils what was learned; stop in time, or {remedy}"
+        "controller.gains let ripples of the wheel speeds grow by "
+        f"{100 * (found.ripple.factor - 1):.2g} % in each iteration{in_all} (at a period of "
+        f"{found.ripple.period:.3g} samples), which in the long run spoils what was learned; stop "
+        f"in time, or {remedy}"
     ]
 
 
 def _of_rest(experiment: Experiment, found: Forecast) -> list[str]:
-    rest = found.rest
+    rest, law = found.rest, hybrid_law(experiment)
     if rest is None:
         return []
+    # l1 z^2 + l2 z + l3 has a root outside the unit circle (Jury)
+    unstable = not law.compensation and (law.l3 > law.l1 or law.l2 > law.l1 + law.l3)
+    if unstable:
+        why = "its feedback makes errors grow from sample to sample; lower l2 and l3"
+    elif law.matrix.is_kinematic:
+        why = "the law sees no error across the heading"
+    else:
+        why = "the law does not see what controller.gain_matrix turns to zero"
     if not rest.is_finite:
-        return [
-            "learning has no finite motion to rest at: its feedback makes errors grow from sample "
-            "to sample; lower l2 and l3"
-        ]
+        return [f"learning has no finite motion to rest at: {why}"]
     error = rest_error(experiment, rest)
     if error <= _FAR * experiment.reference.size:
         return []
-    beyond = ""
-    if rest.max_wheel_speed_rad_s > experiment.speed_limit:
-        beyond = (
-            f", and its wheel speeds, up to {rest.max_wheel_speed_rad_s:.4g} rad/s, exceed b_w, so "
-            "that it cannot rest exactly there"
-        )
-    where = " after sample h" if hybrid_law(experiment).compensation else ""
+    where = " after sample h" if law.compensation else ""
     return [
         f"learning does not rest on the reference: there its position error{where} is up to "
-        f"{error:.3g} m, {error / experiment.reference.size:.1%} of the path's size{beyond}"
+        f"{error:.3g} m, {100 * error / experiment.reference.size:.2g} % of the path's size; {why}"
+    ]
+
+
+def _of_limit(experiment: Experiment, found: Forecast) -> list[str]:
+    """Of wheel speeds beyond the limit, unless the reference itself asks for them."""
+    rest, limit = found.rest, experiment.speed_limit * (1 + MARGIN)
+    if rest is None or not rest.is_finite or rest.max_wheel_speed_rad_s <= limit:
+        return []
+    if np.abs(desired_motion(experiment).inputs).max() > limit:
+        return []
+    return [
+        f"wheel speeds where learning rests, up to {rest.max_wheel_speed_rad_s:.4g} rad/s, exceed "
+        f"controller.b_w of {experiment.speed_limit:g} rad/s, though the reference keeps it: "
+        "learning cannot rest exactly there"
     ]
 
 

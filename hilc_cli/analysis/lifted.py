@@ -9,7 +9,7 @@ import numpy as np
 
 from hilc_cli.analysis.linearisation import Linearisation, linearise
 from hilc_cli.analysis.matrices import GainParts, hybrid_law
-from hilc_cli.analysis.recursion import ErrorRecursion
+from hilc_cli.analysis.recursion import DriftRecursion, ErrorRecursion
 from hilc_cli.analysis.singular_value import largest_singular_value
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.compensation import compensation_gain
@@ -73,7 +73,7 @@ class LiftedIteration:
         law, reference = hybrid_law(experiment), experiment.reference
         steps = reference.samples
         self.plant = linearise(experiment)
-        self.gains = GainParts.of(law.matrix).at(reference.heading[:-1])
+        self.gains = np.asfortranarray(GainParts.of(law.matrix).at(reference.heading[:-1]))
         self.l1 = law.l1
         self.l2, self.l3 = (0.0, 0.0) if law.compensation else (law.l2, law.l3)
         self.weights = np.zeros(steps)
@@ -89,15 +89,13 @@ class LiftedIteration:
                 reference.heading[0] - experiment.initial_pose[2],
             ]
         )
-        self._first_input = (
-            np.column_stack([experiment.initial_left, experiment.initial_right])
-            - self.plant.feedforward
-        )
+        initial = np.array([experiment.initial_left, experiment.initial_right]).T
+        self._first_input = initial - self.plant.feedforward
         self._learn_in_first = experiment.learn_in_first
-        self._constant = np.vstack([self.start, self.plant.residual])
+        self._constant = np.asfortranarray(np.vstack([self.start, self.plant.residual]))
         self._undriven = np.zeros_like(self._constant)
-        self._open = ErrorRecursion(self.plant.states)
-        self._closed = self._open
+        self._open = DriftRecursion(self.plant.states)
+        self._closed: DriftRecursion | ErrorRecursion = self._open
         if self._has_feedback:
             with np.errstate(over="ignore", invalid="ignore"):  # absurd gains: nothing is finite
                 loop = self.plant.inputs @ self.gains
@@ -162,12 +160,12 @@ class LiftedIteration:
         """
         errors = previous.errors
         if self._compensates:
-            past = np.column_stack(
+            past = np.array(
                 [
                     compensated_error(self.l1, errors[1:, axis], self.weights, errors[0, axis])
                     for axis in range(3)
                 ]
-            )
+            ).T
         else:
             past = self.l1 * errors[1:]
         return self._fed_back(previous.inputs + _times(self.gains, past), self._constant)
@@ -193,7 +191,7 @@ class LiftedIteration:
 
     def _driven(self, constant: Floats, inputs: Floats) -> Floats:
         """The right side of the error's recursion for a given input."""
-        right = constant.copy()
+        right = constant.copy(order="K")
         right[1:] -= _times(self.plant.inputs, inputs)
         return right
 

@@ -49,9 +49,15 @@ def linearise(experiment: Experiment) -> Linearisation:
         robot.wheel_radius, robot.signed_half_track, reference.sample_time
     )
     distance = distance_gain * desired.inputs.sum(axis=1)  # d v_k [m]
-    states = np.zeros((reference.samples, 3, 3))
+    # Sample next to sample: products over all of them are several times as fast then.
+    states = np.zeros((reference.samples, 3, 3), order="F")
     states[:] = np.eye(3)
     states[:, 0, 2] = -distance * np.sin(headings)
     states[:, 1, 2] = distance * np.cos(headings)
     inputs = reference.sample_time * control_matrices(robot, headings)
-    return Linearisation(desired.inputs, states, inputs, desired.mismatch)
+    return Linearisation(
+        np.asfortranarray(desired.inputs),
+        states,
+        np.asfortranarray(inputs),
+        np.asfortranarray(desired.mismatch),
+    )

@@ -1,11 +1,61 @@
-"""A linear recursion of the error along the trajectory, solved as one banded system."""
+"""Linear recursions of the error along the trajectory, solved for all samples at once."""
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg.lapack import dtbtrs
 
 from hilc_cli.reference.sampled import Floats
+
+
+class DriftRecursion:
+    """e(k+1) = A_k e(k) + r(k+1), from e(0) = r(0): a platform that nobody steers.
+
+    A_k is the identity and what an error of the heading moves in x and in y. So the heading's error
+    is a sum, and those of the position are two more.
+    """
+
+    def __init__(self, states: Floats) -> None:
+        """Takes what a heading error moves.
+
+        Args:
+            states: A_k, shape (n, 3, 3).
+        """
+        self._moves = [np.ascontiguousarray(states[:, axis, 2]) for axis in range(2)]
+
+    def solve(self, right: Floats) -> Floats:
+        """The errors e.
+
+        Args:
+            right: r, shape (n + 1, 3).
+
+        Returns:
+            e, shape (n + 1, 3).
+        """
+        errors = np.empty_like(right)
+        heading = np.cumsum(right[:, 2], out=errors[:, 2])
+        for axis, moves in enumerate(self._moves):
+            steps = right[:, axis].copy()
+            steps[1:] += moves * heading[:-1]
+            np.cumsum(steps, out=errors[:, axis])
+        return errors
+
+    def solve_transposed(self, right: Floats) -> Floats:
+        """Solves the transposed system: a recursion backwards along the trajectory.
+
+        Args:
+            right: Shape (n + 1, 3).
+
+        Returns:
+            The solution, shape (n + 1, 3).
+        """
+        solution = np.empty_like(right)
+        turning = right[:, 2].copy()
+        for axis, moves in enumerate(self._moves):
+            later = _summed_backwards(right[:, axis])
+            solution[:, axis] = later
+            turning[:-1] += moves * later[1:]
+        solution[:, 2] = _summed_backwards(turning)
+        return solution
 
 
 class ErrorRecursion:
@@ -60,8 +110,16 @@ class ErrorRecursion:
         return self._solve(right, b"T")
 
     def _solve(self, right: Floats, transposed: bytes) -> Floats:
+        from scipy.linalg.lapack import dtbtrs  # starts slowly, and not every law has feedback
+
         solution, _ = dtbtrs(
             self._bands, right.reshape(-1, 1), uplo=b"L", trans=transposed, diag=b"U"
         )
-        errors: Floats = solution.reshape(-1, 3)
+        errors: Floats = np.asfortranarray(solution.reshape(-1, 3))
         return errors
+
+
+def _summed_backwards(values: Floats) -> Floats:
+    """Sums from each value to the last."""
+    sums: Floats = np.cumsum(values[::-1])[::-1]
+    return sums

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.analysis.lifted import LiftedIteration
+from hilc_cli.analysis.lifted import LiftedIteration, LinearPass
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import settled_at
@@ -15,7 +15,9 @@ from hilc_cli.robot import step_gains
 
 ITERATIONS = 5000
 SAMPLES_OF_ALL_ITERATIONS = 12_000_000
-"""So far is looked ahead if the experiment is shorter, whichever is less: a second or two."""
+"""So far is looked ahead if the experiment is shorter, whichever is less: about a second."""
+ROUNDING = 1e-14
+"""Wheel speeds that an iteration changes by no larger a share have come to rest."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,6 +62,20 @@ class Transient:
         """
         return settled_at(self.max_position_error_m, share * self.path_size_m)
 
+    def first_within(self, share: float) -> int | None:
+        """The first iteration whose error is at or below a share of the path's size.
+
+        It may be above it again later: ripples that grow come through in the end.
+
+        Args:
+            share: Such as 0.01.
+
+        Returns:
+            The iteration; None if no iteration of the horizon is.
+        """
+        within = np.flatnonzero(self.max_position_error_m <= share * self.path_size_m)
+        return int(within[0]) if len(within) else None
+
     def until(self, iterations: int) -> Transient:
         """The same with a shorter horizon.
 
@@ -94,30 +110,59 @@ def predict_transient(experiment: Experiment, iterations: int | None = None) -> 
     lifted = LiftedIteration(experiment)
     errors = np.full(last + 1, math.inf)
     with np.errstate(over="ignore", invalid="ignore"):
+        driven = _Driven(experiment, lifted)
         current = lifted.first()
         for iteration in range(last + 1):
-            error = _driven_error(experiment, current.inputs + lifted.plant.feedforward)
-            if not math.isfinite(error):
+            errors[iteration] = driven.largest_error(current)
+            if not math.isfinite(errors[iteration]):
+                errors[iteration] = math.inf  # it may be not-a-number
                 break
-            errors[iteration] = error
-            current = lifted.next(current)
+            previous, current = current, lifted.next(current)
+            if iteration and driven.rests(errors[iteration - 1 : iteration + 1], previous, current):
+                errors[iteration + 1 :] = errors[iteration]
+                break
     return Transient(experiment.reference.size, errors)
 
 
-def _driven_error(experiment: Experiment, inputs: Floats) -> float:
-    """The largest position error [m] when the platform drives a given input.
+class _Driven:
+    """The exact plant, driven by predicted wheel speeds.
 
     Source:
         Qiao et al. 2021, Eqs. 8 and 9, all samples at once.
     """
-    reference, robot = experiment.reference, experiment.robot
-    distance_gain, turn_gain = step_gains(
-        robot.wheel_radius, robot.signed_half_track, reference.sample_time
-    )
-    distances = distance_gain * (inputs[:, 0] + inputs[:, 1])
-    turns = turn_gain * (inputs[:, 0] - inputs[:, 1])
-    x, y, heading = experiment.initial_pose
-    headings = np.cumsum(np.concatenate([[heading], turns[:-1]]))
-    xs = np.cumsum(np.concatenate([[x], distances * np.cos(headings)]))
-    ys = np.cumsum(np.concatenate([[y], distances * np.sin(headings)]))
-    return float(np.hypot(reference.x - xs, reference.y - ys).max())
+
+    def __init__(self, experiment: Experiment, lifted: LiftedIteration) -> None:
+        self._reference, robot = experiment.reference, experiment.robot
+        self._feedforward, self._start = lifted.plant.feedforward, lifted.start
+        self._distance_gain, _ = step_gains(
+            robot.wheel_radius, robot.signed_half_track, self._reference.sample_time
+        )
+        self._steps = np.diff(self._reference.x), np.diff(self._reference.y)
+
+    def largest_error(self, predicted: LinearPass) -> float:
+        """The largest position error [m]; not finite beyond the square root of all numbers."""
+        inputs = predicted.inputs + self._feedforward
+        distances = self._distance_gain * (inputs[:, 0] + inputs[:, 1])
+        # The heading is a sum of wheel speeds: of all errors it is predicted exactly.
+        headings = self._reference.heading[:-1] - predicted.errors[:-1, 2]
+        x, y = (
+            start + np.cumsum(steps - distances * part)
+            for start, steps, part in zip(
+                self._start, self._steps, (np.cos(headings), np.sin(headings)), strict=False
+            )
+        )
+        first, largest = self._start[0] ** 2 + self._start[1] ** 2, (x * x + y * y).max()
+        return math.sqrt(first if largest < first else largest)
+
+    def rests(self, errors: Floats, before: LinearPass, after: LinearPass) -> bool:
+        """Whether wheel speeds no longer change: then nothing does from here on.
+
+        Args:
+            errors: Of the last two iterations [m], compared first since that costs nothing.
+            before: An iteration.
+            after: The next one.
+        """
+        if abs(errors[1] - errors[0]) > 100 * ROUNDING * (errors[1] + self._reference.size):
+            return False
+        change = np.abs(after.inputs - before.inputs).max()
+        return bool(change <= ROUNDING * np.abs(after.inputs + self._feedforward).max())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -61,9 +62,9 @@ class Check:
             it rests at no finite motion.
         conditions: Those of the paper's theorems; None for another law.
         theories: Bounds of the paper's theory, by name; None for another law.
-        simulated: A simulation, if one was asked for.
+        simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
-            ``learning``, ``theory``.
+            ``learning``, ``simulation``, ``theory``.
     """
 
     scenario: Scenario
@@ -112,13 +113,12 @@ class Check:
 
         if self.forecast is None:
             return []
-        rest = self.forecast.rest
-        errors = self.forecast.transient.max_position_error_m
+        rest = self.forecast.rest if self.forecast.settles else None
         figure = transient_figure(
             self.scenario.name,
-            errors,
-            self.forecast.transient.path_size_m,
-            None if self.simulated is None else self.simulated.run.metrics["max_position_error_m"],
+            self.forecast.transient,
+            self.scenario.spec.iterations,
+            None if self.simulated is None else self.simulated.run,
             rest.max_position_error_m if rest is not None and rest.is_finite else None,
         )
         names = [f"transient.{name}" for name in dict.fromkeys(formats)]
@@ -140,9 +140,6 @@ def check(
         scenario: From `load_scenario`.
         simulate: Run it as well, and put what it does beside what theory says.
         on_iteration: Told of each completed iteration of that run.
-
-    Raises:
-        DivergedError: Not even the first iteration of the run stayed within the finite numbers.
     """
     experiment = scenario.experiment()
     names = scenario.spec.trajectory.segment_names
@@ -164,9 +161,11 @@ def check(
                 rest = rest_error(experiment, expected.rest)
             premises, bounds = conditions(experiment), theories(experiment)
             findings["learning"] = forecast_findings(experiment, expected)
-        simulated = (
-            _simulated(scenario, experiment, bounds or {}, on_iteration) if simulate else None
-        )
+        simulated = None
+        if simulate:
+            findings["simulation"], simulated = _simulated(
+                scenario, experiment, bounds or {}, on_iteration
+            )
         findings["theory"] = _theory_findings(simulated)
     return Check(scenario, feasibility, expected, rest, premises, bounds, simulated, findings)
 
@@ -176,7 +175,7 @@ def _simulated(
     experiment: Experiment,
     bounds: Mapping[str, Bounds],
     on_iteration: OnIteration | None,
-) -> Simulated:
+) -> tuple[Findings, Simulated | None]:
     """One run, of which each iteration is measured as it comes, and only the last is kept."""
     metrics = MetricsTable()
     last: dict[int, Trial] = {}
@@ -192,23 +191,31 @@ def _simulated(
                     on_iteration(trial.iteration)
                 yield trial
         except DivergedError as error:
-            if not last:
-                raise
             diverged_at = error.iteration
 
-    comparisons = beside(experiment, bounds, completed())
-    return Simulated(
-        RunData(
-            name=scenario.name,
-            reference=experiment.reference,
-            metrics=metrics,
-            trials=last,
-            speed_limit=scenario.speed_limit,
-            gravity_center=experiment.robot.gravity_center,
-            diverged_at=diverged_at,
-        ),
-        comparisons,
+    trials = completed()
+    first = next(trials, None)
+    comparisons = {} if first is None else beside(experiment, bounds, chain([first], trials))
+    findings = Findings()
+    if diverged_at is not None:
+        findings = Findings(
+            failures=(
+                f"the simulation diverged to non-finite values in iteration {diverged_at}; "
+                "lower the gains, or set controller.b_w",
+            )
+        )
+    if first is None:
+        return findings, None
+    run = RunData(
+        name=scenario.name,
+        reference=experiment.reference,
+        metrics=metrics,
+        trials=last,
+        speed_limit=scenario.speed_limit,
+        gravity_center=experiment.robot.gravity_center,
+        diverged_at=diverged_at,
     )
+    return findings, Simulated(run, comparisons)
 
 
 def _theory_findings(simulated: Simulated | None) -> Findings:

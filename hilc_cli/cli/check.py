@@ -30,10 +30,10 @@ def check(
     set_: Overrides = None,
     simulate: Annotated[
         bool,
-        typer.Option("--simulate", help="Run it as well, and show the errors beside the theory."),
+        typer.Option("--simulate", help="Run it as well, and show its errors beside the theory."),
     ] = False,
     plot: Annotated[
-        bool, typer.Option("--plot", help="Draw the predicted error over the iterations.")
+        bool, typer.Option("--plot", help="Draw the predicted error of each iteration.")
     ] = False,
     formats: Formats = None,
     out: OutputFolder = None,
@@ -43,12 +43,13 @@ def check(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """Check a scenario without simulating it.
+    """Check a scenario before it is simulated.
 
     Is the file valid, can wheels and tyres follow the trajectory, does learning converge, how fast
     and to what, and what do the paper's theorems say? Exits with 3 if the scenario cannot work,
-    and says why and what would help. --plot writes transient.png to --out, by default
-    runs/NAME-check; nothing else is written.
+    and says why and what would help; what is legal but unwise is a warning. --simulate runs it as
+    well, and puts the errors beside what theory says. --plot writes transient.png to --out, by
+    default runs/NAME-check; nothing else is written.
 
     \b
     Examples:
@@ -80,6 +81,8 @@ def check(
         folder = Path("runs") / f"{valid.name}-check" if out is None else out
         names = [choice.value for choice in formats or [PictureFormat.PNG]]
         pictures = found.plot(folder, formats=names, may_replace=lambda file: force or out is None)
+        if not pictures:
+            say("nothing is drawn: nothing is predicted of this law")
     if json:
         print_json(document(found, pictures))
     elif not quiet:
@@ -87,9 +90,12 @@ def check(
             if number:
                 print_text("")
             print_section(section)
+        if pictures:
+            print_text("")
         for picture in pictures:
-            print_text(f"\nWritten to {picture}")
+            print_text(f"Written to {picture}")
     if found.failures:
         first, more = found.failures[0], len(found.failures) - 1
-        say(f"{first} ({more} more in the report)" if more else first)
+        where = "without -q" if quiet and not json else "in the report"
+        say(f"{first} ({more} more {where})" if more else first)
         raise typer.Exit(WRONG)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from hilc_cli.cli.section import Grid, Section
+from hilc_cli.cli.section import Grid, Section, counted
 
 if TYPE_CHECKING:
     from hilc_cli.analysis.demand import Joint, SegmentDemand
@@ -34,7 +34,7 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
         "Can wheels and tyres follow the trajectory?",
         _rows(feasibility),
         grids,
-        check.findings["feasibility"].warnings,
+        check.findings["feasibility"],
         _document(feasibility),
     )
 
@@ -83,13 +83,9 @@ def _verdict(feasibility: Feasibility) -> str:
         return "feasible"
     corners = sum(isinstance(offence, Joint) for offence in offences)
     segments = len(offences) - corners
-    parts = [f"{segments} of {_counted(total, 'segment')}"] if segments else []
-    parts += [_counted(corners, "corner")] if corners else []
+    parts = [f"{segments} of {counted(total, 'segment')}"] if segments else []
+    parts += [counted(corners, "corner")] if corners else []
     return f"infeasible: {' and '.join(parts)}"
-
-
-def _counted(count: int, name: str) -> str:
-    return f"{count} {name}" if count == 1 else f"{count} {name}s"
 
 
 def _shown(feasibility: Feasibility) -> Sequence[SegmentDemand]:

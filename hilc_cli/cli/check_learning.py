@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from hilc_cli.cli.section import Section
+from hilc_cli.analysis.findings import Findings
+from hilc_cli.cli.section import Grid, Section, counted
+from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
 if TYPE_CHECKING:
     from hilc_cli.analysis.forecast import Forecast
@@ -13,8 +15,7 @@ if TYPE_CHECKING:
     from hilc_cli.api import Check
     from hilc_cli.results.summary import Summary
 
-TOLERANCES = {"1 %": 0.01, "0.1 %": 0.001}
-"""Shares of the path's size, as `hilc run` tells them."""
+_ROUNDING = 1e-12  # of the path's size
 
 
 def learning_section(check: Check) -> Section:
@@ -23,94 +24,120 @@ def learning_section(check: Check) -> Section:
     found = check.forecast
     if found is None:
         rows = [("Theory", "none is known of this law")]
-        return Section("learning", title, rows, document={})
+        return Section("learning", title, rows, findings=_findings(check), document={})
     simulated = None if check.simulated is None else check.simulated.summary
     return Section(
         "learning",
         title,
-        [*_rows(check, found), *_simulated_rows(simulated)],
-        warnings=check.findings["learning"].warnings,
-        document=_document(check, found, simulated),
+        _rows(check, found),
+        [_errors(check, found.transient, simulated)],
+        _findings(check),
+        _document(check, found, simulated),
+    )
+
+
+def _findings(check: Check) -> Findings:
+    """Those of learning, and of the simulation beside it."""
+    parts = [check.findings[key] for key in ("learning", "simulation") if key in check.findings]
+    return Findings(
+        tuple(text for part in parts for text in part.failures),
+        tuple(text for part in parts for text in part.warnings),
     )
 
 
 def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
-    iterations = check.scenario.spec.iterations
-    left = found.spectral_radius**iterations if found.settles else math.inf
-    settles = (
-        f"below 1, it settles in the end; {left:.3g} after {iterations} iterations"
-        if found.settles
-        else "not below 1: it does not settle"
-    )
+    iterations, radius = check.scenario.spec.iterations, found.spectral_radius
+    settles = "not below 1, it does not settle"
+    if found.settles:
+        left = f"{radius**iterations:.4g} after {counted(iterations, 'iteration')}"
+        settles = f"below 1, it settles in the end: {left}"
     monotone = (
-        "each iteration improves" if found.is_monotone else "may get worse before it improves"
+        "below 1, convergence is monotone"
+        if found.is_monotone
+        else "not below 1, it may get worse before it improves"
     )
     period = f"at a period of {found.ripple.period:.3g} samples"
-    transient = found.transient
-    peak = f"{transient.peak_growth:.3g} times that of iteration 0"
-    peak += f", in iteration {transient.peak_iteration}" if transient.peak_iteration else ""
     rows = [
-        ("Spectral radius", f"{found.spectral_radius:.6g}: {settles}"),
-        ("Largest singular value", f"{found.largest_singular_value:.4g}: {monotone}"),
-        ("Worst ripple", f"times {found.ripple.factor:.6g} in an iteration, {period}"),
-        ("Predicted largest error", peak),
-        (
-            f"Predicted after {iterations} iterations",
-            f"{_metres(float(transient.max_position_error_m[iterations]))} (maximum error)",
+        ("Spectral radius", f"{radius:.6g}, {settles}"),
+        ("Largest singular value", f"{found.largest_singular_value:.4g}, {monotone}"),
+        ("Worst ripple", f"times {found.ripple.factor:.6g} in each iteration, {period}"),
+    ]
+    return rows + _rest(check, found)
+
+
+def _rest(check: Check, found: Forecast) -> list[tuple[str, str]]:
+    """Where learning rests, if it does."""
+    name, rest = "Learning rests", found.rest
+    if not found.settles:
+        return [(name, "nowhere")]
+    if rest is None:
+        return [(name, "at no single motion")]
+    if not rest.is_finite:
+        return [(name, "at no finite motion")]
+    size = found.transient.path_size_m
+    error = f"at a position error of up to {_metres(rest.max_position_error_m, size)}"
+    if check.scenario.compensates and check.rest_error_m is not None:
+        error += f", {_metres(check.rest_error_m, size)} after sample h"
+    return [(name, error), ("", f"with wheels of up to {rest.max_wheel_speed_rad_s:.4g} rad/s")]
+
+
+def _metres(error: float, size: float) -> str:
+    return "0 m" if error <= _ROUNDING * size else f"{error:.4g} m"
+
+
+def _errors(check: Check, transient: Transient, summary: Summary | None) -> Grid:
+    """The predicted errors of the iterations, beside the simulated ones if there are any."""
+    iterations, errors = check.scenario.spec.iterations, transient.max_position_error_m
+    rows = [
+        ["Iteration 0", _length(errors[0])],
+        [f"Iteration {iterations}", _length(errors[iterations])],
+        ["Largest", _length(errors.max())],
+        ["  in iteration", f"{transient.peak_iteration}"],
+        ["  times that of iteration 0", f"{transient.peak_growth:.4g}"],
+        *(
+            [f"Iterations to {label} of the path's size", _reached(transient, share)]
+            for label, share in RELATIVE_TOLERANCES.items()
         ),
     ]
-    rows += [
-        (f"Predicted within {label} of the path's size", _reached(transient, share))
-        for label, share in TOLERANCES.items()
-    ]
-    rows.append(("Where learning rests", _rest(check, found)))
-    return rows
-
-
-def _rest(check: Check, found: Forecast) -> str:
-    rest = found.rest
-    if rest is None:
-        return "at no single motion"
-    if not rest.is_finite:
-        return "at no finite motion"
-    after = f" (after sample h: {check.rest_error_m:.4g} m)" if check.scenario.compensates else ""
-    return (
-        f"error up to {rest.max_position_error_m:.4g} m{after}, "
-        f"wheels up to {rest.max_wheel_speed_rad_s:.4g} rad/s"
+    header = [("Maximum position error", ""), ("Predicted", "")]
+    note = (
+        f"Predicted for {transient.iterations} iterations by the linear theory, which is rough "
+        "where headings are off by 1 rad and more."
     )
+    if summary is not None and check.simulated is not None:
+        first = float(check.simulated.run.metrics["max_position_error_m"][0])
+        rows = [[*row, cell] for row, cell in zip(rows, _simulated(summary, first), strict=True)]
+        header.append(("Simulated", ""))
+        note += " Simulated with limit and disturbances."
+    return Grid(header, rows if iterations else [rows[0], *rows[2:]], note)
+
+
+def _simulated(summary: Summary, first: float) -> list[str]:
+    """The column of a run, whose first iteration had an error of so many metres."""
+    peak, diverged_at = summary.peak_max_position_error_m, summary.diverged_at
+    last = _length(summary.final["max_position_error_m"])
+    return [
+        _length(first),
+        last if diverged_at is None else f"diverged in {diverged_at}",
+        _length(peak),
+        f"{summary.peak_iteration}",
+        f"{peak / first:.4g}" if first else "-",
+        *(
+            f"not in {summary.iterations}" if at is None else f"{at}"
+            for at in summary.settled_at.values()
+        ),
+    ]
 
 
 def _reached(transient: Transient, share: float) -> str:
-    at = transient.settled_at(share)
-    return f"not in {transient.iterations} iterations" if at is None else f"from iteration {at}"
+    at, first = transient.settled_at(share), transient.first_within(share)
+    if at is not None:
+        return f"{at}"
+    return f"not in {transient.iterations}" if first is None else f"{first}, not for good"
 
 
-def _metres(error: float) -> str:
-    return f"{error:.4g} m" if math.isfinite(error) else "beyond all numbers"
-
-
-def _simulated_rows(summary: Summary | None) -> list[tuple[str, str]]:
-    """The same figures of a run with limit and disturbances, as far as it has them."""
-    if summary is None:
-        return []
-    rows = [
-        (
-            "Simulated largest error",
-            f"{summary.peak_max_position_error_m:.4g} m, in iteration {summary.peak_iteration}",
-        ),
-        (
-            f"Simulated after {summary.iterations} iterations",
-            f"{summary.final['max_position_error_m']:.4g} m (maximum error)",
-        ),
-    ]
-    rows += [
-        (
-            f"Simulated within {label} of the path's size",
-            f"not in {summary.iterations} iterations" if at is None else f"from iteration {at}",
-        )
-        for label, at in summary.settled_at.items()
-    ]
-    return rows
+def _length(error: float) -> str:
+    return f"{error:.4g} m" if math.isfinite(error) else "not finite"
 
 
 def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[str, object]:
@@ -129,7 +156,10 @@ def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[
             float(transient.max_position_error_m[check.scenario.spec.iterations])
         ),
         "predicted_settled_at": {
-            label: transient.settled_at(share) for label, share in TOLERANCES.items()
+            label: transient.settled_at(share) for label, share in RELATIVE_TOLERANCES.items()
+        },
+        "predicted_first_within": {
+            label: transient.first_within(share) for label, share in RELATIVE_TOLERANCES.items()
         },
         "rest": None
         if rest is None or not rest.is_finite
@@ -141,6 +171,7 @@ def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[
     }
     if simulated is not None:
         document["simulated"] = {
+            "iterations": simulated.iterations,
             "max_position_error_m": simulated.final["max_position_error_m"],
             "peak_max_position_error_m": simulated.peak_max_position_error_m,
             "peak_iteration": simulated.peak_iteration,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from hilc_cli.cli.check_feasibility import feasibility_section
 from hilc_cli.cli.check_learning import learning_section
 from hilc_cli.cli.check_theory import theory_section
-from hilc_cli.cli.section import Section
+from hilc_cli.cli.section import Section, counted
 
 if TYPE_CHECKING:
     from hilc_cli.api import Check
@@ -50,7 +50,7 @@ def document(check: Check, pictures: Sequence[Path] = ()) -> dict[str, object]:
 
 
 def _settings(check: Check) -> Section:
-    """The scenario in a few lines, and what is unwise in it."""
+    """The scenario in a few lines, and how many findings there are."""
     scenario, spec = check.scenario, check.scenario.spec
     gains, demand = spec.controller.gains, check.feasibility.demand
     robot = spec.robot.robot()
@@ -60,12 +60,18 @@ def _settings(check: Check) -> Section:
         ("Model", _platform(spec.model.model(robot))),
         ("Law", f"{law}; l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}"),
         ("Iterations", f"{spec.iterations}"),
+        ("Verdict", _verdict(len(check.failures), len(check.warnings))),
     ]
     title = (
         f"{scenario.name}: {spec.trajectory.name}, {demand.samples} samples of "
         f"{demand.sample_time:g} s"
     )
-    return Section("", title, rows, warnings=check.findings["settings"].warnings)
+    return Section("", title, rows, findings=check.findings["settings"])
+
+
+def _verdict(failures: int, warnings: int) -> str:
+    warned = f", {counted(warnings, 'warning')}" if warnings else ""
+    return (f"cannot work: {counted(failures, 'error')}" if failures else "nothing wrong") + warned
 
 
 def _platform(platform: Robot) -> str:

@@ -11,7 +11,7 @@ from hilc_cli.cli.section import Grid, Section
 if TYPE_CHECKING:
     from hilc_cli.analysis.bounds import Bounds
     from hilc_cli.analysis.conditions import Conditions, Contraction
-    from hilc_cli.analysis.measured import Comparison
+    from hilc_cli.analysis.measured import Comparison, Measured
     from hilc_cli.api import Check
 
 _CONSTANTS = (
@@ -24,6 +24,9 @@ _SHORT = {
     "corrected": "corrected",
     "corrected, within the speed limit": "in limit",
 }
+_EQUATIONS = {"input": (38, 39), "state": (40, 41), "output": (42, 43)}
+"""Of each iteration, and of the limit."""
+_ROUNDING = 1e-9
 _LAST = 10
 """So many last iterations of a simulation stand for its limit."""
 
@@ -38,22 +41,24 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
     title = "What do the paper's theorems say?"
     if check.conditions is None or check.theories is None:
         return Section("theory", title, [("Theory", "none: this is another law")], document={})
-    grids = [_constants(check.theories), _limits(check.theories)]
     measured = None if check.simulated is None else check.simulated.comparisons
-    if measured:
-        grids.append(_measured(measured))
-    rows = _rows(check.conditions)
+    grids = [
+        _constants(check.theories),
+        _bounds(check.theories, check.scenario.spec.iterations, measured),
+    ]
+    gaps: list[str] = []
     if verbose:
         from hilc_cli.analysis.corrections import EXPLANATIONS
 
-        rows += [(f"Corrected: {name}", text) for name, text in EXPLANATIONS.items()]
+        gaps = [f"Corrected, {name}: {text}." for name, text in EXPLANATIONS.items()]
     return Section(
         "theory",
         title,
-        rows,
+        _rows(check.conditions),
         grids,
-        check.findings["theory"].warnings,
+        check.findings["theory"],
         _document(check.conditions, check.theories, measured),
+        gaps,
     )
 
 
@@ -79,59 +84,75 @@ def _told(contraction: Contraction) -> str:
 def _constants(theories: Mapping[str, Bounds]) -> Grid:
     """The constants of each theory, a column each."""
     rows = [
-        [name, *(_number(getattr(theory.constants, name)) for theory in theories.values())]
-        for name in _CONSTANTS
+        ["rho", *(_contraction(theory.constants.rho) for theory in theories.values())],
+        *(
+            [name, *(_number(getattr(theory.constants, name)) for theory in theories.values())]
+            for name in _CONSTANTS
+            if name != "rho"
+        ),
     ]
     rows += [
         ["lambda", *(_number(theory.lambda_) for theory in theories.values())],
-        ["A", *(_number(theory.A) for theory in theories.values())],
+        ["A", *(_contraction(theory.A) for theory in theories.values())],
         ["B", *(_number(theory.B) for theory in theories.values())],
     ]
     note = (
         "Constants of Eqs. 12 to 37. printed: as it stands; with d_k: d_k B for B; corrected: all "
-        "gaps of the proof closed; in limit: likewise, with |u| <= b_w."
+        "gaps of the proof closed, -v lists them"
     )
-    return Grid([("Constant", ""), *_columns(theories)], rows, note)
+    columns = _columns(theories)
+    note += "; in limit: likewise, with |u| <= b_w." if ("in limit", "") in columns else "."
+    return Grid([("Constant", ""), *columns], rows, note)
 
 
-def _limits(theories: Mapping[str, Bounds]) -> Grid:
-    """The bounds after infinitely many iterations and, for the state, at the last sample."""
+def _bounds(
+    theories: Mapping[str, Bounds], iterations: int, measured: Mapping[str, Comparison] | None
+) -> Grid:
+    """The bounds, each beside the errors of a simulation if there is one."""
     samples = next(iter(theories.values())).constants.samples
+    limits = {
+        "input": [theory.input_limit for theory in theories.values()],
+        "state": [theory.state_limit for theory in theories.values()],
+        "output": [theory.output_limit for theory in theories.values()],
+    }
+    last = min(_LAST, iterations + 1)
     rows = [
-        ["Input, Eq. 39", *(_log(theory.input_limit) for theory in theories.values())],
-        ["State, Eq. 41", *(_log(theory.state_limit) for theory in theories.values())],
-        ["Output, Eq. 43", *(_log(theory.output_limit) for theory in theories.values())],
         [
-            f"State at sample {samples}",
-            *(_log(theory.at_sample(theory.state_limit, samples)) for theory in theories.values()),
-        ],
-    ]
-    note = (
-        "log10 of the bounds in the lambda-norm, after infinitely many iterations. As printed they "
-        "do not hold for the system that is simulated."
-    )
-    return Grid([("Limit", ""), *_columns(theories)], rows, note)
-
-
-def _measured(comparisons: Mapping[str, Comparison]) -> Grid:
-    """A simulation beside the bounds of each iteration, and beside the limits."""
-    rows = []
-    for quantity, equations in (("input", 38), ("state", 40), ("output", 42)):
-        parts = [comparison.parts[quantity] for comparison in comparisons.values()]
-        name = quantity.capitalize()
-        rows += [
-            [f"{name}, last {_LAST}", *(_log(part.over_last(_LAST)) for part in parts)],
-            [
-                f"{name}, room below Eq. {equations}",
-                *(_log(float(part.looseness.min())) for part in parts),
-            ],
-            [f"{name}, iterations above it", *(str(len(part.violated)) for part in parts)],
+            f"Input, iteration {iterations}, Eq. 38",
+            *(_log(float(theory.input(iterations))) for theory in theories.values()),
         ]
+    ]
+    for quantity, (each, at_the_end) in _EQUATIONS.items():
+        name = quantity.capitalize()
+        rows.append([f"{name}, limit, Eq. {at_the_end}", *map(_log, limits[quantity])])
+        if quantity == "state":
+            at_last = (
+                theory.at_sample(theory.state_limit, samples) for theory in theories.values()
+            )
+            rows.append([f"{name}, limit, at sample {samples}", *map(_log, at_last)])
+        if measured:
+            parts = [comparison.parts[quantity] for comparison in measured.values()]
+            rows += [
+                [f"  simulated, last {last}", *(_log(part.over_last(_LAST)) for part in parts)],
+                [f"  least room below Eq. {each}", *(_room(part) for part in parts)],
+                ["  iterations above it", *(f"{len(part.violated)}" for part in parts)],
+            ]
     note = (
-        "log10 of the simulated errors in the same norms, and of bound / error where it is "
-        "smallest over the iterations: below 0 the bound is violated."
+        "log10 of bounds in the lambda-norm, of all samples but where one is named; limit: after "
+        "infinitely many iterations; none: no finite bound; zero: bounded by 0. printed and with "
+        "d_k do not hold for the system that is simulated."
     )
-    return Grid([("Simulated", ""), *_columns(comparisons)], rows, note)
+    if measured:
+        note += (
+            f" simulated: of the errors of the last {last} iterations, in the same norm. room: "
+            "log10 of bound / error, below 0 where an error exceeds its bound."
+        )
+    return Grid([("log10 of", ""), *_columns(theories)], rows, note)
+
+
+def _room(part: Measured) -> str:
+    room = float(part.looseness.min())
+    return "any" if math.isinf(room) and room > 0 else _log(room)
 
 
 def _columns(theories: Mapping[str, object]) -> list[tuple[str, str]]:
@@ -142,10 +163,17 @@ def _number(value: float) -> str:
     return f"{value:.5g}" if abs(value) > 1e-12 else "0"
 
 
+def _contraction(value: float) -> str:
+    """A number that is to be below 1, with enough digits to see whether it is."""
+    return f"{value:.8g}" if abs(value) > 1e-12 else "0"
+
+
 def _log(value: float) -> str:
     if math.isinf(value):
-        return "none" if value > 0 else "-inf"
-    return f"{value:.2f}"
+        return "none" if value > 0 else "zero"
+    if abs(value) < _ROUNDING:
+        return "0.00"
+    return f"{value:.2f}" if abs(value) >= 0.005 else f"{value:.1g}"  # not -0.00
 
 
 def _document(

@@ -14,6 +14,10 @@ from hilc_cli.cli.terminal import is_decorated, print_table, print_text, two_col
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from hilc_cli.analysis.findings import Findings
+
+_WIDEST = 100
+
 
 @dataclass(frozen=True, slots=True)
 class Grid:
@@ -39,16 +43,18 @@ class Section:
         title: Above its rows.
         rows: Names and what there is to say of them.
         grids: Tables below the rows.
-        warnings: What is legal but unwise.
+        findings: What is wrong, and what is legal but unwise.
         document: Its part of the JSON document.
+        notes: Paragraphs below the tables.
     """
 
     key: str
     title: str
     rows: Sequence[tuple[str, str]] = ()
     grids: Sequence[Grid] = ()
-    warnings: Sequence[str] = ()
+    findings: Findings | None = None
     document: Mapping[str, object] = field(default_factory=dict)
+    notes: Sequence[str] = ()
 
 
 def print_section(section: Section) -> None:
@@ -58,11 +64,24 @@ def print_section(section: Section) -> None:
         print_text("")
         print_table(_table(grid))
         if grid.note:
-            _print_paragraph(grid.note)
-    if section.warnings:
+            print_text(textwrap.fill(grid.note, _width()))
+    if section.notes:
         print_text("")
-    for warning in section.warnings:
-        _print_paragraph(f"warning: {warning}")
+    for note in section.notes:
+        print_text(textwrap.fill(note, _width(), subsequent_indent="  "))
+    found = section.findings
+    if found is None or not (found.failures or found.warnings):
+        return
+    print_text("")
+    for failure in found.failures:
+        _print_finding(f"error: {failure}")
+    for warning in found.warnings:
+        _print_finding(f"warning: {warning}")
+
+
+def counted(count: int, name: str) -> str:
+    """``1 segment``, ``2 segments``."""
+    return f"{count} {name}" if count == 1 else f"{count} {name}s"
 
 
 def _table(grid: Grid) -> Table:
@@ -81,9 +100,15 @@ def _table(grid: Grid) -> Table:
     return table
 
 
-def _print_paragraph(text: str) -> None:
-    """A text, in lines as wide as the terminal if there is one, in one line if not."""
+def _print_finding(text: str) -> None:
+    """A text, in lines as wide as the terminal if there is one, in one line for grep if not."""
     if is_decorated(sys.stdout):
-        width = max(40, min(100, shutil.get_terminal_size().columns))
-        text = textwrap.fill(text, width, subsequent_indent="  ", break_long_words=False)
+        text = textwrap.fill(text, _width(), subsequent_indent="  ", break_long_words=False)
     print_text(text)
+
+
+def _width() -> int:
+    """Of the terminal, or what is read well where there is none."""
+    if not is_decorated(sys.stdout):
+        return _WIDEST
+    return max(40, min(_WIDEST, shutil.get_terminal_size().columns))

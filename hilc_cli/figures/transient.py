@@ -8,94 +8,141 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from hilc_cli.analysis.transient import Transient
 from hilc_cli.figures import labels, layout, logarithmic, style
 from hilc_cli.figures.error import drawable
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.run import RunData
+from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
-_SHARES = {"1 %": 0.01, "0.1 %": 0.001}  # of the path's size
-_WIDTH = 5.8  # [inch]
+PREDICTED = "Predicted, without limit and disturbances"
+SIMULATED = "Simulated"
+RESTS = "Where learning rests"
+END = "End of the scenario"
+SHARES = "Share of the path's size"
+
+_WIDTH = 5.6  # [inch]
+_SHARE_LABELS = 0.2  # [inch]
+_MARKED_UP_TO = 30  # iterations that are marked one by one
+_SMALLEST, _LARGEST = 1e-9, 1e6  # of the path's size: what is beyond tells nothing more
+_ROOM = 0.15  # above and below the lines, in decades
+_DASH_DOT = (0, (6, 2, 1.2, 2))
 
 
 def transient_figure(
     name: str,
-    predicted: Floats,
-    path_size_m: float,
-    simulated: Floats | None = None,
+    transient: Transient,
+    iterations: int,
+    simulated: RunData | None = None,
     rest_error_m: float | None = None,
 ) -> Figure:
     """The maximum position error over the iterations, which run with log(1 + iteration).
 
     Args:
         name: Name of the scenario.
-        predicted: Predicted error of iterations 0..N [m], shape (N + 1,); infinite where it leaves
-            the finite numbers.
-        path_size_m: Longer side of the path's bounding box [m].
-        simulated: Error of a run [m], if there is one.
+        transient: What is predicted.
+        iterations: How many learning updates the scenario has.
+        simulated: A run of it, if there is one.
         rest_error_m: Error where learning rests [m], if it rests.
     """
     with style.applied():
-        figure, axes = layout.single_panel(labels.shortened(name), _WIDTH)
-        lines = [drawable(predicted)]
-        number = np.arange(len(predicted))
-        axes.plot(
-            1 + number,
-            lines[0],
-            color=style.BLUE,
-            linewidth=style.PATH_WIDTH,
-            label="Predicted, without limit and disturbances",
+        figure, axes = layout.single_panel(
+            labels.shortened(name), _WIDTH, extra_right=_SHARE_LABELS
         )
+        predicted = transient.max_position_error_m
+        lines = [_draw(axes, predicted, PREDICTED)]
         if simulated is not None:
-            lines.append(drawable(simulated))
-            axes.plot(
-                1 + np.arange(len(simulated)),
-                lines[1],
-                color=style.VERMILLION,
-                linewidth=style.PATH_WIDTH,
-                linestyle=style.DASHED,
-                label="Simulated",
-            )
-        levels = [share * path_size_m for share in _SHARES.values()]
-        if rest_error_m is not None and rest_error_m > 0:
-            axes.axhline(
-                rest_error_m, color="black", linewidth=style.THIN, label="Where learning rests"
-            )
-            levels.append(rest_error_m)
-        last = max(len(predicted), 1 if simulated is None else len(simulated))
-        for label, share in _SHARES.items():
-            axes.axhline(
-                share * path_size_m,
+            lines.append(_draw(axes, simulated.metrics["max_position_error_m"], SIMULATED))
+        last = max(map(len, lines)) - 1
+        low, high = _range(lines, transient.path_size_m)
+        notes = [] if simulated is None else labels.divergence_notes([simulated])
+        if np.isinf(predicted).any():
+            first = int(np.argmax(np.isinf(predicted)))
+            notes.insert(0, f"prediction not finite from iteration {first} on")
+        if not any((line >= low).any() for line in lines):
+            notes.append("no error but rounding")
+        if rest_error_m is not None and low <= rest_error_m <= high:
+            axes.axhline(rest_error_m, color="black", linewidth=style.THIN, label=RESTS)
+        elif rest_error_m is not None and rest_error_m > high:
+            notes.append(f"learning rests at {rest_error_m:.3g} m, above this picture")
+        if iterations < last:
+            axes.axvline(
+                1 + iterations,
                 color=style.LIMIT_COLOR,
                 linewidth=style.THIN,
-                linestyle=style.DOTTED,
-                label="_share",
+                linestyle=_DASH_DOT,
+                label=END,
             )
-            axes.annotate(
-                f"{label} of the path's size",
-                xy=(1, share * path_size_m),
-                xytext=(3, 2),
-                textcoords="offset points",
-                fontsize=style.SMALL_SIZE,
-                color=style.LIMIT_COLOR,
-            )
-        values = np.concatenate([*lines, np.array(levels)])
-        values = values[np.isfinite(values) & (values > 0)]
-        low, high = math.log10(values.min()) - 0.15, math.log10(values.max()) + 0.15
-        axes.set_yscale("log")
-        major, texts, minor = logarithmic.ticks(low, high)
-        axes.set_yticks(major, texts)
-        axes.set_yticks(minor, [""] * len(minor), minor=True)
-        axes.set_ylim(10**low, 10**high)
-        axes.set_ylabel("Maximum position error [m]", labelpad=2)
-        _scale_iterations(axes, last - 1)
+        _draw_shares(axes, transient.path_size_m)
+        _scale_errors(axes, low, high)
+        _scale_iterations(axes, last)
         axes.grid(visible=True)
-        note = (
-            [f"beyond all numbers from iteration {int(np.argmax(np.isinf(predicted)))} on"]
-            if np.isinf(predicted).any()
-            else []
-        )
-        labels.set_title(axes, "Predicted transient", note)
+        labels.set_title(axes, "Predicted transient", notes)
         layout.finish(figure, axes, _WIDTH)
         return figure
+
+
+def _draw(axes: Axes, errors: Floats, label: str) -> Floats:
+    """Draws the errors of iterations 0, 1, ... and returns them as they are drawn."""
+    shown = drawable(errors)
+    axes.plot(
+        1 + np.arange(len(shown)),
+        shown,
+        color=style.BLUE if label == PREDICTED else style.VERMILLION,
+        linewidth=style.PATH_WIDTH,
+        linestyle="-" if label == PREDICTED else style.DASHED,
+        marker="o" if len(shown) <= _MARKED_UP_TO else "",
+        markersize=style.MARKER_SIZE - 1,
+        label=label,
+    )
+    return shown
+
+
+def _range(lines: list[Floats], path_size_m: float) -> tuple[float, float]:
+    """The lowest and the highest error to show [m], with the shares of the path between them."""
+    values = np.concatenate(
+        [*lines, [share * path_size_m for share in RELATIVE_TOLERANCES.values()]]
+    )
+    values = values[np.isfinite(values) & (values > 0)]
+    if not len(values):  # a turn on the spot without an error
+        return 0.1, 10.0
+    if path_size_m > 0:
+        values = values.clip(_SMALLEST * path_size_m, _LARGEST * path_size_m)
+    return float(values.min()) * 10**-_ROOM, float(values.max()) * 10**_ROOM
+
+
+def _draw_shares(axes: Axes, path_size_m: float) -> None:
+    """Marks the shares of the path's size, named beside the panel where no line is."""
+    if path_size_m == 0:
+        return
+    for label, share in RELATIVE_TOLERANCES.items():
+        axes.axhline(
+            share * path_size_m,
+            color=style.LIMIT_COLOR,
+            linewidth=style.THIN,
+            linestyle=style.DOTTED,
+            label=SHARES if share == max(RELATIVE_TOLERANCES.values()) else "_share",
+        )
+        axes.annotate(
+            label,
+            xy=(1, share * path_size_m),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(4, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=style.SMALL_SIZE,
+            color=style.LIMIT_COLOR,
+            annotation_clip=False,
+        )
+
+
+def _scale_errors(axes: Axes, low: float, high: float) -> None:
+    axes.set_yscale("log")
+    major, texts, minor = logarithmic.ticks(math.log10(low), math.log10(high))
+    axes.set_yticks(major, texts)
+    axes.set_yticks(minor, [""] * len(minor), minor=True)
+    axes.set_ylim(low, high)
+    axes.set_ylabel("Maximum position error [m]", labelpad=2)
 
 
 def _scale_iterations(axes: Axes, last: int) -> None:
@@ -103,7 +150,9 @@ def _scale_iterations(axes: Axes, last: int) -> None:
     axes.set_xscale("log")
     axes.set_xlim(0.95, 1.05 * (1 + max(1, last)))
     shown = [0, *(digit * 10**power for power in range(7) for digit in (1, 2, 5))]
-    shown = [iteration for iteration in shown if iteration <= last]
+    if last > 10_000:  # no room for all
+        shown = [0, *(10**power for power in range(9))]
+    shown = [iteration for iteration in shown if iteration <= max(1, last)]
     axes.set_xticks([1 + iteration for iteration in shown], [f"{number}" for number in shown])
     axes.set_xticks([], minor=True)
     axes.set_xlabel("Iteration")
