@@ -27,7 +27,6 @@ from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
 from hilc_cli.spec.varied import TRAJECTORY, WITHOUT_EFFECT, Varied
 from hilc_cli.variation.axes import Axis, Choices, Range, Value
 
-_H = "controller.h"
 _MOST_CORNERS = 64
 
 
@@ -73,9 +72,11 @@ class _Checked:
 
     def add_all(self, axes: Mapping[str, Axis]) -> None:
         """Validates the values of each key beside the first values of the others."""
-        if _H in axes:
-            # It need not fit the scenario's trajectory, only those that it meets.
-            controller = self.spec.controller.model_copy(update={"h": None})
+        # What varies need not fit the scenario's trajectory, only those that it meets.
+        controller = self.spec.controller
+        tied = [key for key in controller.tied_to_trajectory if f"controller.{key}" in axes]
+        if tied:
+            controller = controller.model_copy(update=dict.fromkeys(tied))
             self.spec = self.spec.model_copy(update={"controller": controller})
         if TRAJECTORY in axes:
             self._add(TRAJECTORY, axes[TRAJECTORY])

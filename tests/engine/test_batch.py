@@ -16,8 +16,9 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import LANES
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
+from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.gain_matrix import Affine, GainMatrix, model_gain, unit_gain
-from hilc_cli.laws.hybrid import GainHeading, HybridLaw
+from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import METRIC_NAMES, MetricsTable, measure
