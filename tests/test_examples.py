@@ -184,6 +184,14 @@ def test_resolved_scenario_of_a_long_path_can_be_read(
 
 
 def _matrix(spec: ScenarioSpec, wheel_radius: float, half_track: float) -> MatrixOfHeading:
+    matrix, kappa = _printed_matrix(spec, wheel_radius, half_track), spec.controller.gains.lateral
+    # The heading error plus kappa times the error to the left.
+    return lambda cos, sin: (
+        matrix(cos, sin) @ np.array([[1, 0, 0], [0, 1, 0], [-kappa * sin, kappa * cos, 1]])
+    )
+
+
+def _printed_matrix(spec: ScenarioSpec, wheel_radius: float, half_track: float) -> MatrixOfHeading:
     if spec.controller.gain_matrix == "model":
         return equation_45(wheel_radius, half_track)
     if spec.controller.gain_matrix == "unit":

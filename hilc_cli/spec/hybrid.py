@@ -10,12 +10,13 @@ from pydantic import Field
 from hilc_cli.laws.compensation import has_initial_error
 from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.lateral import has_constant_heading_column, with_lateral_gain
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.robot import Robot
 from hilc_cli.spec.controller import DEFAULT_H, Controller, Setting, length_misfits
 from hilc_cli.spec.gain_matrix import GainMatrixChoice, gain_matrix, matrix_misfits
 from hilc_cli.spec.model import Located, Model, valid
-from hilc_cli.spec.quantities import Gain, PositiveWheelSpeed, Samples, Tolerance
+from hilc_cli.spec.quantities import Gain, LateralGain, PositiveWheelSpeed, Samples, Tolerance
 
 
 class HybridGains(Model):
@@ -24,6 +25,9 @@ class HybridGains(Model):
     l1: Gain = Field(description="of the previous iteration's error, e_i(k+1)")
     l2: Gain = Field(0.0, description="of the running iteration's error, e_{i+1}(k)")
     l3: Gain = Field(0.0, description="of the running iteration's error, e_{i+1}(k-1)")
+    lateral: LateralGain = Field(
+        0.0, description="kappa [rad/m]: heading error asked for by an error to the left; 0: none"
+    )
 
 
 class HybridController(Controller):
@@ -57,10 +61,12 @@ class HybridController(Controller):
     def relations(
         cls, data: Mapping[str, Any], reference: Reference | None, model: Robot | None
     ) -> list[Located]:
-        """A compensation longer than the trajectory; entries that this R and B make infinite."""
+        """A compensation that is too long, and what the gain matrix cannot be."""
+        matrix = valid(GainMatrixChoice, data.get("gain_matrix"))
+        infinite = matrix_misfits(matrix, model)
         return [
             *length_misfits(valid(Samples, data.get("h")), reference),
-            *matrix_misfits(valid(GainMatrixChoice, data.get("gain_matrix")), model),
+            *(infinite or _lateral_misfits(valid(HybridGains, data.get("gains")), matrix, model)),
         ]
 
     def misfits_on(self, reference: Reference) -> list[Located]:
@@ -84,7 +90,7 @@ class HybridController(Controller):
             self.gains.l1,
             self.gains.l2,
             self.gains.l3,
-            gain_matrix(self.gain_matrix, setting.model),
+            with_lateral_gain(gain_matrix(self.gain_matrix, setting.model), self.gains.lateral),
             self.gain_heading,
             self.compensates(setting),
             self._length(setting.reference),
@@ -102,3 +108,13 @@ class HybridController(Controller):
                 "Eq. 21, which has l1 only; set 'compensation: off' for Eq. 17"
             ]
         return []
+
+
+def _lateral_misfits(gains: HybridGains | None, matrix: Any, model: Robot | None) -> list[Located]:
+    """A lateral gain beside a matrix with which it would not be affine; any may be unknown."""
+    if gains is None or gains.lateral == 0 or matrix is None or model is None:
+        return []
+    if has_constant_heading_column(gain_matrix(matrix, model)):
+        return []
+    problem = "needs a gain matrix whose heading entries have no cos and sin"
+    return [(("gains", "lateral"), problem, "give 0, or other entries in the third column")]

@@ -146,6 +146,9 @@ PositiveWheelSpeed = Annotated[
 ]
 PositiveNumber = Annotated[float, Quantity(PLAIN, "0.8", above=0, most=_LARGEST)]
 Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, most=1e12)]
+LateralGain = Annotated[
+    float, Quantity(Unit(angle=1, length=-1), "0.3 or 0.3 rad/m", least=0, most=_LARGEST)
+]
 Tolerance = Annotated[float, Quantity(PLAIN, "1e-9", least=0, most=_LARGEST)]
 Iterations = Annotated[int, Quantity(PLAIN, "100", least=0, most=10_000_000, whole=True)]
 Samples = Annotated[int, Quantity(PLAIN, "200", least=1, most=1_000_000, whole=True)]

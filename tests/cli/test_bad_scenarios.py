@@ -78,7 +78,7 @@ CASES = [
     (
         "unknown-gain",
         scenario("{l1: 0.5}", "{l1: 0.5, l4: 1}"),
-        "scenario.yaml:6:20: controller.gains.l4: is an unknown key; known: l1, l2, l3",
+        "scenario.yaml:6:20: controller.gains.l4: is an unknown key; known: l1, l2, l3, lateral",
     ),
     (
         "unknown-record",
@@ -469,6 +469,23 @@ CASES = [
         "bw-word",
         scenario("b_w: 180", "b_w: none"),
         "scenario.yaml:7:8: controller.b_w: has the unknown name 'none', got 'none'; give a number above 0, such as 180 or 1700 rpm",
+    ),
+    (
+        "lateral-negative",
+        scenario("{l1: 0.5}", "{l1: 0.5, lateral: -0.3}"),
+        "scenario.yaml:6:29: controller.gains.lateral: must be at least 0, got -0.3; give a number from 0 up, such as 0.3 or 0.3 rad/m",
+    ),
+    (
+        "lateral-unit",
+        scenario("{l1: 0.5}", "{l1: 0.5, lateral: 0.3 m}"),
+        "scenario.yaml:6:29: controller.gains.lateral: has the wrong unit, got '0.3 m'; give a number from 0 up, such as 0.3 or 0.3 rad/m",
+    ),
+    (
+        "lateral-matrix",
+        scenario("{l1: 0.5}", "{l1: 0.5, lateral: 0.3}").replace(
+            "b_w: 180", "gain_matrix: [[cos, sin, 1], [cos, sin, -1 - cos]]"
+        ),
+        "scenario.yaml:6:29: controller.gains.lateral: needs a gain matrix whose heading entries have no cos and sin, got 0.3; give 0, or other entries in the third column",
     ),
     (
         "law",
