@@ -87,7 +87,7 @@ class Controller(Model):
         return []
 
     def compensates(self, setting: Setting) -> bool:
-        """Whether the law does something about an initial error that it otherwise would not."""
+        """Whether the run compensates an initial error by Eq. 21."""
         return False
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
@@ -103,6 +103,11 @@ def law_named(data: Mapping[str, Any]) -> object:
     """What ``law:`` says in parameters that may not be valid."""
     law = data.get("law")
     return DEFAULT_LAW if law is None else law
+
+
+def default_length(h: int | None, reference: Reference) -> int:
+    """A number of samples ``h``; what it is if it is left out."""
+    return min(DEFAULT_H, reference.samples) if h is None else h
 
 
 def length_misfits(h: int | None, reference: Reference | None) -> list[Located]:

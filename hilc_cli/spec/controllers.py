@@ -10,10 +10,13 @@ from pydantic_core import InitErrorDetails
 
 from hilc_cli.spec.controller import DEFAULT_LAW, Controller, law_named
 from hilc_cli.spec.hybrid import HybridController
+from hilc_cli.spec.pid import PidController
 
-AnyController = HybridController
+AnyController = HybridController | PidController
 
-CONTROLLERS: Mapping[str, type[Controller]] = {model.name(): model for model in (HybridController,)}
+CONTROLLERS: Mapping[str, type[Controller]] = {
+    model.name(): model for model in (HybridController, PidController)
+}
 
 
 def controller_model(data: object) -> type[Controller] | None:

@@ -13,7 +13,7 @@ from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.lateral import has_constant_heading_column, with_lateral_gain
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.robot import Robot
-from hilc_cli.spec.controller import DEFAULT_H, Controller, Setting, length_misfits
+from hilc_cli.spec.controller import Controller, Setting, default_length, length_misfits
 from hilc_cli.spec.gain_matrix import GainMatrixChoice, gain_matrix, matrix_misfits
 from hilc_cli.spec.model import Located, Model, valid
 from hilc_cli.spec.quantities import Gain, LateralGain, PositiveWheelSpeed, Samples, Tolerance
@@ -81,9 +81,6 @@ class HybridController(Controller):
             )
         return self.compensation == "on"
 
-    def _length(self, reference: Reference) -> int:
-        return min(DEFAULT_H, reference.samples) if self.h is None else self.h
-
     def law_for(self, setting: Setting) -> HybridLaw:
         """The law for the engines."""
         return HybridLaw(
@@ -93,12 +90,12 @@ class HybridController(Controller):
             with_lateral_gain(gain_matrix(self.gain_matrix, setting.model), self.gains.lateral),
             self.gain_heading,
             self.compensates(setting),
-            self._length(setting.reference),
+            default_length(self.h, setting.reference),
         )
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
-        return {**super().resolved(reference), "h": self._length(reference)}
+        return {**super().resolved(reference), "h": default_length(self.h, reference)}
 
     def warnings(self, setting: Setting) -> list[str]:
         """Gains that the compensated law does not have."""

@@ -228,7 +228,7 @@ CASES = [
     (
         "radius-unit-unknown",
         scenario("wheel_radius: 0.2", "wheel_radius: 20 inch"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'inch', got '20 inch'; units are deg, rad, ms, s, mm, cm, m and rpm",
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'inch', got '20 inch'; units are deg, rad, ms, s, mm, cm, m, rpm and Hz",
     ),
     (
         "radius-unit-nm",
@@ -363,7 +363,7 @@ CASES = [
     (
         "expr-unicode",
         scenario("wheel_radius: 0.2", "wheel_radius: 2π"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'π', got '2π'; units are deg, rad, ms, s, mm, cm, m and rpm",
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'π', got '2π'; units are deg, rad, ms, s, mm, cm, m, rpm and Hz",
     ),
     (
         "expr-pi-unicode",
