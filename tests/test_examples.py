@@ -155,6 +155,35 @@ def test_scenario_with_every_feature_reproduces_its_run(
     assert_reproduces(hilc, first, folder / "again")
 
 
+OTHER_LAWS = {
+    "pid": """\
+  law: pid
+  gains: {kp: 1/3, ki: 1/7, kd: 100/7 ms}
+  forgetting: 1/9
+  cutoff: 10/3 Hz
+  rectifying: on
+  h: 2
+  gain_matrix: [[cos/R, "2*sin/(R + 1)", -B/R], [cos/3 - sin/7 + pi, 1e-3, 0x10]]
+  gain_heading: previous
+  b_w: 600 rpm
+""",
+    "pid-defaults": "  law: pid\n  gains: {kd: 0.1}\n  rectifying: on\n",
+    "feedback": "  law: feedback\n  gains: {k_x: 1/3, k_y: 1/7 rad/m/m, k_theta: 1/9 rad/m}\n",
+    "feedback-defaults": "  law: feedback\n",
+}
+
+
+@pytest.mark.parametrize("law", OTHER_LAWS.values(), ids=OTHER_LAWS)
+def test_every_law_reproduces_its_run(hilc: Hilc, write: Write, folder: Path, law: str) -> None:
+    content = EVERYTHING.format(
+        trajectory="path.yaml", initial_input="feedforward", gain_heading="", compensation=""
+    )
+    before, _, rest = content.partition("  gains: ")
+    write({"scenario.yaml": before + law + rest[rest.index("disturbance:") :]})
+    assert hilc("run", "scenario.yaml", "--no-plots", "-q") == Outcome(0, "", "")
+    assert_reproduces(hilc, Path("runs/1e3"), folder / "again")
+
+
 def test_resolved_scenario_may_be_run_into_its_own_folder(
     hilc: Hilc, write: Write, folder: Path
 ) -> None:

@@ -27,6 +27,7 @@ from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
 from hilc_cli.spec.varied import TRAJECTORY, WITHOUT_EFFECT, Varied
 from hilc_cli.variation.axes import Axis, Choices, Range, Value
 
+_LAW = "controller.law"
 _MOST_CORNERS = 64
 
 
@@ -103,6 +104,10 @@ class _Checked:
         try:
             if any(key == other or key.startswith(f"{other}.") for other in WITHOUT_EFFECT):
                 message = "has no effect on the results; vary another key"
+                raise InvalidInputError([Problem(str(place), key, message)])
+            if key == _LAW:
+                message = "cannot be varied, since each law has parameters of its own; "
+                message += "make a scenario for each law"
                 raise InvalidInputError([Problem(str(place), key, message)])
             if key == TRAJECTORY:
                 self.axes[key] = self._trajectories(axis, place)

@@ -57,6 +57,11 @@ class Controller(Model):
         return name
 
     @classmethod
+    def owner(cls) -> str:
+        """The law; of the default law nothing is said."""
+        return "" if cls.name() == DEFAULT_LAW else f"law {cls.name()}"
+
+    @classmethod
     def is_meant(cls, data: object) -> bool:
         """Whether data names this law."""
         return isinstance(data, Mapping) and law_named(data) == cls.name()

@@ -9,13 +9,14 @@ from pydantic import ModelWrapValidatorHandler, ValidationError, WrapValidator
 from pydantic_core import InitErrorDetails
 
 from hilc_cli.spec.controller import DEFAULT_LAW, Controller, law_named
+from hilc_cli.spec.feedback import FeedbackController
 from hilc_cli.spec.hybrid import HybridController
 from hilc_cli.spec.pid import PidController
 
-AnyController = HybridController | PidController
+AnyController = HybridController | PidController | FeedbackController
 
 CONTROLLERS: Mapping[str, type[Controller]] = {
-    model.name(): model for model in (HybridController, PidController)
+    model.name(): model for model in (HybridController, PidController, FeedbackController)
 }
 
 

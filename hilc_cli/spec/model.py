@@ -39,6 +39,11 @@ class Model(BaseModel):
     """Groups of keys of which each must have exactly one."""
 
     @classmethod
+    def owner(cls) -> str:
+        """Whose the keys are, for messages, where there could be others in their place."""
+        return ""
+
+    @classmethod
     def is_meant(cls, data: object) -> bool:
         """Whether data, which may not be valid, is to be of this model where there are several."""
         return True

@@ -55,9 +55,7 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         elif details["type"] == "missing":
             found.append(_at(tree, keys, f"is missing; {_how_to_give(tree, keys, model)}"))
         elif details["type"] == "extra_forbidden":
-            known = _fields(_model_at(tree, keys[:-1], model))
-            message = f"is an unknown key; {suggestion(str(keys[-1]), known)}"
-            found.append(_at(tree, keys, message, point_at_key=True))
+            found.append(_at(tree, keys, _unknown(tree, keys, model), point_at_key=True))
         elif details["type"] == "literal_error":
             choices = str(context["expected"]).replace("'", "")
             found.append(_located(tree, keys, "is not one of the choices", f"give {choices}"))
@@ -96,22 +94,29 @@ def _at(
 def _how_to_give(tree: Node, keys: PathKeys, model: type[Model]) -> str:
     if isinstance(keys[-1], int):
         return "the list has too few entries"
-    description = _fields(_model_at(tree, keys[:-1], model))[keys[-1]].description
+    description = _fields(_models_to(tree, keys[:-1], model)[-1])[keys[-1]].description
     return f"give it ({description})" if description else "give it"
+
+
+def _unknown(tree: Node, keys: PathKeys, model: type[Model]) -> str:
+    models = _models_to(tree, keys[:-1], model)
+    owners = [part.owner() for part in models if part is not None and part.owner()]
+    whose = f" of {owners[-1]}" if owners else ""
+    return f"is an unknown key{whose}; {suggestion(str(keys[-1]), _fields(models[-1]))}"
 
 
 def _fields(model: type[Model] | None) -> Mapping[str, FieldInfo]:
     return {} if model is None else model.model_fields
 
 
-def _model_at(tree: Node, keys: PathKeys, model: type[Model]) -> type[Model] | None:
-    """The model that the mapping at a path is validated against."""
-    found: type[Model] | None = model
+def _models_to(tree: Node, keys: PathKeys, model: type[Model]) -> list[type[Model] | None]:
+    """The models that the mappings on the way to a path are validated against, its own last."""
+    found: list[type[Model] | None] = [model]
     for depth, key in enumerate(keys, 1):
         if isinstance(key, str):
-            field = _fields(found).get(key)
+            field = _fields(found[-1]).get(key)
             part = to_data(nearest(tree, keys[:depth])[0])
-            found = None if field is None else model_in(field.annotation, part)
+            found.append(None if field is None else model_in(field.annotation, part))
     return found
 
 

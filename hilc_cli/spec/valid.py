@@ -100,10 +100,30 @@ class Scenario:
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
         found = self.spec.controller.warnings(self._setting())
+        found += self._without_learning()
         if abs(self.spec.initial_error[2]) > math.pi:
             found.append(
                 "initial_pose.heading differs by more than half a turn from the trajectory's "
                 "start; headings are not wrapped, so the robot will turn all the way back"
+            )
+        return found
+
+    def _without_learning(self) -> list[str]:
+        """What a law that does not learn makes no use of."""
+        spec, law = self.spec, self.spec.controller
+        if law.learns:
+            return []
+        found = []
+        sources = (spec.disturbance.state, spec.disturbance.output, spec.disturbance.initial_pose)
+        if spec.iterations > 1 and not any(source.bounded().active for source in sources):
+            found.append(
+                f"all iterations will be the same: law {law.law} does not learn, and nothing is "
+                "disturbed; set 'iterations: 0' for one"
+            )
+        if spec.learns_in_first and spec.initial_input != "zero":
+            found.append(
+                f"initial_input is not used: law {law.law} does not learn; "
+                "set 'initial_trial: open-loop' to see it in iteration 0"
             )
         return found
 

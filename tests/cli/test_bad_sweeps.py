@@ -256,9 +256,9 @@ CASES: list[tuple[list[str], int, str]] = [
         "--vary sweep=1,2: sweep: has no effect on the results; vary another key",
     ),
     (
-        ["--vary", "controller.law=hybrid,foo"],
+        ["--vary", "controller.law=hybrid,pid"],
         2,
-        "--vary controller.law=hybrid,foo: controller.law: is not one of the choices, got 'foo'; give hybrid",
+        "--vary controller.law=hybrid,pid: controller.law: cannot be varied, since each law has parameters of its own; make a scenario for each law",
     ),
     (
         ["--vary", "controller.compensation=on,off,maybe"],
