@@ -82,6 +82,11 @@ class Kind(NamedTuple):
         return self.state != NONE or self.output != NONE
 
 
+def knows(experiment: Experiment) -> bool:
+    """Whether the batch engine knows the experiment's law."""
+    return isinstance(experiment.law, HybridLaw)
+
+
 def hybrid_law(experiment: Experiment) -> HybridLaw:
     """The experiment's law.
 
