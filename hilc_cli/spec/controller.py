@@ -87,6 +87,10 @@ class Controller(Model):
             ValueError: A number that follows from the parameters is not finite.
         """
 
+    @abstractmethod
+    def in_words(self, setting: Setting) -> str:
+        """The law and its gains, in one line."""
+
     def misfits_on(self, reference: Reference) -> list[Located]:
         """What does not fit a trajectory."""
         return []

@@ -52,6 +52,14 @@ class FeedbackController(Controller):
         gains = self.gains
         return FeedbackLaw(gains.k_x, gains.k_y, gains.damping, setting.model)
 
+    def in_words(self, setting: Setting) -> str:
+        """All gains."""
+        gains = self.gains
+        return (
+            f"feedback without learning; k_x {gains.k_x:g} 1/s, k_y {gains.k_y:g} rad/m^2, "
+            f"k_theta {gains.damping:g} rad/m"
+        )
+
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
         data = super().resolved(reference)

@@ -93,6 +93,13 @@ class HybridController(Controller):
             default_length(self.h, setting.reference),
         )
 
+    def in_words(self, setting: Setting) -> str:
+        """The position of Fig. 2's switch, and all gains."""
+        compensates, gains = self.compensates(setting), self.gains
+        law = "Eq. 21, compensating the initial error" if compensates else "Eq. 17"
+        lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
+        return f"{law}; l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
+
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
         return {**super().resolved(reference), "h": default_length(self.h, reference)}

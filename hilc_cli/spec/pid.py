@@ -88,6 +88,18 @@ class PidController(Controller):
             default_length(self.h, setting.reference) if self.rectifying == "on" else None,
         )
 
+    def in_words(self, setting: Setting) -> str:
+        """All gains, and what else shapes the learning."""
+        gains = self.gains
+        words = f"PID-type learning; kp {gains.kp:g}, ki {gains.ki:g} 1/s, kd {gains.kd:g} s"
+        if self.forgetting:
+            words += f", forgetting {self.forgetting:g}"
+        if self.cutoff is not None:
+            words += f", cut-off {self.cutoff:g} Hz"
+        if self.rectifying == "on":
+            words += f", rectifying over {default_length(self.h, setting.reference)} samples"
+        return words
+
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
         return {**super().resolved(reference), "h": default_length(self.h, reference)}

@@ -58,6 +58,11 @@ class Scenario:
         return self.spec.controller.compensates(self._setting())
 
     @property
+    def law_in_words(self) -> str:
+        """The law and its gains, in one line."""
+        return self.spec.controller.in_words(self._setting())
+
+    @property
     def speed_limit(self) -> float | None:
         """b_w [rad/s]; None for no limit."""
         return self.spec.controller.b_w

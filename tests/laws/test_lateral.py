@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilc_cli.analysis.equilibrium import equilibrium
+from hilc_cli.analysis.fixed_point import fixed_point
 from hilc_cli.api import load_scenario, run
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.gain_matrix import Affine, GainMatrix, model_gain, wheel_correction
@@ -68,10 +68,10 @@ def test_learned_path_nears_the_line_by_a_factor_e_in_1_m_by_kappa() -> None:
     along = np.arange(samples + 1, dtype=np.float64) * step
     line = Reference("line", 0.005, along, np.zeros(samples + 1), np.zeros(samples + 1))
     law = law_of(1.0, matrix=with_lateral_gain(model_gain(PLATFORM), kappa))
-    rest = equilibrium(experiment_of(line, law, initial_pose=(0, -0.01, 0)))
+    rest = fixed_point(experiment_of(line, law, initial_pose=(0, -0.01, 0)))
     assert rest is not None
     # Discretisation costs about (kappa step)^2 / 2 a sample, the sine 1e-5: 0.5 % in all.
-    np.testing.assert_allclose(rest.sideways, 0.01 * np.exp(-kappa * along), rtol=0.005)
+    np.testing.assert_allclose(rest.errors[:, 1], 0.01 * np.exp(-kappa * along), rtol=0.005)
 
 
 def test_circle_is_joined_from_its_inside() -> None:
