@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import hilc_cli as hilc_api
 from hilc_cli.shipped_files import examples
+from hilc_cli.spec.hybrid import HybridController
 from hilc_cli.spec.nodes import MapNode, Source, to_data
 from hilc_cli.spec.scenario import ScenarioSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
@@ -20,6 +21,12 @@ from tests.conftest import Hilc, Outcome, Write
 from tests.transcription import MatrixOfHeading, equation_45, equation_57, transcribe
 
 SCENARIOS = [path.stem for path in examples()]
+# The other laws are written down a second time in tests of their own.
+HYBRID = [
+    name
+    for name in SCENARIOS
+    if hilc_api.load_scenario(f"example:{name}").spec.controller.law == "hybrid"
+]
 TRAJECTORIES = [path.stem for path in examples("trajectories")]
 TOLERANCE = 1e-9
 Floats = NDArray[np.float64]
@@ -148,6 +155,35 @@ def test_scenario_with_every_feature_reproduces_its_run(
     assert_reproduces(hilc, first, folder / "again")
 
 
+OTHER_LAWS = {
+    "pid": """\
+  law: pid
+  gains: {kp: 1/3, ki: 1/7, kd: 100/7 ms}
+  forgetting: 1/9
+  cutoff: 10/3 Hz
+  rectifying: on
+  h: 2
+  gain_matrix: [[cos/R, "2*sin/(R + 1)", -B/R], [cos/3 - sin/7 + pi, 1e-3, 0x10]]
+  gain_heading: previous
+  b_w: 600 rpm
+""",
+    "pid-defaults": "  law: pid\n  gains: {kd: 0.1}\n  rectifying: on\n",
+    "feedback": "  law: feedback\n  gains: {k_x: 1/3, k_y: 1/7 rad/m/m, k_theta: 1/9 rad/m}\n",
+    "feedback-defaults": "  law: feedback\n",
+}
+
+
+@pytest.mark.parametrize("law", OTHER_LAWS.values(), ids=OTHER_LAWS)
+def test_every_law_reproduces_its_run(hilc: Hilc, write: Write, folder: Path, law: str) -> None:
+    content = EVERYTHING.format(
+        trajectory="path.yaml", initial_input="feedforward", gain_heading="", compensation=""
+    )
+    before, _, rest = content.partition("  gains: ")
+    write({"scenario.yaml": before + law + rest[rest.index("disturbance:") :]})
+    assert hilc("run", "scenario.yaml", "--no-plots", "-q") == Outcome(0, "", "")
+    assert_reproduces(hilc, Path("runs/1e3"), folder / "again")
+
+
 def test_resolved_scenario_may_be_run_into_its_own_folder(
     hilc: Hilc, write: Write, folder: Path
 ) -> None:
@@ -183,12 +219,22 @@ def test_resolved_scenario_of_a_long_path_can_be_read(
     assert hilc_api.load_scenario("resolved.yaml").resolved_yaml() == resolved
 
 
-def _matrix(spec: ScenarioSpec, wheel_radius: float, half_track: float) -> MatrixOfHeading:
-    if spec.controller.gain_matrix == "model":
+def _matrix(law: HybridController, wheel_radius: float, half_track: float) -> MatrixOfHeading:
+    matrix, kappa = _printed_matrix(law, wheel_radius, half_track), law.gains.lateral
+    # The heading error plus kappa times the error to the left.
+    return lambda cos, sin: (
+        matrix(cos, sin) @ np.array([[1, 0, 0], [0, 1, 0], [-kappa * sin, kappa * cos, 1]])
+    )
+
+
+def _printed_matrix(
+    law: HybridController, wheel_radius: float, half_track: float
+) -> MatrixOfHeading:
+    if law.gain_matrix == "model":
         return equation_45(wheel_radius, half_track)
-    if spec.controller.gain_matrix == "unit":
+    if law.gain_matrix == "unit":
         return equation_45(1.0, math.copysign(1.0, half_track))
-    assert spec.controller.gain_matrix == ((0.5, 0.2, "B/R"), ("cos", "sin", "-B/R"))
+    assert law.gain_matrix == ((0.5, 0.2, "B/R"), ("cos", "sin", "-B/R"))
     return equation_57(wheel_radius, half_track)
 
 
@@ -218,13 +264,14 @@ def _half_track(half_track: float | None, separation: float | None, default: flo
     return default if separation is None else separation / 2
 
 
-@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("name", HYBRID)
 def test_run_agrees_with_the_equations_written_down_a_second_time(name: str) -> None:
     iterations = 5
     scenario = hilc_api.load_scenario(
         f"example:{name}", {"iterations": iterations, "record.iterations": "all"}
     )
-    spec = scenario.spec
+    spec, law = scenario.spec, scenario.spec.controller
+    assert isinstance(law, HybridController)
     run = hilc_api.run(scenario)
 
     robot, model, start = spec.robot, spec.model, spec.trajectory.start
@@ -247,7 +294,7 @@ def test_run_agrees_with_the_equations_written_down_a_second_time(name: str) -> 
         "on": True,
         "off": False,
         "auto": max(map(abs, (*off, *spec.disturbance.initial_pose.bound))) > 1e-9,
-    }[spec.controller.compensation]
+    }[law.compensation]
     left, right = _first_input(spec, path, sample_time, believed_radius, sign * believed_track)
     passes = transcribe(
         reference_x=reference.x,
@@ -256,13 +303,13 @@ def test_run_agrees_with_the_equations_written_down_a_second_time(name: str) -> 
         sample_time=sample_time,
         wheel_radius=robot.wheel_radius,
         half_track=sign * true_track,
-        gain_matrix=_matrix(spec, believed_radius, sign * believed_track),
-        l1=spec.controller.gains.l1,
-        l2=spec.controller.gains.l2,
-        l3=spec.controller.gains.l3,
+        gain_matrix=_matrix(law, believed_radius, sign * believed_track),
+        l1=law.gains.l1,
+        l2=law.gains.l2,
+        l3=law.gains.l3,
         compensation=compensation,
-        h=min(200, n) if spec.controller.h is None else spec.controller.h,
-        speed_limit=spec.controller.b_w,
+        h=min(200, n) if law.h is None else law.h,
+        speed_limit=law.b_w,
         initial_pose=pose,
         iterations=iterations,
         initial_left=left,
@@ -270,7 +317,7 @@ def test_run_agrees_with_the_equations_written_down_a_second_time(name: str) -> 
         state_noise=[disturbance.of_state(i, n) for i in range(iterations + 1)],
         output_noise=[disturbance.of_output(i, n + 1) for i in range(iterations + 1)],
         initial_pose_noise=[disturbance.of_initial_pose(i) for i in range(iterations + 1)],
-        gain_heading=spec.controller.gain_heading,
+        gain_heading=law.gain_heading,
         learn_in_first=spec.initial_trial == "feedback",
     )
 

@@ -31,7 +31,7 @@ def advice(experiment: Experiment) -> list[str]:
 
 
 def _iterations(experiment: Experiment) -> list[str]:
-    if experiment.iterations > 0:
+    if experiment.iterations > 0 or experiment.learn_in_first:
         return []
     return ["iterations is 0: the first input is run, and nothing is learned"]
 

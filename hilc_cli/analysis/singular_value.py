@@ -41,8 +41,9 @@ def largest_singular_value(apply: Operator, adjoint: Operator, shape: tuple[int,
     diagonal: list[float] = []
     above: list[float] = []
     largest = 0.0
+    most = min(MOST_STEPS, start.size)
     with np.errstate(over="ignore", invalid="ignore"):
-        while len(diagonal) < min(MOST_STEPS, start.size):
+        while len(diagonal) < most:
             left = _orthogonal(apply(rights[-1].reshape(shape)).ravel(), lefts)
             diagonal.append(float(np.linalg.norm(left)))
             if not math.isfinite(diagonal[-1]):
@@ -52,10 +53,12 @@ def largest_singular_value(apply: Operator, adjoint: Operator, shape: tuple[int,
             rest = float(np.linalg.norm(right))
             if not math.isfinite(rest):
                 return math.inf
-            vectors, values, _ = np.linalg.svd(np.diag(diagonal) + np.diag(above, 1))
-            largest = float(values[0])
-            if rest * abs(vectors[-1, 0]) <= RELATIVE_ERROR * largest:
-                break
+            # Not each time once there are many: the decomposition costs more than all else then.
+            if len(diagonal) % max(1, len(diagonal) // 5) == 0 or len(diagonal) == most:
+                vectors, values, _ = np.linalg.svd(np.diag(diagonal) + np.diag(above, 1))
+                largest = float(values[0])
+                if rest * abs(vectors[-1, 0]) <= RELATIVE_ERROR * largest:
+                    break
             above.append(rest)
             rights.append(right / rest)
     return largest

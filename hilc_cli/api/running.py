@@ -16,7 +16,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import merge_folder
-from hilc_cli.results.metrics import MetricsTable, is_finite, measure
+from hilc_cli.results.learning import LearningTable
+from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.recording import recorded_iterations
 from hilc_cli.results.run import RunData
 from hilc_cli.results.run_folder import check_output_folder, read_run_folder, write_run_folder
@@ -160,12 +161,13 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
     started, clock = datetime.now(UTC), time.perf_counter()
     experiment = scenario.experiment()
     kept = recorded_iterations(scenario.spec.record.iterations, experiment.iterations)
-    metrics = MetricsTable()
+    metrics, learning = MetricsTable(), LearningTable()
     trials: dict[int, Trial] = {}
     last: Trial | None = None
     diverged_at: int | None = None
     try:
         for trial in measured_trials(experiment, metrics):
+            learning.append(trial.figures)
             if trial.iteration in kept:
                 trials[trial.iteration] = trial
             last = trial
@@ -184,6 +186,7 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
         speed_limit=scenario.speed_limit,
         gravity_center=experiment.robot.gravity_center,
         diverged_at=diverged_at,
+        learning=learning,
         scenario=scenario,
         started=started,
         timings={"simulation": time.perf_counter() - clock},
@@ -202,11 +205,7 @@ def measured_trials(experiment: Experiment, metrics: MetricsTable) -> Iterator[T
     """
     before: Trial | None = None
     for trial in simulate(experiment):
-        row = measure(trial, experiment.reference, before)
-        end = float(trial.x[-1]), float(trial.y[-1]), float(trial.heading[-1])
-        if not is_finite(row.max_position_error_m, *end):
-            raise DivergedError(trial.iteration)
-        metrics.append(row)
+        metrics.append(measure(trial, experiment.reference, before))
         yield trial
         before = trial
 

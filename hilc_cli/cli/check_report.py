@@ -52,13 +52,12 @@ def document(check: Check, pictures: Sequence[Path] = ()) -> dict[str, object]:
 def _settings(check: Check) -> Section:
     """The scenario in a few lines, and how many findings there are."""
     scenario, spec = check.scenario, check.scenario.spec
-    gains, demand = spec.controller.gains, check.feasibility.demand
+    demand = check.feasibility.demand
     robot = spec.robot.robot()
-    law = "Eq. 21, compensating the initial error" if scenario.compensates else "Eq. 17"
     rows = [
         ("Robot", f"{_platform(robot)}; turn convention: {robot.turn_convention}"),
         ("Model", _platform(spec.model.model(robot))),
-        ("Law", f"{law}; l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}"),
+        ("Law", scenario.law_in_words),
         ("Iterations", f"{spec.iterations}"),
         ("Verdict", _verdict(len(check.failures), len(check.warnings))),
     ]

@@ -116,9 +116,12 @@ def _document(
 ) -> dict[str, object]:
     last = result.last.iteration
     gravity_x, gravity_y, heading = result.gravity_center_path(last)
+    figures = asdict(summary)
+    if not summary.learning:  # most laws tell nothing
+        del figures["learning"]
     return {
         "folder": str(folder),
-        **asdict(summary),
+        **figures,
         "compensation": result.scenario.compensates,
         "final_gravity_center": {
             "x_m": float(gravity_x[-1]),

@@ -39,6 +39,10 @@ def summary_table(summary: Summary, speed_limit: float | None) -> Table:
         ),
         ("Samples at the speed limit, all iterations", f"{summary.saturated_share:.1%}"),
     ]
+    rows += [
+        (f"Learned: {name}", "none" if figure is None else f"{figure:.6g}")
+        for name, figure in summary.learning.items()
+    ]
     title = (
         f"{summary.name}: {summary.trajectory} ({summary.path_size_m:.4g} m), "
         f"after {summary.iterations} iterations"

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import DivergedError
-from hilc_cli.laws.law import PreviousIteration, WheelController
+from hilc_cli.laws.law import Iteration, Task, WheelController
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import is_finite
 from hilc_cli.results.trial import Trial
 from hilc_cli.robot import euler_step, limit_wheel_speeds, step_gains
 
@@ -28,29 +30,33 @@ def simulate(experiment: Experiment) -> Iterator[Trial]:
         DivergedError: An iteration left the finite numbers; it is not yielded.
     """
     reference = experiment.reference
-    none = [0.0] * (reference.samples + 1)
-    previous = PreviousIteration(
-        experiment.initial_left.tolist(), experiment.initial_right.tolist(), none, none, none
+    task = Task(
+        reference, experiment.initial_left, experiment.initial_right, experiment.speed_limit
     )
+    learner = experiment.law.learner(task)
     for iteration in range(experiment.iterations + 1):
-        if iteration == 0 and not experiment.learn_in_first:
-            controller = _open_loop(previous)
-        else:
-            controller = experiment.law.controller(previous, reference)
+        # On the way to divergence products overflow; that shows in the state they lead to.
+        with np.errstate(over="ignore", invalid="ignore"):
+            if iteration == 0 and not experiment.learn_in_first:
+                controller = _open_loop(task)
+            else:
+                controller = learner.controller()
         trial, output = _run_iteration(experiment, iteration, controller)
-        yield trial
-        previous = PreviousIteration(
-            trial.left.tolist(),
-            trial.right.tolist(),
-            (reference.x - output[0]).tolist(),
-            (reference.y - output[1]).tolist(),
-            (reference.heading - output[2]).tolist(),
+        measured = Iteration(
+            trial.left,
+            trial.right,
+            reference.x - output[0],
+            reference.y - output[1],
+            reference.heading - output[2],
         )
+        with np.errstate(over="ignore", invalid="ignore"):
+            figures = learner.learn(measured)
+        yield replace(trial, figures=figures) if figures else trial
 
 
-def _open_loop(initial: PreviousIteration) -> WheelController:
+def _open_loop(task: Task) -> WheelController:
     """The initial input as it is."""
-    left, right = initial.left, initial.right
+    left, right = task.initial_left.tolist(), task.initial_right.tolist()
 
     def wheel_speeds(
         k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
@@ -149,8 +155,9 @@ def _run_iteration(
         np.array(rights),
         saturated,
     )
-    # A state that leaves the finite numbers never returns: its last sample tells.
-    if not all(math.isfinite(value) for value in (x, y, heading)):
+    with np.errstate(over="ignore", invalid="ignore"):
+        largest = float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
+    if not is_finite(largest, x, y, heading):
         raise DivergedError(iteration)
     if alpha is None:
         return trial, (trial.x, trial.y, trial.heading)

@@ -23,7 +23,8 @@ from hilc_cli.engine.lanes import (
 )
 from hilc_cli.engine.noise import NONE, NORMAL, UNIFORM
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.hybrid import GainHeading, HybridLaw
+from hilc_cli.laws.gain_heading import GainHeading
+from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import METRIC_NAMES
 from hilc_cli.robot import step_gains
@@ -79,6 +80,11 @@ class Kind(NamedTuple):
     def disturbed(self) -> bool:
         """Whether anything is drawn at each sample."""
         return self.state != NONE or self.output != NONE
+
+
+def knows(experiment: Experiment) -> bool:
+    """Whether the batch engine knows the experiment's law."""
+    return isinstance(experiment.law, HybridLaw)
 
 
 def hybrid_law(experiment: Experiment) -> HybridLaw:

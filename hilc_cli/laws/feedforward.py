@@ -22,7 +22,15 @@ def feedforward(reference: Reference, model: Robot) -> tuple[Floats, Floats]:
     Returns:
         Left and right wheel speeds [rad/s], shape (n,) each.
     """
-    chord = np.hypot(np.diff(reference.x), np.diff(reference.y))
-    speed = chord / reference.sample_time
-    yaw_rate = np.diff(reference.heading) / reference.sample_time
+    speed, yaw_rate = reference_twist(reference)
     return wheel_speeds_from_twist(speed, yaw_rate, model.wheel_radius, model.signed_half_track)
+
+
+def reference_twist(reference: Reference) -> tuple[Floats, Floats]:
+    """Forward speed [m/s] and yaw rate [rad/s] of each step of a reference, shape (n,) each.
+
+    The chord and the turn of a step, by the sample time.
+    """
+    chord = np.hypot(np.diff(reference.x), np.diff(reference.y))
+    turn = np.diff(reference.heading)
+    return chord / reference.sample_time, turn / reference.sample_time

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from hilc_cli.laws.compensation import compensation_gain
+from hilc_cli.laws.gain_heading import GainHeading, with_gain_heading
 from hilc_cli.laws.gain_matrix import GainMatrix, wheel_correction
-from hilc_cli.laws.law import PreviousIteration, WheelController
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.laws.law import Iteration, LastIteration, Learner, Task, WheelController
+from hilc_cli.laws.past_errors import PastErrors, corrected_input, per_component
+from hilc_cli.reference.sampled import Reference
 from hilc_cli.robot import Number
-
-GainHeading = Literal["measured", "previous", "reference"]
-PastErrors = tuple[list[float], list[float], list[float]]  # x, y and heading, n numbers each
 
 
 def learned_error(
@@ -78,7 +74,11 @@ class HybridLaw:
     compensation: bool
     h: int
 
-    def controller(self, previous: PreviousIteration, reference: Reference) -> WheelController:
+    def learner(self, task: Task) -> Learner:
+        """The law at the start of an experiment."""
+        return LastIteration(task, lambda last: self.controller(last, task.reference))
+
+    def controller(self, previous: Iteration, reference: Reference) -> WheelController:
         """The controller of the next iteration, learned from the previous one."""
         if self.compensation:
             controller = self._without_feedback(previous, self._compensated(previous, reference))
@@ -86,47 +86,32 @@ class HybridLaw:
             controller = self._without_feedback(previous, self._learned(previous))
         else:
             controller = self._with_feedback(previous)
-        if self.gain_heading == "measured":
-            return controller
-        return _with_gain_heading(controller, self._gain_headings(previous, reference))
+        return with_gain_heading(controller, self.gain_heading, previous, reference)
 
-    def _learned(self, previous: PreviousIteration) -> PastErrors:
-        """The errors of Eq. 17 where it has no feedback, for all samples at once."""
-        return _per_component(
+    def _learned(self, previous: Iteration) -> PastErrors:
+        """The errors of Eq. 17 where it has no feedback."""
+        return per_component(
             lambda error: learned_error(self.l1, error[1:], 0.0, 0.0, 0.0, 0.0), previous
         )
 
-    def _compensated(self, previous: PreviousIteration, reference: Reference) -> PastErrors:
-        """The errors of Eq. 21 for all samples at once."""
+    def _compensated(self, previous: Iteration, reference: Reference) -> PastErrors:
+        """The errors of Eq. 21."""
         steps, sample_time = reference.samples, reference.sample_time
         weights = np.array([compensation_gain(k, self.h, sample_time) for k in range(steps)])
-        return _per_component(
+        return per_component(
             lambda error: compensated_error(self.l1, error[1:], weights, error[0]), previous
         )
 
-    def _without_feedback(self, previous: PreviousIteration, past: PastErrors) -> WheelController:
-        """Of the running iteration only the heading of the gain matrix is used."""
-        coefficients = self.matrix.coefficients
-        left, right = previous.left, previous.right
-        past_x, past_y, past_heading = past
+    def _without_feedback(self, previous: Iteration, past: PastErrors) -> WheelController:
+        return corrected_input(self.matrix.coefficients, previous.left, previous.right, past)
 
-        def wheel_speeds(
-            k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-        ) -> tuple[float, float]:
-            left_correction, right_correction = wheel_correction(
-                coefficients, cos, sin, past_x[k], past_y[k], past_heading[k]
-            )
-            return left[k] + left_correction, right[k] + right_correction
-
-        return wheel_speeds
-
-    def _with_feedback(self, previous: PreviousIteration) -> WheelController:
+    def _with_feedback(self, previous: Iteration) -> WheelController:
         """Eq. 17 in full."""
         coefficients = self.matrix.coefficients
         l1, l2, l3 = self.l1, self.l2, self.l3
-        left, right = previous.left, previous.right
-        next_x, next_y = previous.error_x[1:], previous.error_y[1:]
-        next_heading = previous.error_heading[1:]
+        left, right = previous.left.tolist(), previous.right.tolist()
+        next_x, next_y = previous.error_x[1:].tolist(), previous.error_y[1:].tolist()
+        next_heading = previous.error_heading[1:].tolist()
         before_x = before_y = before_heading = 0.0  # e_{i+1}(-1) = 0
 
         def wheel_speeds(
@@ -145,32 +130,3 @@ class HybridLaw:
             return left[k] + left_correction, right[k] + right_correction
 
         return wheel_speeds
-
-    def _gain_headings(self, previous: PreviousIteration, reference: Reference) -> list[float]:
-        if self.gain_heading == "reference":
-            headings = reference.heading
-        else:
-            headings = reference.heading - np.array(previous.error_heading)
-        return [float(heading) for heading in headings]
-
-
-def _per_component(formula: Callable[[Floats], Floats], previous: PreviousIteration) -> PastErrors:
-    """A formula over each component of the previous iteration's error."""
-    components = (previous.error_x, previous.error_y, previous.error_heading)
-    # On the way to divergence products overflow; the engine sees that in the state they lead to.
-    with np.errstate(over="ignore", invalid="ignore"):
-        x, y, heading = (formula(np.array(component)).tolist() for component in components)
-    return x, y, heading
-
-
-def _with_gain_heading(controller: WheelController, headings: list[float]) -> WheelController:
-    """The controller with its gain matrix taken at given headings instead of the measured one."""
-    cosines = [math.cos(heading) for heading in headings]
-    sines = [math.sin(heading) for heading in headings]
-
-    def wheel_speeds(
-        k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-    ) -> tuple[float, float]:
-        return controller(k, cosines[k], sines[k], error_x, error_y, error_heading)
-
-    return wheel_speeds

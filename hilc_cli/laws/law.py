@@ -1,12 +1,19 @@
-"""What an engine asks of a learning law."""
+"""What an engine asks of a learning law.
+
+A law is plain data: its parameters, the believed robot among them. For each experiment it gives a
+learner, which keeps whatever is learned from iteration to iteration, be it the last iteration alone
+or an estimate that grows with each.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from hilc_cli.reference.sampled import Reference
+import numpy as np
+
+from hilc_cli.reference.sampled import Floats, Reference
 
 WheelController = Callable[[int, float, float, float, float, float], tuple[float, float]]
 """Wheel speeds at one sample of the running iteration, before the speed limit.
@@ -15,28 +22,97 @@ Called once for each sample k = 0, 1, ... in order, with k, the cosine and sine 
 heading, and the measured error in x [m], y [m] and heading [rad]; returns left and right [rad/s].
 """
 
+Figures = Mapping[str, float]
+"""What a law has to tell of an iteration, by column of ``learning.csv``, units in the names.
 
-@dataclass(frozen=True, slots=True)
-class PreviousIteration:
-    """What a law learns from: plain lists, since the loop engine reads them one by one.
+The same names in every iteration, not-a-number where there is no such figure.
+"""
+
+NO_FIGURES: Figures = {}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Iteration:
+    """What was measured in one iteration: all that a law may learn from.
 
     Attributes:
-        left: Speed of the left wheel that the plant got [rad/s], n numbers.
-        right: Speed of the right wheel that the plant got [rad/s], n numbers.
-        error_x: Measured error [m], n + 1 numbers.
-        error_y: Measured error [m], n + 1 numbers.
-        error_heading: Measured error [rad], n + 1 numbers.
+        left: Speed of the left wheel that the plant got [rad/s], shape (n,).
+        right: Speed of the right wheel that the plant got [rad/s], shape (n,).
+        error_x: Reference less measured output [m], shape (n + 1,).
+        error_y: Likewise [m], shape (n + 1,).
+        error_heading: Likewise [rad], shape (n + 1,).
     """
 
-    left: list[float]
-    right: list[float]
-    error_x: list[float]
-    error_y: list[float]
-    error_heading: list[float]
+    left: Floats
+    right: Floats
+    error_x: Floats
+    error_y: Floats
+    error_heading: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Task:
+    """What a law knows of an experiment before its first iteration.
+
+    Attributes:
+        reference: The trajectory to follow; it has the sample time.
+        initial_left: u_0 of the left wheel [rad/s], shape (n,).
+        initial_right: u_0 of the right wheel [rad/s], shape (n,).
+        speed_limit: b_w [rad/s]; infinity for none.
+    """
+
+    reference: Reference
+    initial_left: Floats
+    initial_right: Floats
+    speed_limit: float
+
+    @property
+    def before_first(self) -> Iteration:
+        """What stands for the iteration before the first: u_0, and no error."""
+        none = np.zeros(self.reference.samples + 1)
+        return Iteration(self.initial_left, self.initial_right, none, none, none)
+
+
+class Learner(Protocol):
+    """A law at work on one experiment."""
+
+    def controller(self) -> WheelController:
+        """The controller of the next iteration, from all that has been learned so far."""
+
+    def learn(self, iteration: Iteration) -> Figures:
+        """Takes in an iteration that is over, whether its controller came from here or not.
+
+        Numbers close to divergence may overflow here without harm: what is not finite ends the
+        run in the next iteration.
+
+        Args:
+            iteration: What was measured in it.
+
+        Returns:
+            What there is to tell of it.
+        """
 
 
 class Law(Protocol):
-    """A learning law with its parameters."""
+    """A learning law with its parameters: plain data, so that it can be sent to other processes."""
 
-    def controller(self, previous: PreviousIteration, reference: Reference) -> WheelController:
-        """The controller of the next iteration, learned from the previous one."""
+    def learner(self, task: Task) -> Learner:
+        """The law at the start of an experiment, with nothing learned yet."""
+
+
+class LastIteration:
+    """A learner that remembers the last iteration alone, and has nothing to tell."""
+
+    def __init__(self, task: Task, after: Callable[[Iteration], WheelController]) -> None:
+        """With what makes a controller of the iteration before."""
+        self._last = task.before_first
+        self._after = after
+
+    def controller(self) -> WheelController:
+        """The controller that follows from the last iteration."""
+        return self._after(self._last)
+
+    def learn(self, iteration: Iteration) -> Figures:
+        """Remembers the iteration in the place of the one before."""
+        self._last = iteration
+        return NO_FIGURES

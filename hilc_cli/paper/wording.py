@@ -6,6 +6,8 @@ import math
 
 from hilc_cli.figures.labels import number_text
 from hilc_cli.paper.contents import Situation
+from hilc_cli.spec.controller import default_length
+from hilc_cli.spec.hybrid import HybridController
 from hilc_cli.spec.valid import Scenario
 
 
@@ -44,10 +46,10 @@ def law_text(scenario: Scenario) -> str:
 
 def gains_text(scenario: Scenario) -> str:
     """The parameters of the law that is used."""
-    controller = scenario.spec.controller
+    controller = _of_the_paper(scenario)
     gains = controller.gains
     if scenario.compensates:
-        h = controller.resolved_h(scenario.spec.trajectory.reference().samples)
+        h = default_length(controller.h, scenario.spec.trajectory.reference())
         return f"l₁ = {number_text(gains.l1)}, h = {h}"
     values = zip("₁₂₃", (gains.l1, gains.l2, gains.l3), strict=True)
     return ", ".join(f"l{index} = {number_text(value)}" for index, value in values)
@@ -55,7 +57,7 @@ def gains_text(scenario: Scenario) -> str:
 
 def setting_texts(scenario: Scenario) -> list[str]:
     """What else tells the controller from others."""
-    controller = scenario.spec.controller
+    controller = _of_the_paper(scenario)
     texts = []
     if controller.gain_matrix == "unit":
         texts.append("matrix with R = B = 1")
@@ -67,3 +69,9 @@ def setting_texts(scenario: Scenario) -> list[str]:
     limit = scenario.speed_limit
     texts.append("no speed limit" if limit is None else f"limit {number_text(limit)} rad/s")
     return texts
+
+
+def _of_the_paper(scenario: Scenario) -> HybridController:
+    controller = scenario.spec.controller
+    assert isinstance(controller, HybridController)  # all its situations have this law
+    return controller

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.trial import Trial
 from hilc_cli.robot import gravity_center_position
@@ -25,6 +26,7 @@ class RunData:
         speed_limit: b_w [rad/s]; None for no limit.
         gravity_center: D_cx, D_cy [m] of the platform.
         diverged_at: The iteration that left the finite numbers; None if none did.
+        learning: What the law tells of each completed iteration; most laws tell nothing.
     """
 
     name: str
@@ -34,6 +36,7 @@ class RunData:
     speed_limit: float | None = None
     gravity_center: tuple[float, float] = (0.0, 0.0)
     diverged_at: int | None = None
+    learning: LearningTable = field(default_factory=LearningTable)
 
     @property
     def last(self) -> Trial:

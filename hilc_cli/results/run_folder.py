@@ -13,6 +13,7 @@ import numpy as np
 from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file, write_folder
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.learning import read_learning, write_learning
 from hilc_cli.results.output_folder import check_replaceable, read_manifest
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
@@ -31,7 +32,10 @@ SAMPLES = "samples.csv"
 INPUT = "input.csv"
 INITIAL_INPUT = "initial-input.csv"
 GRAVITY_CENTER = "gravity-center.csv"
-TABLES = frozenset({SCENARIO, MANIFEST, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER})
+LEARNING = "learning.csv"
+TABLES = frozenset(
+    {SCENARIO, MANIFEST, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
+)
 
 PICTURE_KINDS = ("path-change", "final-path", "error", "wheel-speeds", "summary")
 PICTURE_FORMATS = ("png", "svg", "pdf")
@@ -76,6 +80,8 @@ def write_run_folder(
         write_input(folder / INPUT, run.reference.sample_time, *run.learned_input)
         if initial_input is not None:
             write_input(folder / INITIAL_INPUT, run.reference.sample_time, *initial_input)
+        if run.learning.names:
+            write_learning(folder / LEARNING, run.learning)
         if gravity_center:
             paths = {number: run.gravity_center_path(number) for number in run.trials}
             write_gravity_center(folder / GRAVITY_CENTER, run.reference.times, paths)
@@ -153,6 +159,7 @@ def read_run_folder(path: Path) -> RunData:
         speed_limit=float(limit) if isinstance(limit, int | float) else None,
         gravity_center=(ahead, aside),
         diverged_at=diverged_at if isinstance(diverged_at, int) else None,
+        learning=read_learning(path / LEARNING),
     )
 
 

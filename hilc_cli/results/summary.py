@@ -26,6 +26,8 @@ class Summary:
         peak_iteration: The iteration that had it.
         saturated_share: Share of all samples of all iterations at which the speed limit acted.
         diverged_at: The iteration that left the finite numbers; None if none did.
+        learning: What the law tells of the last completed iteration, by column of
+            ``learning.csv``; None where it has none that is finite.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Summary:
     peak_iteration: int
     saturated_share: float
     diverged_at: int | None
+    learning: dict[str, float | None]
 
 
 def summarise(run: RunData) -> Summary:
@@ -59,4 +62,5 @@ def summarise(run: RunData) -> Summary:
         peak_iteration=int(errors.argmax()),
         saturated_share=float(saturated) / (len(run.metrics) * run.reference.samples),
         diverged_at=run.diverged_at,
+        learning=run.learning.last(),
     )

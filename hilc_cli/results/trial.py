@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from hilc_cli.reference.sampled import Floats
 
@@ -19,6 +20,7 @@ class Trial:
         left: Speed of the left wheel [rad/s], shape (n,), after the speed limit.
         right: Speed of the right wheel [rad/s], shape (n,), after the speed limit.
         saturated_samples: Number of samples at which the speed limit acted.
+        figures: What the law has to tell of the iteration, by column of ``learning.csv``.
     """
 
     iteration: int
@@ -28,3 +30,4 @@ class Trial:
     left: Floats
     right: Floats
     saturated_samples: int = 0
+    figures: Mapping[str, float] = field(default_factory=dict)

@@ -27,7 +27,7 @@ from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
 from hilc_cli.spec.varied import TRAJECTORY, WITHOUT_EFFECT, Varied
 from hilc_cli.variation.axes import Axis, Choices, Range, Value
 
-_H = "controller.h"
+_LAW = "controller.law"
 _MOST_CORNERS = 64
 
 
@@ -73,9 +73,11 @@ class _Checked:
 
     def add_all(self, axes: Mapping[str, Axis]) -> None:
         """Validates the values of each key beside the first values of the others."""
-        if _H in axes:
-            # It need not fit the scenario's trajectory, only those that it meets.
-            controller = self.spec.controller.model_copy(update={"h": None})
+        # What varies need not fit the scenario's trajectory, only those that it meets.
+        controller = self.spec.controller
+        tied = [key for key in controller.tied_to_trajectory if f"controller.{key}" in axes]
+        if tied:
+            controller = controller.model_copy(update=dict.fromkeys(tied))
             self.spec = self.spec.model_copy(update={"controller": controller})
         if TRAJECTORY in axes:
             self._add(TRAJECTORY, axes[TRAJECTORY])
@@ -102,6 +104,10 @@ class _Checked:
         try:
             if any(key == other or key.startswith(f"{other}.") for other in WITHOUT_EFFECT):
                 message = "has no effect on the results; vary another key"
+                raise InvalidInputError([Problem(str(place), key, message)])
+            if key == _LAW:
+                message = "cannot be varied, since each law has parameters of its own; "
+                message += "make a scenario for each law"
                 raise InvalidInputError([Problem(str(place), key, message)])
             if key == TRAJECTORY:
                 self.axes[key] = self._trajectories(axis, place)

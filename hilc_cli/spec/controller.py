@@ -1,85 +1,127 @@
-"""What a scenario says of the controller: a law by its name, with the law's own parameters."""
+"""What the parameters of every law have in common, whatever the law."""
 
 from __future__ import annotations
 
-from typing import Literal
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, get_args
 
-from pydantic import Field
-
-from hilc_cli.laws.compensation import has_initial_error
-from hilc_cli.laws.hybrid import GainHeading, HybridLaw
+from hilc_cli.disturbance.streams import Triple
+from hilc_cli.laws.law import Law
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.robot import Robot
-from hilc_cli.spec.gain_matrix import GainMatrixChoice, gain_matrix
-from hilc_cli.spec.model import Model
-from hilc_cli.spec.quantities import Gain, PositiveWheelSpeed, Samples, Tolerance
+from hilc_cli.spec.model import Located, Model
 
-DEFAULT_H = 200  # the paper's choice in situation 3
-
-
-class HybridGains(Model):
-    """Scalars before the gain matrix."""
-
-    l1: Gain = Field(description="of the previous iteration's error, e_i(k+1)")
-    l2: Gain = Field(0.0, description="of the running iteration's error, e_{i+1}(k)")
-    l3: Gain = Field(0.0, description="of the running iteration's error, e_{i+1}(k-1)")
+DEFAULT_LAW = "hybrid"
+DEFAULT_H = 200  # samples, the paper's choice in situation 3
 
 
-class HybridController(Model):
-    """The hybrid iterative learning controller of Qiao et al. 2021."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Setting:
+    """What a law may depend on beside its own parameters.
 
-    law: Literal["hybrid"] = "hybrid"
-    gains: HybridGains
-    gain_matrix: GainMatrixChoice = Field(
-        "model", description="model: Eq. 45; unit: Eq. 56; or 2x3 entries affine in cos and sin"
-    )
-    gain_heading: GainHeading = Field(
-        "measured", description="heading at which the gain matrix is taken"
-    )
-    compensation: Literal["auto", "on", "off"] = Field(
-        "auto", description="auto: Eq. 21 if the run starts off the reference, else Eq. 17"
-    )
-    switch_tolerance: Tolerance = Field(
-        1e-9, description="an initial error up to this, in m and rad, counts as none"
-    )
-    h: Samples | None = Field(
-        None, description="length of the compensation in samples, 1 to n; default 200, or n if less"
-    )
-    b_w: PositiveWheelSpeed | None = Field(
-        None, description="speed limit of the wheels [rad/s]; null for none"
-    )
+    Attributes:
+        reference: The trajectory.
+        model: The platform as the controller believes it to be.
+        initial_error: Start of the reference less the initial pose [m, m, rad].
+        initial_bound: Bound of the initial pose's disturbance, likewise.
+    """
 
-    def compensates(
-        self, initial_error: tuple[float, float, float], bound: tuple[float, float, float]
-    ) -> bool:
-        """The position of Fig. 2's switch.
+    reference: Reference
+    model: Robot
+    initial_error: Triple
+    initial_bound: Triple
+
+
+class Controller(Model):
+    """A law by its name, with the law's own parameters.
+
+    Each law has a model of its own with a field ``law``, whose one value is its name, and a field
+    ``b_w``, the speed limit.
+    """
+
+    learns: ClassVar[bool] = True
+    """Whether an iteration depends on those before it."""
+
+    in_lanes: ClassVar[bool] = False
+    """Whether the batch engine knows the law."""
+
+    tied_to_trajectory: ClassVar[tuple[str, ...]] = ()
+    """Keys whose values must fit the trajectory, and fit any if there is none."""
+
+    @classmethod
+    def name(cls) -> str:
+        """What ``law:`` says."""
+        name: str = get_args(cls.model_fields["law"].annotation)[0]
+        return name
+
+    @classmethod
+    def owner(cls) -> str:
+        """The law; of the default law nothing is said."""
+        return "" if cls.name() == DEFAULT_LAW else f"law {cls.name()}"
+
+    @classmethod
+    def is_meant(cls, data: object) -> bool:
+        """Whether data names this law."""
+        return isinstance(data, Mapping) and law_named(data) == cls.name()
+
+    @classmethod
+    def relations(
+        cls, data: Mapping[str, Any], reference: Reference | None, model: Robot | None
+    ) -> list[Located]:
+        """What does not fit the rest of the scenario.
 
         Args:
-            initial_error: Start of the reference less the initial pose.
-            bound: Bound of the initial pose's disturbance.
+            data: The parameters, not yet validated or valid.
+            reference: The trajectory, if that is valid by itself.
+            model: The platform as the controller believes it to be, if that is valid by itself.
         """
-        if self.compensation == "auto":
-            return has_initial_error(initial_error, bound, self.switch_tolerance)
-        return self.compensation == "on"
+        return []
 
-    def resolved_h(self, samples: int) -> int:
-        """Length of the compensation on a trajectory of so many samples."""
-        return min(DEFAULT_H, samples) if self.h is None else self.h
-
-    def law_for(self, model: Robot, reference: Reference, *, compensation: bool) -> HybridLaw:
+    @abstractmethod
+    def law_for(self, setting: Setting) -> Law:
         """The law for the engines.
 
-        Args:
-            model: The platform as the controller believes it to be.
-            reference: The trajectory.
-            compensation: The position of Fig. 2's switch.
+        Raises:
+            ValueError: A number that follows from the parameters is not finite.
         """
-        return HybridLaw(
-            self.gains.l1,
-            self.gains.l2,
-            self.gains.l3,
-            gain_matrix(self.gain_matrix, model),
-            self.gain_heading,
-            compensation,
-            self.resolved_h(reference.samples),
-        )
+
+    @abstractmethod
+    def in_words(self, setting: Setting) -> str:
+        """The law and its gains, in one line."""
+
+    def misfits_on(self, reference: Reference) -> list[Located]:
+        """What does not fit a trajectory."""
+        return []
+
+    def compensates(self, setting: Setting) -> bool:
+        """Whether the run compensates an initial error by Eq. 21."""
+        return False
+
+    def resolved(self, reference: Reference) -> dict[str, Any]:
+        """The parameters as plain data with every default filled in."""
+        return self.model_dump(mode="json")
+
+    def warnings(self, setting: Setting) -> list[str]:
+        """What is legal but probably not meant."""
+        return []
+
+
+def law_named(data: Mapping[str, Any]) -> object:
+    """What ``law:`` says in parameters that may not be valid."""
+    law = data.get("law")
+    return DEFAULT_LAW if law is None else law
+
+
+def default_length(h: int | None, reference: Reference) -> int:
+    """A number of samples ``h``; what it is if it is left out."""
+    return min(DEFAULT_H, reference.samples) if h is None else h
+
+
+def length_misfits(h: int | None, reference: Reference | None) -> list[Located]:
+    """What is wrong with a number of samples ``h`` on a trajectory; either may be unknown."""
+    if reference is None or h is None or h <= reference.samples:
+        return []
+    problem = f"must be at most the trajectory's {reference.samples} samples"
+    return [(("h",), problem, f"give a whole number from 1 to {reference.samples}")]

@@ -57,10 +57,11 @@ _UNITS: Mapping[str, tuple[float, Unit]] = {
     "cm": (1e-2, Unit(length=1)),
     "m": (1.0, Unit(length=1)),
     "rpm": (2 * math.pi / 60, Unit(angle=1, time=-1)),
+    "Hz": (1.0, Unit(time=-1)),
 }
 
 
-_UNIT_NAMES = "deg, rad, ms, s, mm, cm, m and rpm"
+_UNIT_NAMES = "deg, rad, ms, s, mm, cm, m, rpm and Hz"
 
 
 @dataclass(frozen=True, slots=True)

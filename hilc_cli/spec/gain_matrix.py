@@ -79,6 +79,17 @@ def gain_matrix(choice: Named | Rows, model: Robot) -> GainMatrix:
     return GainMatrix((a, b, c), (d, e, f))
 
 
+def matrix_misfits(choice: Named | Rows | None, model: Robot | None) -> list[Located]:
+    """Entries that the controller's R and B make infinite; either may be unknown."""
+    if choice is None or model is None:
+        return []
+    try:
+        gain_matrix(choice, model)
+    except PydanticCustomError as error:
+        return [(("gain_matrix", *at), problem, remedy) for at, problem, remedy in located(error)]
+    return []
+
+
 def _entry(entry: object, names: Mapping[str, Affine], at: tuple[int, int]) -> Affine:
     if isinstance(entry, bool) or not isinstance(entry, int | float | str):
         raise wrong_at(at, "must be a number or an expression", _ENTRY_REMEDY)

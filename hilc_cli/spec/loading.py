@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.tables import MAX_CSV_BYTES, read_input
+from hilc_cli.spec.model import Model
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
 from hilc_cli.spec.overrides import apply_override, data_override, parse_override
 from hilc_cli.spec.problems import model_in, problems_of
@@ -52,7 +53,7 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
 
 def _default(keys: Sequence[str]) -> object:
     """What a key of a scenario is if it is left out; None if that is nothing, or not known."""
-    part: type[BaseModel] | None = ScenarioSpec
+    part: type[Model] | None = ScenarioSpec
     value: object = None
     for key in keys:
         field = None if part is None else part.model_fields.get(key)

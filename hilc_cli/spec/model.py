@@ -11,6 +11,7 @@ from pydantic import (
     ModelWrapValidatorHandler,
     Strict,
     StringConstraints,
+    TypeAdapter,
     ValidationError,
     model_validator,
 )
@@ -36,6 +37,16 @@ class Model(BaseModel):
 
     exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = ()
     """Groups of keys of which each must have exactly one."""
+
+    @classmethod
+    def owner(cls) -> str:
+        """Whose the keys are, for messages, where there could be others in their place."""
+        return ""
+
+    @classmethod
+    def is_meant(cls, data: object) -> bool:
+        """Whether data, which may not be valid, is to be of this model where there are several."""
+        return True
 
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
@@ -75,6 +86,16 @@ class Model(BaseModel):
         return {
             key: value for key, value in data.items() if value is not None or key not in optional
         }
+
+
+def valid(kind: Any, value: Any) -> Any:
+    """The value of a part that is there and valid by itself; None otherwise."""
+    if value is None:
+        return None
+    try:
+        return TypeAdapter(kind).validate_python(value)
+    except ValidationError:
+        return None
 
 
 def listed(words: Sequence[str]) -> str:

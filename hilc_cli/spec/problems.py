@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from hilc_cli.errors import Problem, suggestion
-from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest
+from hilc_cli.spec.model import Model
+from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
 
 # What is wrong and what is allowed, by Pydantic's name of the error.
 _MESSAGES: Mapping[str, tuple[str, str]] = {
@@ -30,7 +31,7 @@ _MESSAGES: Mapping[str, tuple[str, str]] = {
 }
 
 
-def problems_of(error: ValidationError, tree: Node, model: type[BaseModel]) -> list[Problem]:
+def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[Problem]:
     """Each validation error as a problem at the place of the offending value.
 
     Args:
@@ -52,11 +53,9 @@ def problems_of(error: ValidationError, tree: Node, model: type[BaseModel]) -> l
                 show_all = problem.startswith("must be")
                 found.append(_located(tree, (*keys, *at), problem, remedy, show_all=show_all))
         elif details["type"] == "missing":
-            found.append(_at(tree, keys, f"is missing; {_how_to_give(keys, model)}"))
+            found.append(_at(tree, keys, f"is missing; {_how_to_give(tree, keys, model)}"))
         elif details["type"] == "extra_forbidden":
-            known = _fields(_model_at(model, keys[:-1]))
-            message = f"is an unknown key; {suggestion(str(keys[-1]), known)}"
-            found.append(_at(tree, keys, message, point_at_key=True))
+            found.append(_at(tree, keys, _unknown(tree, keys, model), point_at_key=True))
         elif details["type"] == "literal_error":
             choices = str(context["expected"]).replace("'", "")
             found.append(_located(tree, keys, "is not one of the choices", f"give {choices}"))
@@ -92,28 +91,42 @@ def _at(
     return place, Problem(str(place), ".".join(map(str, keys)), message)
 
 
-def _how_to_give(keys: PathKeys, model: type[BaseModel]) -> str:
+def _how_to_give(tree: Node, keys: PathKeys, model: type[Model]) -> str:
     if isinstance(keys[-1], int):
         return "the list has too few entries"
-    description = _fields(_model_at(model, keys[:-1]))[keys[-1]].description
+    description = _fields(_models_to(tree, keys[:-1], model)[-1])[keys[-1]].description
     return f"give it ({description})" if description else "give it"
 
 
-def _fields(model: type[BaseModel] | None) -> Mapping[str, FieldInfo]:
+def _unknown(tree: Node, keys: PathKeys, model: type[Model]) -> str:
+    models = _models_to(tree, keys[:-1], model)
+    owners = [part.owner() for part in models if part is not None and part.owner()]
+    whose = f" of {owners[-1]}" if owners else ""
+    return f"is an unknown key{whose}; {suggestion(str(keys[-1]), _fields(models[-1]))}"
+
+
+def _fields(model: type[Model] | None) -> Mapping[str, FieldInfo]:
     return {} if model is None else model.model_fields
 
 
-def _model_at(model: type[BaseModel] | None, keys: PathKeys) -> type[BaseModel] | None:
-    """The model that the mapping at a path is validated against."""
-    for key in keys:
+def _models_to(tree: Node, keys: PathKeys, model: type[Model]) -> list[type[Model] | None]:
+    """The models that the mappings on the way to a path are validated against, its own last."""
+    found: list[type[Model] | None] = [model]
+    for depth, key in enumerate(keys, 1):
         if isinstance(key, str):
-            field = _fields(model).get(key)
-            model = None if field is None else model_in(field.annotation)
-    return model
+            field = _fields(found[-1]).get(key)
+            part = to_data(nearest(tree, keys[:depth])[0])
+            found.append(None if field is None else model_in(field.annotation, part))
+    return found
 
 
-def model_in(annotation: object) -> type[BaseModel] | None:
-    """The model within an optional or a list of it."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    return next(filter(None, map(model_in, get_args(annotation))), None)
+def model_in(annotation: object, data: object = None) -> type[Model] | None:
+    """The model within an optional or a list of it; of several the one that data is meant for."""
+    models = _models_in(annotation)
+    return next((model for model in models if model.is_meant(data)), models[0] if models else None)
+
+
+def _models_in(annotation: object) -> list[type[Model]]:
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in _models_in(part)]

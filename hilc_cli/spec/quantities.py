@@ -146,6 +146,16 @@ PositiveWheelSpeed = Annotated[
 ]
 PositiveNumber = Annotated[float, Quantity(PLAIN, "0.8", above=0, most=_LARGEST)]
 Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, most=1e12)]
+GainPerSecond = Annotated[float, Quantity(Unit(time=-1), "0.5", least=0, most=1e12)]
+CurvatureGain = Annotated[
+    float, Quantity(Unit(angle=1, length=-2), "64 or 64 rad/m/m", least=0, most=_LARGEST)
+]
+Duration = Annotated[float, Quantity(_TIME, "0.5 or 500 ms", least=0, most=_LARGEST)]
+Frequency = Annotated[float, Quantity(Unit(time=-1), "20 or 20 Hz", above=0, most=_LARGEST)]
+Share = Annotated[float, Quantity(PLAIN, "0.1", least=0, most=1)]
+LateralGain = Annotated[
+    float, Quantity(Unit(angle=1, length=-1), "0.3 or 0.3 rad/m", least=0, most=_LARGEST)
+]
 Tolerance = Annotated[float, Quantity(PLAIN, "1e-9", least=0, most=_LARGEST)]
 Iterations = Annotated[int, Quantity(PLAIN, "100", least=0, most=10_000_000, whole=True)]
 Samples = Annotated[int, Quantity(PLAIN, "200", least=1, most=1_000_000, whole=True)]

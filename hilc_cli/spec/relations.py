@@ -8,13 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
-from pydantic_core import PydanticCustomError
-
 from hilc_cli.robot import Robot
-from hilc_cli.spec.gain_matrix import GainMatrixChoice, gain_matrix
-from hilc_cli.spec.model import Located, located
-from hilc_cli.spec.quantities import Iterations, Samples
+from hilc_cli.spec.controllers import controller_model
+from hilc_cli.spec.model import Located, valid
+from hilc_cli.spec.quantities import Iterations
 from hilc_cli.spec.record import RecordSpec
 from hilc_cli.spec.robot import ModelSpec, RobotSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
@@ -28,42 +25,36 @@ def misfits(data: Mapping[str, Any]) -> list[Located]:
     Args:
         data: The scenario, not yet validated or valid.
     """
-    controller = data.get("controller")
-    controller = controller if isinstance(controller, Mapping) else {}
     return [
-        *_length_of_compensation(
-            _valid(TrajectorySpec, data.get("trajectory")), _valid(Samples, controller.get("h"))
-        ),
+        *_controller(data),
         *_recorded_iterations(
-            _valid(RecordSpec, data.get("record")),
-            _valid(Iterations, data.get("iterations", DEFAULT_ITERATIONS)),
-        ),
-        *_matrix(
-            _valid(GainMatrixChoice, controller.get("gain_matrix")),
-            _valid(RobotSpec, data.get("robot")),
-            _valid(ModelSpec, data.get("model") or {}),
+            valid(RecordSpec, data.get("record")),
+            valid(Iterations, data.get("iterations", DEFAULT_ITERATIONS)),
         ),
     ]
 
 
-def _valid(kind: Any, value: Any) -> Any:
-    """The value of a part that is there and valid by itself; None otherwise."""
-    if value is None:
-        return None
-    try:
-        return TypeAdapter(kind).validate_python(value)
-    except ValidationError:
-        return None
+def _controller(data: Mapping[str, Any]) -> list[Located]:
+    """What the law's parameters ask of the trajectory and of the believed platform."""
+    controller = data.get("controller")
+    law = controller_model(controller)
+    if law is None or not isinstance(controller, Mapping):
+        return []
+    trajectory = valid(TrajectorySpec, data.get("trajectory"))
+    reference = None if trajectory is None else trajectory.reference()
+    return [
+        (("controller", *at), problem, remedy)
+        for at, problem, remedy in law.relations(controller, reference, _believed(data))
+    ]
 
 
-def _length_of_compensation(trajectory: TrajectorySpec | None, h: int | None) -> list[Located]:
-    if trajectory is None or h is None:
-        return []
-    samples = trajectory.reference().samples
-    if h <= samples:
-        return []
-    problem = f"must be at most the trajectory's {samples} samples"
-    return [(("controller", "h"), problem, f"give a whole number from 1 to {samples}")]
+def _believed(data: Mapping[str, Any]) -> Robot | None:
+    robot = valid(RobotSpec, data.get("robot"))
+    model = valid(ModelSpec, data.get("model") or {})
+    if robot is None or model is None:
+        return None
+    believed: Robot = model.model(robot.robot())
+    return believed
 
 
 def _recorded_iterations(record: RecordSpec | None, last: int | None) -> list[Located]:
@@ -76,18 +67,3 @@ def _recorded_iterations(record: RecordSpec | None, last: int | None) -> list[Lo
         for index, iteration in enumerate(record.iterations)
         if iteration > last
     ]
-
-
-def _matrix(choice: Any, robot: RobotSpec | None, model: ModelSpec | None) -> list[Located]:
-    """Entries that this R and B make infinite."""
-    if choice is None or robot is None or model is None:
-        return []
-    believed: Robot = model.model(robot.robot())
-    try:
-        gain_matrix(choice, believed)
-    except PydanticCustomError as error:
-        return [
-            (("controller", "gain_matrix", *at), problem, remedy)
-            for at, problem, remedy in located(error)
-        ]
-    return []

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from hilc_cli.disturbance.streams import Triple
-from hilc_cli.spec.controller import HybridController
+from hilc_cli.spec.controllers import ControllerSpec
 from hilc_cli.spec.disturbance import DisturbanceSpec
 from hilc_cli.spec.model import Located, Model, Name, Text
 from hilc_cli.spec.quantities import Angle, Coordinate, Iterations
@@ -41,10 +41,12 @@ class ScenarioSpec(Model):
     initial_input: Text = Field(
         "zero", description="zero, feedforward, or the path of an input CSV file"
     )
-    initial_trial: Literal["open-loop", "feedback"] = Field(
-        "open-loop", description="feedback: iteration 0 already runs the law"
+    initial_trial: Literal["open-loop", "feedback"] | None = Field(
+        None,
+        description="feedback: iteration 0 already runs the law; default: open-loop, "
+        "but feedback with a law that does not learn",
     )
-    controller: HybridController
+    controller: ControllerSpec
     disturbance: DisturbanceSpec = DisturbanceSpec()
     record: RecordSpec = RecordSpec()
     sweep: SweepSpec | None = Field(None, description="what 'hilc sweep' varies")
@@ -53,6 +55,13 @@ class ScenarioSpec(Model):
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
         """What does not fit together, whatever else is wrong."""
         return [*super().misfits(data), *misfits(data)]
+
+    @property
+    def learns_in_first(self) -> bool:
+        """Whether iteration 0 already runs the law."""
+        if self.initial_trial is None:
+            return not self.controller.learns
+        return self.initial_trial == "feedback"
 
     @property
     def start_pose(self) -> Triple:

@@ -13,6 +13,7 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.spec.controller import Setting
 from hilc_cli.spec.dump import to_yaml
 from hilc_cli.spec.nodes import Place
 from hilc_cli.spec.scenario import ScenarioSpec
@@ -54,9 +55,12 @@ class Scenario:
     @property
     def compensates(self) -> bool:
         """The position of Fig. 2's switch: whether the run compensates an initial error."""
-        return self.spec.controller.compensates(
-            self.spec.initial_error, self.spec.disturbance.initial_pose.bound
-        )
+        return self.spec.controller.compensates(self._setting())
+
+    @property
+    def law_in_words(self) -> str:
+        """The law and its gains, in one line."""
+        return self.spec.controller.in_words(self._setting())
 
     @property
     def speed_limit(self) -> float | None:
@@ -67,21 +71,27 @@ class Scenario:
         """The scenario with every number resolved."""
         spec = self.spec
         reference = spec.trajectory.reference()
-        robot = spec.robot.robot()
         left, right = self._first_input(reference)
         return Experiment(
             reference=reference,
-            robot=robot,
-            law=spec.controller.law_for(
-                spec.model.model(robot), reference, compensation=self.compensates
-            ),
+            robot=spec.robot.robot(),
+            law=spec.controller.law_for(self._setting()),
             initial_pose=spec.start_pose,
             initial_left=left,
             initial_right=right,
-            learn_in_first=spec.initial_trial == "feedback",
+            learn_in_first=spec.learns_in_first,
             iterations=spec.iterations,
             speed_limit=math.inf if self.speed_limit is None else self.speed_limit,
             disturbance=spec.disturbance.disturbance(),
+        )
+
+    def _setting(self) -> Setting:
+        spec = self.spec
+        return Setting(
+            spec.trajectory.reference(),
+            spec.model.model(spec.robot.robot()),
+            spec.initial_error,
+            spec.disturbance.initial_pose.bound,
         )
 
     def _first_input(self, reference: Reference) -> tuple[Floats, Floats]:
@@ -94,17 +104,31 @@ class Scenario:
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        found = []
-        gains = self.spec.controller.gains
-        if self.compensates and (gains.l2 > 0 or gains.l3 > 0):
-            found.append(
-                "controller.gains.l2 and l3 are not used: with an initial error the law is "
-                "Eq. 21, which has l1 only; set 'compensation: off' for Eq. 17"
-            )
+        found = self.spec.controller.warnings(self._setting())
+        found += self._without_learning()
         if abs(self.spec.initial_error[2]) > math.pi:
             found.append(
                 "initial_pose.heading differs by more than half a turn from the trajectory's "
                 "start; headings are not wrapped, so the robot will turn all the way back"
+            )
+        return found
+
+    def _without_learning(self) -> list[str]:
+        """What a law that does not learn makes no use of."""
+        spec, law = self.spec, self.spec.controller
+        if law.learns:
+            return []
+        found = []
+        sources = (spec.disturbance.state, spec.disturbance.output, spec.disturbance.initial_pose)
+        if spec.iterations > 1 and not any(source.bounded().active for source in sources):
+            found.append(
+                f"all iterations will be the same: law {law.law} does not learn, and nothing is "
+                "disturbed; set 'iterations: 0' for one"
+            )
+        if spec.learns_in_first and spec.initial_input != "zero":
+            found.append(
+                f"initial_input is not used: law {law.law} does not learn; "
+                "set 'initial_trial: open-loop' to see it in iteration 0"
             )
         return found
 
@@ -124,7 +148,8 @@ class Scenario:
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE
-        data["controller"]["h"] = spec.controller.resolved_h(spec.trajectory.reference().samples)
+        data["initial_trial"] = "feedback" if spec.learns_in_first else "open-loop"
+        data["controller"] = spec.controller.resolved(spec.trajectory.reference())
         for source in ("state", "output", "initial_pose"):
             disturbance = data["disturbance"][source]
             if disturbance["distribution"] == "uniform":

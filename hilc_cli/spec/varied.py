@@ -90,11 +90,11 @@ class Varied:
             ValueError: An entry of the gain matrix is not finite.
         """
         scenario = self.case(values)
-        samples = scenario.spec.trajectory.reference().samples
-        h, given = scenario.spec.controller.h, scenario.initial_input
-        if h is not None and h > samples:
-            message = f"is {h}, but the trajectory has {samples} samples"
-            raise InvalidInputError([Problem("", "controller.h", message)])
+        reference, given = scenario.spec.trajectory.reference(), scenario.initial_input
+        samples = reference.samples
+        for at, problem, remedy in scenario.spec.controller.misfits_on(reference):
+            path = ".".join(map(str, ("controller", *at)))
+            raise InvalidInputError([Problem("", path, f"{problem}; {remedy}")])
         if given is not None and len(given[0]) != samples:
             message = f"has {len(given[0])} samples, but the trajectory has {samples}"
             raise InvalidInputError([Problem("", "initial_input", message)])

@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hilc_cli.engine.batch import BatchResult, simulate_batch
+from hilc_cli.engine.batch import BatchResult
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import LANES
+from hilc_cli.engine.many import simulate_many
+from hilc_cli.engine.packs import knows
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import METRIC_NAMES
 from hilc_cli.results.sweep import CASE_COLUMNS
@@ -78,7 +80,8 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
     errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.bands else None
     failures: list[Failure] = []
     samples = plan.varied.scenario.spec.trajectory.reference().samples
-    at_once = LANES * max(1, min(_PACKS_AT_ONCE, _SAMPLES_AT_ONCE // (LANES * samples)))
+    packs = max(1, min(_PACKS_AT_ONCE, _SAMPLES_AT_ONCE // (LANES * samples)))
+    at_once = LANES * packs if plan.in_lanes else 1
     for first in range(chunk.first, chunk.last, at_once):
         go_on()
         last = min(first + at_once, chunk.last)
@@ -87,12 +90,12 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
         if not experiments:
             continue
         try:
-            result = simulate_batch(list(experiments.values()))
+            result = simulate_many(list(experiments.values()))
         except Exception:
             failures += _left_out(experiments)
             if not experiments:
                 continue
-            result = simulate_batch(list(experiments.values()))
+            result = simulate_many(list(experiments.values()))
         numbers = np.array(list(experiments)) - chunk.first
         iterations = np.array([experiment.iterations for experiment in experiments.values()])
         rows[numbers] = _rows(result, iterations, plan.spec.tolerance)
@@ -118,7 +121,8 @@ def _left_out(experiments: dict[int, Experiment]) -> list[Failure]:
     failures = []
     for case, experiment in list(experiments.items()):
         try:
-            simulate_batch([replace(experiment, iterations=0)])
+            # In lanes what fails does so at the start; other laws may fail at any time.
+            simulate_many([replace(experiment, iterations=0) if knows(experiment) else experiment])
         except Exception as error:
             failures.append(Failure(Chunk(case, case + 1), f"{type(error).__name__}: {error}"))
             del experiments[case]

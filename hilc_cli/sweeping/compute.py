@@ -105,7 +105,7 @@ def _crew(plan: Plan, missing: int, how: Execution) -> Crew:
 
 def compile_for(plan: Plan, on_compile: Callable[[], None]) -> None:
     """Compiles here, and tells of it, what all workers would otherwise compile in silence."""
-    looked_at = _some_experiments(plan)
+    looked_at = _some_experiments(plan) if plan.in_lanes else []
     if looked_at and not is_compiled(looked_at):
         on_compile()
         with suppress(Exception):  # what cannot be run is told when its case is computed

@@ -6,9 +6,9 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import LANES
+from hilc_cli.engine.many import simulate_many
 from hilc_cli.results.sweep import CASE_COLUMNS
 from hilc_cli.spec.varied import CANNOT_BE_MADE
 from hilc_cli.sweeping.plan import Plan
@@ -64,18 +64,19 @@ def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
 
 
 def _seconds_per_sample(plan: Plan) -> float:
-    """Measured on full lanes, after the code has been loaded."""
+    """Measured on full lanes, after the code has been loaded; on one case without lanes."""
     made: list[Experiment] = []
     for case in plan.cases.values(0, min(LANES, len(plan.cases))):
         with suppress(*CANNOT_BE_MADE):
             made.append(plan.varied.experiment(case))
     if not made:
         return 0.0
-    made = [made[lane % len(made)] for lane in range(LANES)]
+    side_by_side = LANES if plan.in_lanes else 1
+    made = [made[lane % len(made)] for lane in range(side_by_side)]
     steps = made[0].reference.samples
     short = max(1, min(made[0].iterations, _TRIAL_SAMPLES // steps))
     trial = [replace(experiment, iterations=short) for experiment in made]
-    simulate_batch(trial)
+    simulate_many(trial)
     start = time.perf_counter()
-    simulate_batch(trial)
-    return (time.perf_counter() - start) / (LANES * steps * (short + 1))
+    simulate_many(trial)
+    return (time.perf_counter() - start) / (side_by_side * steps * (short + 1))

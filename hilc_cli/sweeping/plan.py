@@ -41,6 +41,11 @@ class Plan:
         """Values by key."""
         return self.varied.axes
 
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine knows the law; if not, cases run one by one and take longer."""
+        return self.varied.scenario.spec.controller.in_lanes
+
     @cached_property
     def cases(self) -> Cases:
         """All cases."""

@@ -15,6 +15,7 @@ from hilc_cli.variation.cases import Cases
 # Orders of magnitude, on one core of a machine of 2023 [s]; docs/performance.md has measured ones.
 _PER_SAMPLE = 4e-9
 _PER_DISTURBED_SAMPLE = 2e-8
+_PER_LOOPED_SAMPLE = 1.5e-6
 _PER_CASE = 1e-4
 
 _CHUNK = 1.0  # [s]
@@ -43,6 +44,8 @@ def seconds_per_case(plan: Plan) -> float:
     disturbed = any(source.bounded().active for source in (disturbance.state, disturbance.output))
     varied = any(key.startswith(("disturbance.state", "disturbance.output")) for key in plan.axes)
     per_sample = _PER_DISTURBED_SAMPLE if disturbed or varied else _PER_SAMPLE
+    if not plan.in_lanes:
+        per_sample = _PER_LOOPED_SAMPLE
     return _PER_CASE + per_sample * samples_per_case(plan)
 
 
@@ -55,8 +58,9 @@ def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
         workers: How many compute them.
 
     Returns:
-        A multiple of the number of lanes, so that none is empty.
+        A multiple of the number of lanes, so that none is empty, if cases run in lanes.
     """
     fair = cases / (4 * workers)
-    packs = min(_CHUNK / seconds_per_case(plan), fair, _MOST_CASES) / LANES
-    return max(1, int(packs)) * LANES
+    pack = LANES if plan.in_lanes else 1
+    packs = min(_CHUNK / seconds_per_case(plan), fair, _MOST_CASES) / pack
+    return max(1, int(packs)) * pack

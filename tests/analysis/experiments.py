@@ -11,8 +11,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.gain_matrix import Affine, GainMatrix
-from hilc_cli.laws.hybrid import GainHeading
 from hilc_cli.reference.path import build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial

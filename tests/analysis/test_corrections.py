@@ -20,8 +20,8 @@ from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
+from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.gain_matrix import model_gain
-from hilc_cli.laws.hybrid import GainHeading
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.robot import Robot, limit_wheel_speeds
 from tests.analysis.experiments import euler_reference

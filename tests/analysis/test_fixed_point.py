@@ -11,8 +11,9 @@ import pytest
 from hilc_cli.analysis.circle import sideways_error_after_compensation
 from hilc_cli.analysis.fixed_point import fixed_point
 from hilc_cli.engine.loop import simulate
+from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.gain_matrix import Affine, GainMatrix
-from hilc_cli.laws.hybrid import GainHeading, HybridLaw
+from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.reference.path import LinePlan, build_reference
 from hilc_cli.robot import Robot
 from tests.analysis.cases import CASES, WRONG, Case, winding

@@ -13,9 +13,9 @@ from hilc_cli.analysis.lifted import LiftedIteration
 from hilc_cli.analysis.transient import predict_transient
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.law import PreviousIteration, WheelController
+from hilc_cli.laws.law import Learner, Task
 from hilc_cli.reference.path import LinePlan, build_reference
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.robot import Robot
 from tests.analysis.cases import CASES, Case, driven, winding
 from tests.engine.experiments import experiment_of, law_of
@@ -174,7 +174,7 @@ def test_shortest_trajectories(name: str, steps: int) -> None:
 
 def test_law_of_another_kind_is_refused() -> None:
     class Other:
-        def controller(self, previous: PreviousIteration, reference: Reference) -> WheelController:
+        def learner(self, task: Task) -> Learner:
             raise NotImplementedError
 
     experiment = replace(experiment_of(winding(12), law_of(1.0)), law=Other())

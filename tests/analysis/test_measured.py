@@ -13,8 +13,8 @@ from hilc_cli.analysis.constants import constants
 from hilc_cli.analysis.measured import Measured, compare
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.loop import simulate
+from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.gain_matrix import model_gain
-from hilc_cli.laws.hybrid import GainHeading
 from hilc_cli.results.trial import Trial
 from hilc_cli.robot import Robot
 from tests.analysis.experiments import HEADINGS, euler_reference

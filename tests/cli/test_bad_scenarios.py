@@ -78,7 +78,7 @@ CASES = [
     (
         "unknown-gain",
         scenario("{l1: 0.5}", "{l1: 0.5, l4: 1}"),
-        "scenario.yaml:6:20: controller.gains.l4: is an unknown key; known: l1, l2, l3",
+        "scenario.yaml:6:20: controller.gains.l4: is an unknown key; known: l1, l2, l3, lateral",
     ),
     (
         "unknown-record",
@@ -228,7 +228,7 @@ CASES = [
     (
         "radius-unit-unknown",
         scenario("wheel_radius: 0.2", "wheel_radius: 20 inch"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'inch', got '20 inch'; units are deg, rad, ms, s, mm, cm, m and rpm",
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'inch', got '20 inch'; units are deg, rad, ms, s, mm, cm, m, rpm and Hz",
     ),
     (
         "radius-unit-nm",
@@ -363,7 +363,7 @@ CASES = [
     (
         "expr-unicode",
         scenario("wheel_radius: 0.2", "wheel_radius: 2π"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'π', got '2π'; units are deg, rad, ms, s, mm, cm, m and rpm",
+        "scenario.yaml:3:23: robot.wheel_radius: has the unknown unit 'π', got '2π'; units are deg, rad, ms, s, mm, cm, m, rpm and Hz",
     ),
     (
         "expr-pi-unicode",
@@ -471,9 +471,26 @@ CASES = [
         "scenario.yaml:7:8: controller.b_w: has the unknown name 'none', got 'none'; give a number above 0, such as 180 or 1700 rpm",
     ),
     (
+        "lateral-negative",
+        scenario("{l1: 0.5}", "{l1: 0.5, lateral: -0.3}"),
+        "scenario.yaml:6:29: controller.gains.lateral: must be at least 0, got -0.3; give a number from 0 up, such as 0.3 or 0.3 rad/m",
+    ),
+    (
+        "lateral-unit",
+        scenario("{l1: 0.5}", "{l1: 0.5, lateral: 0.3 m}"),
+        "scenario.yaml:6:29: controller.gains.lateral: has the wrong unit, got '0.3 m'; give a number from 0 up, such as 0.3 or 0.3 rad/m",
+    ),
+    (
+        "lateral-matrix",
+        scenario("{l1: 0.5}", "{l1: 0.5, lateral: 0.3}").replace(
+            "b_w: 180", "gain_matrix: [[cos, sin, 1], [cos, sin, -1 - cos]]"
+        ),
+        "scenario.yaml:6:29: controller.gains.lateral: needs a gain matrix whose heading entries have no cos and sin, got 0.3; give 0, or other entries in the third column",
+    ),
+    (
         "law",
         scenario("b_w: 180", "law: hybird"),
-        "scenario.yaml:7:8: controller.law: is not one of the choices, got 'hybird'; give hybrid",
+        "scenario.yaml:7:8: controller.law: is not one of the choices, got 'hybird'; give hybrid, pid or feedback",
     ),
     (
         "compensation",

@@ -202,7 +202,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l4=0.1,0.2"],
         2,
-        "--vary controller.gains.l4=0.1,0.2: controller.gains.l4: is an unknown key; known: l1, l2, l3",
+        "--vary controller.gains.l4=0.1,0.2: controller.gains.l4: is an unknown key; known: l1, l2, l3, lateral",
     ),
     (
         ["--vary", "controller.gains=0.1,0.2"],
@@ -256,9 +256,9 @@ CASES: list[tuple[list[str], int, str]] = [
         "--vary sweep=1,2: sweep: has no effect on the results; vary another key",
     ),
     (
-        ["--vary", "controller.law=hybrid,foo"],
+        ["--vary", "controller.law=hybrid,pid"],
         2,
-        "--vary controller.law=hybrid,foo: controller.law: is not one of the choices, got 'foo'; give hybrid",
+        "--vary controller.law=hybrid,pid: controller.law: cannot be varied, since each law has parameters of its own; make a scenario for each law",
     ),
     (
         ["--vary", "controller.compensation=on,off,maybe"],
@@ -1068,7 +1068,7 @@ SECTIONS: list[tuple[str, str]] = [
     ),
     (
         "sweep: {vary: {controller.gains.l9: [1]}}",
-        "scenario.yaml:8:37: controller.gains.l9: is an unknown key; known: l1, l2, l3",
+        "scenario.yaml:8:37: controller.gains.l9: is an unknown key; known: l1, l2, l3, lateral",
     ),
     (
         "sweep: {vary: {a..b: [1]}}",

@@ -167,7 +167,7 @@ CASES = [
     (
         "sample-time-hz",
         trajectory("100 ms", "10 Hz"),
-        "path.yaml:2:14: trajectory.sample_time: has the unknown unit 'Hz', got '10 Hz'; units are deg, rad, ms, s, mm, cm, m and rpm",
+        "path.yaml:2:14: trajectory.sample_time: has the wrong unit, got '10 Hz'; give a number above 0, such as 0.5 or 500 ms",
     ),
     (
         "corner",

@@ -387,3 +387,26 @@ def test_check_imports_neither_pictures_nor_a_compiler(tmp_path: Path) -> None:
         timeout=TIMEOUT,
     )
     assert (done.stdout, done.stderr) == ("0 []\n", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [
+        ("lateral-circle", "Eq. 17; l1 0.5, l2 20, l3 0, lateral 0.3 rad/m"),
+        ("pid-figure-eight", "PID-type learning; kp 0.1, ki 0 1/s, kd 0.3 s, cut-off 2 Hz"),
+        (
+            "feedback-circle",
+            "feedback without learning; k_x 10 1/s, k_y 64 rad/m^2, k_theta 16 rad/m",
+        ),
+    ],
+)
+def test_every_law_is_told_in_words(hilc: Hilc, folder: Path, name: str, law: str) -> None:
+    outcome = hilc("check", f"example:{name}", "--set", "iterations=1")
+    assert outcome.code == 0
+    assert f"  {law}\n" in outcome.out
+    unknown = "none is known of this law" in outcome.out
+    assert unknown == (name != "lateral-circle")
+
+
+def test_law_that_does_not_learn_needs_no_iterations(hilc: Hilc, folder: Path) -> None:
+    assert "iterations is 0" not in hilc("check", "example:feedback-circle").out

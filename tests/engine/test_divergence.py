@@ -1,4 +1,4 @@
-"""Runs that leave the finite numbers."""
+"""Runs that leave the finite numbers, which end at 1e140 m: beyond, squares hardly are finite."""
 
 from __future__ import annotations
 
@@ -33,24 +33,24 @@ def run(experiment: Experiment) -> tuple[list[Trial], int]:
     return trials, caught.value.iteration
 
 
-# e_i grows by l1 d = 1e100 and a binomial coefficient below 1e5 each iteration, from e_0 = 1 m:
-# at most 1e305 in iteration 3, and beyond 1.8e308 in iteration 4.
+# e_i grows by l1 d = 1e44 each iteration, times d and binomial coefficients below 1e5 in all, from
+# e_0 = 1 m: at most 1e137 m in iteration 3, and beyond 1e140 m in iteration 4.
 @pytest.mark.parametrize(
     ("l2", "compensation"), [(0.0, False), (1e-3, False), (0.0, True)], ids=["eq17", "l2", "eq21"]
 )
 def test_divergence_names_its_iteration_and_leaves_those_before(
     l2: float, compensation: bool
 ) -> None:
-    law = law_of(1e102, l2, compensation=compensation, h=10)
+    law = law_of(1e46, l2, compensation=compensation, h=10)
     trials, iteration = run(experiment_of(LINE, law, iterations=10))
     assert iteration == 4
     assert [trial.iteration for trial in trials] == [0, 1, 2, 3]
     assert all(np.isfinite(trial.x).all() for trial in trials)
-    assert np.abs(trials[3].x).max() > 1e290
+    assert np.abs(trials[3].x).max() > 1e130
 
 
 def test_iterations_before_a_divergence_can_be_measured() -> None:
-    trials, _ = run(experiment_of(LINE, law_of(1e102), iterations=10))
+    trials, _ = run(experiment_of(LINE, law_of(1e46), iterations=10))
     errors = [measure(trial, LINE, None).rms_position_error_m for trial in trials]
     assert all(math.isfinite(error) for error in errors)
     assert errors == sorted(errors)
@@ -91,12 +91,12 @@ def test_input_beyond_the_finite_numbers_is_a_divergence_in_spite_of_a_limit() -
 
 
 def test_speed_limit_keeps_a_huge_gain_finite() -> None:
-    trials = list(simulate(experiment_of(LINE, law_of(1e102), iterations=10, speed_limit=LIMIT)))
+    trials = list(simulate(experiment_of(LINE, law_of(1e46), iterations=10, speed_limit=LIMIT)))
     # 180 rad/s on wheels of 0.2 m for 1 s.
     assert len(trials) == 11
     assert max(np.abs(trial.x).max() for trial in trials) <= 36 + 1e-9
 
 
 def test_large_but_finite_run_is_no_divergence() -> None:
-    trials = list(simulate(experiment_of(LINE, law_of(1e102), iterations=3)))
+    trials = list(simulate(experiment_of(LINE, law_of(1e46), iterations=3)))
     assert len(trials) == 4

@@ -11,9 +11,10 @@ import math
 import numpy as np
 import pytest
 
+from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.gain_matrix import Affine, GainMatrix
-from hilc_cli.laws.hybrid import GainHeading, HybridLaw
-from hilc_cli.laws.law import PreviousIteration
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.law import Iteration
 from hilc_cli.reference.sampled import Reference
 
 ZERO = Affine()
@@ -22,12 +23,12 @@ COS_AND_SIN = GainMatrix(left=(Affine(cos=1.0), ZERO, ZERO), right=(Affine(sin=1
 REFERENCE = Reference(
     "three samples", 0.5, np.arange(4.0), np.zeros(4), np.array([0.1, 0.2, 0.3, 0.4])
 )
-PREVIOUS = PreviousIteration(
-    left=[10.0, 20.0, 30.0],
-    right=[-10.0, -20.0, -30.0],
-    error_x=[1.0, 2.0, 3.0, 4.0],
-    error_y=[0.1, 0.2, 0.3, 0.4],
-    error_heading=[0.01, 0.02, 0.03, 0.04],
+PREVIOUS = Iteration(
+    left=np.array([10.0, 20.0, 30.0]),
+    right=np.array([-10.0, -20.0, -30.0]),
+    error_x=np.array([1.0, 2.0, 3.0, 4.0]),
+    error_y=np.array([0.1, 0.2, 0.3, 0.4]),
+    error_heading=np.array([0.01, 0.02, 0.03, 0.04]),
 )
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.spec.loading import load_scenario
 from tests.conftest import Write
 
@@ -49,7 +50,8 @@ def test_initial_pose_takes_from_the_start_what_is_left_out() -> None:
 
 
 def test_h_may_be_the_whole_trajectory() -> None:
-    assert load_scenario("scenario.yaml", {"controller.h": 3}).spec.controller.h == 3
+    law = load_scenario("scenario.yaml", {"controller.h": 3}).experiment().law
+    assert isinstance(law, HybridLaw) and law.h == 3
 
 
 def test_default_of_h_fits_a_short_trajectory() -> None:

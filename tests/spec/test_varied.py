@@ -129,6 +129,60 @@ def test_case_is_the_scenario_with_its_values(
     assert_same(worker.experiment(case), expected.experiment())
 
 
+OTHER_LAWS: list[tuple[Mapping[str, object], Mapping[str, list[object]]]] = [
+    (
+        {"law": "pid", "gains": {"kp": 1}},
+        {
+            "controller.gains.kp": [0, 0.5],
+            "controller.gains.kd": [0.1, "20 ms"],
+            "controller.forgetting": [0, 0.3],
+            "controller.cutoff": [None, "2 Hz"],
+            "controller.rectifying": ["off", "on"],
+            "controller.h": [1, 6],
+            "controller.gain_matrix": ["unit", "model"],
+            "model.wheel_radius": [0.1, 0.3],
+        },
+    ),
+    (
+        {"law": "feedback"},
+        {
+            "controller.gains.k_y": [1, 9],
+            "controller.gains.k_theta": [None, 3],
+            "controller.b_w": [None, 180],
+            "initial_trial": ["open-loop", "feedback"],
+        },
+    ),
+]
+
+
+@pytest.mark.usefixtures("inputs")
+@pytest.mark.parametrize(("controller", "vary"), OTHER_LAWS, ids=["pid", "feedback"])
+def test_case_of_another_law_is_the_scenario_with_its_values(
+    controller: Mapping[str, object], vary: Mapping[str, list[object]]
+) -> None:
+    scenario = load_scenario("base.yaml", {"controller": controller})
+    varied, _ = plan_of(scenario, vary)
+    cases = Cases(varied.axes)
+    for number in range(0, len(cases), 5):
+        indices = np.unravel_index(number, [len(values) for values in vary.values()])
+        overrides = {key: vary[key][index] for key, index in zip(vary, indices, strict=True)}
+        expected = load_scenario("base.yaml", {"controller": controller, **overrides})
+        case = cases.values(number, number + 1)[0]
+        assert_same(varied.experiment(case), expected.experiment())
+
+
+@pytest.mark.usefixtures("inputs")
+def test_cutoff_need_not_fit_the_trajectory_that_a_sweep_replaces() -> None:
+    controller = {"law": "pid", "gains": {"kp": 1}}
+    scenario = load_scenario("base.yaml", {"controller": controller})
+    vary = {"trajectory.sample_time": [0.01, 0.05], "controller.cutoff": [7, 9]}
+    varied, _ = plan_of(scenario, vary)
+    case = {"trajectory.sample_time": 0.01, "controller.cutoff": 7.0}
+    assert varied.experiment(case).law.cutoff == 7  # type: ignore[attr-defined]
+    with pytest.raises(InvalidInputError, match=r"controller.cutoff: must be below 5 Hz"):
+        varied.experiment({**case, "trajectory.sample_time": 0.1})
+
+
 @pytest.mark.usefixtures("inputs")
 def test_input_file_is_kept_unless_it_is_varied() -> None:
     scenario = load_scenario("scenario.yaml", {"initial_input": "input.csv"})

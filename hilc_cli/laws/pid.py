@@ -1,0 +1,100 @@
+"""PID-type learning with a forgetting factor, a Q-filter and an initial rectifying action."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.laws.gain_heading import GainHeading, with_gain_heading
+from hilc_cli.laws.gain_matrix import GainMatrix
+from hilc_cli.laws.law import Iteration, LastIteration, Learner, Task, WheelController
+from hilc_cli.laws.low_pass import LowPass
+from hilc_cli.laws.past_errors import PastErrors, corrected_input, per_component
+from hilc_cli.laws.rectifying import rectifying_pulse
+from hilc_cli.reference.sampled import Floats
+
+Smoothing = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True, slots=True)
+class PidLaw:
+    """Learning from the error, its sum and its derivative.
+
+    u_{i+1}(k) = Q[(1 - gamma) u_i + gamma u_0](k) + G(k) Q[w_i](k) with the weighted error
+    w_i(k) = kp e_i(k+1) + ki d_t sum_{j <= k+1} e_i(j)
+    + kd [(e_i(k+1) - e_i(k)) / d_t + theta_h(k) e_i(0)].
+
+    The Q-filter smooths what is known before the iteration runs; the gain matrix G(k) is taken at
+    a heading that is not, and comes behind it.
+
+    Attributes:
+        kp: Gain of the error, >= 0.
+        ki: Gain of its sum [1/s], >= 0.
+        kd: Gain of its derivative [s], >= 0.
+        forgetting: gamma, 0 to 1: share of u_0 in the input that is learned from.
+        matrix: The 2x3 gain matrix G.
+        gain_heading: Heading at which it is taken.
+        cutoff: Of the Q-filter [Hz]; None for no filter.
+        rectifying: h, length of the rectifying pulse in samples; None for no pulse.
+
+    Source:
+        Arimoto, Kawamura and Miyazaki 1984 (D-type); Bristow, Tharayil and Alleyne 2006 (PD-type,
+        Q-filter); Sun and Wang 2002 (the pulse); gain matrix and limit as in Qiao et al. 2021.
+    """
+
+    kp: float
+    ki: float
+    kd: float
+    forgetting: float
+    matrix: GainMatrix
+    gain_heading: GainHeading
+    cutoff: float | None = None
+    rectifying: int | None = None
+
+    def learner(self, task: Task) -> Learner:
+        """The law at the start of an experiment."""
+        smoothed: Smoothing | None = None
+        if self.cutoff is not None:
+            smoothed = LowPass(self.cutoff, task.reference.sample_time)
+        return LastIteration(task, lambda last: self.controller(last, task, smoothed))
+
+    def controller(
+        self, previous: Iteration, task: Task, smoothed: Smoothing | None = None
+    ) -> WheelController:
+        """The controller of the next iteration, learned from the previous one.
+
+        Args:
+            previous: The iteration to learn from.
+            task: The experiment.
+            smoothed: The Q-filter; None for none.
+        """
+        reference = task.reference
+        left = self._remembered(previous.left, task.initial_left)
+        right = self._remembered(previous.right, task.initial_right)
+        past = self._weighted(previous, reference.samples, reference.sample_time)
+        if smoothed is not None:
+            left, right, *errors = smoothed(np.stack([left, right, *past]))
+            past = errors[0], errors[1], errors[2]
+        controller = corrected_input(self.matrix.coefficients, left, right, past)
+        return with_gain_heading(controller, self.gain_heading, previous, reference)
+
+    def _remembered(self, learned: Floats, initial: Floats) -> Floats:
+        if self.forgetting == 0:
+            return learned  # to the bit
+        return (1 - self.forgetting) * learned + self.forgetting * initial
+
+    def _weighted(self, previous: Iteration, steps: int, sample_time: float) -> PastErrors:
+        kp, ki, kd = self.kp, self.ki, self.kd
+        pulse: Floats | float = 0.0
+        if self.rectifying is not None:
+            pulse = rectifying_pulse(self.rectifying, steps, sample_time)
+
+        def weighted(error: Floats) -> Floats:
+            # Terms without a gain are left out: what they would be made of may overflow.
+            total = sample_time * np.cumsum(error)[1:] if ki else 0.0
+            rate = np.diff(error) / sample_time + pulse * error[0] if kd else 0.0
+            return kp * error[1:] + ki * total + kd * rate
+
+        return per_component(weighted, previous)

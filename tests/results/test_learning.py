@@ -1,0 +1,51 @@
+"""The table of what a law tells: exact numbers back, and damage told."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hilc_cli.errors import UsageError
+from hilc_cli.results.learning import LearningTable, read_learning, write_learning
+
+
+def test_numbers_read_back_exactly(tmp_path: Path) -> None:
+    table = LearningTable()
+    rows = [(math.pi, math.nan), (1e-300, -0.0), (math.inf, 1 / 3)]
+    for first, second in rows:
+        table.append({"first_m": first, "second_rad": second})
+    write_learning(tmp_path / "learning.csv", table)
+    again = read_learning(tmp_path / "learning.csv")
+    assert again.names == ("first_m", "second_rad")
+    assert len(again) == 3
+    for name in again.names:
+        np.testing.assert_array_equal(again[name], table[name])
+    assert again.last() == {"first_m": None, "second_rad": 1 / 3}
+
+
+def test_nothing_told_is_an_empty_table(tmp_path: Path) -> None:
+    table = LearningTable()
+    table.append({})
+    assert (len(table), table.names, table.last()) == (0, (), {})
+    assert read_learning(tmp_path / "learning.csv").names == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "learning.csv: is no such table; its first line must begin with iteration,"),
+        ("iteration\n0\n", "learning.csv: is no such table"),
+        ("sample,a\n0,1\n", "learning.csv: is no such table"),
+        ("iteration,a\n0,1\n1\n", "learning.csv:3: is damaged: 2 cells should stand here"),
+        ("iteration,a\n0,1\n2,1\n", "learning.csv:3: is damaged: iteration 1 should stand here"),
+        ("iteration,a\n0,x\n", "learning.csv:2: is damaged: holds something that is no number"),
+    ],
+)
+def test_damage_is_told(tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "learning.csv").write_text(text)
+    with pytest.raises(UsageError) as caught:
+        read_learning(tmp_path / "learning.csv")
+    assert message in str(caught.value)

@@ -1,0 +1,61 @@
+"""The page of each law: its parameters are all there and valid, and its commands run."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+import hilc_cli as hilc_api
+from hilc_cli.spec.controllers import CONTROLLERS
+from hilc_cli.spec.nodes import Source, to_data
+from hilc_cli.spec.yaml_tree import parse_yaml
+from tests.conftest import Hilc, Outcome
+
+PAGES = Path(__file__).resolve().parent.parent / "docs" / "laws"
+
+
+def blocks(law: str, language: str) -> list[str]:
+    text = (PAGES / f"{law}.md").read_text(encoding="utf-8")
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+def test_each_law_has_a_page() -> None:
+    assert {path.stem for path in PAGES.glob("*.md")} >= set(CONTROLLERS)
+
+
+@pytest.mark.parametrize("law", CONTROLLERS)
+def test_parameters_of_the_page_are_all_there_and_valid(law: str) -> None:
+    (text,) = blocks(law, "yaml")
+    controller = to_data(parse_yaml(text.encode(), Source(law, Path())))
+    assert isinstance(controller, dict)
+    model = CONTROLLERS[law]
+    assert set(controller) == set(model.model_fields)
+    scenario = hilc_api.load_scenario("example:fig3-circle", {"controller": controller})
+    assert type(scenario.spec.controller) is model
+    gains = scenario.spec.controller.gains
+    assert set(controller["gains"]) == set(type(gains).model_fields)
+
+
+@pytest.mark.parametrize("law", CONTROLLERS)
+def test_commands_of_the_page_run(hilc: Hilc, folder: Path, law: str) -> None:
+    (script,) = ["".join(blocks(law, "sh"))]
+    for line in script.splitlines():
+        program, *arguments = shlex.split(line)
+        assert program == "hilc"
+        quick = ("--set", "iterations=1", "--no-plots", "-q")
+        assert hilc(*arguments, *quick) == Outcome(0, "", "")
+
+
+@pytest.mark.parametrize("page", sorted(PAGES.glob("*.md")), ids=lambda path: path.name)
+def test_links_of_the_page_lead_somewhere(page: Path) -> None:
+    text = "\n".join(
+        line
+        for line in page.read_text(encoding="utf-8").splitlines()
+        if not line.startswith("    ")
+    )
+    for target in re.findall(r"\]\(([^)#]+)\)", text):
+        if not target.startswith("https://"):
+            assert (page.parent / target).exists(), target
