@@ -1,0 +1,71 @@
+"""What a measured iteration says of the platform: its gains, and where it really was."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.laws.norm_optimal.local_level import fit_level
+from hilc_cli.reference.sampled import Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionFit:
+    """Gains from wheels to motion by weighted least squares, and the motion without its noise.
+
+    Attributes:
+        distance_gain: a = d_k R / 2 [m s].
+        distance_error: Standard error of a [m s]; infinity if the platform was not driven ahead.
+        turn_gain: b = d_k R / (2 B) [s], signed as B is.
+        turn_error: Standard error of b [s]; infinity if it was not turned.
+        poses: The likeliest poses, shape (n + 1, 3).
+    """
+
+    distance_gain: float
+    distance_error: float
+    turn_gain: float
+    turn_error: float
+    poses: Floats
+
+
+def fit_motion(measured: Floats, applied: Floats) -> MotionFit:
+    """The gains behind a measured motion.
+
+    The heading is fitted first, since it needs nothing else: it is b times the sum of the wheel
+    speeds' differences, with drift and noise. Its likeliest course then gives the direction in
+    which each measured step is taken: what lies along it is a times the wheel speeds' sum, and the
+    error of the direction enters by its square only, which is allowed for.
+
+    Args:
+        measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
+        applied: Wheel speeds that the platform got, after the limit [rad/s], shape (n, 2).
+
+    Source:
+        Qiao et al. 2021, Eqs. 8 and 11: beta is the drift and alpha the noise of the readings.
+    """
+    n = len(applied)
+    nothing = np.zeros(n + 1)
+    heading = fit_level(measured[:, 2], _summed(applied[:, 0] - applied[:, 1]))
+    cos, sin = np.cos(heading.level[:-1]), np.sin(heading.level[:-1])
+    step_x, step_y = np.diff(measured[:, 0]), np.diff(measured[:, 1])
+    # The mean of the cosine of a normal error.
+    shortened = np.exp(-heading.variance[:-1] / 2)
+    driven = applied[:, 0] + applied[:, 1]
+    distance = fit_level(_summed(step_x * cos + step_y * sin), _summed(driven * shortened))
+    ahead = distance.gain * driven
+    known_x, known_y = _summed(ahead * cos), _summed(ahead * sin)
+    x = fit_level(measured[:, 0] - known_x, nothing).level + known_x
+    y = fit_level(measured[:, 1] - known_y, nothing).level + known_y
+    return MotionFit(
+        distance.gain,
+        distance.standard_error,
+        heading.gain,
+        heading.standard_error,
+        np.stack([x, y, heading.level], axis=1),
+    )
+
+
+def _summed(steps: Floats) -> Floats:
+    """The sums of all steps before each sample."""
+    return np.concatenate([[0.0], np.cumsum(steps)])
