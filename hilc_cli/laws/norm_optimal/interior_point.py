@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.compiling import compiled
-from hilc_cli.laws.norm_optimal.riccati import factorised, solved
+from hilc_cli.laws.norm_optimal.riccati import cost_slopes, factorised, solved
 from hilc_cli.reference.sampled import Floats
 
 
@@ -71,25 +71,30 @@ def _bounded_changes(
     below, above = np.empty((n, 2)), np.empty((n, 2))
     push_up, push_down = np.empty((n, 2)), np.empty((n, 2))
     weights, slopes = np.empty((n, 2)), np.empty((n, 2))
+    up_target, down_target = np.empty((n, 2)), np.empty((n, 2))
     target = np.empty((n, 2))
     for k in range(n):
         for j in range(2):
             margin = 0.05 * (highest[k, j] - lowest[k, j])
-            wanted = changes[k, j]
-            start = min(max(wanted, lowest[k, j] + margin), highest[k, j] - margin)
-            changes[k, j] = start
-            below[k, j], above[k, j] = start - lowest[k, j], highest[k, j] - start
-            # Multipliers of the size of the cost of what the bounds take away.
-            lost = input_weights[k, j] * (abs(wanted - start) + margin)
-            push_up[k, j] = push_down[k, j] = lost
+            changes[k, j] = min(max(changes[k, j], lowest[k, j] + margin), highest[k, j] - margin)
+            below[k, j] = changes[k, j] - lowest[k, j]
+            above[k, j] = highest[k, j] - changes[k, j]
+    # With these multipliers the first guess is stationary, and all later ones are.
+    wanted = cost_slopes(
+        steps, directions, a, b, pose_weights, input_weights, pose_slopes, input_slopes, changes
+    )
+    common = np.abs(wanted).mean()
+    for k in range(n):
+        for j in range(2):
+            push_up[k, j] = max(wanted[k, j], 0.0) + common
+            push_down[k, j] = max(-wanted[k, j], 0.0) + common
     count = 4.0 * n
-    unmet = 1.0  # share of the first guess's violation of stationarity
     for step in range(1, most_steps + 1):
         gap = 0.0
         for k in range(n):
             for j in range(2):
                 gap += below[k, j] * push_up[k, j] + above[k, j] * push_down[k, j]
-        if gap <= tolerance and unmet <= 1e-9:
+        if gap <= tolerance:
             return changes, gains, step
         mean = gap / count
         for k in range(n):
@@ -127,10 +132,8 @@ def _bounded_changes(
                 down = -push_down[k, j] + push_down[k, j] / above[k, j] * move
                 slopes[k, j] -= (centre - move * up) / below[k, j]
                 slopes[k, j] += (centre + move * down) / above[k, j]
-                # Kept for the multipliers' moves.
-                weights[k, j] = centre - move * up
-                target[k, j] = centre + move * down
-        up_target, down_target = weights, target.copy()
+                up_target[k, j] = centre - move * up
+                down_target[k, j] = centre + move * down
         solved(steps, directions, a, b, gains, inverses, pose_slopes, slopes, target)
         length = 1.0
         for k in range(n):
@@ -154,7 +157,6 @@ def _bounded_changes(
                 above[k, j] -= move
                 push_up[k, j] += length * slopes[k, j]
                 push_down[k, j] += length * down_target[k, j]
-        unmet *= 1.0 - length
     return changes, gains, most_steps + 1
 
 

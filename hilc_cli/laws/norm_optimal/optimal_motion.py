@@ -15,10 +15,10 @@ from hilc_cli.laws.norm_optimal.motion import closed_loop
 from hilc_cli.laws.norm_optimal.riccati import along_motion, linear_motion
 from hilc_cli.reference.sampled import Floats
 
-MOST_STEPS = 50
+MOST_STEPS = 30
 MOST_INTERIOR_STEPS = 60
 _SHORTEST = 2.0**-10  # of a step along the search direction
-_SETTLED = 1e-6  # relative change of the cost at which the search ends
+_SETTLED = 1e-4  # relative gain of a step at which the search ends
 _EXACT = 1e-9  # share of the cost that the bounded problem may miss
 
 
@@ -110,9 +110,9 @@ def optimal_motion(
             damping = max(10 * damping, 1.0)
             continue
         before = cost
-        inputs, poses, cost, length = found
+        inputs, poses, cost = found
         damping = 0.0 if damping < 1 else damping / 10
-        if before - cost <= _SETTLED * before and length == 1:
+        if before - cost <= _SETTLED * before:
             return OptimalMotion(inputs, poses, cost, steps, settled=True)
     return OptimalMotion(inputs, poses, cost, steps, settled=False)
 
@@ -148,7 +148,7 @@ def _searched(
     changes: Floats,
     gains: Floats,
     cost: float,
-) -> tuple[Floats, Floats, float, float] | None:
+) -> tuple[Floats, Floats, float] | None:
     """The first of ever shorter steps along a change that does not cost more; None if none is."""
     steps, directions = along_motion(poses)
     expected = linear_motion(steps, directions, model.distance_gain, model.turn_gain, changes)
@@ -167,6 +167,6 @@ def _searched(
         )
         new_cost = aim.cost(tried, moved)
         if new_cost <= cost:
-            return tried, moved, new_cost, length
+            return tried, moved, new_cost
         length /= 2
     return None

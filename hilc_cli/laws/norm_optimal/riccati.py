@@ -167,9 +167,53 @@ def _linear_motion(
     return moved
 
 
+def _cost_slopes(
+    steps: Floats,
+    directions: Floats,
+    distance_gain: float,
+    turn_gain: float,
+    pose_weights: Floats,
+    input_weights: Floats,
+    pose_slopes: Floats,
+    input_slopes: Floats,
+    changes: Floats,
+) -> Floats:
+    """The derivative of the cost with respect to each change of a wheel speed.
+
+    Args:
+        steps: dx, dy [m], shape (n, 2).
+        directions: Cosine and sine of the heading, shape (n, 2).
+        distance_gain: a = d_k R / 2 [m s].
+        turn_gain: b = d_k R / (2 B) [s].
+        pose_weights: w and w_h, shape (n + 1, 2).
+        input_weights: Diagonal of V, shape (n, 2).
+        pose_slopes: s, shape (n + 1, 3).
+        input_slopes: v, shape (n, 2).
+        changes: c [rad/s], shape (n, 2).
+
+    Returns:
+        The derivatives [s/rad], shape (n, 2).
+    """
+    moved = linear_motion(steps, directions, distance_gain, turn_gain, changes)
+    slopes = np.empty_like(changes)
+    px, py, ph = 0.0, 0.0, 0.0
+    for k in range(len(steps) - 1, -1, -1):
+        if k + 1 < len(steps):
+            ph += py * steps[k + 1, 0] - px * steps[k + 1, 1]
+        px += pose_slopes[k + 1, 0] + pose_weights[k + 1, 0] * moved[k + 1, 0]
+        py += pose_slopes[k + 1, 1] + pose_weights[k + 1, 0] * moved[k + 1, 1]
+        ph += pose_slopes[k + 1, 2] + pose_weights[k + 1, 1] * moved[k + 1, 2]
+        along = distance_gain * (px * directions[k, 0] + py * directions[k, 1])
+        turning = turn_gain * ph
+        slopes[k, 0] = input_slopes[k, 0] + input_weights[k, 0] * changes[k, 0] + along + turning
+        slopes[k, 1] = input_slopes[k, 1] + input_weights[k, 1] * changes[k, 1] + along - turning
+    return slopes
+
+
 factorised = compiled(_factorised)
 solved = compiled(_solved)
 linear_motion = compiled(_linear_motion)
+cost_slopes = compiled(_cost_slopes)
 
 
 def feedback_gains(
