@@ -51,7 +51,7 @@ class Belief:
         return cls(robot, np.diag([_PRIOR**2, _PRIOR**2]))
 
     def gains(self, sample_time: float) -> tuple[float, float]:
-        """a = d_k R / 2 [m s] and b = d_k R / (2 B) [s]."""
+        """Gains of the wheels: a = d_k R / 2 [m s] and b = d_k R / (2 B) [s]."""
         return step_gains(self.robot.wheel_radius, self.robot.signed_half_track, sample_time)
 
     def updated(self, fit: MotionFit, sample_time: float) -> tuple[Belief, Identification]:

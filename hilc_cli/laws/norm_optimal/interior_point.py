@@ -1,7 +1,7 @@
 """The linear quadratic problem of `riccati` with each wheel speed between two bounds.
 
-A primal-dual interior-point method. Of the bounds it makes weights of the inputs, and so each of
-its steps is a Riccati recursion: cost and memory stay in proportion to the number of samples.
+A primal-dual interior-point method. It makes weights of the bounds, so that each of its steps is a
+Riccati recursion: cost and memory stay in proportion to the number of samples.
 
 Source:
     Rao, Wright and Rawlings: Application of interior-point methods to model predictive control.
@@ -11,159 +11,107 @@ Source:
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.compiling import compiled
-from hilc_cli.laws.norm_optimal.riccati import cost_slopes, factorised, solved
+from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic
 from hilc_cli.reference.sampled import Floats
 
+MOST_STEPS = 60
+_MARGIN = 0.05  # the first guess keeps this share of the room from each bound
+_STAY_OFF = 0.995  # share of the way to the nearest bound that a step goes
 
-def _bounded_changes(
-    steps: Floats,
-    directions: Floats,
-    distance_gain: float,
-    turn_gain: float,
-    pose_weights: Floats,
-    input_weights: Floats,
-    pose_slopes: Floats,
-    input_slopes: Floats,
-    lowest: Floats,
-    highest: Floats,
-    tolerance: float,
-    most_steps: int,
-) -> tuple[Floats, Floats, int]:
-    """The best change of the wheel speeds between bounds.
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoundedSolution:
+    """The best changes of the wheel speeds between their bounds.
+
+    Attributes:
+        changes: c [rad/s], shape (n, 2).
+        gains: The feedback gains that belong to them, shape (n, 2, 3); about 0 for a wheel speed
+            at its bound.
+        steps: Number of steps; 0 if the problem without bounds has the same solution.
+    """
+
+    changes: Floats
+    gains: Floats
+    steps: int
+
+
+def bounded_changes(
+    problem: LinearQuadratic, lowest: Floats, highest: Floats, tolerance: float
+) -> BoundedSolution:
+    """The best changes between bounds.
 
     Args:
-        steps: As for `riccati.factorised`, and so on to the weights.
-        directions: Likewise.
-        distance_gain: Likewise.
-        turn_gain: Likewise.
-        pose_weights: Likewise.
-        input_weights: Likewise.
-        pose_slopes: As for `riccati.solved`.
-        input_slopes: Likewise.
-        lowest: Lower bounds of c, shape (n, 2).
-        highest: Upper bounds of c, above the lower ones, shape (n, 2).
-        tolerance: How far the cost may be above the least, absolutely.
-        most_steps: So many steps at most.
-
-    Returns:
-        The change c, shape (n, 2); the feedback gains that belong to it, shape (n, 2, 3): of an
-        input at its bound they are about 0; the number of steps, 0 if no bound was reached, and
-        more than `most_steps` if the tolerance was not.
+        problem: The problem without bounds.
+        lowest: Lower bounds of c [rad/s], shape (n, 2).
+        highest: Upper bounds, above the lower ones, shape (n, 2).
+        tolerance: How far the cost may be above the least one.
     """
-    n = len(steps)
-    gains, inverses = np.empty((n, 2, 3)), np.empty((n, 3))
-    changes = np.empty((n, 2))
-    a, b = distance_gain, turn_gain
-    factorised(steps, directions, a, b, pose_weights, input_weights, gains, inverses)
-    solved(steps, directions, a, b, gains, inverses, pose_slopes, input_slopes, changes)
-    within = True
-    for k in range(n):
-        for j in range(2):
-            if not (lowest[k, j] <= changes[k, j] <= highest[k, j]):
-                within = False
-    if within:
-        return changes, gains, 0
+    changes, gains = problem.solution(problem.input_weights, problem.input_slopes)
+    if np.all((lowest <= changes) & (changes <= highest)):
+        return BoundedSolution(changes, gains, 0)
 
     # Distances to the bounds and their multipliers: all stay above 0, their products go to 0.
-    below, above = np.empty((n, 2)), np.empty((n, 2))
-    push_up, push_down = np.empty((n, 2)), np.empty((n, 2))
-    weights, slopes = np.empty((n, 2)), np.empty((n, 2))
-    up_target, down_target = np.empty((n, 2)), np.empty((n, 2))
-    target = np.empty((n, 2))
-    for k in range(n):
-        for j in range(2):
-            margin = 0.05 * (highest[k, j] - lowest[k, j])
-            changes[k, j] = min(max(changes[k, j], lowest[k, j] + margin), highest[k, j] - margin)
-            below[k, j] = changes[k, j] - lowest[k, j]
-            above[k, j] = highest[k, j] - changes[k, j]
-    # With these multipliers the first guess is stationary, and all later ones are.
-    wanted = cost_slopes(
-        steps, directions, a, b, pose_weights, input_weights, pose_slopes, input_slopes, changes
-    )
-    common = np.abs(wanted).mean()
-    for k in range(n):
-        for j in range(2):
-            push_up[k, j] = max(wanted[k, j], 0.0) + common
-            push_down[k, j] = max(-wanted[k, j], 0.0) + common
-    count = 4.0 * n
-    for step in range(1, most_steps + 1):
-        gap = 0.0
-        for k in range(n):
-            for j in range(2):
-                gap += below[k, j] * push_up[k, j] + above[k, j] * push_down[k, j]
+    margin = _MARGIN * (highest - lowest)
+    changes = changes.clip(lowest + margin, highest - margin)
+    below, above = changes - lowest, highest - changes
+    # With these multipliers the first guess is stationary, and all that follow are.
+    slope = problem.slope(changes)
+    common = np.abs(slope).mean()
+    push_up, push_down = slope.clip(min=0) + common, (-slope).clip(min=0) + common
+
+    step = 0
+    while step < MOST_STEPS:
+        # The cost is above the least one by no more than this.
+        gap = float(np.vdot(below, push_up) + np.vdot(above, push_down))
         if gap <= tolerance:
-            return changes, gains, step
-        mean = gap / count
-        for k in range(n):
-            for j in range(2):
-                extra = push_up[k, j] / below[k, j] + push_down[k, j] / above[k, j]
-                weights[k, j] = input_weights[k, j] + extra
-                slopes[k, j] = input_slopes[k, j] - extra * changes[k, j]
-        factorised(steps, directions, a, b, pose_weights, weights, gains, inverses)
-        # Predictor: straight to the bounds.
-        solved(steps, directions, a, b, gains, inverses, pose_slopes, slopes, target)
-        length = 1.0
-        for k in range(n):
-            for j in range(2):
-                move = target[k, j] - changes[k, j]
-                up = -push_up[k, j] - push_up[k, j] / below[k, j] * move
-                down = -push_down[k, j] + push_down[k, j] / above[k, j] * move
-                length = _shortened(length, below[k, j], move)
-                length = _shortened(length, above[k, j], -move)
-                length = _shortened(length, push_up[k, j], up)
-                length = _shortened(length, push_down[k, j], down)
-        reached = 0.0
-        for k in range(n):
-            for j in range(2):
-                move = target[k, j] - changes[k, j]
-                up = -push_up[k, j] - push_up[k, j] / below[k, j] * move
-                down = -push_down[k, j] + push_down[k, j] / above[k, j] * move
-                reached += (below[k, j] + length * move) * (push_up[k, j] + length * up)
-                reached += (above[k, j] - length * move) * (push_down[k, j] + length * down)
-        centre = mean * (reached / gap) ** 3
-        # Corrector: to the central path, with the products of the predictor's moves.
-        for k in range(n):
-            for j in range(2):
-                move = target[k, j] - changes[k, j]
-                up = -push_up[k, j] - push_up[k, j] / below[k, j] * move
-                down = -push_down[k, j] + push_down[k, j] / above[k, j] * move
-                slopes[k, j] -= (centre - move * up) / below[k, j]
-                slopes[k, j] += (centre + move * down) / above[k, j]
-                up_target[k, j] = centre - move * up
-                down_target[k, j] = centre + move * down
-        solved(steps, directions, a, b, gains, inverses, pose_slopes, slopes, target)
-        length = 1.0
-        for k in range(n):
-            for j in range(2):
-                move = target[k, j] - changes[k, j]
-                up = (up_target[k, j] - push_up[k, j] * move) / below[k, j] - push_up[k, j]
-                down = (down_target[k, j] + push_down[k, j] * move) / above[k, j] - push_down[k, j]
-                length = _shortened(length, below[k, j], move)
-                length = _shortened(length, above[k, j], -move)
-                length = _shortened(length, push_up[k, j], up)
-                length = _shortened(length, push_down[k, j], down)
-                slopes[k, j] = up
-                down_target[k, j] = down
-        if length < 1.0:
-            length *= 0.995
-        for k in range(n):
-            for j in range(2):
-                move = length * (target[k, j] - changes[k, j])
-                changes[k, j] += move
-                below[k, j] += move
-                above[k, j] -= move
-                push_up[k, j] += length * slopes[k, j]
-                push_down[k, j] += length * down_target[k, j]
-    return changes, gains, most_steps + 1
+            break
+        step += 1
+        stiffness = push_up / below + push_down / above
+        weights = problem.input_weights + stiffness
+        slopes = problem.input_slopes - stiffness * changes
+        # Predictor: straight to the bounds. It tells how far they let through.
+        target, gains = problem.solution(weights, slopes)
+        move = target - changes
+        up = -push_up - push_up / below * move
+        down = -push_down + push_down / above * move
+        length = _longest(below, move, above, push_up, up, push_down, down)
+        reached = np.vdot(below + length * move, push_up + length * up)
+        reached += np.vdot(above - length * move, push_down + length * down)
+        # Corrector: towards equal products, what the predictor's moves make of them allowed for.
+        centre = gap / (2 * below.size) * (reached / gap) ** 3
+        up_product, down_product = centre - move * up, centre + move * down
+        slopes = slopes - up_product / below + down_product / above
+        target = problem.solution_again(slopes)
+        move = target - changes
+        up = (up_product - push_up * move) / below - push_up
+        down = (down_product + push_down * move) / above - push_down
+        length = _longest(below, move, above, push_up, up, push_down, down)
+        if length < 1:
+            length *= _STAY_OFF
+        changes = changes + length * move
+        below, above = below + length * move, above - length * move
+        push_up, push_down = push_up + length * up, push_down + length * down
+    return BoundedSolution(changes, gains, step)
 
 
-def _shorten(length: float, distance: float, move: float) -> float:
-    """The step, shortened so that a positive number stays at 0 or above."""
-    return min(length, -distance / move) if move < 0 else length
-
-
-_shortened = compiled(_shorten)
-bounded_changes = compiled(_bounded_changes)
+def _longest(
+    below: Floats,
+    move: Floats,
+    above: Floats,
+    push_up: Floats,
+    up: Floats,
+    push_down: Floats,
+    down: Floats,
+) -> float:
+    """The longest step, up to 1, after which no distance and no multiplier is below 0."""
+    length = 1.0
+    for number, change in ((below, move), (above, -move), (push_up, up), (push_down, down)):
+        # The largest share of a number that a step of 1 takes away.
+        largest = float((-change / number).max())
+        if largest * length > 1:
+            length = 1 / largest
+    return length

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.belief import Belief, Identification
+from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
 from hilc_cli.laws.norm_optimal.motion_fit import fit_motion
 from hilc_cli.laws.norm_optimal.optimal_motion import (
     Aim,
@@ -16,7 +17,6 @@ from hilc_cli.laws.norm_optimal.optimal_motion import (
 )
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.norm_optimal.rectified import RectifiedReference, rectified_reference
-from hilc_cli.laws.norm_optimal.riccati import feedback_gains
 from hilc_cli.laws.norm_optimal.unexplained import MeasuredMotion
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.robot import Robot
@@ -35,7 +35,7 @@ class Plan:
         identification: What the last iteration alone said of the platform; None before the first.
         believed: The platform on which the plan is made.
         merge_sample: First sample from which the rectified reference stays on the trajectory
-            within a millimetre; 0 without initial error, n + 1 if it never does.
+            within a millimetre; 0 without initial error, None if it is not there at the end.
     """
 
     feedforward: Floats
@@ -43,7 +43,7 @@ class Plan:
     desired: Floats
     identification: Identification | None
     believed: Robot
-    merge_sample: int
+    merge_sample: int | None
 
 
 class NormOptimalLearner:
@@ -112,7 +112,9 @@ class NormOptimalLearner:
         if before is None:
             self._measured = latest
         else:
-            self._measured = before.and_then(latest, self._parameters.memory)
+            # Without identification, what is not explained changes with the wheel speeds.
+            memory = self._parameters.memory if self._parameters.identify else 1
+            self._measured = before.and_then(latest, memory)
         return self._plan(self._measured.start, identification)
 
     def _plan(self, start: Floats, identification: Identification | None) -> Plan:

@@ -26,6 +26,8 @@ from hilc_cli.reference.sampled import Floats
 _MOST_ODDS = 1e4
 """Odds of drift against reading noise beyond which readings count as free of noise."""
 
+_FEWEST = 3  # sampling intervals; fewer tell nothing of three unknown numbers
+
 
 def _filtered(y: Floats, s: Floats, share: float) -> tuple[float, float, float, float]:
     """Sums over the innovations of y and s, for one share of the drift.
@@ -95,96 +97,54 @@ filtered = compiled(_filtered)
 smoothed = compiled(_smoothed)
 
 
-def _weighed(y: Floats, s: Floats, least: float) -> tuple[float, float, float, float]:
-    """The gain and both variances, over all shares of the drift as likely as they are.
-
-    The likeliest share alone would too often be none: over n samples, odds of a few 1 / n**2 are
-    hard to tell from none, but already make the gain less sure. Odds from there up count as
-    equally likely beforehand, on a logarithmic scale.
-
-    Args:
-        y: The readings, shape (n + 1,).
-        s: The known part, shape (n + 1,).
-        least: What the sum of squares may be made of by rounding.
-
-    Returns:
-        The gain, the variance of its error, the share, and the sum of both noises' variances.
-    """
-    n = len(y) - 1
-    first = 1.0 / (n * n)
-    count = int(math.ceil(math.log2(_MOST_ODDS / first))) + 2
-    deviances = np.empty(count)
-    gains, errors, boths = np.empty(count), np.empty(count), np.empty(count)
-    for i in range(count):
-        odds = first * 2.0**i
-        yy, ys, ss, logarithms = filtered(y, s, _share(i, count, odds))
-        squares, freedom = yy, n
-        gains[i], errors[i] = 0.0, math.inf
-        if ss > 0:
-            gains[i] = ys / ss
-            squares -= gains[i] * ys
-            freedom -= 1
-            logarithms += math.log(ss)  # restricted likelihood
-        boths[i] = max(squares, least) / freedom
-        if ss > 0:
-            errors[i] = boths[i] / ss
-        deviances[i] = freedom * math.log(boths[i]) + logarithms
-    chances = np.exp((deviances.min() - deviances) / 2)
-    chances /= chances.sum()
-    gain = (chances * gains).sum()
-    error = (chances * (errors + (gains - gain) ** 2)).sum()
-    middle = (chances * np.arange(count)).sum()
-    share = _share(middle, count, first * 2.0**middle)
-    return gain, error, share, (chances * boths).sum()
-
-
-def _share_of(index: float, count: int, odds: float) -> float:
-    """The share that belongs to odds; of the last ones 1."""
-    return 1.0 if index > count - 1.5 else odds / (1 + odds)
-
-
-_share = compiled(_share_of)
-weighed = compiled(_weighed)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class LevelFit:
     """What readings say of the gain of their known part.
 
     Attributes:
-        gain: The gain; 0 if the known part does not vary.
-        standard_error: Its standard error; infinity if the known part does not vary.
+        gain: The gain; 0 if the readings do not tell.
+        standard_error: Its standard error; infinity if the readings do not tell.
         level: The sum behind the readings, from all of them, shape (n + 1,).
         variance: Variance of its error, shape (n + 1,).
-        drift_variance: Variance of beta.
-        reading_variance: Variance of alpha.
     """
 
     gain: float
     standard_error: float
     level: Floats
     variance: Floats
-    drift_variance: float
-    reading_variance: float
 
 
-def fit_level(y: Floats, s: Floats) -> LevelFit:
+def fit_level(y: Floats, s: Floats, rounding: float) -> LevelFit:
     """The gain of a known part, and the sum behind the readings.
 
+    All shares of the drift count, each as it is likely. The likeliest alone would too often be
+    none: over n samples, odds of a few 1 / n^2 are hard to tell from none, but already make the
+    gain less sure. Odds from there up are taken to be equally likely beforehand, on a logarithmic
+    scale.
+
     Args:
-        y: The readings, shape (n + 1,), n >= 2.
+        y: The readings, shape (n + 1,).
         s: The known part, shape (n + 1,); all 0 if there is none whose gain is asked for.
+        rounding: Largest error that rounding may have left in a reading: what is not explained
+            within it counts as explained, > 0.
     """
     n = len(y) - 1
-    # What rounding may do to readings that are exact.
-    least = n * (4e-16 * float(np.abs(y).max())) ** 2 + 1e-300
-    gain, error, share, both = weighed(y, s, least)
+    if n < _FEWEST:
+        return LevelFit(0.0, math.inf, y, np.zeros(n + 1))
+    odds = np.exp2(np.arange(math.log2(1 / n**2), math.log2(_MOST_ODDS)))
+    shares = np.append(odds / (1 + odds), 1.0)
+    yy, ys, ss, logarithms = np.array([filtered(y, s, share) for share in shares]).T
+    varies = bool(ss.min() > 0)
+    freedom = n - 1 if varies else n
+    gains = ys / ss if varies else np.zeros_like(ys)
+    both = np.maximum(yy - gains * ys, n * rounding**2) / freedom
+    deviances = freedom * np.log(both) + logarithms
+    if varies:
+        deviances += np.log(ss)  # restricted likelihood: the gain is no nuisance to the variances
+    chances = np.exp((deviances.min() - deviances) / 2)
+    chances /= chances.sum()
+    gain = float(chances @ gains)
+    error = math.sqrt(chances @ (both / ss + (gains - gain) ** 2)) if varies else math.inf
+    share = shares[round(float(chances @ np.arange(len(shares))))]
     rest, variance = smoothed(y - gain * s, share)
-    return LevelFit(
-        gain,
-        math.sqrt(error),
-        rest + gain * s,
-        both * variance,
-        both * share,
-        both * (1 - share),
-    )
+    return LevelFit(gain, error, rest + gain * s, float(chances @ both) * variance)

@@ -15,42 +15,6 @@ from hilc_cli.laws.norm_optimal.compiling import compiled
 from hilc_cli.reference.sampled import Floats
 
 
-def _motion(
-    start: Floats,
-    inputs: Floats,
-    distance_gain: float,
-    turn_gain: float,
-    drift: Floats,
-) -> Floats:
-    """Poses that wheel speeds lead to.
-
-    Args:
-        start: Pose of sample 0 [m, m, rad], shape (3,).
-        inputs: Left and right wheel speeds [rad/s], shape (n, 2).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
-        drift: What the model does not explain, shape (n, 3).
-
-    Returns:
-        Poses, shape (n + 1, 3).
-
-    Source:
-        Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
-    """
-    poses = np.empty((len(inputs) + 1, 3))
-    x, y, heading = start[0], start[1], start[2]
-    for k in range(len(inputs)):
-        poses[k, 0], poses[k, 1], poses[k, 2] = x, y, heading
-        cos, sin = math.cos(heading), math.sin(heading)
-        ahead = distance_gain * (inputs[k, 0] + inputs[k, 1]) + drift[k, 0]
-        aside = drift[k, 1]
-        x += ahead * cos - aside * sin
-        y += ahead * sin + aside * cos
-        heading += turn_gain * (inputs[k, 0] - inputs[k, 1]) + drift[k, 2]
-    poses[-1, 0], poses[-1, 1], poses[-1, 2] = x, y, heading
-    return poses
-
-
 def _closed_loop(
     start: Floats,
     inputs: Floats,
@@ -75,6 +39,9 @@ def _closed_loop(
 
     Returns:
         Wheel speeds, shape (n, 2), and poses, shape (n + 1, 3).
+
+    Source:
+        Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
     """
     applied = np.empty_like(inputs)
     poses = np.empty_like(desired)
@@ -96,5 +63,4 @@ def _closed_loop(
     return applied, poses
 
 
-motion = compiled(_motion)
 closed_loop = compiled(_closed_loop)

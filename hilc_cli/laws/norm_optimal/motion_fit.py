@@ -9,6 +9,9 @@ import numpy as np
 from hilc_cli.laws.norm_optimal.local_level import fit_level
 from hilc_cli.reference.sampled import Floats
 
+_ROUNDING = 1e-14  # relative, of a sum of some thousand numbers
+_SMALLEST = 1e-9  # [m and rad]; smaller motions have the rounding of this
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MotionFit:
@@ -44,19 +47,22 @@ def fit_motion(measured: Floats, applied: Floats) -> MotionFit:
     Source:
         Qiao et al. 2021, Eqs. 8 and 11: beta is the drift and alpha the noise of the readings.
     """
-    n = len(applied)
-    nothing = np.zeros(n + 1)
-    heading = fit_level(measured[:, 2], _summed(applied[:, 0] - applied[:, 1]))
+    nothing = np.zeros(len(measured))
+    largest = np.abs(measured).max(axis=0) + _SMALLEST
+    rounding, heading_rounding = _ROUNDING * largest[:2].max(), _ROUNDING * largest[2]
+    turned = _summed(applied[:, 0] - applied[:, 1])
+    heading = fit_level(measured[:, 2], turned, heading_rounding)
     cos, sin = np.cos(heading.level[:-1]), np.sin(heading.level[:-1])
     step_x, step_y = np.diff(measured[:, 0]), np.diff(measured[:, 1])
     # The mean of the cosine of a normal error.
     shortened = np.exp(-heading.variance[:-1] / 2)
     driven = applied[:, 0] + applied[:, 1]
-    distance = fit_level(_summed(step_x * cos + step_y * sin), _summed(driven * shortened))
+    went = _summed(step_x * cos + step_y * sin)
+    distance = fit_level(went, _summed(driven * shortened), rounding)
     ahead = distance.gain * driven
     known_x, known_y = _summed(ahead * cos), _summed(ahead * sin)
-    x = fit_level(measured[:, 0] - known_x, nothing).level + known_x
-    y = fit_level(measured[:, 1] - known_y, nothing).level + known_y
+    x = fit_level(measured[:, 0] - known_x, nothing, rounding).level + known_x
+    y = fit_level(measured[:, 1] - known_y, nothing, rounding).level + known_y
     return MotionFit(
         distance.gain,
         distance.standard_error,

@@ -11,12 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.interior_point import bounded_changes
+from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, along_motion
 from hilc_cli.laws.norm_optimal.motion import closed_loop
-from hilc_cli.laws.norm_optimal.riccati import along_motion, linear_motion
 from hilc_cli.reference.sampled import Floats
 
 MOST_STEPS = 30
-MOST_INTERIOR_STEPS = 60
 _SHORTEST = 2.0**-10  # of a step along the search direction
 _SETTLED = 1e-4  # relative gain of a step at which the search ends
 _EXACT = 1e-9  # share of the cost that the bounded problem may miss
@@ -102,8 +101,7 @@ def optimal_motion(
     while steps < most_steps:
         steps += 1
         # Damping is a cost of leaving the motion at hand; it is 0 unless a search has failed.
-        changes, gains = _best_change(model, aim, inputs, poses, damping * aim.input_weight)
-        found = _searched(model, aim, inputs, poses, changes, gains, cost)
+        found = _searched(model, aim, inputs, poses, cost, damping * aim.input_weight)
         if found is None:
             if damping > 1e6:
                 return OptimalMotion(inputs, poses, cost, steps, settled=False)
@@ -117,56 +115,42 @@ def optimal_motion(
     return OptimalMotion(inputs, poses, cost, steps, settled=False)
 
 
-def _best_change(
-    model: Model, aim: Aim, inputs: Floats, poses: Floats, damping: float
-) -> tuple[Floats, Floats]:
-    """The solution of the linear quadratic problem along a motion, and its feedback gains."""
+def _searched(
+    model: Model, aim: Aim, inputs: Floats, poses: Floats, cost: float, damping: float
+) -> tuple[Floats, Floats, float] | None:
+    """A motion that does not cost more, and its cost; None if none is found.
+
+    Ever shorter steps are tried along the solution of the linear quadratic problem, each with its
+    feedback, so that the motion goes where it is expected.
+    """
     steps, directions = along_motion(poses)
-    scale = aim.pose_weights[:, [0, 0, 1]]
-    changes, gains, _ = bounded_changes(
+    problem = LinearQuadratic(
         steps,
         directions,
         model.distance_gain,
         model.turn_gain,
         aim.pose_weights,
         np.full_like(inputs, aim.input_weight + damping),
-        scale * (poses - aim.poses),
+        aim.pose_weights[:, [0, 0, 1]] * (poses - aim.poses),
         aim.input_weight * (inputs - aim.inputs),
-        -model.speed_limit - inputs,
-        model.speed_limit - inputs,
-        _EXACT * (1 + aim.cost(inputs, poses)),
-        MOST_INTERIOR_STEPS,
     )
-    return changes, gains
-
-
-def _searched(
-    model: Model,
-    aim: Aim,
-    inputs: Floats,
-    poses: Floats,
-    changes: Floats,
-    gains: Floats,
-    cost: float,
-) -> tuple[Floats, Floats, float] | None:
-    """The first of ever shorter steps along a change that does not cost more; None if none is."""
-    steps, directions = along_motion(poses)
-    expected = linear_motion(steps, directions, model.distance_gain, model.turn_gain, changes)
+    limit = model.speed_limit
+    best = bounded_changes(problem, -limit - inputs, limit - inputs, _EXACT * (1 + cost))
+    moved = problem.moved(best.changes)
     length = 1.0
     while length >= _SHORTEST:
-        wanted = poses + length * expected
-        tried, moved = closed_loop(
+        tried, reached = closed_loop(
             poses[0],
-            inputs + length * changes,
-            wanted,
-            gains,
-            model.speed_limit,
+            inputs + length * best.changes,
+            poses + length * moved,
+            best.gains,
+            limit,
             model.distance_gain,
             model.turn_gain,
             model.drift,
         )
-        new_cost = aim.cost(tried, moved)
+        new_cost = aim.cost(tried, reached)
         if new_cost <= cost:
-            return tried, moved, new_cost
+            return tried, reached, new_cost
         length /= 2
     return None

@@ -30,7 +30,7 @@ class NormOptimalParameters:
             where the speed limit allows it, >= 1.
         start_tolerance: An initial error up to this [m and rad] counts as none.
         memory: Number of iterations over which motion that the model does not explain is
-            averaged, >= 1; 1: the last iteration alone.
+            averaged, >= 1; without identification always the last one alone.
     """
 
     position: float = 1e-3

@@ -32,14 +32,14 @@ class RectifiedReference:
         inputs: Wheel speeds with which the model follows it within the limit, shape (n, 2).
         motion: Where they bring the model, shape (n + 1, 3): the rectified reference itself, but
             for what a sampled path asks of a platform that steps along its heading.
-        merged: First sample from which the motion stays on the trajectory, within `MERGED`; n + 1
-            if it never does.
+        merged: First sample from which the motion stays on the trajectory, within `MERGED`; None
+            if it is not there at the end.
     """
 
     poses: Floats
     inputs: Floats
     motion: Floats
-    merged: int
+    merged: int | None
 
 
 def rectified_reference(
@@ -84,7 +84,9 @@ def rectified_reference(
     best = optimal_motion(model, Aim(trajectory, pose_weights, own, wheel), inputs, motion)
     away = np.hypot(*(best.poses - trajectory)[:, :2].T) > MERGED
     merged = int(np.flatnonzero(away)[-1]) + 1 if away.any() else 0
-    return RectifiedReference(trajectory if none else best.poses, best.inputs, best.poses, merged)
+    return RectifiedReference(
+        trajectory if none else best.poses, best.inputs, best.poses, None if away[-1] else merged
+    )
 
 
 def trajectory_inputs(trajectory: Floats, model: Model) -> Floats:

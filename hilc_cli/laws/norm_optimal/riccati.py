@@ -167,83 +167,39 @@ def _linear_motion(
     return moved
 
 
-def _cost_slopes(
+def _input_derivatives(
     steps: Floats,
     directions: Floats,
     distance_gain: float,
     turn_gain: float,
-    pose_weights: Floats,
-    input_weights: Floats,
     pose_slopes: Floats,
-    input_slopes: Floats,
-    changes: Floats,
 ) -> Floats:
-    """The derivative of the cost with respect to each change of a wheel speed.
+    """Derivatives with respect to the wheel speeds, from those with respect to the poses.
 
     Args:
         steps: dx, dy [m], shape (n, 2).
         directions: Cosine and sine of the heading, shape (n, 2).
         distance_gain: a = d_k R / 2 [m s].
         turn_gain: b = d_k R / (2 B) [s].
-        pose_weights: w and w_h, shape (n + 1, 2).
-        input_weights: Diagonal of V, shape (n, 2).
-        pose_slopes: s, shape (n + 1, 3).
-        input_slopes: v, shape (n, 2).
-        changes: c [rad/s], shape (n, 2).
+        pose_slopes: Derivatives with respect to the poses, shape (n + 1, 3).
 
     Returns:
-        The derivatives [s/rad], shape (n, 2).
+        Derivatives with respect to the wheel speeds [s/rad], shape (n, 2).
     """
-    moved = linear_motion(steps, directions, distance_gain, turn_gain, changes)
-    slopes = np.empty_like(changes)
-    px, py, ph = 0.0, 0.0, 0.0
-    for k in range(len(steps) - 1, -1, -1):
-        if k + 1 < len(steps):
-            ph += py * steps[k + 1, 0] - px * steps[k + 1, 1]
-        px += pose_slopes[k + 1, 0] + pose_weights[k + 1, 0] * moved[k + 1, 0]
-        py += pose_slopes[k + 1, 1] + pose_weights[k + 1, 0] * moved[k + 1, 1]
-        ph += pose_slopes[k + 1, 2] + pose_weights[k + 1, 1] * moved[k + 1, 2]
+    n = len(steps)
+    derivatives = np.empty((n, 2))
+    px, py, ph = pose_slopes[n, 0], pose_slopes[n, 1], pose_slopes[n, 2]
+    for k in range(n - 1, -1, -1):
         along = distance_gain * (px * directions[k, 0] + py * directions[k, 1])
-        turning = turn_gain * ph
-        slopes[k, 0] = input_slopes[k, 0] + input_weights[k, 0] * changes[k, 0] + along + turning
-        slopes[k, 1] = input_slopes[k, 1] + input_weights[k, 1] * changes[k, 1] + along - turning
-    return slopes
+        derivatives[k, 0] = along + turn_gain * ph
+        derivatives[k, 1] = along - turn_gain * ph
+        ph += pose_slopes[k, 2] + py * steps[k, 0] - px * steps[k, 1]
+        px += pose_slopes[k, 0]
+        py += pose_slopes[k, 1]
+    return derivatives
 
 
 factorised = compiled(_factorised)
 solved = compiled(_solved)
 linear_motion = compiled(_linear_motion)
-cost_slopes = compiled(_cost_slopes)
-
-
-def feedback_gains(
-    poses: Floats,
-    distance_gain: float,
-    turn_gain: float,
-    pose_weights: Floats,
-    input_weight: float,
-) -> Floats:
-    """Gains of the linear quadratic regulator about a motion.
-
-    Args:
-        poses: The motion, shape (n + 1, 3).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
-        pose_weights: w and w_h, shape (n + 1, 2).
-        input_weight: Weight of each wheel's change.
-
-    Returns:
-        K(k), to be multiplied by desired less measured pose, shape (n, 2, 3).
-    """
-    n = len(poses) - 1
-    gains, inverses = np.empty((n, 2, 3)), np.empty((n, 3))
-    steps, directions = along_motion(poses)
-    weights = np.full((n, 2), input_weight)
-    factorised(steps, directions, distance_gain, turn_gain, pose_weights, weights, gains, inverses)
-    return gains
-
-
-def along_motion(poses: Floats) -> tuple[Floats, Floats]:
-    """Steps and directions of a motion, shape (n, 2) each."""
-    headings = poses[:-1, 2]
-    return np.diff(poses[:, :2], axis=0), np.stack([np.cos(headings), np.sin(headings)], axis=1)
+input_derivatives = compiled(_input_derivatives)
