@@ -95,7 +95,8 @@ def bounded_changes(
         changes = changes + length * move
         below, above = below + length * move, above - length * move
         push_up, push_down = push_up + length * up, push_down + length * down
-    return BoundedSolution(changes, gains, step)
+    # Rounding may take what is at a bound a hair beyond.
+    return BoundedSolution(changes.clip(lowest, highest), gains, step)
 
 
 def _longest(

@@ -2,7 +2,8 @@
 
 It is the best motion of the model under the speed limit that need not be on the trajectory before
 sample h: up to there only the wheel speeds cost, by how far they are from the trajectory's own, and
-so the way in is gentle. Where the limit does not let it in by then, it comes as soon as it can.
+so the way in is gentle. Where the limit does not let it in by then, the squares of what is left are
+least, and it comes later.
 """
 
 from __future__ import annotations
