@@ -1,4 +1,4 @@
-"""A platform that runs plans, and how the law learns on it: the tests' own loop, in plain Python."""
+"""A platform that runs plans, and how the law learns on it: a loop in plain Python."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hilc_cli.disturbance.streams import Bounded, Disturbance, Distribution, Triple
+from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, Plan
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.reference.sampled import Floats, Reference
@@ -51,9 +51,7 @@ class Workplace:
 
     def learn(self, iterations: int) -> list[Learned]:
         """Iteration 0 with the wheels at rest, then so many learned ones."""
-        learner = NormOptimalLearner(
-            self.parameters, self.reference, self.model, self.speed_limit
-        )
+        learner = NormOptimalLearner(self.parameters, self.reference, self.model, self.speed_limit)
         done: list[Learned] = []
         plan: Plan | None = None
         for iteration in range(iterations + 1):

@@ -15,14 +15,16 @@ SAMPLE_TIME = 0.01
 NO_POSES = np.zeros((2, 3))
 
 
-def fit_of(
-    radius: float, half_track: float, radius_share: float, turn_share: float
-) -> MotionFit:
+def fit_of(radius: float, half_track: float, radius_share: float, turn_share: float) -> MotionFit:
     """A fit of a platform with relative standard errors of both gains."""
     distance_gain = SAMPLE_TIME * radius / 2
     turn_gain = distance_gain / half_track
     return MotionFit(
-        distance_gain, radius_share * distance_gain, turn_gain, turn_share * abs(turn_gain), NO_POSES
+        distance_gain,
+        radius_share * distance_gain,
+        turn_gain,
+        turn_share * abs(turn_gain),
+        NO_POSES,
     )
 
 

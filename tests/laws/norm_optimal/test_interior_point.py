@@ -19,7 +19,7 @@ def test_solution_is_that_of_an_active_set_method(seed: int) -> None:
     # Bounds that cut off a good part of the free solution.
     room = np.abs(free) * random.uniform(0.2, 2.0, (n, 2)) + 0.01
     lowest, highest = -room, room * random.uniform(0.5, 1.5, (n, 2))
-    best = bounded_changes(problem, lowest, highest, 1e-14 * abs(linear @ free.ravel()))
+    best = bounded_changes(problem, lowest, highest, 1e-14 * float(abs(linear @ free.ravel())))
 
     root = np.linalg.cholesky(quadratic).T
     expected = lsq_linear(

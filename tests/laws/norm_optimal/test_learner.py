@@ -11,8 +11,8 @@ import pytest
 from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
-from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
-from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.robot import Robot
 from tests.engine.experiments import PLATFORM
 from tests.laws.norm_optimal.plant import Learned, Workplace, noise, poses_of
@@ -58,7 +58,7 @@ def test_paper_cases_track_from_the_second_iteration_on(
 
 def rounded(seconds: float) -> Reference:
     """An S with straight ends that is in no other test; its wheels need 84 % of the limit."""
-    plans = [
+    plans: list[SegmentPlan] = [
         LinePlan(length=4.0, duration=0.2 * seconds),
         ArcPlan(1.9, "right", radius=3.0, duration=0.3 * seconds),
         ArcPlan(2.6, "left", radius=2.2, duration=0.3 * seconds),
@@ -95,14 +95,13 @@ def random_trajectory(random: np.random.Generator) -> Reference:
     n, sample_time = 300, 0.005
     turns = np.linspace(0, 2 * math.pi, n + 1)
 
-    def waves(count: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    def waves(count: int) -> Floats:
         numbers = np.arange(1, count + 1)[:, None]
         phases = random.uniform(0, 2 * math.pi, (count, 1))
         sizes = random.normal(0, 1, (count, 1)) / numbers
-        total: np.ndarray[tuple[int], np.dtype[np.float64]] = (
-            sizes * np.sin(numbers * turns + phases)
-        ).sum(axis=0)
-        return total / np.abs(total).max()
+        total = (sizes * np.sin(numbers * turns + phases)).sum(axis=0)
+        scaled: Floats = total / np.abs(total).max()
+        return scaled
 
     speed = 1.5 + 0.5 * waves(3)
     yaw_rate = waves(4) * random.uniform(1.0, 6.0)

@@ -70,7 +70,7 @@ def test_law_on_a_straight_line_equals_the_dense_solution() -> None:
     Straight ahead with equal wheels the plant is linear. The belief is wrong and stays so.
     """
     n, sample_time, speed = 40, 0.01, 2.0
-    line = speed * sample_time * np.arange(n + 1)
+    line = speed * sample_time * np.arange(n + 1.0)
     reference = Reference("line", sample_time, line, np.zeros(n + 1), np.zeros(n + 1))
     parameters = NormOptimalParameters(
         position=0.01, input_change=4.0, identify=False, feedback="none"
@@ -80,9 +80,7 @@ def test_law_on_a_straight_line_equals_the_dense_solution() -> None:
 
     # Both wheels cost together twice what one does.
     sums = believed_gain * np.tril(np.ones((n, n)))
-    gain = np.linalg.solve(
-        sums.T @ sums / 0.01**2 + 2 * np.eye(n) / 4.0**2, sums.T / 0.01**2
-    )
+    gain = np.linalg.solve(sums.T @ sums / 0.01**2 + 2 * np.eye(n) / 4.0**2, sums.T / 0.01**2)
     plan = learner.first()
     dense = plan.feedforward[:, 0].copy()
     assert dense == pytest.approx(np.full(n, speed / 0.25), rel=1e-9)

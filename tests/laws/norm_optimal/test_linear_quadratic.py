@@ -1,4 +1,4 @@
-"""The Riccati recursion against dense linear algebra, and against the regulator of infinite time."""
+"""The Riccati recursion against dense linear algebra and the regulator of infinite time."""
 
 from __future__ import annotations
 
@@ -63,10 +63,7 @@ def test_first_gain_minimises_the_dense_cost() -> None:
     # A pose that is off at the start is off by this much at the samples 1 to n.
     off = np.array([0.1, -0.2, 0.05])
     carried = np.concatenate(
-        [
-            off + off[2] * np.array([poses[0, 1] - y, x - poses[0, 0], 0.0])
-            for x, y, _ in poses[1:]
-        ]
+        [off + off[2] * np.array([poses[0, 1] - y, x - poses[0, 0], 0.0]) for x, y, _ in poses[1:]]
     )
     best = np.linalg.solve(
         matrix.T @ weights @ matrix + 0.01 * np.eye(24), -matrix.T @ weights @ carried
