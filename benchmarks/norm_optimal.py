@@ -155,7 +155,8 @@ def draw(path: Path) -> None:
     mpl.use("Agg")
     from matplotlib import pyplot as plt
 
-    figure, axes = plt.subplots(1, 4, figsize=(12, 3.6), layout="constrained")
+    widths = {"width_ratios": [0.5, 1, 1, 1]}
+    figure, axes = plt.subplots(1, 4, figsize=(11, 3.6), layout="constrained", gridspec_kw=widths)
     for axis, (name, (_, scenario)) in zip(axes, SCENARIOS.items(), strict=True):
         experiment = hilc.load_scenario(f"example:{scenario}").experiment()
         reference = experiment.reference

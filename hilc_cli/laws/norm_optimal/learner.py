@@ -103,6 +103,11 @@ class NormOptimalLearner:
             measured: Measured poses of the last one, the heading not wrapped, shape (n + 1, 3).
             applied: Wheel speeds that the platform got in it, after the limit, shape (n, 2).
         """
+        # On the way to divergence squares overflow; an engine sees that in the next iteration.
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self._next(measured, applied)
+
+    def _next(self, measured: Floats, applied: Floats) -> Plan:
         fit = fit_motion(measured, applied)
         believed, identification = self._belief.updated(fit, self._sample_time)
         if self._parameters.identify:

@@ -134,6 +134,8 @@ def fit_level(y: Floats, s: Floats, rounding: float) -> LevelFit:
     odds = np.exp2(np.arange(math.log2(1 / n**2), math.log2(_MOST_ODDS)))
     shares = np.append(odds / (1 + odds), 1.0)
     yy, ys, ss, logarithms = np.array([filtered(y, s, share) for share in shares]).T
+    if not np.isfinite(yy.sum() + ss.sum()):
+        return LevelFit(0.0, math.inf, y, np.zeros(n + 1))
     varies = bool(ss.min() > 0)
     freedom = n - 1 if varies else n
     gains = ys / ss if varies else np.zeros_like(ys)

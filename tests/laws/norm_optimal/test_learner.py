@@ -205,3 +205,13 @@ def test_conventions_of_turning_mirror_the_wheels() -> None:
     ]
     assert plans[0].feedforward == pytest.approx(plans[1].feedforward[:, ::-1], rel=1e-9)
     assert plans[0].gains == pytest.approx(plans[1].gains[:, ::-1], rel=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e20, 1e100, 1e200])
+def test_numbers_on_the_way_to_divergence_end_without_an_error(size: float) -> None:
+    reference = rounded(1.0)
+    learner = NormOptimalLearner(NormOptimalParameters(), reference, PLATFORM, math.inf)
+    n = reference.samples
+    poses = poses_of(reference) + size * np.arange(n + 1)[:, None]
+    plan = learner.next(poses, np.full((n, 2), size))
+    assert plan.feedforward.shape == (n, 2)
