@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.local_level import fit_level
+from hilc_cli.laws.norm_optimal.local_level import fit_level, smoothed
 from hilc_cli.reference.sampled import Floats
 
 _ROUNDING = 1e-14  # relative, of a sum of some thousand numbers
+_SMOOTH = 1e-3  # share of drift that smooths over 1 / sqrt(1e-3), some 30, samples to each side
 _SMALLEST = 1e-9  # [m and rad]; smaller motions have the rounding of this
 
 
@@ -36,9 +37,10 @@ def fit_motion(measured: Floats, applied: Floats) -> MotionFit:
     """The gains behind a measured motion.
 
     The heading is fitted first, since it needs nothing else: it is b times the sum of the wheel
-    speeds' differences, with drift and noise. Its likeliest course then gives the direction in
-    which each measured step is taken: what lies along it is a times the wheel speeds' sum, and the
-    error of the direction enters by its square only, which is allowed for.
+    speeds' differences, with drift and noise. Then each measured step is looked at along a
+    direction near the heading: what lies along it is a times the wheel speeds' sum, as far as that
+    lies along it. Of the heading's error only its square matters there, and is allowed for. The
+    direction changes smoothly, since from one to another the noise of a reading does not cancel.
 
     Args:
         measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
@@ -52,15 +54,17 @@ def fit_motion(measured: Floats, applied: Floats) -> MotionFit:
     rounding, heading_rounding = _ROUNDING * largest[:2].max(), _ROUNDING * largest[2]
     turned = _summed(applied[:, 0] - applied[:, 1])
     heading = fit_level(measured[:, 2], turned, heading_rounding)
-    cos, sin = np.cos(heading.level[:-1]), np.sin(heading.level[:-1])
+    level = heading.level[:-1]
+    direction = smoothed(heading.level, _SMOOTH)[0][:-1]
     step_x, step_y = np.diff(measured[:, 0]), np.diff(measured[:, 1])
+    went = _summed(step_x * np.cos(direction) + step_y * np.sin(direction))
+    driven = applied[:, 0] + applied[:, 1]
     # The mean of the cosine of a normal error.
     shortened = np.exp(-heading.variance[:-1] / 2)
-    driven = applied[:, 0] + applied[:, 1]
-    went = _summed(step_x * cos + step_y * sin)
-    distance = fit_level(went, _summed(driven * shortened), rounding)
+    along = _summed(driven * shortened * np.cos(level - direction))
+    distance = fit_level(went, along, rounding)
     ahead = distance.gain * driven
-    known_x, known_y = _summed(ahead * cos), _summed(ahead * sin)
+    known_x, known_y = _summed(ahead * np.cos(level)), _summed(ahead * np.sin(level))
     x = fit_level(measured[:, 0] - known_x, nothing, rounding).level + known_x
     y = fit_level(measured[:, 1] - known_y, nothing, rounding).level + known_y
     return MotionFit(
