@@ -81,6 +81,7 @@ class NormOptimalLearner:
         self._speed_limit = min(speed_limit, 1e6)
         self._belief = Belief.at_first(model)
         self._measured: MeasuredMotion | None = None
+        self._identification: Identification | None = None
         self._last: tuple[Robot, Floats] | None = None  # who was planned for, and what
 
     @property
@@ -88,57 +89,63 @@ class NormOptimalLearner:
         """The platform as believed at present."""
         return self._belief.robot
 
-    def first(self, start: Floats | None = None) -> Plan:
-        """The plan of the first iteration, before anything was measured.
-
-        Args:
-            start: Pose from which the platform starts; None: that of the trajectory.
-        """
-        return self._plan(self._trajectory[0] if start is None else start, None)
-
     def next(self, measured: Floats, applied: Floats) -> Plan:
-        """The plan of the next iteration.
+        """The plan of the next iteration: `learn`, then `plan`."""
+        self.learn(measured, applied)
+        return self.plan()
+
+    def learn(self, measured: Floats, applied: Floats) -> Identification:
+        """Takes in an iteration that is over.
 
         Args:
-            measured: Measured poses of the last one, the heading not wrapped, shape (n + 1, 3).
+            measured: Its measured poses, the heading not wrapped, shape (n + 1, 3).
             applied: Wheel speeds that the platform got in it, after the limit, shape (n, 2).
+
+        Returns:
+            What it alone says of the platform.
         """
         # On the way to divergence squares overflow; an engine sees that in the next iteration.
         with np.errstate(over="ignore", invalid="ignore"):
-            return self._next(measured, applied)
+            fit = fit_motion(measured, applied)
+            believed, self._identification = self._belief.updated(fit, self._sample_time)
+            if self._parameters.identify:
+                self._belief = believed
+            latest = MeasuredMotion.of(fit.poses, applied)
+            if self._measured is None:
+                self._measured = latest
+            else:
+                # Without identification, what is not explained changes with the wheel speeds.
+                memory = self._parameters.memory if self._parameters.identify else 1
+                self._measured = self._measured.and_then(latest, memory)
+        return self._identification
 
-    def _next(self, measured: Floats, applied: Floats) -> Plan:
-        fit = fit_motion(measured, applied)
-        believed, identification = self._belief.updated(fit, self._sample_time)
-        if self._parameters.identify:
-            self._belief = believed
-        latest = MeasuredMotion.of(fit.poses, applied)
-        before = self._measured
-        if before is None:
-            self._measured = latest
-        else:
-            # Without identification, what is not explained changes with the wheel speeds.
-            memory = self._parameters.memory if self._parameters.identify else 1
-            self._measured = before.and_then(latest, memory)
-        return self._plan(self._measured.start, identification)
+    def plan(self, start: Floats | None = None) -> Plan:
+        """The plan of the next iteration, from all that has been learned so far.
 
-    def _plan(self, start: Floats, identification: Identification | None) -> Plan:
-        model = self._model()
-        rectified = rectified_reference(
-            self._trajectory,
-            start,
-            model,
-            self._parameters.h,
-            self._parameters.start_tolerance,
-            self._weights,
-        )
-        best = self._learned(model, rectified)
+        Args:
+            start: Pose from which the platform starts, shape (3,); None: as measured, or that of
+                the trajectory before anything was.
+        """
+        if start is None:
+            start = self._trajectory[0] if self._measured is None else self._measured.start
+        with np.errstate(over="ignore", invalid="ignore"):
+            model = self._model()
+            rectified = rectified_reference(
+                self._trajectory,
+                start,
+                model,
+                self._parameters.h,
+                self._parameters.start_tolerance,
+                self._weights,
+            )
+            best = self._learned(model, rectified)
+            gains = self._feedback(model, best.poses)
         self._last = self._belief.robot, best.inputs
         return Plan(
             best.inputs,
-            self._feedback(model, best.poses),
+            gains,
             best.poses,
-            identification,
+            self._identification,
             self._belief.robot,
             rectified.merged,
         )

@@ -165,7 +165,7 @@ def test_platform_at_rest_changes_no_belief() -> None:
 def test_first_plan_needs_no_measurement() -> None:
     reference = rounded(1.0)
     learner = NormOptimalLearner(NormOptimalParameters(), reference, PLATFORM, LIMIT)
-    plan = learner.first()
+    plan = learner.plan()
     workplace = Workplace(reference, (1.0, -2.0, 0.4), PLATFORM)
     assert workplace.position_error(workplace.run(0, plan)).max() < 1e-3
     assert plan.identification is None
@@ -189,7 +189,7 @@ def test_trajectory_beyond_the_limit_is_followed_as_well_as_it_goes() -> None:
 def test_limit_that_is_never_reached_changes_nothing(speed_limit: float) -> None:
     reference = rounded(1.0)
     plans = [
-        NormOptimalLearner(NormOptimalParameters(h=40), reference, PLATFORM, limit).first(
+        NormOptimalLearner(NormOptimalParameters(h=40), reference, PLATFORM, limit).plan(
             poses_of(reference)[0] + [0.2, 0.1, 0.3]
         )
         for limit in (speed_limit, 500.0)
@@ -200,7 +200,7 @@ def test_limit_that_is_never_reached_changes_nothing(speed_limit: float) -> None
 def test_conventions_of_turning_mirror_the_wheels() -> None:
     reference = rounded(1.0)
     plans = [
-        NormOptimalLearner(NormOptimalParameters(), reference, robot, LIMIT).first()
+        NormOptimalLearner(NormOptimalParameters(), reference, robot, LIMIT).plan()
         for robot in (Robot(0.2, 0.5), Robot(0.2, 0.5, "rep103"))
     ]
     assert plans[0].feedforward == pytest.approx(plans[1].feedforward[:, ::-1], rel=1e-9)

@@ -81,7 +81,7 @@ def test_law_on_a_straight_line_equals_the_dense_solution() -> None:
     # Both wheels cost together twice what one does.
     sums = believed_gain * np.tril(np.ones((n, n)))
     gain = np.linalg.solve(sums.T @ sums / 0.01**2 + 2 * np.eye(n) / 4.0**2, sums.T / 0.01**2)
-    plan = learner.first()
+    plan = learner.plan()
     dense = plan.feedforward[:, 0].copy()
     assert dense == pytest.approx(np.full(n, speed / 0.25), rel=1e-9)
     for _ in range(4):
