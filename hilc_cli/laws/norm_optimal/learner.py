@@ -84,11 +84,6 @@ class NormOptimalLearner:
         self._identification: Identification | None = None
         self._last: tuple[Robot, Floats] | None = None  # who was planned for, and what
 
-    @property
-    def believed(self) -> Robot:
-        """The platform as believed at present."""
-        return self._belief.robot
-
     def next(self, measured: Floats, applied: Floats) -> Plan:
         """The plan of the next iteration: `learn`, then `plan`."""
         self.learn(measured, applied)
