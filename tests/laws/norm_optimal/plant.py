@@ -1,0 +1,96 @@
+"""A platform that runs plans, and how the law learns on it: a loop in plain Python."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
+from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, Plan
+from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.robot import Robot, euler_step, limit_wheel_speeds, step_gains
+from tests.engine.experiments import PLATFORM
+
+DEFAULT = NormOptimalParameters()
+
+
+def poses_of(reference: Reference) -> Floats:
+    """The reference as poses, shape (n + 1, 3)."""
+    return np.stack([reference.x, reference.y, reference.heading], axis=1)
+
+
+def noise(bound: Triple, distribution: Distribution = "uniform") -> Bounded:
+    """A disturbance; normal ones have a third of the bound as deviation."""
+    x, y, heading = bound
+    return Bounded(bound, distribution, (x / 3, y / 3, heading / 3))
+
+
+@dataclass(frozen=True)
+class Learned:
+    """One iteration: true poses, wheel speeds that the platform got, and the plan that it ran."""
+
+    poses: Floats
+    applied: Floats
+    plan: Plan | None
+
+
+@dataclass(frozen=True)
+class Workplace:
+    """What an experiment is about."""
+
+    reference: Reference
+    start: Triple
+    model: Robot
+    parameters: NormOptimalParameters = DEFAULT
+    robot: Robot = PLATFORM
+    speed_limit: float = 180.0
+    disturbance: Disturbance = field(default_factory=Disturbance)
+
+    def learn(self, iterations: int) -> list[Learned]:
+        """Iteration 0 with the wheels at rest, then so many learned ones."""
+        learner = NormOptimalLearner(self.parameters, self.reference, self.model, self.speed_limit)
+        done: list[Learned] = []
+        plan: Plan | None = None
+        for iteration in range(iterations + 1):
+            if done:
+                alpha = self.disturbance.of_output(iteration - 1, self.reference.samples + 1)
+                measured = done[-1].poses + (0 if alpha is None else alpha)
+                plan = learner.next(measured, done[-1].applied)
+            done.append(self.run(iteration, plan))
+        return done
+
+    def run(self, iteration: int, plan: Plan | None) -> Learned:
+        """One iteration of a plan; None: the wheels at rest."""
+        n = self.reference.samples
+        gains = step_gains(
+            self.robot.wheel_radius, self.robot.signed_half_track, self.reference.sample_time
+        )
+        alpha, beta = (
+            np.zeros((n + 1, 3)) if drawn is None else drawn
+            for drawn in (
+                self.disturbance.of_output(iteration, n + 1),
+                self.disturbance.of_state(iteration, n),
+            )
+        )
+        pose = self.start
+        poses, applied = [pose], []
+        for k in range(n):
+            left, right = 0.0, 0.0
+            if plan is not None:
+                off = plan.desired[k] - pose - alpha[k]
+                left, right = (plan.feedforward[k] + plan.gains[k] @ off).tolist()
+            left, right = limit_wheel_speeds(left, right, self.speed_limit)
+            cos, sin = math.cos(pose[2]), math.sin(pose[2])
+            x, y, heading = euler_step(*pose, cos, sin, left, right, *gains)
+            pose = (x + beta[k, 0], y + beta[k, 1], heading + beta[k, 2])
+            poses.append(pose)
+            applied.append((left, right))
+        return Learned(np.array(poses), np.array(applied), plan)
+
+    def position_error(self, learned: Learned) -> Floats:
+        """Distance from the trajectory at each sample [m]."""
+        error: Floats = np.hypot(*(learned.poses - poses_of(self.reference))[:, :2].T)
+        return error

@@ -1,0 +1,81 @@
+"""Machine code does what its source says, where caches can be written and where not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hilc_cli.laws.norm_optimal import compiling, local_level, motion, riccati, tracking
+from tests.laws.norm_optimal.problems import DISTANCE_GAIN, TURN_GAIN, random_problem
+
+N = 9
+RANDOM = np.random.default_rng(1)
+PROBLEM, _, _ = random_problem(RANDOM, N)
+ALONG = (PROBLEM.steps, PROBLEM.directions, DISTANCE_GAIN, TURN_GAIN)
+GAINS, INVERSES = (
+    PROBLEM.solution(PROBLEM.input_weights, PROBLEM.input_slopes)[1],
+    PROBLEM._factors[1],
+)
+POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
+FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
+READINGS, KNOWN = np.cumsum(RANDOM.normal(0, 1, (2, 40)), axis=1)
+PLATFORM = (DISTANCE_GAIN, TURN_GAIN, DRIFT)
+
+CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "factorised": (
+        riccati.factorised,
+        (
+            *ALONG,
+            PROBLEM.pose_weights,
+            PROBLEM.input_weights,
+            np.zeros((N, 2, 3)),
+            np.zeros((N, 3)),
+        ),
+    ),
+    "solved": (
+        riccati.solved,
+        (*ALONG, GAINS, INVERSES, PROBLEM.pose_slopes, PROBLEM.input_slopes, np.zeros((N, 2))),
+    ),
+    "linear_motion": (riccati.linear_motion, (*ALONG, INPUTS)),
+    "input_derivatives": (riccati.input_derivatives, (*ALONG, PROBLEM.pose_slopes)),
+    "closed_loop": (motion.closed_loop, (POSES[0], INPUTS, POSES, FEEDBACK, 60.0, *PLATFORM)),
+    "tracked": (tracking.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, 60.0, *PLATFORM)),
+    "filtered": (local_level.filtered, (READINGS, KNOWN, 0.2)),
+    "smoothed": (local_level.smoothed, (READINGS, 0.2)),
+}
+
+
+def results(function: Callable[..., Any], arguments: tuple[Any, ...]) -> list[Any]:
+    """What a function returns, and its arguments after it, some of which it fills."""
+    own = [value.copy() if isinstance(value, np.ndarray) else value for value in arguments]
+    returned = function(*own)
+    return [*(returned if isinstance(returned, tuple) else (returned,)), *own]
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_machine_code_does_what_the_source_says(name: str) -> None:
+    function, arguments = CALLS[name]
+    for compiled, plain in zip(
+        results(function, arguments), results(function.py_func, arguments), strict=True
+    ):
+        if plain is not None:
+            assert compiled == pytest.approx(plain, rel=1e-9, abs=1e-9)
+
+
+def test_code_is_compiled_without_a_folder_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def njit(function: Callable[..., Any], **options: Any) -> tuple[Any, Any]:
+        asked.append(options)
+        if options.get("cache"):
+            raise RuntimeError("cannot cache function")
+        return function, options
+
+    monkeypatch.setattr(compiling, "njit", njit)
+    function, _ = compiling.compiled(lambda: None)
+    assert [options.get("cache") for options in asked] == [True, None]
+    # The name tells the sources that the code was made of.
+    assert len(function.__qualname__) > len("<lambda>") + 8

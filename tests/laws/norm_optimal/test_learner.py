@@ -1,0 +1,217 @@
+"""The law as a whole: it tracks, whatever it believes and wherever it starts, within the limit."""
+
+from __future__ import annotations
+
+import math
+import secrets
+
+import numpy as np
+import pytest
+
+from hilc_cli.disturbance.streams import Disturbance
+from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner
+from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
+from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.robot import Robot
+from tests.engine.experiments import PLATFORM
+from tests.laws.norm_optimal.plant import Learned, Workplace, noise, poses_of
+from tests.reference.paths import PAPER_STARTS, Pose, paper_reference
+
+LIMIT = 180.0
+WRONG_STARTS: dict[str, Pose] = {
+    "circle": (9.0, 0.0, math.pi / 2),
+    "arc-and-line": (4.0, 0.0, math.pi / 2),
+    "cardioid": (2.0, 0.0, 14 * math.pi / 15),
+    "spiral": (2.5, 0.0, 31 * math.pi / 30),
+}
+BELIEFS = {
+    "exact": PLATFORM,
+    "small": Robot(0.7 * PLATFORM.wheel_radius, 1.3 * PLATFORM.half_track),
+    "large": Robot(1.3 * PLATFORM.wheel_radius, 0.7 * PLATFORM.half_track),
+}
+
+
+def assert_within_limit(done: list[Learned], limit: float = LIMIT) -> None:
+    assert max(np.abs(learned.applied).max() for learned in done) <= limit
+
+
+@pytest.mark.parametrize("name", PAPER_STARTS)
+@pytest.mark.parametrize("belief", BELIEFS)
+@pytest.mark.parametrize("wrong_start", [False, True])
+def test_paper_cases_track_from_the_second_iteration_on(
+    name: str, belief: str, wrong_start: bool
+) -> None:
+    start = (WRONG_STARTS if wrong_start else PAPER_STARTS)[name]
+    workplace = Workplace(paper_reference(name), start, BELIEFS[belief])
+    done = workplace.learn(3)
+    assert_within_limit(done)
+    first = workplace.reference.samples // 2 if wrong_start else 0
+    for learned in done[2:]:
+        assert workplace.position_error(learned)[first:].max() <= 2e-4
+        assert learned.plan is not None
+        assert learned.plan.believed.wheel_radius == pytest.approx(0.2, rel=1e-6)
+        assert learned.plan.believed.half_track == pytest.approx(0.518, rel=1e-6)
+        assert learned.plan.merge_sample is not None
+        assert (learned.plan.merge_sample <= 205) if wrong_start else not learned.plan.merge_sample
+
+
+def rounded(seconds: float) -> Reference:
+    """An S with straight ends that is in no other test; its wheels need 84 % of the limit."""
+    plans: list[SegmentPlan] = [
+        LinePlan(length=4.0, duration=0.2 * seconds),
+        ArcPlan(1.9, "right", radius=3.0, duration=0.3 * seconds),
+        ArcPlan(2.6, "left", radius=2.2, duration=0.3 * seconds),
+        LinePlan(length=5.0, duration=0.2 * seconds),
+    ]
+    return build_reference("s", (1.0, -2.0, 0.4), plans, 0.005)
+
+
+@pytest.mark.parametrize("feedback", ["lqr", "none"])
+def test_own_trajectory_is_tracked_with_and_without_feedback(feedback: str) -> None:
+    parameters = NormOptimalParameters(feedback="lqr" if feedback == "lqr" else "none", h=40)
+    workplace = Workplace(rounded(1.0), (1.3, -2.4, -0.2), BELIEFS["large"], parameters)
+    done = workplace.learn(3)
+    assert_within_limit(done)
+    assert workplace.position_error(done[-1])[100:].max() < 1e-3
+    assert done[-1].plan is not None
+    assert np.any(done[-1].plan.gains) == (feedback == "lqr")
+
+
+def test_wrong_belief_that_stays_is_learned_around() -> None:
+    parameters = NormOptimalParameters(identify=False, h=40)
+    for belief in ("small", "large"):
+        workplace = Workplace(rounded(1.2), (1.0, -2.0, 0.4), BELIEFS[belief], parameters)
+        done = workplace.learn(8)
+        assert done[-1].plan is not None
+        assert done[-1].plan.believed == BELIEFS[belief]
+        errors = [workplace.position_error(learned).max() for learned in done[1:]]
+        assert errors[-1] < 5e-3
+        assert errors[-1] < errors[0] / 10
+
+
+def random_trajectory(random: np.random.Generator) -> Reference:
+    """Smooth, at most 85 % of the paper's platform's limit; sums of a few waves."""
+    n, sample_time = 300, 0.005
+    turns = np.linspace(0, 2 * math.pi, n + 1)
+
+    def waves(count: int) -> Floats:
+        numbers = np.arange(1, count + 1)[:, None]
+        phases = random.uniform(0, 2 * math.pi, (count, 1))
+        sizes = random.normal(0, 1, (count, 1)) / numbers
+        total = (sizes * np.sin(numbers * turns + phases)).sum(axis=0)
+        scaled: Floats = total / np.abs(total).max()
+        return scaled
+
+    speed = 1.5 + 0.5 * waves(3)
+    yaw_rate = waves(4) * random.uniform(1.0, 6.0)
+    top = 0.85 * LIMIT * PLATFORM.wheel_radius
+    speed *= random.uniform(0.3, 1.0) * (top - PLATFORM.half_track * 6.0) / 2
+    heading = random.uniform(-3, 3) + np.concatenate([[0], np.cumsum(yaw_rate[:-1] * sample_time)])
+    middle = (heading[1:] + heading[:-1]) / 2
+    x, y = (
+        np.concatenate([[0], np.cumsum(speed[:-1] * sample_time * wave(middle))])
+        for wave in (np.cos, np.sin)
+    )
+    return Reference("random", sample_time, x, y, heading)
+
+
+def test_random_trajectory_from_a_random_start() -> None:
+    seed = secrets.randbits(32)
+    print(f"seed {seed}")
+    random = np.random.default_rng(seed)
+    reference = random_trajectory(random)
+    offset = random.uniform([-0.5, -0.5, -1.0], [0.5, 0.5, 1.0])
+    x, y, heading = (poses_of(reference)[0] + offset).tolist()
+    shares = random.uniform(0.7, 1.3, 2)
+    model = Robot(PLATFORM.wheel_radius * shares[0], PLATFORM.half_track * shares[1])
+    parameters = NormOptimalParameters(h=60)
+    workplace = Workplace(reference, (x, y, heading), model, parameters)
+    done = workplace.learn(3)
+    assert_within_limit(done)
+    assert workplace.position_error(done[-1])[150:].max() < 5e-3
+
+
+@pytest.mark.parametrize("identify", [False, True])
+def test_noise_does_not_add_up_over_a_hundred_iterations(identify: bool) -> None:
+    disturbance = Disturbance(
+        7, noise((1e-3, 1e-3, 1e-3)), noise((5e-3, 5e-3, 5e-3), "truncated-normal")
+    )
+    parameters = NormOptimalParameters(identify=identify, h=20)
+    reference = build_reference(
+        "arc", (0.0, 0.0, 0.0), [ArcPlan(2.0, "left", radius=3.0, duration=1.0)], 0.01
+    )
+    workplace = Workplace(
+        reference, (0.0, 0.0, 0.0), BELIEFS["large"], parameters, disturbance=disturbance
+    )
+    done = workplace.learn(100)
+    assert_within_limit(done)
+    errors = np.array([workplace.position_error(learned).max() for learned in done])
+    # No worse at the end than soon after the start: about the noise of a few steps.
+    assert errors[50:].mean() < 1.2 * errors[5:50].mean()
+    assert errors[5:].max() < 0.03
+
+
+def test_platform_at_rest_changes_no_belief() -> None:
+    reference = rounded(1.0)
+    learner = NormOptimalLearner(NormOptimalParameters(), reference, BELIEFS["small"], LIMIT)
+    n = reference.samples
+    plan = learner.next(np.tile(poses_of(reference)[0], (n + 1, 1)), np.zeros((n, 2)))
+    assert plan.believed.wheel_radius == pytest.approx(BELIEFS["small"].wheel_radius, rel=1e-12)
+    assert plan.identification is not None
+    assert plan.identification.wheel_radius_error == math.inf
+
+
+def test_first_plan_needs_no_measurement() -> None:
+    reference = rounded(1.0)
+    learner = NormOptimalLearner(NormOptimalParameters(), reference, PLATFORM, LIMIT)
+    plan = learner.plan()
+    workplace = Workplace(reference, (1.0, -2.0, 0.4), PLATFORM)
+    assert workplace.position_error(workplace.run(0, plan)).max() < 1e-3
+    assert plan.identification is None
+    assert plan.merge_sample == 0
+
+
+def test_trajectory_beyond_the_limit_is_followed_as_well_as_it_goes() -> None:
+    workplace = Workplace(
+        rounded(1.0), (1.0, -2.0, 0.4), BELIEFS["large"], NormOptimalParameters(), speed_limit=120.0
+    )
+    done = workplace.learn(3)
+    assert_within_limit(done, 120.0)
+    assert done[-1].plan is not None
+    assert done[-1].plan.merge_sample is None
+    errors = [float(np.mean(workplace.position_error(learned) ** 2)) for learned in done]
+    assert errors[3] == pytest.approx(errors[2], rel=1e-2)
+    assert errors[3] <= errors[1] * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("speed_limit", [math.inf, 1e3])
+def test_limit_that_is_never_reached_changes_nothing(speed_limit: float) -> None:
+    reference = rounded(1.0)
+    plans = [
+        NormOptimalLearner(NormOptimalParameters(h=40), reference, PLATFORM, limit).plan(
+            poses_of(reference)[0] + [0.2, 0.1, 0.3]
+        )
+        for limit in (speed_limit, 500.0)
+    ]
+    assert plans[0].feedforward == pytest.approx(plans[1].feedforward, rel=1e-6)
+
+
+def test_conventions_of_turning_mirror_the_wheels() -> None:
+    reference = rounded(1.0)
+    plans = [
+        NormOptimalLearner(NormOptimalParameters(), reference, robot, LIMIT).plan()
+        for robot in (Robot(0.2, 0.5), Robot(0.2, 0.5, "rep103"))
+    ]
+    assert plans[0].feedforward == pytest.approx(plans[1].feedforward[:, ::-1], rel=1e-9)
+    assert plans[0].gains == pytest.approx(plans[1].gains[:, ::-1], rel=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e20, 1e100, 1e200])
+def test_numbers_on_the_way_to_divergence_end_without_an_error(size: float) -> None:
+    reference = rounded(1.0)
+    learner = NormOptimalLearner(NormOptimalParameters(), reference, PLATFORM, math.inf)
+    n = reference.samples
+    poses = poses_of(reference) + size * np.arange(n + 1)[:, None]
+    plan = learner.next(poses, np.full((n, 2), size))
+    assert plan.feedforward.shape == (n, 2)

@@ -1,0 +1,166 @@
+"""The way from an initial error into the trajectory, and how soon it can be there at all."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
+from hilc_cli.laws.norm_optimal.optimal_motion import Model
+from hilc_cli.laws.norm_optimal.rectified import (
+    RectifiedReference,
+    rectified_reference,
+    trajectory_inputs,
+)
+from hilc_cli.laws.norm_optimal.tracking import tracked
+from hilc_cli.reference.sampled import Floats
+
+N, SAMPLE_TIME, SPEED, YAW_RATE = 300, 0.01, 2.0, 0.7
+RADIUS, HALF_TRACK = 0.1, 0.3
+WEIGHTS = (1e6, 400.0, 0.01)
+
+
+def model_with(speed_limit: float) -> Model:
+    gain = SAMPLE_TIME * RADIUS / 2
+    return Model(gain, gain / HALF_TRACK, np.zeros((N, 3)), speed_limit)
+
+
+def arc() -> Floats:
+    """Left around (0, 0); its wheels need 20 and 2.1 rad/s in sum, 22.1 at most."""
+    heading = math.pi / 2 + YAW_RATE * SAMPLE_TIME * np.arange(N + 1)
+    radius = SPEED / YAW_RATE
+    return np.stack([radius * np.sin(heading), -radius * np.cos(heading), heading], axis=1)
+
+
+def rectified(start: Floats, h: int, speed_limit: float = 30.0) -> RectifiedReference:
+    return rectified_reference(arc(), start, model_with(speed_limit), h, 1e-3, WEIGHTS)
+
+
+OFFSETS = [(0.2, 0.0, 0.0), (-0.3, 0.1, 1.5), (0.0, 0.4, -0.5)]
+
+
+@pytest.mark.parametrize("offset", OFFSETS)
+def test_way_in_is_feasible_and_over_by_sample_h(offset: tuple[float, float, float]) -> None:
+    start = arc()[0] + offset
+    found = rectified(start, 150)
+    assert found.merged is not None
+    assert found.merged <= 152
+    left = np.hypot(*(found.poses - arc())[:, :2].T)
+    assert np.all(left[found.merged :] <= 1e-3)
+    assert left[found.merged - 1] > 1e-3
+    assert np.abs(found.inputs).max() <= 30.0
+    # It is a motion of the platform: the model's own equations, step by step.
+    assert found.poses[0] == pytest.approx(start)
+    left_wheel, right_wheel = found.inputs.T
+    step = SAMPLE_TIME * RADIUS * (left_wheel + right_wheel) / 2
+    heading = found.poses[:-1, 2]
+    expected = np.stack([step * np.cos(heading), step * np.sin(heading)], axis=1)
+    assert np.diff(found.poses[:, :2], axis=0) == pytest.approx(expected, abs=1e-12)
+    turn = SAMPLE_TIME * RADIUS * (left_wheel - right_wheel) / (2 * HALF_TRACK)
+    assert np.diff(found.poses[:, 2]) == pytest.approx(turn, abs=1e-12)
+
+
+def test_without_initial_error_it_is_the_trajectory() -> None:
+    found = rectified(arc()[0] + [5e-4, 0, 5e-4], 150)
+    assert np.array_equal(found.poses, arc())
+    assert found.merged == 0
+    # The platform itself steps along its heading, half a step ahead of the arc.
+    assert np.hypot(*(found.motion - arc())[:, :2].T).max() < 1e-3
+
+
+def test_way_in_takes_longer_where_the_limit_leaves_less() -> None:
+    start = arc()[0] + [0.0, -0.5, 0.0]  # behind
+    merged = [rectified(start, 20, limit).merged for limit in (60.0, 30.0, 25.0)]
+    earliest = [
+        earliest_merge(arc(), start, RADIUS * limit, HALF_TRACK, SAMPLE_TIME)
+        for limit in (60.0, 30.0, 25.0)
+    ]
+    last = 0
+    for found, bound in zip(merged, earliest, strict=True):
+        assert found is not None
+        assert bound is not None
+        assert found >= bound - 2  # within a millimetre it is there a little earlier
+        assert found >= last
+        last = found
+
+
+def test_platform_that_is_too_slow_never_gets_there() -> None:
+    start = arc()[0] + [0.0, -0.5, 0.0]
+    assert rectified(start, 20, 15.0).merged is None
+
+
+def test_wheel_speeds_of_the_trajectory_have_its_lengths_and_turns() -> None:
+    inputs = trajectory_inputs(arc(), model_with(30.0))
+    chord = 2 * SPEED / YAW_RATE * math.sin(YAW_RATE * SAMPLE_TIME / 2)
+    mean, half = chord / (SAMPLE_TIME * RADIUS), HALF_TRACK * YAW_RATE / RADIUS
+    assert inputs == pytest.approx(np.tile([mean + half, mean - half], (N, 1)), rel=1e-9)
+    backwards = np.stack([-0.02 * np.arange(5.0), np.zeros(5), np.zeros(5)], axis=1)
+    gain = SAMPLE_TIME * RADIUS / 2
+    model = Model(gain, gain / HALF_TRACK, np.zeros((4, 3)), 30.0)
+    assert trajectory_inputs(backwards, model) == pytest.approx(np.full((4, 2), -20.0))
+
+
+def test_drift_is_driven_against() -> None:
+    model = model_with(30.0)
+    model.drift[:] = [0.001, 0.0, -0.002]
+    plain = trajectory_inputs(arc(), model_with(30.0))
+    mean, half = -0.001 / (2 * model.distance_gain), 0.002 / (2 * model.turn_gain)
+    expected = plain + np.array([mean + half, mean - half])
+    assert trajectory_inputs(arc(), model) == pytest.approx(expected, rel=1e-12)
+
+
+@settings(max_examples=25)
+@given(x=st.floats(-1, 1), y=st.floats(-1, 1), heading=st.floats(-6, 6), rate=st.floats(0.02, 0.05))
+def test_first_guess_comes_to_the_trajectory_within_the_limit(
+    x: float, y: float, heading: float, rate: float
+) -> None:
+    model = model_with(60.0)
+    target = arc()
+    inputs, poses = tracked(
+        target[0] + [x, y, heading],
+        target,
+        trajectory_inputs(target, model),
+        rate,
+        0.002,
+        60.0,
+        model.distance_gain,
+        model.turn_gain,
+        model.drift,
+    )
+    assert np.abs(inputs).max() <= 60.0 * (1 + 1e-12)
+    assert np.hypot(*(poses - target)[-1, :2]) < 0.15
+    assert abs(poses[-1, 2] - target[-1, 2]) < 0.3  # not wrapped
+
+
+def straight(n: int) -> Floats:
+    poses = np.zeros((n + 1, 3))
+    poses[:, 0] = np.arange(n + 1.0)
+    return poses
+
+
+@pytest.mark.parametrize(
+    ("start", "expected"),
+    [
+        ((0.0, 0.0, 0.0), 0),
+        # At 2 m/s behind what moves at 1 m/s: 5 m are made good after 5 s.
+        ((-5.0, 0.0, 0.0), 5),
+        # 4 m ahead: they meet after 4 / 3 s, backwards; the next sample is 2.
+        ((4.0, 0.0, 0.0), 2),
+        # A turn by 1 rad takes 0.5 m of wheel; t + 0.5 <= 2 t.
+        ((0.0, 0.0, 1.0), 1),
+        # Turned by pi: B pi = 1.57 m.
+        ((0.0, 0.0, math.pi), 2),
+        # 3 m aside, at (m, 0): root(m^2 + 9) + 2 * 0.5 atan(3 / m) <= 2 m.
+        ((0.0, 3.0, 0.0), 3),
+    ],
+)
+def test_earliest_merge_by_hand(start: tuple[float, float, float], expected: int) -> None:
+    assert earliest_merge(straight(10), np.array(start), 2.0, 0.5, 1.0) == expected
+
+
+def test_what_cannot_be_caught_up_with_is_none() -> None:
+    assert earliest_merge(straight(10), np.array([-5.0, 0, 0]), 1.0, 0.5, 1.0) is None
