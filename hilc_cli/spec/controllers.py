@@ -11,12 +11,14 @@ from pydantic_core import InitErrorDetails
 from hilc_cli.spec.controller import DEFAULT_LAW, Controller, law_named
 from hilc_cli.spec.feedback import FeedbackController
 from hilc_cli.spec.hybrid import HybridController
+from hilc_cli.spec.norm_optimal import NormOptimalController
 from hilc_cli.spec.pid import PidController
 
-AnyController = HybridController | PidController | FeedbackController
+AnyController = HybridController | PidController | NormOptimalController | FeedbackController
 
 CONTROLLERS: Mapping[str, type[Controller]] = {
-    model.name(): model for model in (HybridController, PidController, FeedbackController)
+    model.name(): model
+    for model in (HybridController, PidController, NormOptimalController, FeedbackController)
 }
 
 

@@ -1,0 +1,99 @@
+"""Parameters of norm-optimal learning."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
+from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
+from hilc_cli.reference.sampled import Reference
+from hilc_cli.robot import Robot
+from hilc_cli.spec.controller import Controller, Setting, default_length, length_misfits
+from hilc_cli.spec.model import Flag, Located, Model, valid
+from hilc_cli.spec.quantities import (
+    PositiveAngle,
+    PositiveLength,
+    PositiveWheelSpeed,
+    Samples,
+    Tolerance,
+)
+
+
+class LearningWeights(Model):
+    """What counts as one in the sum of squares that learning minimises."""
+
+    position: PositiveLength = Field(1e-3, description="an error of the position [m]")
+    heading: PositiveAngle = Field(0.05, description="an error of the heading [rad]")
+    input_change: PositiveWheelSpeed = Field(
+        10.0, description="a change of a wheel speed from iteration to iteration [rad/s]"
+    )
+
+
+class FeedbackWeights(Model):
+    """What counts as much as weights.input_change in the feedback; smaller ones make it stiffer."""
+
+    position: PositiveLength = Field(1e-2, description="an error of the position [m]")
+    heading: PositiveAngle = Field(0.1, description="an error of the heading [rad]")
+
+
+class NormOptimalController(Controller):
+    """Norm-optimal learning with identification, rectified reference and constrained wheels."""
+
+    tied_to_trajectory: ClassVar[tuple[str, ...]] = ("h",)
+
+    law: Literal["norm-optimal"]
+    weights: LearningWeights = LearningWeights()
+    feedback: Literal["lqr", "none"] = Field(
+        "lqr", description="in the iteration: lqr about the planned motion, or none"
+    )
+    feedback_weights: FeedbackWeights = FeedbackWeights()
+    identify: Flag = Field(
+        True, description="estimate wheel radius and half track anew after each iteration"
+    )
+    h: Samples | None = Field(
+        None,
+        description="samples until an initial error shall be gone, 1 to n; default 200, or n",
+    )
+    start_tolerance: Tolerance = Field(
+        1e-3, description="an initial error up to this, in m and rad, counts as none"
+    )
+    memory: Samples = Field(
+        4, description="iterations over which motion that the model does not explain is averaged"
+    )
+    b_w: PositiveWheelSpeed | None = Field(
+        None, description="speed limit of the wheels [rad/s]; null for none"
+    )
+
+    @classmethod
+    def relations(
+        cls, data: Mapping[str, Any], reference: Reference | None, model: Robot | None
+    ) -> list[Located]:
+        """What is too long for the trajectory."""
+        return length_misfits(valid(Samples, data.get("h")), reference)
+
+    def misfits_on(self, reference: Reference) -> list[Located]:
+        """What is too long for a trajectory."""
+        return length_misfits(self.h, reference)
+
+    def law_for(self, setting: Setting) -> NormOptimalLaw:
+        """The law for the engines."""
+        parameters = NormOptimalParameters(
+            self.weights.position,
+            self.weights.heading,
+            self.weights.input_change,
+            self.feedback,
+            self.feedback_weights.position,
+            self.feedback_weights.heading,
+            self.identify,
+            default_length(self.h, setting.reference),
+            self.start_tolerance,
+            self.memory,
+        )
+        return NormOptimalLaw(parameters, setting.model)
+
+    def resolved(self, reference: Reference) -> dict[str, Any]:
+        """The parameters as plain data with every default filled in."""
+        return {**super().resolved(reference), "h": default_length(self.h, reference)}
