@@ -169,6 +169,18 @@ OTHER_LAWS = {
 """,
     "pid-defaults": "  law: pid\n  gains: {kd: 0.1}\n  rectifying: on\n",
     "feedback": "  law: feedback\n  gains: {k_x: 1/3, k_y: 1/7 rad/m/m, k_theta: 1/9 rad/m}\n",
+    "norm-optimal": """\
+  law: norm-optimal
+  weights: {position: 1/3 cm, heading: 1/9, input_change: 100/7}
+  feedback: none
+  feedback_weights: {position: 1/7, heading: 1/11}
+  identify: false
+  h: 2
+  start_tolerance: 1/7
+  memory: 3
+  b_w: 600 rpm
+""",
+    "norm-optimal-defaults": "  law: norm-optimal\n",
     "feedback-defaults": "  law: feedback\n",
 }
 

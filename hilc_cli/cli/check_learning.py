@@ -20,15 +20,16 @@ _ROUNDING = 1e-12  # of the path's size
 
 def learning_section(check: Check) -> Section:
     """The linear theory's figures; of a law that it does not know, that it does not."""
-    title = "Does learning converge? (along the reference, without limit and disturbances)"
+    title = "Does learning converge?"
     found = check.forecast
-    if found is None:
-        rows = [("Theory", "none is known of this law")]
-        return Section("learning", title, rows, findings=_findings(check), document={})
     simulated = None if check.simulated is None else check.simulated.summary
+    if found is None:
+        rows = [("Theory", "none is known of this law"), *_simulated_rows(simulated)]
+        document = {} if simulated is None else {"simulated": _simulated_document(simulated)}
+        return Section("learning", title, rows, findings=_findings(check), document=document)
     return Section(
         "learning",
-        title,
+        f"{title} (along the reference, without limit and disturbances)",
         _rows(check, found),
         [_errors(check, found.transient, simulated)],
         _findings(check),
@@ -129,6 +130,18 @@ def _simulated(summary: Summary, first: float) -> list[str]:
     ]
 
 
+def _simulated_rows(summary: Summary | None) -> list[tuple[str, str]]:
+    """A run of a law of which nothing is predicted."""
+    if summary is None:
+        return []
+    last, peak = summary.final["max_position_error_m"], summary.peak_max_position_error_m
+    told = f"a maximum position error of {_length(last)} in iteration {summary.iterations}"
+    if summary.diverged_at is not None:
+        told += f"; diverged in {summary.diverged_at}"
+    worst = f"at most {_length(peak)}, in iteration {summary.peak_iteration}"
+    return [("Simulated", told), ("", worst)]
+
+
 def _reached(transient: Transient, share: float) -> str:
     at, first = transient.settled_at(share), transient.first_within(share)
     if at is not None:
@@ -170,15 +183,19 @@ def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[
         },
     }
     if simulated is not None:
-        document["simulated"] = {
-            "iterations": simulated.iterations,
-            "max_position_error_m": simulated.final["max_position_error_m"],
-            "peak_max_position_error_m": simulated.peak_max_position_error_m,
-            "peak_iteration": simulated.peak_iteration,
-            "settled_at": simulated.settled_at,
-            "diverged_at": simulated.diverged_at,
-        }
+        document["simulated"] = _simulated_document(simulated)
     return document
+
+
+def _simulated_document(summary: Summary) -> dict[str, object]:
+    return {
+        "iterations": summary.iterations,
+        "max_position_error_m": summary.final["max_position_error_m"],
+        "peak_max_position_error_m": summary.peak_max_position_error_m,
+        "peak_iteration": summary.peak_iteration,
+        "settled_at": summary.settled_at,
+        "diverged_at": summary.diverged_at,
+    }
 
 
 def _finite(number: float) -> float | None:

@@ -94,6 +94,13 @@ class NormOptimalController(Controller):
         )
         return NormOptimalLaw(parameters, setting.model)
 
+    def in_words(self, setting: Setting) -> str:
+        """What is learned, how, and how long an initial error may last."""
+        learned = "wheel speeds, wheel radius and half track" if self.identify else "wheel speeds"
+        feedback = "LQR feedback" if self.feedback == "lqr" else "no feedback"
+        h = default_length(self.h, setting.reference)
+        return f"norm-optimal learning of {learned}; {feedback}, rectified within {h} samples"
+
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
         return {**super().resolved(reference), "h": default_length(self.h, reference)}

@@ -75,9 +75,28 @@ CASES = [
         ),
     ),
     (
+        "norm-optimal-gains",
+        law("  law: norm-optimal\n  gains: {l1: 1}\n"),
+        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal; known: b_w, feedback, feedback_weights, h, identify, law, memory, start_tolerance, weights",
+    ),
+    (
+        "norm-optimal-values",
+        law(
+            "  law: norm-optimal\n  weights: {position: 1 s, hading: 1}\n"
+            "  feedback: pid\n  h: 4\n  memory: 0\n"
+        ),
+        (
+            "scenario.yaml:7:23: controller.weights.position: has the wrong unit, got '1 s'; give a number above 0, such as 0.2 or 20 cm\n"
+            "scenario.yaml:7:28: controller.weights.hading: is an unknown key of law norm-optimal; did you mean 'heading'?\n"
+            "scenario.yaml:8:13: controller.feedback: is not one of the choices, got 'pid'; give lqr or none\n"
+            "scenario.yaml:9:6: controller.h: must be at most the trajectory's 3 samples, got 4; give a whole number from 1 to 3\n"
+            "scenario.yaml:10:11: controller.memory: must be at least 1, got 0; give a whole number from 1 up, such as 200"
+        ),
+    ),
+    (
         "law-list",
         law("  law: [pid]\n  gains: {kp: 1}\n"),
-        "scenario.yaml:6:8: controller.law: is not one of the choices; give hybrid, pid or feedback",
+        "scenario.yaml:6:8: controller.law: is not one of the choices; give hybrid, pid, norm-optimal or feedback",
     ),
 ]
 
@@ -108,6 +127,7 @@ def test_whole_controller_may_be_replaced_on_the_command_line(hilc: Hilc, write:
     for controller in (
         "{law: pid, gains: {kd: 0.5}, cutoff: 2 Hz}",
         "{law: feedback}",
+        "{law: norm-optimal, h: 2}",
         "{gains: {l1: 1}}",
     ):
         changes = ("--set", f"controller={controller}", "--set", "iterations=1")

@@ -398,6 +398,11 @@ def test_check_imports_neither_pictures_nor_a_compiler(tmp_path: Path) -> None:
             "feedback-circle",
             "feedback without learning; k_x 10 1/s, k_y 64 rad/m^2, k_theta 16 rad/m",
         ),
+        (
+            "norm-optimal-arc-and-line",
+            "norm-optimal learning of wheel speeds, wheel radius and half track; LQR feedback, "
+            "rectified within 200 samples",
+        ),
     ],
 )
 def test_every_law_is_told_in_words(hilc: Hilc, folder: Path, name: str, law: str) -> None:

@@ -129,7 +129,11 @@ def test_figures_of_the_last_iteration_are_told(hilc: Hilc) -> None:
     outcome = hilc("run", "scenario.yaml", "--no-plots", "--json")
     told = {"iterations_seen": 3, "fastest_left_rad_s": 2}
     assert json.loads(outcome.out)["learning"] == told
-    assert "Learned: fastest_left_rad_s" in hilc("run", "scenario.yaml", "--no-plots").out
+    printed = hilc("run", "scenario.yaml", "--no-plots").out.splitlines()
+    assert [line.split() for line in printed if "Learned" in line] == [
+        ["Learned:", "iterations", "seen", "3"],
+        ["Learned:", "fastest", "left", "2", "rad/s"],
+    ]
     first = hilc("run", "scenario.yaml", "--no-plots", "--json", "--set", "iterations=0", "--force")
     assert json.loads(first.out)["learning"]["fastest_left_rad_s"] is None
 

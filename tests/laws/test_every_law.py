@@ -20,6 +20,8 @@ LAWS: Mapping[str, Mapping[str, Any]] = {
     "p-type": {"law": "pid", "gains": {"kp": 2}, "cutoff": "20 Hz"},
     "d-type": {"law": "pid", "gains": {"kd": 1}},
     "pid": {"law": "pid", "gains": {"kp": 1, "ki": 0.1, "kd": 0.5}, "cutoff": "30 Hz"},
+    "norm-optimal": {"law": "norm-optimal"},
+    "learned-alone": {"law": "norm-optimal", "feedback": "none"},
     "feedback": {"law": "feedback"},
 }
 LEARNING = [name for name, law in LAWS.items() if law.get("law") != "feedback"]
