@@ -50,7 +50,7 @@ def plan_reproduction(
     Args:
         figures: Such as ``fig3``; none for all figures, whereupon the claims are judged too.
         overrides: Values to put into every scenario, by dotted path. The results are then no
-            longer those of the paper's experiments.
+            longer those of the paper's experiments, so that no claims are judged.
 
     Raises:
         UsageError: The paper has no such figure with results.
@@ -59,7 +59,9 @@ def plan_reproduction(
     chosen = figures_named(figures)
     names = dict.fromkeys(s.scenario for figure in chosen for s in figure.situations)
     scenarios = {name: _load(name, overrides or {}) for name in names}
-    return ReproductionPlan(chosen, scenarios, _claims() if _is_whole(chosen) else ())
+    return ReproductionPlan(
+        chosen, scenarios, _claims() if _is_whole(chosen) and not overrides else ()
+    )
 
 
 def _is_whole(figures: Sequence[PaperFigure]) -> bool:
