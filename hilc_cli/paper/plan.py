@@ -35,6 +35,13 @@ class ReproductionPlan:
         """Number of runs, claims and figures."""
         return len(self.scenarios) + len(self.claims) + len(self.figures)
 
+    def checksums(self) -> dict[str, str]:
+        """SHA-256 of each scenario with everything resolved, by the names of the examples."""
+        return {
+            name: hashlib.sha256(scenario.resolved_yaml().encode()).hexdigest()
+            for name, scenario in self.scenarios.items()
+        }
+
     def checksum(self) -> str:
         """SHA-256 of what tells this reproduction from others: its figures and scenarios."""
         texts = [figure.name for figure in self.figures]

@@ -25,6 +25,8 @@ class RunData:
         speed_limit: b_w [rad/s]; None for no limit.
         gravity_center: D_cx, D_cy [m] of the platform.
         diverged_at: The iteration that left the finite numbers; None if none did.
+        settings: What tells the run from others, in words: law, gains, compensation,
+            start_offset; what is not known is left out.
     """
 
     name: str
@@ -34,6 +36,7 @@ class RunData:
     speed_limit: float | None = None
     gravity_center: tuple[float, float] = (0.0, 0.0)
     diverged_at: int | None = None
+    settings: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def last(self) -> Trial:
