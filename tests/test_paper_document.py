@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.special import eval_laguerre
 
 import hilc_cli as hilc
 from hilc_cli.analysis.fixed_point import fixed_point
@@ -101,3 +102,23 @@ def test_where_learning_rests_in_the_document(name: str, row: str) -> None:
     assert closed == pytest.approx(
         1 + rate * (weight * np.sin(rate * times)).sum() * 1e-6, rel=2e-3
     )
+
+
+def test_slow_heading_errors_in_the_document() -> None:
+    document = DOCUMENT.read_text(encoding="utf-8")
+
+    def row(name: str) -> list[float]:
+        (cells,) = re.findall(rf"^\| {name} \|(.*)\|$", document, re.MULTILINE)
+        return [float(cell) for cell in cells.split("|")]
+
+    counts = [20, 100, 320, 1000]
+    times = np.linspace(0, 2, 2001)
+    second_half = slice(1000, None)
+    polynomial = [np.abs(eval_laguerre(n, times[second_half])).max() for n in counts]
+    assert row("Laguerre polynomial") == pytest.approx(polynomial, abs=5e-3)
+    errors, sampled = np.ones(2001), []
+    for iteration in range(1, 1001):
+        errors[1:] -= 1e-3 * np.cumsum(errors[1:])  # the heading's part of Eqs. 8 and 17
+        if iteration in counts:
+            sampled.append(float(np.abs(errors[second_half]).max()))
+    assert row("samples of 1 ms") == pytest.approx(sampled, abs=5e-3)

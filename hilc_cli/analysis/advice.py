@@ -79,6 +79,8 @@ def _strength(experiment: Experiment, law: HybridLaw) -> list[str]:
     weakest, strongest = float(strength.min()), float(strength.max())
     if not law.matrix.is_kinematic or (weakest >= 1 / _FACTOR and strongest <= _FACTOR):
         return []
+    if not math.isfinite(strongest):
+        return []  # told of learning
     return [
         f"controller.gain_matrix acts on the true robot with {weakest:.3g} to {strongest:.3g} "
         "times the strength of Eq. 45 with its true R and B; check the units of robot and "

@@ -17,6 +17,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.paper.claim import Claim, Finding
 from hilc_cli.paper.contents import FIGURES
 from hilc_cli.paper.folder import check_reproduction_folder, write_reproduction_folder
+from hilc_cli.paper.names import with_shown
 from hilc_cli.paper.plan import ReproductionPlan
 from hilc_cli.version import __version__
 
@@ -57,8 +58,9 @@ class Reproduction:
 
         Args:
             folder: The very folder that is written; it is there as a whole or not at all.
-            force: Replace the folder of other figures.
-            formats: Of the pictures: png, svg, pdf.
+            force: Replace the folder of figures that are not all among these.
+            formats: Of the pictures: png, svg, pdf; pdf alone is joined by png, which the index
+                shows.
             dpi: Resolution of png.
             command: Command line to note in the manifest.
             on_step: Called after each figure; may raise to stop.
@@ -97,7 +99,7 @@ class Reproduction:
             self.runs,
             self.judged,
             manifest,
-            formats=chosen,
+            formats=with_shown(chosen),
             dpi=dpi,
             command=_command(self.plan, chosen, dpi),
             versions=_versions(),

@@ -24,6 +24,7 @@ from hilc_cli.results.run_folder import check_output_folder, read_run_folder, wr
 from hilc_cli.results.summary import Summary, summarise
 from hilc_cli.results.trial import Trial
 from hilc_cli.spec.loading import load_scenario
+from hilc_cli.spec.settings import settings_of
 from hilc_cli.spec.valid import Scenario
 from hilc_cli.version import __version__
 
@@ -129,6 +130,7 @@ class Run(RunData):
             "iterations": len(self.metrics) - 1,
             "compensation": self.scenario.compensates,
             "speed_limit_rad_s": self.speed_limit,
+            "settings": dict(self.settings),
             "gravity_center_m": list(self.gravity_center),
             "diverged_at": self.diverged_at,
             "seed": spec.disturbance.seed,
@@ -187,6 +189,7 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
         gravity_center=experiment.robot.gravity_center,
         diverged_at=diverged_at,
         learning=learning,
+        settings=settings_of(scenario),
         scenario=scenario,
         started=started,
         timings={"simulation": time.perf_counter() - clock},

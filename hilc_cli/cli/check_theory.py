@@ -26,7 +26,8 @@ _SHORT = {
 }
 _EQUATIONS = {"input": (38, 39), "state": (40, 41), "output": (42, 43)}
 """Of each iteration, and of the limit."""
-_ROUNDING = 1e-9
+_ZERO = 1e-12  # constants below are rounding
+_ROUNDING = 1e-9  # of logarithms
 _LAST = 10
 """So many last iterations of a simulation stand for its limit."""
 
@@ -42,10 +43,12 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
     if check.conditions is None or check.theories is None:
         return Section("theory", title, [("Theory", "none: this is another law")], document={})
     measured = None if check.simulated is None else check.simulated.comparisons
-    grids = [
-        _constants(check.theories),
-        _bounds(check.theories, check.scenario.spec.iterations, measured),
-    ]
+    rows, grids = _rows(check.conditions), []
+    if check.theories:
+        iterations = check.scenario.spec.iterations
+        grids = [_constants(check.theories), _bounds(check.theories, iterations, measured)]
+    else:
+        rows.append(("Bounds", "none: their constants leave the range of floating point"))
     gaps: list[str] = []
     if verbose:
         from hilc_cli.analysis.corrections import EXPLANATIONS
@@ -54,7 +57,7 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
     return Section(
         "theory",
         title,
-        _rows(check.conditions),
+        rows,
         grids,
         check.findings["theory"],
         _document(check.conditions, check.theories, measured),
@@ -75,9 +78,10 @@ def _rows(found: Conditions) -> list[tuple[str, str]]:
 
 
 def _told(contraction: Contraction) -> str:
+    if not math.isfinite(contraction.rho):
+        return "rho leaves the range of floating point"
     verdict = "below 1" if contraction.holds else "not below 1"
-    # A contraction of 1e-16 is rounding.
-    rho = 0.0 if contraction.rho < 1e-12 else contraction.rho
+    rho = 0.0 if contraction.rho < _ZERO else contraction.rho
     return f"rho = {rho:.6g}, {verdict}"
 
 
@@ -111,9 +115,9 @@ def _bounds(
     """The bounds, each beside the errors of a simulation if there is one."""
     samples = next(iter(theories.values())).constants.samples
     limits = {
-        "input": [theory.input_limit for theory in theories.values()],
-        "state": [theory.state_limit for theory in theories.values()],
-        "output": [theory.output_limit for theory in theories.values()],
+        "input": [_limit(theory, theory.input_limit) for theory in theories.values()],
+        "state": [_limit(theory, theory.state_limit) for theory in theories.values()],
+        "output": [_limit(theory, theory.output_limit) for theory in theories.values()],
     }
     last = min(_LAST, iterations + 1)
     rows = [
@@ -127,7 +131,8 @@ def _bounds(
         rows.append([f"{name}, limit, Eq. {at_the_end}", *map(_log, limits[quantity])])
         if quantity == "state":
             at_last = (
-                theory.at_sample(theory.state_limit, samples) for theory in theories.values()
+                theory.at_sample(limit, samples)
+                for theory, limit in zip(theories.values(), limits["state"], strict=True)
             )
             rows.append([f"{name}, limit, at sample {samples}", *map(_log, at_last)])
         if measured:
@@ -150,6 +155,11 @@ def _bounds(
     return Grid([("log10 of", ""), *_columns(theories)], rows, note)
 
 
+def _limit(theory: Bounds, bound: float) -> float:
+    """A limit, without the rounding that is left of it where nothing disturbs."""
+    return -math.inf if theory.has_limit and theory.B <= _ZERO else bound
+
+
 def _room(part: Measured) -> str:
     room = float(part.looseness.min())
     return "any" if math.isinf(room) and room > 0 else _log(room)
@@ -160,12 +170,12 @@ def _columns(theories: Mapping[str, object]) -> list[tuple[str, str]]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.5g}" if abs(value) > 1e-12 else "0"
+    return f"{value:.5g}" if abs(value) > _ZERO else "0"
 
 
 def _contraction(value: float) -> str:
     """A number that is to be below 1, with enough digits to see whether it is."""
-    return f"{value:.8g}" if abs(value) > 1e-12 else "0"
+    return f"{value:.8g}" if abs(value) > _ZERO else "0"
 
 
 def _log(value: float) -> str:
@@ -183,10 +193,10 @@ def _document(
 ) -> dict[str, object]:
     document: dict[str, object] = {
         "theorem": found.theorem,
-        "rho_theorem_1_printed": found.theorem_1_printed.rho,
-        "rho_theorem_1_simulated": found.theorem_1_simulated.rho,
-        "rho_theorem_2_printed": found.theorem_2_printed.rho,
-        "rho_theorem_2_simulated": found.theorem_2_simulated.rho,
+        "rho_theorem_1_printed": _finite(found.theorem_1_printed.rho),
+        "rho_theorem_1_simulated": _finite(found.theorem_1_simulated.rho),
+        "rho_theorem_2_printed": _finite(found.theorem_2_printed.rho),
+        "rho_theorem_2_simulated": _finite(found.theorem_2_simulated.rho),
         "starts_on_reference": found.starts_on_reference,
         "bounds": {name: _bounds_document(theory) for name, theory in theories.items()},
     }
@@ -206,12 +216,13 @@ def _document(
 
 
 def _bounds_document(theory: Bounds) -> dict[str, object]:
-    constants = {name: _finite(getattr(theory.constants, name)) for name in _CONSTANTS}
+    constants = {name: getattr(theory.constants, name) for name in _CONSTANTS}
     return {
         **constants,
         "lambda": theory.lambda_,
-        "A": _finite(theory.A),
-        "B": _finite(theory.B),
+        "A": theory.A,
+        "B": theory.B,
+        "has_limit": theory.has_limit,
         "input_limit_log10": _finite(theory.input_limit),
         "state_limit_log10": _finite(theory.state_limit),
         "output_limit_log10": _finite(theory.output_limit),
@@ -219,5 +230,5 @@ def _bounds_document(theory: Bounds) -> dict[str, object]:
 
 
 def _finite(number: float) -> float | None:
-    """A number as JSON has it: null for no bound, and for a bound of zero."""
+    """A number as JSON has it: null for no bound and, with a limit, for a bound of zero."""
     return number if math.isfinite(number) else None

@@ -53,7 +53,7 @@ def compare(
     """Compare runs: errors, speeds and learning, in one table and one picture.
 
     Writes comparison.csv, .md, .tex and .png to --out, by default runs/A-vs-B, and prints the
-    table. Nothing is simulated.
+    table. Folders of earlier comparisons are left out. Nothing is simulated.
 
     \b
     Examples:
@@ -62,14 +62,22 @@ def compare(
       hilc compare runs/fig7a runs/fig7b --no-plots --table latex > table.tex
     """
     from hilc_cli import api
-    from hilc_cli.cli.several_runs import check_shared_folder, read_runs, shared_folder
+    from hilc_cli.cli.several_runs import (
+        check_shared_folder,
+        read_runs,
+        shared_folder,
+        without_comparisons,
+    )
     from hilc_cli.cli.terminal import print_json
     from hilc_cli.errors import UsageError
 
-    if len(runs) < 2:
-        raise UsageError(f"{runs[0]}: is only one run; give at least two to compare")
     if json and table is not None:
         raise UsageError("--json and --table both say what is printed; give one of them")
+    given, runs = runs, without_comparisons(runs)
+    if len(runs) < 2:
+        one = runs[0] if runs else given[0]
+        what = "only one run" if runs else "no run"
+        raise UsageError(f"{one}: is {what}; give at least two to compare")
     for folder in runs:
         if api.is_sweep(folder):
             raise UsageError(f"{folder}: is the folder of a sweep; give folders of runs to compare")

@@ -59,7 +59,12 @@ def plot(
     """
     from hilc_cli import api
     from hilc_cli.cli.ranges import parse_whole_numbers
-    from hilc_cli.cli.several_runs import check_shared_folder, read_runs, shared_folder
+    from hilc_cli.cli.several_runs import (
+        check_shared_folder,
+        read_runs,
+        shared_folder,
+        without_comparisons,
+    )
     from hilc_cli.errors import UsageError
 
     kinds = [choice.value for choice in kind or []]
@@ -78,6 +83,8 @@ def plot(
         _tell(out or runs[0], pictures, json=json, quiet=quiet)
         return
     wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
+    if len(runs) > 1:
+        runs = without_comparisons(runs) or runs
     results = read_runs(runs)
     chosen: set[int] | None = None
     if wanted is not None:

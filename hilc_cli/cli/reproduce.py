@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from itertools import count
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,6 +20,9 @@ from hilc_cli.cli.options import (
     Version,
 )
 from hilc_cli.cli.session import Session
+
+if TYPE_CHECKING:
+    from hilc_cli.api import ReproductionPlan
 
 
 def complete_figure(incomplete: str) -> list[str]:
@@ -68,7 +71,11 @@ def reproduce(
     chosen = [choice.value for choice in formats or [PictureFormat.PNG]]
     api.check_reproduction(plan, folder, force=force)
     session: Session = context.obj
-    with progress("reproduce", plan.steps, quiet=quiet) as advance:
+
+    def stage(steps: int) -> str:
+        return _stage(plan, steps)
+
+    with progress("reproduce", plan.steps, quiet=quiet, stage=stage) as advance:
         done = count(1)
 
         def on_step() -> None:
@@ -87,3 +94,14 @@ def reproduce(
     if verbose:
         for step, seconds in {**result.timings, **timings}.items():
             say(f"{step}: {seconds:.3f} s")
+
+
+def _stage(plan: ReproductionPlan, done: int) -> str:
+    """What is going on after so many steps: runs, then claims, then figures."""
+    claims = done - len(plan.scenarios)
+    if claims < 0:
+        return ": simulating"
+    if claims < len(plan.claims):
+        # The first claims may wait some seconds for machine code.
+        return ": judging claims (the first time, the engine is compiled)"
+    return ": drawing"

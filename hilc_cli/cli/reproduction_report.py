@@ -52,12 +52,12 @@ def document(result: Reproduction, folder: Path, formats: Sequence[str]) -> dict
 
 
 def _figure(figure: PaperFigure, formats: Sequence[str]) -> dict[str, Any]:
-    from hilc_cli.paper.names import data_name, picture_name
+    from hilc_cli.paper.names import data_name, picture_name, with_shown
 
     return {
         "name": figure.name,
         "title": figure.title,
-        "files": [picture_name(figure, suffix) for suffix in dict.fromkeys(formats)],
+        "files": [picture_name(figure, suffix) for suffix in with_shown(formats)],
         "panels": [
             {
                 "panel": panel.letter,

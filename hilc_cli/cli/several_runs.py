@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -31,12 +33,35 @@ def read_runs(folders: Sequence[Path]) -> list[RunData]:
     return [replace(run, name=name) for run, name in zip(runs, names, strict=True)]
 
 
+def without_comparisons(folders: Sequence[Path]) -> list[Path]:
+    """The folders but those of earlier comparisons, which a pattern such as runs/fig4* finds too.
+
+    What is left out is told.
+    """
+    from hilc_cli.cli.terminal import say
+    from hilc_cli.results.comparison_tables import FILES
+    from hilc_cli.results.run_folder import ITERATIONS
+
+    kept = []
+    for folder in folders:
+        if (folder / FILES["csv"]).is_file() and not (folder / ITERATIONS).exists():
+            say(f"{folder}: holds a comparison and no run, so it is left out")
+        else:
+            kept.append(folder)
+    return kept
+
+
 def shared_folder(folders: Sequence[Path]) -> Path:
-    """Where the results of several runs go by default, such as runs/A-vs-B."""
+    """Where the results of several runs go by default, such as runs/A-vs-B.
+
+    More than two are told from other such sets by a few digits, which follow from where they are.
+    """
     names = [folder.resolve().name for folder in folders]
     if len(names) == 2:
         return Path("runs") / f"{names[0]}-vs-{names[1]}"
-    return Path("runs") / f"{names[0]}-and-{len(names) - 1}-more"
+    places = "\0".join(os.path.relpath(folder.resolve()) for folder in folders)
+    digits = hashlib.sha256(os.fsencode(places)).hexdigest()[:6]
+    return Path("runs") / f"{names[0]}-and-{len(names) - 1}-more-{digits}"
 
 
 def check_shared_folder(folder: Path) -> None:

@@ -92,13 +92,16 @@ def is_decorated(stream: TextIO) -> bool:
 
 
 @contextmanager
-def progress(title: str, total: int, *, quiet: bool) -> Iterator[Callable[[int], None]]:
+def progress(
+    title: str, total: int, *, quiet: bool, stage: Callable[[int], str] = lambda done: ""
+) -> Iterator[Callable[[int], None]]:
     """A progress bar on stderr, where there is to be one.
 
     Args:
         title: What is going on.
         total: Number of things to do.
         quiet: No bar at all.
+        stage: Says what is going on after so many things; it stands behind the title.
 
     Yields:
         A function to call with the number of things done.
@@ -124,5 +127,5 @@ def progress(title: str, total: int, *, quiet: bool) -> Iterator[Callable[[int],
         transient=True,
     )
     with bar:
-        task = bar.add_task(title, total=total)
-        yield lambda done: bar.update(task, completed=done)
+        task = bar.add_task(f"{title}{stage(0)}", total=total)
+        yield lambda done: bar.update(task, completed=done, description=f"{title}{stage(done)}")

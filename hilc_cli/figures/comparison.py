@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from hilc_cli.errors import UsageError
 from hilc_cli.figures import labels, layout, style
 from hilc_cli.figures.error import draw_error
-from hilc_cli.figures.final_path import draw_final_path
+from hilc_cli.figures.final_path import draw_final_path, same_path
 from hilc_cli.figures.last_errors import PITCH, draw_last_errors, last_value, room_for_names
 from hilc_cli.figures.save import check_format, save_figure
 from hilc_cli.results.run import RunData, distinct_names
@@ -22,8 +22,11 @@ MOST_LINES = len(style.RUN_COLORS)
 """So many runs are laid over each other: each has a colour of its own."""
 MOST_ROWS = 50
 """So many runs have a row of their own."""
+MOST_PATHS = 4
+"""So many trajectories have a panel of their own."""
 
 _ERROR_WIDTH, _PATH_WIDTH, _HEIGHT = 5.2, 4.3, 3.6  # of the panels above [inch]
+_LONGEST_HEADING = 120  # [characters]
 _NUMBER = len(" (9999)")  # behind names that are equal
 _SHEET = 2 * (layout.LEFT + layout.RIGHT) + _ERROR_WIDTH + _PATH_WIDTH  # [inch]
 
@@ -31,9 +34,10 @@ _SHEET = 2 * (layout.LEFT + layout.RIGHT) + _ERROR_WIDTH + _PATH_WIDTH  # [inch]
 def comparison_figure(runs: Sequence[RunData]) -> Figure:
     """The sheet of several runs.
 
-    Above, the errors over the iterations and the last paths, laid over each other. Below, a row for
-    each run with its last maximum and mean error, which is the legend of the lines as well. Of too
-    many runs the best are shown, and it is said which are not.
+    Above, the errors over the iterations and the last paths, laid over each other; paths of
+    different trajectories, which may differ much in size, have a panel each. Below, a row for each
+    run with its last maximum and mean error, which is the legend of the lines as well. Of too many
+    runs the best are shown, and it is said which are not.
 
     Args:
         runs: At least one.
@@ -46,28 +50,101 @@ def comparison_figure(runs: Sequence[RunData]) -> Figure:
     with style.applied():
         rows = best_runs(_told_apart(runs), MOST_ROWS)
         lines = best_runs(rows, MOST_LINES)
-        top = layout.HEADING + layout.TOP
-        above = top + _HEIGHT + layout.BOTTOM
-        names = labels.run_labels(lines)
-        heading = layout.heading_of([run.name for run in runs])
-        figure = layout.new_sheet(_SHEET, above, heading)
-        error = layout.add_panel(figure, layout.LEFT, top, _ERROR_WIDTH, _HEIGHT)
-        right = _SHEET - layout.RIGHT
-        path = layout.add_panel(figure, right - _PATH_WIDTH, top, _PATH_WIDTH, _HEIGHT)
-        draw_error(error, lines)
-        draw_final_path(path, lines)
-        own = max(
-            layout.legend_below(error, _ERROR_WIDTH, without=names),
-            layout.legend_below(path, _PATH_WIDTH, without=names),
-        )
+        groups = _by_trajectory(lines)
+        figure = layout.new_sheet(_SHEET, layout.HEADING, _heading(runs))
+        if len(groups) == 1:
+            above = _draw_side_by_side(figure, lines)
+        else:
+            above = _draw_paths_below(figure, lines, groups)
+        first = list(figure.axes)
         left, height = room_for_names(rows), PITCH * (len(rows) + 0.4)
-        layout.resize_sheet(figure, bottom=own + layout.TOP + height + layout.BOTTOM)
-        below = layout.add_panel(figure, left, above + own + layout.TOP, right - left, height)
+        right = _SHEET - layout.RIGHT
+        layout.resize_sheet(figure, bottom=layout.TOP + height + layout.BOTTOM)
+        below = layout.add_panel(figure, left, above + layout.TOP, right - left, height)
         draw_last_errors(below, rows, lines)
-        _note_what_is_left_out(below, len(runs), len(rows), len(lines))
+        _note_what_is_left_out(below, len(runs), len(rows), len(lines), len(groups))
         legend = layout.legend_below(below, right - left)
-        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room([error, path]))
+        beside = first if len(groups) == 1 else first[:1]  # what stands at the upper edge
+        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(beside))
         return figure
+
+
+def _draw_side_by_side(figure: Figure, runs: Sequence[RunData]) -> float:
+    """Draws errors and paths beside each other, and returns where they end [inch]."""
+    top, names = layout.HEADING + layout.TOP, labels.run_labels(runs)
+    layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
+    left = _SHEET - layout.RIGHT - _PATH_WIDTH
+    error = layout.add_panel(figure, layout.LEFT, top, _ERROR_WIDTH, _HEIGHT)
+    path = layout.add_panel(figure, left, top, _PATH_WIDTH, _HEIGHT)
+    draw_error(error, runs)
+    draw_final_path(path, runs)
+    legend = max(
+        layout.legend_below(error, _ERROR_WIDTH, without=names),
+        layout.legend_below(path, _PATH_WIDTH, without=names),
+    )
+    layout.resize_sheet(figure, bottom=legend)
+    return top + _HEIGHT + layout.BOTTOM + legend
+
+
+def _draw_paths_below(
+    figure: Figure, runs: Sequence[RunData], groups: Sequence[Sequence[RunData]]
+) -> float:
+    """Draws the paths on each trajectory below the errors, and returns where they end [inch]."""
+    names, shown = labels.run_labels(runs), groups[:MOST_PATHS]
+    top, width = layout.HEADING + layout.TOP, _SHEET - layout.LEFT - layout.RIGHT
+    layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
+    error = layout.add_panel(figure, layout.LEFT, top, width, _HEIGHT)
+    draw_error(error, runs)
+    legend = layout.legend_below(error, width, without=names)
+    top += _HEIGHT + layout.BOTTOM + legend + layout.TOP
+    width = _SHEET / len(shown) - layout.LEFT - layout.RIGHT
+    height = min(width, _HEIGHT)
+    layout.resize_sheet(figure, bottom=legend + layout.TOP + height + layout.BOTTOM)
+    paths = []
+    for place, group in enumerate(shown):
+        left = place * _SHEET / len(shown) + layout.LEFT
+        axes = layout.add_panel(figure, left, top, width, height)
+
+        def entitle(
+            axes: Axes, title: str, notes: Sequence[str], group: Sequence[RunData] = group
+        ) -> None:
+            title = labels.wrapped(f"Final path, {group[0].reference.name}", width)
+            labels.set_title(
+                axes,
+                title,
+                [line for note in notes for line in labels.wrapped(note, width).split("\n")],
+            )
+
+        draw_final_path(axes, group, entitle, among=runs)
+        paths.append(axes)
+    legend = layout.legend_below(paths[0], _SHEET, without=names)
+    layout.resize_sheet(figure, bottom=legend)
+    return top + height + layout.BOTTOM + legend
+
+
+def _by_trajectory(runs: Sequence[RunData]) -> list[list[RunData]]:
+    """The runs in groups that follow the very same path, in the order of their first ones."""
+    groups: list[list[RunData]] = []
+    for run in runs:
+        group = next((g for g in groups if same_path([g[0].reference, run.reference])), None)
+        if group is None:
+            groups.append([run])
+        else:
+            group.append(run)
+    return groups
+
+
+def _heading(runs: Sequence[RunData]) -> str:
+    """The names of the runs, as many as there is room for."""
+    names = labels.run_labels(runs)
+    if len(names) == 1:
+        return names[0]
+    for shown in range(len(names), 0, -1):
+        left = len(names) - shown
+        text = ", ".join(names[:shown]) + (f" and {left} more" if left else "")
+        if len(text) <= _LONGEST_HEADING:
+            return f"{len(names)} runs: {text}"
+    return f"{len(names)} runs"
 
 
 def best_runs(runs: Sequence[RunData], most: int) -> list[RunData]:
@@ -119,10 +196,12 @@ def _told_apart(runs: Sequence[RunData]) -> list[RunData]:
     return [replace(run, name=name) for run, name in zip(runs, distinct_names(names), strict=True)]
 
 
-def _note_what_is_left_out(axes: Axes, runs: int, rows: int, lines: int) -> None:
+def _note_what_is_left_out(axes: Axes, runs: int, rows: int, lines: int, paths: int) -> None:
     notes = []
     if lines < runs:
         notes.append(f"lines above: the {lines} runs with the smallest maximum error; grey: others")
+    if paths > MOST_PATHS:
+        notes.append(f"paths above: those on {MOST_PATHS} of {paths} trajectories")
     if rows < runs:
         notes.append(f"{runs - rows} of {runs} runs, with larger errors, are left out")
     if notes:

@@ -16,6 +16,8 @@ from hilc_cli.results.run import RunData
 
 ZERO_LABEL = "Exactly zero"
 STRIP_LABEL = "Samples at speed limit (0 to 100 %)"
+MOST_DETAILED = 5
+"""Of so many runs mean errors and shares at the limit are drawn; those of more hide the lines."""
 
 # A logarithmic axis of double precision ends a little inside of what its numbers can hold.
 _SMALLEST, _LARGEST = 1e-300, 1e300
@@ -50,7 +52,8 @@ def draw_error(
 ) -> None:
     """Draws the position error against the iteration.
 
-    Of a single run the maximum, RMS and mean; of several the maximum, and the mean as a thin line.
+    Of a single run the maximum, RMS and mean; of several the maximum, and the mean as a thin line;
+    of more than ``MOST_DETAILED`` the maximum alone.
 
     Args:
         axes: Where to draw.
@@ -58,8 +61,8 @@ def draw_error(
         metrics: Which of ``SINGLE_METRICS`` to draw of a single run.
         entitle: Puts the title above the panel.
     """
-    several = len(runs) > 1
-    shares = [share for share in map(saturated_share, runs) if share.any()]
+    several, detailed = len(runs) > 1, len(runs) <= MOST_DETAILED
+    shares = [share for share in map(saturated_share, runs) if detailed and share.any()]
     strip = min(_STRIP, _STRIPS / max(1, len(shares)))
     strips = strip * len(shares)
 
@@ -68,7 +71,10 @@ def draw_error(
     for index, (run, name) in enumerate(zip(runs, labels.run_labels(runs), strict=True)):
         color = style.run_color(index)
         columns = (
-            ((_SINGLE[0][0], name, color, "-"), (_SINGLE[2][0], "_mean", color, style.DOTTED))
+            (
+                (_SINGLE[0][0], name, color, "-"),
+                (_SINGLE[2][0], "_mean", color, style.DOTTED),
+            )[: 2 if detailed else 1]
             if several
             else tuple(column for column in _SINGLE if column[0] in metrics)
         )
@@ -111,17 +117,19 @@ def draw_error(
                 linewidth=1.0,
                 label="_diverged",
             )
-    _legend_proxies(axes, several=several, zeros=zeros)
+    _legend_proxies(axes, several=several, means=detailed, zeros=zeros)
     _scale_iterations(axes, runs)
     _scale_errors(axes, lines, strips)
-    _draw_strips(axes, runs, strip)
+    if detailed:
+        _draw_strips(axes, runs, strip)
     entitle(axes, "Position error", [*_gap_notes(runs), *labels.divergence_notes(runs)])
 
 
-def _legend_proxies(axes: Axes, *, several: bool, zeros: bool) -> None:
+def _legend_proxies(axes: Axes, *, several: bool, means: bool, zeros: bool) -> None:
     """Names what the lines of a kind have in common."""
     if several:
         axes.plot([], [], color="black", linewidth=style.PATH_WIDTH, label="Maximum")
+    if several and means:
         axes.plot(
             *([], []),
             color="black",

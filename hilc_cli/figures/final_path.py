@@ -23,7 +23,10 @@ def same_path(references: Sequence[Reference]) -> bool:
 
 
 def draw_final_path(
-    axes: Axes, runs: Sequence[RunData], entitle: labels.Entitle = labels.set_title
+    axes: Axes,
+    runs: Sequence[RunData],
+    entitle: labels.Entitle = labels.set_title,
+    among: Sequence[RunData] | None = None,
 ) -> None:
     """Draws the last recorded path of each run and the dashed reference.
 
@@ -31,17 +34,22 @@ def draw_final_path(
         axes: Where to draw.
         runs: At least one; all with one reference if they share it, with one each if not.
         entitle: Puts the title above the panel.
+        among: The comparison that the runs are some of, which gives them their colours; None if
+            they are all of it.
     """
+    among = runs if among is None else among
+    places = [next(place for place, one in enumerate(among) if one is run) for run in runs]
+    several = len(among) > 1
     names = labels.run_labels(runs)
     references = [run.reference for run in runs]
     trials = [run.last for run in runs if run.trials]
     shown = view.show(axes, view.view_of(references, trials))
     shared = same_path(references)
     notes: list[str] = []
-    for index, (run, name) in enumerate(zip(runs, names, strict=True)):
+    for index, run, name in zip(places, runs, names, strict=True):
         color = style.run_color(index)
         if not shared:
-            view.draw_reference(axes, run.reference, color)
+            view.draw_reference(axes, run.reference, color, "_reference")
         if not run.trials:
             continue
         trial = run.last
@@ -49,19 +57,21 @@ def draw_final_path(
             *(trial.x, trial.y),
             color=color,
             linewidth=style.PATH_WIDTH,
-            marker=style.run_marker(index, len(runs)),
+            marker=style.run_marker(index, len(among)),
             markersize=style.MARKER_SIZE,
-            markevery=style.sparse(len(trial.x), index, runs),
-            label=name if len(runs) > 1 else f"Iteration {trial.iteration}",
+            markevery=style.sparse(len(trial.x), index, among),
+            label=name if several else f"Iteration {trial.iteration}",
         )
-        notes += view.leaving_note(shown, run.reference, [trial], name if len(runs) > 1 else "")
-        pose_color = color if len(runs) > 1 else "black"
+        notes += view.leaving_note(shown, run.reference, [trial], name if several else "")
+        pose_color = color if several else "black"
         view.draw_start(axes, trial, pose_color)
         view.draw_end(axes, trial, pose_color)
     if trials:
         view.name_poses(axes, end=True)
     if shared:
         view.draw_reference(axes, references[0])
+    else:
+        view.name_reference(axes)
     if len(notes) > 1:
         notes = [f"{len(notes)} of {len(trials)} paths leave the view"]
     entitle(

@@ -154,16 +154,23 @@ def leaving_note(
     return [f"{who} the view, error up to {number_text(farthest, 3)} m"]
 
 
-def draw_reference(axes: Axes, reference: Reference, color: str = REFERENCE_COLOR) -> None:
+def draw_reference(
+    axes: Axes, reference: Reference, color: str = REFERENCE_COLOR, label: str = "Reference"
+) -> None:
     """Draws the path that was to be followed: dashed, on top of the others."""
     axes.plot(
         *(reference.x, reference.y),
         color=color,
         linestyle=DASHED,
         linewidth=1.0,
-        label="Reference",
+        label=label,
         zorder=5,
     )
+
+
+def name_reference(axes: Axes) -> None:
+    """Names references of several colours in the legend, in a colour that is none of theirs."""
+    axes.plot(*([], []), color=REFERENCE_COLOR, linestyle=DASHED, linewidth=1.0, label="Reference")
 
 
 def draw_start(axes: Axes, trial: Trial, color: str = "black") -> None:

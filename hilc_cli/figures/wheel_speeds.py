@@ -39,7 +39,7 @@ def draw_wheel_speeds(
         entitle: Puts the title above the panel.
     """
     several = len(runs) > 1
-    largest = 0.0
+    lowest = highest = 0.0
     for index, (run, name) in enumerate(zip(runs, labels.run_labels(runs), strict=True)):
         if not run.trials:
             continue
@@ -61,7 +61,10 @@ def draw_wheel_speeds(
                 markevery=style.sparse(len(times), index, runs),
                 label=label,
             )
-            largest = max(largest, float(np.abs(speeds).max()))
+            lowest, highest = (
+                min(lowest, float(speeds.min())),
+                max(highest, float(speeds.max())),
+            )
     if several:
         axes.plot([], [], color="black", linewidth=style.PATH_WIDTH, label="Left wheel")
         axes.plot(
@@ -73,7 +76,7 @@ def draw_wheel_speeds(
         )
     if limits is None:
         limits = {run.speed_limit for run in runs if run.speed_limit is not None}
-    notes = _draw_limits(axes, sorted(limits), largest)
+    notes = _draw_limits(axes, sorted(limits), lowest, highest)
     duration = max(float(run.reference.times[-1]) for run in runs)
     axes.set_xlim(0, duration)
     axes.margins(y=0.08)
@@ -89,11 +92,28 @@ def draw_wheel_speeds(
     )
 
 
-def _draw_limits(axes: Axes, limits: Sequence[float], largest: float) -> list[str]:
-    """Draws each limit as two lines with their values; says so if one is out of view."""
-    near = [limit for limit in limits if largest == 0 or limit <= _LIMIT_IN_VIEW * largest]
-    for limit in near:
-        for value in (limit, -limit):
+def _draw_limits(axes: Axes, limits: Sequence[float], lowest: float, highest: float) -> list[str]:
+    """Draws each limit as a line with its value on the sides of zero where wheels come near it.
+
+    Args:
+        axes: Where to draw.
+        limits: The limits [rad/s].
+        lowest: The lowest wheel speed [rad/s], or 0 if all are positive.
+        highest: The highest wheel speed [rad/s], or 0 if all are negative.
+
+    Returns:
+        Notes that say so if a limit is out of view on both sides.
+    """
+    largest = max(highest, -lowest)
+    near = []
+    for limit in limits:
+        sides = [
+            sign
+            for sign, speed in ((1, highest), (-1, -lowest))
+            if largest == 0 or limit <= _LIMIT_IN_VIEW * speed
+        ]
+        near += [limit] if sides else []
+        for value in (sign * limit for sign in sides):
             axes.axhline(
                 value,
                 color=style.LIMIT_COLOR,
@@ -103,11 +123,12 @@ def _draw_limits(axes: Axes, limits: Sequence[float], largest: float) -> list[st
                 zorder=1,
             )
         # A run without a limit may be so much faster that both lines fall together.
-        together = limit < _TOGETHER * largest
-        values = {0.0: "±"} if together else {limit: "+", -limit: "\N{MINUS SIGN}"}
-        for value, sign in values.items():
+        together = len(sides) > 1 and limit < _TOGETHER * largest
+        signs = {1: "+", -1: "\N{MINUS SIGN}"}
+        values = {0.0: "±"} if together else {sign * limit: signs[sign] for sign in sides}
+        for value, text in values.items():
             axes.annotate(
-                f"{sign}{labels.number_text(limit, 4)}",
+                f"{text}{labels.number_text(limit, 4)}",
                 xy=(1, value),
                 xycoords=("axes fraction", "data"),
                 xytext=(3, 0),

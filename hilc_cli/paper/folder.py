@@ -88,6 +88,7 @@ def write_reproduction_folder(
             "kind": KIND,
             "figures": [figure.name for figure in plan.figures],
             "checksum": plan.checksum(),
+            "scenarios_sha256": plan.checksums(),
             **manifest(),
             "files": sorted([*files, MANIFEST]),
         }
@@ -103,10 +104,12 @@ def write_reproduction_folder(
 def check_reproduction_folder(path: Path, plan: ReproductionPlan, *, force: bool = False) -> None:
     """Whether a reproduction may be written to a folder; to be asked before a long simulation.
 
+    One of fewer figures may be completed: all of them are drawn again, from the same scenarios.
+
     Args:
         path: The folder.
         plan: What is to be written.
-        force: Replace the folder of other figures or results.
+        force: Replace the folder of other figures or scenarios.
 
     Raises:
         ExistingResultsError: The folder holds something else, or somebody's own files stand
@@ -117,7 +120,7 @@ def check_reproduction_folder(path: Path, plan: ReproductionPlan, *, force: bool
         "reproduction",
         "other figures or scenarios",
         is_own=lambda: bool(read_manifest(path / MANIFEST, KIND)),
-        is_same=lambda: force or _manifest(path).get("checksum") == plan.checksum(),
+        is_same=lambda: force or _is_among(read_manifest(path / MANIFEST, KIND), plan),
     )
     for name in sorted(f"{DATA}/{entry.name}" for entry in (path / DATA).glob("*")):
         if name not in OWN_DATA:
@@ -127,8 +130,17 @@ def check_reproduction_folder(path: Path, plan: ReproductionPlan, *, force: bool
             )
 
 
-def _manifest(path: Path) -> dict[str, Any]:
-    return read_manifest(path / MANIFEST, KIND)
+def _is_among(manifest: Mapping[str, Any], plan: ReproductionPlan) -> bool:
+    """Whether a plan has all figures and scenarios of the reproduction in a folder."""
+    if manifest.get("checksum") == plan.checksum():
+        return True
+    figures, scenarios = manifest.get("figures"), manifest.get("scenarios_sha256")
+    if not isinstance(figures, list) or not isinstance(scenarios, dict) or not scenarios:
+        return False
+    named, checksums = [figure.name for figure in plan.figures], plan.checksums()
+    return all(name in named for name in figures) and all(
+        checksums.get(name) == checksum for name, checksum in scenarios.items()
+    )
 
 
 def _write(path: Path, text: str) -> None:

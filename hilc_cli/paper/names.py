@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from hilc_cli.paper.contents import FIGURE_NAMES, FIGURES, PaperFigure, PaperPanel
 from hilc_cli.results.run_folder import PICTURE_FORMATS
 
@@ -15,6 +17,12 @@ DATA = "data"
 def picture_name(figure: PaperFigure, suffix: str) -> str:
     """The picture of a figure in one format."""
     return f"{figure.name}.{suffix}"
+
+
+def with_shown(formats: Sequence[str]) -> tuple[str, ...]:
+    """The formats of the pictures, with one that browsers show for the page of all figures."""
+    chosen = tuple(dict.fromkeys(formats))
+    return chosen if set(chosen) - {"pdf"} else (*chosen, "png")
 
 
 def data_name(panel: PaperPanel) -> str:

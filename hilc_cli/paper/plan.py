@@ -35,6 +35,13 @@ class ReproductionPlan:
         """Number of runs, claims and figures."""
         return len(self.scenarios) + len(self.claims) + len(self.figures)
 
+    def checksums(self) -> dict[str, str]:
+        """SHA-256 of each scenario with everything resolved, by the names of the examples."""
+        return {
+            name: hashlib.sha256(scenario.resolved_yaml().encode()).hexdigest()
+            for name, scenario in self.scenarios.items()
+        }
+
     def checksum(self) -> str:
         """SHA-256 of what tells this reproduction from others: its figures and scenarios."""
         texts = [figure.name for figure in self.figures]
@@ -50,7 +57,7 @@ def plan_reproduction(
     Args:
         figures: Such as ``fig3``; none for all figures, whereupon the claims are judged too.
         overrides: Values to put into every scenario, by dotted path. The results are then no
-            longer those of the paper's experiments.
+            longer those of the paper's experiments, so that no claims are judged.
 
     Raises:
         UsageError: The paper has no such figure with results.
@@ -59,7 +66,9 @@ def plan_reproduction(
     chosen = figures_named(figures)
     names = dict.fromkeys(s.scenario for figure in chosen for s in figure.situations)
     scenarios = {name: _load(name, overrides or {}) for name in names}
-    return ReproductionPlan(chosen, scenarios, _claims() if _is_whole(chosen) else ())
+    return ReproductionPlan(
+        chosen, scenarios, _claims() if _is_whole(chosen) and not overrides else ()
+    )
 
 
 def _is_whole(figures: Sequence[PaperFigure]) -> bool:

@@ -33,6 +33,7 @@ class Column:
         section: The part that it belongs to where a table is too wide for its page; empty for
             what names a row, which stands in each part.
         is_ranked: Whether a small value is a good one.
+        is_optional: Whether it is not printed where no row has a value.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Column:
     absent: str = ""
     section: str = ""
     is_ranked: bool = False
+    is_optional: bool = False
 
     def text(self, value: Value) -> str:
         """A value as it is printed, without its unit."""
@@ -99,6 +101,14 @@ class ComparisonTable:
         place = names.index(name)
         return [row.values[place] for row in self.rows]
 
+    def printed(self) -> list[int]:
+        """Places of the columns that are printed."""
+        return [
+            place
+            for place, column in enumerate(self.columns)
+            if not column.is_optional or any(row.values[place] is not None for row in self.rows)
+        ]
+
     def best(self, place: int) -> frozenset[int]:
         """The rows that are the best of their group in a column.
 
@@ -131,10 +141,15 @@ class ComparisonTable:
         return frozenset(found)
 
 
+SETTINGS = "Settings"
 ERRORS, LEARNING = "Errors of the last iteration", "Wheel speeds and learning"
 
 RUN_COLUMNS = (
     Column("run", "Run", "Run"),
+    Column("law", "Learning law", "Law", section=SETTINGS, is_optional=True),
+    Column("gains", "Gains", "Gains", section=SETTINGS, is_optional=True),
+    Column("compensation", "Compensation", "Compensation", section=SETTINGS, is_optional=True),
+    Column("start_offset", "Start offset", "Start offset", section=SETTINGS, is_optional=True),
     Column("trajectory", "Trajectory", "Trajectory", section=ERRORS),
     Column("path_size_m", "Path size", "Size", "m", section=ERRORS),
     Column("iterations", "Iterations", "Iterations", section=ERRORS),
@@ -176,7 +191,7 @@ RUN_COLUMNS = (
     ),
     Column(
         "peak_max_position_error_m", "Largest maximum error on the way", "Peak error", "m",
-        section=LEARNING, is_ranked=True,
+        section=LEARNING,  # mostly that of iteration 0, before anything is learned: no merit
     ),
     Column("peak_iteration", "Largest in iteration", "Peak at", section=LEARNING),
     Column(
@@ -186,6 +201,8 @@ RUN_COLUMNS = (
     Column("diverged_at", "Diverged in iteration", "Diverged", absent="no", section=LEARNING),
 )  # fmt: skip
 """What a table of runs tells of each."""
+
+_SETTINGS = tuple(column.name for column in RUN_COLUMNS if column.section == SETTINGS)
 
 RUN_NOTE = (
     "Errors and the fastest wheel are those of the last iteration. "
@@ -244,6 +261,7 @@ def _values(run: RunData, name: str) -> tuple[Value, ...]:
     final = summary.final
     values: dict[str, Value] = {
         "run": name,
+        **{column: run.settings.get(column) for column in _SETTINGS},
         "trajectory": summary.trajectory,
         "path_size_m": summary.path_size_m,
         "iterations": summary.iterations,

@@ -52,7 +52,7 @@ def for_page(table: ComparisonTable) -> list[Grid]:
 
 def side_by_side(table: ComparisonTable) -> Grid:
     """One grid with a column for each row of the table, headed by what names it first."""
-    head, *others = range(len(table.columns))
+    head, *others = table.printed()
     cells = _cells(table)
     columns = [table.columns[place] for place in others]
     return Grid(
@@ -69,8 +69,8 @@ def side_by_side(table: ComparisonTable) -> Grid:
 def below_each_other(table: ComparisonTable) -> list[Grid]:
     """A grid for each section; what names a row stands in each of them."""
     cells = _cells(table)
-    sections = dict.fromkeys(column.section for column in table.columns if column.section)
-    return [_section(table, cells, section) for section in sections]
+    sections = dict.fromkeys(table.columns[place].section for place in table.printed())
+    return [_section(table, cells, section) for section in sections if section]
 
 
 def note_of(table: ComparisonTable, mark: str) -> str:
@@ -86,13 +86,11 @@ def note_of(table: ComparisonTable, mark: str) -> str:
 
 
 def _section(table: ComparisonTable, cells: list[list[Cell]], section: str) -> Grid:
-    places = [
-        place for place, column in enumerate(table.columns) if column.section in ("", section)
-    ]
+    places = [place for place in table.printed() if table.columns[place].section in ("", section)]
     columns = [table.columns[place] for place in places]
     return Grid(
         title=section,
-        heads=tuple(zip(*(_head(column) for column in columns), strict=True)),
+        heads=tuple(filter(any, zip(*(_head(column) for column in columns), strict=True))),
         at_right=tuple(
             not any(isinstance(row.values[place], str) for row in table.rows) for place in places
         ),

@@ -27,6 +27,8 @@ class RunData:
         gravity_center: D_cx, D_cy [m] of the platform.
         diverged_at: The iteration that left the finite numbers; None if none did.
         learning: What the law tells of each completed iteration; most laws tell nothing.
+        settings: What tells the run from others, in words: law, gains, compensation,
+            start_offset; what is not known is left out.
     """
 
     name: str
@@ -37,6 +39,7 @@ class RunData:
     gravity_center: tuple[float, float] = (0.0, 0.0)
     diverged_at: int | None = None
     learning: LearningTable = field(default_factory=LearningTable)
+    settings: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def last(self) -> Trial:

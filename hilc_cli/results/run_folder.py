@@ -133,7 +133,7 @@ def is_run_folder(path: Path) -> bool:
 def read_run_folder(path: Path) -> RunData:
     """The results in a run folder, from its tables.
 
-    The manifest adds the names and the speed limit, if it is there.
+    The manifest adds the names, the speed limit and the settings, if it is there.
 
     Raises:
         HilcError: There is no such folder, or a table is missing or damaged.
@@ -160,6 +160,7 @@ def read_run_folder(path: Path) -> RunData:
         gravity_center=(ahead, aside),
         diverged_at=diverged_at if isinstance(diverged_at, int) else None,
         learning=read_learning(path / LEARNING),
+        settings=_texts(manifest.get("settings")),
     )
 
 
@@ -169,6 +170,12 @@ def _pair(value: object) -> tuple[float, float]:
             return float(first), float(second)
         case _:
             return 0.0, 0.0
+
+
+def _texts(value: object) -> dict[str, str]:
+    if not isinstance(value, dict):
+        return {}
+    return {key: text for key, text in value.items() if isinstance(text, str)}
 
 
 def _same_scenario(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -12,6 +13,7 @@ from hilc_cli.paper.claim import Claim, Finding, Verdict
 from hilc_cli.paper.claims import CLAIMS, gains, initial_error, limit, structure, theorems
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
+from hilc_cli.results.trial import Trial
 from tests.paper.evidence import SIZE, STEPS, evidence, reached, run_of
 
 HOLDS, IN_PART, FAILS = Verdict.HOLDS, Verdict.IN_PART, Verdict.FAILS
@@ -109,7 +111,7 @@ def test_circle_with_compensation(run: RunData, verdict: Verdict) -> None:
     finding = judge("F4-2", fig4_compensated=run)
     assert finding.verdict is verdict
     if verdict is not HOLDS:
-        assert "errors of up to 1.57 m after sample h" in finding.reason
+        assert "errors of up to 1.57 m, where the run has" in finding.reason
 
 
 @pytest.mark.parametrize(
@@ -197,7 +199,10 @@ def test_feedback_and_stability(
 )
 def test_speeds(speeds: Sequence[float], verdict: Verdict) -> None:
     runs = {f"fig7{c}": run_of(left=s) for c, s in zip("abcd", speeds, strict=True)}
-    assert judge("F7-1", **runs).verdict is verdict
+    finding = judge("F7-1", **runs)
+    assert finding.verdict is verdict
+    figures = {figure.name: figure.value for figure in finding.figures}
+    assert figures["fastest wheel of all iterations (7b)"] == speeds[1]
 
 
 @pytest.mark.parametrize(
@@ -257,17 +262,77 @@ def test_contradicting_matrix(error: float, verdict: Verdict) -> None:
 
 
 @pytest.mark.parametrize(
-    ("left", "verdict"),
-    [((1e-4, 1e-4, 1e-4), HOLDS), ((1e-4, 0.5, 9.0), IN_PART), ((2e-3, 0.5, 9.0), FAILS)],
+    ("last", "hump", "verdict", "told"),
+    [
+        ((1e-4, 1e-4, 1e-4), 0.0, HOLDS, ""),
+        ((1e-4, 1e-4, 9.0), 0.5, IN_PART, "not converge with gains (0, 1, 0), where"),
+        ((1e-4, 1e-4, 9.0), 0.5, IN_PART, "before they vanish, with gains (1, 0, 0), to 50 %"),
+        ((2e-3, 1e-4, 1e-4), 0.0, IN_PART, "not converge with gains (1, 0, 0), where"),
+        (
+            (2e-3, 0.5, 9.0),
+            0.0,
+            FAILS,
+            "(1, 0, 0), where one iteration has the spectral radius 0.95",
+        ),
+        ((1e-4, 1e-4, math.nan), 0.0, IN_PART, "not converge with gains (0, 1, 0), where"),
+    ],
 )
 def test_theorem_1(
-    left: Sequence[float], verdict: Verdict, monkeypatch: pytest.MonkeyPatch
+    last: Sequence[float],
+    hump: float,
+    verdict: Verdict,
+    told: str,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    of_gains = iter(left)
+    of_gains = iter(last)
 
     def errors_of(experiments: Sequence[Experiment]) -> list[Floats]:
         share = next(of_gains)
-        return [np.array([1.0, share * experiment.reference.size]) for experiment in experiments]
+        shares = np.array([*[1.0] * 250, hump, share])
+        shares[200:250] = 0.0
+        return [shares * experiment.reference.size for experiment in experiments]
 
     monkeypatch.setattr(theorems, "errors_of", errors_of)
-    assert judge("T1").verdict is verdict
+    finding = judge("T1")
+    assert finding.verdict is verdict
+    assert told in finding.reason
+
+
+@pytest.mark.parametrize(
+    ("offsets", "verdict"),
+    [((0.1, 0.05, 0.01, 0.01), HOLDS), ((0.1, 5, 5, 5), IN_PART), ((5, 5, 5, 5), FAILS)],
+)
+def test_theorem_2(
+    offsets: Sequence[float], verdict: Verdict, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    of_runs = iter(offsets)
+
+    def last_trial(experiment: Experiment) -> Trial:
+        reference = experiment.reference
+        nothing = np.zeros(reference.samples)
+        beside = reference.x + next(of_runs)
+        return Trial(1, beside, reference.y, reference.heading, nothing, nothing)
+
+    monkeypatch.setattr(theorems, "last_trial", last_trial)
+    finding = judge("T2")
+    assert finding.verdict is verdict
+    figures = {figure.name: figure.value for figure in finding.figures}
+    # 100 samples of a circle miss its widest points by a little.
+    largest = figures["largest error after sample h, circle"]
+    assert largest == pytest.approx(5 * offsets[0], rel=1e-3)
+    assert figures["largest rho as printed"] == pytest.approx(0.5)
+    monkeypatch.setattr(theorems, "fixed_point", lambda experiment: None)
+    of_runs = iter(offsets)
+    assert judge("T2").verdict is verdict  # nothing to compare with
+
+
+def test_reasons_tell_what_decided(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A gain above 20 that tracks is told, and what did not fall is told where it did not."""
+    monkeypatch.setattr(gains, "errors_of", settling([90, 80, 70, 60, 50, 40, 30, None, 5, None]))
+    assert judge("F6-1").reason == "Above 20 it still gets there, with l1 = 30."
+    monkeypatch.setattr(
+        gains, "errors_of", settling([90, 80, 70, 20, 50, 40, 30, None, None, None])
+    )
+    reason = judge("F6-1").reason
+    assert reason.startswith("The number does not fall from l1 = 1 to 2 (20 to 50). A larger gain")
+    assert "Above 20" not in reason

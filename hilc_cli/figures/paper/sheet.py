@@ -80,16 +80,16 @@ def _draw_row(
     """Draws the panels of a row, in their size; where they stand is not settled yet."""
     width, height = size
     panels: list[Axes] = []
-    notes, left = 0, _LEFT
+    most, left = 0, _LEFT
     for panel in row.panels:
         axes = layout.add_panel(figure, left, 0, width, height)
-        notes = max(notes, draw_panel(axes, panel, scale))
+        notes = draw_panel(axes, panel, scale)
+        entitle_panel(axes, panel, notes)
+        most = max(most, notes)
         panels.append(axes)
         left += width + _RIGHT + _LEFT
         left += gutter if panel.kind is PanelKind.WHEEL_SPEEDS else 0
-    for axes, panel in zip(panels, row.panels, strict=True):
-        entitle_panel(axes, panel, notes)  # all of a row at one height
-    above = _TITLE + NOTE_LINE * notes
+    above = _TITLE + NOTE_LINE * most
     if row.heading:
         shift = ScaledTranslation(_EDGE - _LEFT, above + 0.02, figure.dpi_scale_trans)
         panels[0].text(

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hilc_cli.laws.law import Figures, Iteration, Learner, Task, WheelController
-from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, Plan
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.robot import Robot
+
+if TYPE_CHECKING:
+    from hilc_cli.laws.norm_optimal.learner import Plan
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +37,10 @@ class _AtWork:
     """The law on one experiment."""
 
     def __init__(self, law: NormOptimalLaw, task: Task) -> None:
+        from hilc_cli.laws.norm_optimal.learner import (
+            NormOptimalLearner,
+        )  # the compiler starts slowly
+
         reference = task.reference
         self._reference = reference
         self._poses = np.stack([reference.x, reference.y, reference.heading], axis=1)

@@ -112,18 +112,21 @@ def _others_are_tracked(evidence: Evidence) -> Finding:
 
 
 def _why(evidence: Evidence, runs: Mapping[str, str]) -> str:
-    """The equilibrium of Eq. 21 in figures."""
+    """The equilibrium of Eq. 21, and where the runs are instead."""
     resting = {name: rest_without_limit(run) for name, run in runs.items()}
     told = ", ".join(
-        f"{rest.position_error_m[H + 1 :].max():.2f} m" + (f" ({name})" if len(runs) > 1 else "")
+        f"{rest.position_error_m[H + 1 :].max():.2f} m"
+        + (f" ({name})" if len(runs) > 1 else "")
+        + f", where the run has {_largest_after_h(evidence[runs[name]]):.2f} m"
         for name, rest in resting.items()
     )
     why = (
         "Eq. 21 stands still where G(k) [e(k+1) + w(k) e(0)] = 0: it holds an error of -w(k) e(0) "
         f"along the path and in heading, w(0) = {compensation_gain(0, H, SAMPLE_TIME):g} times the "
         "initial one, until sample h, and none after it. G does not see the sideways error: it "
-        "drifts meanwhile, and nothing removes it afterwards. Without limit this equilibrium has "
-        f"errors of up to {told} after sample h."
+        "drifts meanwhile, and nothing removes it afterwards. That equilibrium, without limit and "
+        f"after any number of iterations, has errors of up to {told} after sample h: what 100 "
+        "iterations within the limit have not settled comes on top, or keeps them from it."
     )
     turns = {
         name: float(abs(rest.errors[1, 2] - rest.errors[0, 2])) for name, rest in resting.items()
@@ -134,11 +137,15 @@ def _why(evidence: Evidence, runs: Mapping[str, str]) -> str:
         last = [evidence[runs[name]] for name in turned]
         share = max(run.last.saturated_samples / run.reference.samples for run in last)
         why += (
-            f" It would turn the platform by {jumps} in the first sample, where the start is "
-            "turned as well, which no wheel within the limit does: there it is at its limit in up "
+            f" Where the start is turned as well it would turn the platform by {jumps} in the "
+            "first sample, which no wheel within the limit does: there it is at its limit in up "
             f"to {share:.0%} of the samples of iteration 100."
         )
     return why
+
+
+def _largest_after_h(run: RunData) -> float:
+    return relative_error_after(run, H) * run.reference.size
 
 
 def rest_without_limit(name: str) -> FixedPoint:

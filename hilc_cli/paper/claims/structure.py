@@ -35,13 +35,13 @@ def _without_parameters(evidence: Evidence) -> Finding:
     )
     if verdict is Verdict.HOLDS:
         return Finding(verdict, figures)
-    law = evidence["fig8b"]
+    robot = experiment.robot
+    along, turning = robot.wheel_radius, robot.wheel_radius / robot.half_track
     when = f"after {tracked_at} iterations" if tracked_at is not None else f"not in {_LONG} either"
     reason = (
-        "The right shape is learned, but slowly: with R = B = 1 in place of 0.2 and 0.518 the same "
-        "scalars are worth R = 0.2 of a gain along the path and R / B = 0.39 in turning, so that "
-        f"after 100 iterations of l1 = 1 {100 * relative_error(law):.1f} % are left; 1 % is "
-        f"reached {when}."
+        "The right shape is learned, but slowly: with R = B = 1 in the matrix the same scalars are "
+        f"worth R = {along:g} of a gain along the path and R / B = {turning:.2g} in turning. After "
+        f"100 iterations {100 * error:.1f} % are left; 1 % is reached {when}."
     )
     return Finding(verdict, figures, reason)
 
