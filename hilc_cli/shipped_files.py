@@ -1,4 +1,4 @@
-"""The example trajectories and scenarios that travel with hilc."""
+"""The example trajectories, scenarios and leaderboards that travel with hilc."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from hilc_cli.errors import ExistingResultsError, UsageError, suggestion
 from hilc_cli.files import write_file, writing
 
 PREFIX = "example:"
-FOLDERS = ("scenarios", "trajectories")
+SCENARIOS, TRAJECTORIES, LEADERBOARDS = KINDS = ("scenarios", "trajectories", "leaderboards")
+
+_BESIDE_SCENARIOS = frozenset({"leaderboard"})  # is in their folder, and none of them
 
 
 def examples_folder() -> Path:
@@ -20,12 +22,16 @@ def examples_folder() -> Path:
     return installed if installed.is_dir() else package.parent
 
 
-def examples(folder: str = "scenarios") -> Iterator[Path]:
-    """The example files of one folder, by name."""
-    return iter(sorted((examples_folder() / folder).glob("*.yaml")))
+def examples(kind: str = SCENARIOS) -> Iterator[Path]:
+    """The example files of one kind, by name."""
+    folder = examples_folder() / (TRAJECTORIES if kind == TRAJECTORIES else SCENARIOS)
+    files = sorted(folder.glob("*.yaml"))
+    if kind == TRAJECTORIES:
+        return iter(files)
+    return (file for file in files if (file.stem in _BESIDE_SCENARIOS) == (kind == LEADERBOARDS))
 
 
-def resolve_example(text: str, folder: str = "scenarios") -> Path:
+def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
     """The file behind ``example:NAME``; any other text is a path as it is.
 
     Raises:
@@ -34,7 +40,7 @@ def resolve_example(text: str, folder: str = "scenarios") -> Path:
     if not text.startswith(PREFIX):
         return Path(text)
     name = text.removeprefix(PREFIX).removesuffix(".yaml")
-    known = {path.stem: path for path in examples(folder)}
+    known = {path.stem: path for path in examples(kind)}
     if name not in known:
         begun = [stem for stem in known if name and stem.startswith(name)]
         hint = suggestion(name, begun or known)
@@ -57,7 +63,9 @@ def copy_examples(folder: Path, *, force: bool = False) -> list[Path]:
         FileAccessError: The system refused.
     """
     files = {
-        folder / kind / path.name: path.read_bytes() for kind in FOLDERS for path in examples(kind)
+        folder / path.parent.name / path.name: path.read_bytes()
+        for kind in KINDS
+        for path in examples(kind)
     }
     with writing(folder):
         changed = [path for path, new in files.items() if path.exists() and _differs(path, new)]

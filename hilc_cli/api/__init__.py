@@ -10,6 +10,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from hilc_cli.api.checking import Check, check
     from hilc_cli.api.comparing import Comparison, compare
+    from hilc_cli.api.comparing_laws import (
+        LawComparison,
+        Leaderboard,
+        check_leaderboard_output,
+        compare_laws,
+        load_leaderboard,
+    )
     from hilc_cli.api.reproducing import Reproduction, check_reproduction, reproduce
     from hilc_cli.api.running import (
         Run,
@@ -51,6 +58,8 @@ __all__ = [
     "Estimate",
     "Execution",
     "Failure",
+    "LawComparison",
+    "Leaderboard",
     "Plan",
     "Reproduction",
     "ReproductionPlan",
@@ -64,15 +73,18 @@ __all__ = [
     "available_cores",
     "check",
     "check_folder",
+    "check_leaderboard_output",
     "check_reproduction",
     "check_sweep_output",
     "compare",
+    "compare_laws",
     "compile_for",
     "discard_work",
     "estimate",
     "is_complete",
     "is_resumable",
     "is_sweep",
+    "load_leaderboard",
     "load_scenario",
     "merge_shards",
     "plan_reproduction",
@@ -104,6 +116,13 @@ _HOMES = {
     "hilc_cli.api.comparing": (
         "Comparison",
         "compare",
+    ),
+    "hilc_cli.api.comparing_laws": (
+        "LawComparison",
+        "Leaderboard",
+        "check_leaderboard_output",
+        "compare_laws",
+        "load_leaderboard",
     ),
     "hilc_cli.api.running": (
         "Run",

@@ -1,4 +1,4 @@
-"""``hilc compare``: several runs in one table and one picture."""
+"""``hilc compare``: several runs, or several laws, in one table and one picture."""
 
 from __future__ import annotations
 
@@ -33,10 +33,19 @@ class TableKind(StrEnum):
 
 
 def compare(
+    context: typer.Context,
     runs: Annotated[
-        list[Path],
-        typer.Argument(metavar="RUN", help="At least two run folders.", show_default=False),
-    ],
+        list[Path] | None,
+        typer.Argument(metavar="RUN...", help="At least two run folders.", show_default=False),
+    ] = None,
+    laws: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="Run the laws of this leaderboard in its cases instead; example:leaderboard.",
+            show_default=False,
+        ),
+    ] = None,
     table: Annotated[
         TableKind | None,
         typer.Option("--table", help="The table to print. [default: terminal]"),
@@ -45,6 +54,12 @@ def compare(
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no picture.")] = False,
     out: OutputFolder = None,
     force: Force = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, max=10_000, help="Processes, for --laws. [default: all cores]"
+        ),
+    ] = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -55,11 +70,15 @@ def compare(
     Writes comparison.csv, .md, .tex and .png to --out, by default runs/A-vs-B, and prints the
     table. Folders of earlier comparisons are left out. Nothing is simulated.
 
+    With --laws, runs each law of a leaderboard in each of its cases, and writes leaderboard.csv
+    (all runs), .md, .tex and .png to runs/NAME.
+
     \b
     Examples:
       hilc compare runs/fig4-uncompensated runs/fig4-compensated
       hilc compare runs/fig6? --out figure-6 --format pdf
       hilc compare runs/fig7a runs/fig7b --no-plots --table latex > table.tex
+      hilc compare --laws example:leaderboard
     """
     from hilc_cli import api
     from hilc_cli.cli.several_runs import (
@@ -73,6 +92,30 @@ def compare(
 
     if json and table is not None:
         raise UsageError("--json and --table both say what is printed; give one of them")
+    chosen = [choice.value for choice in formats or [PictureFormat.PNG]]
+    if laws is not None:
+        from hilc_cli.cli.leaderboard import compare_laws
+
+        if runs:
+            raise UsageError(f"--laws runs what it compares; leave out {runs[0]}")
+        compare_laws(
+            laws,
+            context.obj,
+            table=(table or TableKind.TERMINAL).value,
+            out=out,
+            force=force,
+            formats=chosen,
+            plots=not no_plots,
+            workers=workers,
+            json=json,
+            quiet=quiet,
+            verbose=verbose,
+        )
+        return
+    if workers is not None:
+        raise UsageError("--workers is for --laws; nothing else is simulated")
+    if not runs:
+        raise UsageError("there is nothing to compare; give at least two run folders, or --laws")
     given, runs = runs, without_comparisons(runs)
     if len(runs) < 2:
         one = runs[0] if runs else given[0]
@@ -87,7 +130,7 @@ def compare(
     files = result.write(
         folder,
         force=force,
-        formats=[choice.value for choice in formats or [PictureFormat.PNG]],
+        formats=chosen,
         plots=not no_plots,
     )
     if json:

@@ -31,7 +31,7 @@ def examples(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """List the example scenarios and trajectories, or copy them.
+    """List the example scenarios, trajectories and leaderboards, or copy them.
 
     Scenarios run as example:NAME; scenarios may name trajectories so as well.
 
@@ -41,7 +41,7 @@ def examples(
       hilc examples --copy my-experiments
     """
     from hilc_cli.cli.terminal import print_json, print_table, print_text, two_columns
-    from hilc_cli.shipped_files import FOLDERS, copy_examples, examples, examples_folder
+    from hilc_cli.shipped_files import KINDS, copy_examples, examples, examples_folder
     from hilc_cli.spec.describing import description_of
 
     if where:
@@ -56,16 +56,16 @@ def examples(
             print_text(f"Wrote {len(written)} files to {copy}")
         return
     listed = {
-        folder: [(f"example:{path.stem}", description_of(path)) for path in examples(folder)]
-        for folder in FOLDERS
+        kind: [(f"example:{path.stem}", description_of(path)) for path in examples(kind)]
+        for kind in KINDS
     }
     if json:
         print_json(
             {
-                folder: [{"name": name, "description": text} for name, text in rows]
-                for folder, rows in listed.items()
+                kind: [{"name": name, "description": text} for name, text in rows]
+                for kind, rows in listed.items()
             }
         )
     elif not quiet:
-        for folder, rows in listed.items():
-            print_table(two_columns(folder.capitalize(), rows, numbers=False))
+        for kind, rows in listed.items():
+            print_table(two_columns(kind.capitalize(), rows, numbers=False))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from hilc_cli.errors import Problem, suggestion
-from hilc_cli.spec.model import Model
+from hilc_cli.spec.model import NAME_PATTERN, Model
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
 
 # What is wrong and what is allowed, by Pydantic's name of the error.
@@ -45,6 +45,10 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         keys: PathKeys = details["loc"]
         if keys and keys[-1] == "[key]":  # what is wrong is the key itself
             keys = keys[:-1]
+            message = "is no name; use letters, digits, '.', '_' and '-'"
+            if context.get("pattern") == NAME_PATTERN:
+                found.append(_at(tree, keys, message, point_at_key=True))
+                continue
             message = "is no key; give keys with dots between them, such as controller.gains.l1"
             found.append(_at(tree, keys, message, point_at_key=True))
         elif details["type"] == "hilc":
@@ -65,6 +69,11 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
             found.append(_located(tree, keys, problem, remedy, show_all=True))
     found.sort(key=lambda placed: (placed[0].source.label, placed[0].line, placed[0].column))
     return [problem for _, problem in found]
+
+
+def located_problem(tree: Node, keys: PathKeys, problem: str, remedy: str) -> Problem:
+    """What is wrong with a value, at its place in the tree, and what is allowed."""
+    return _located(tree, keys, problem, remedy)[1]
 
 
 def _located(
@@ -112,11 +121,15 @@ def _fields(model: type[Model] | None) -> Mapping[str, FieldInfo]:
 def _models_to(tree: Node, keys: PathKeys, model: type[Model]) -> list[type[Model] | None]:
     """The models that the mappings on the way to a path are validated against, its own last."""
     found: list[type[Model] | None] = [model]
+    named: object = None  # what the names in a mapping of names stand for
     for depth, key in enumerate(keys, 1):
-        if isinstance(key, str):
-            field = _fields(found[-1]).get(key)
-            part = to_data(nearest(tree, keys[:depth])[0])
-            found.append(None if field is None else model_in(field.annotation, part))
+        if not isinstance(key, str):
+            continue
+        field = _fields(found[-1]).get(key)
+        annotation = named or (None if field is None else field.annotation)
+        named = get_args(annotation)[1] if get_origin(annotation) is dict else None
+        part = to_data(nearest(tree, keys[:depth])[0])
+        found.append(None if annotation is None or named else model_in(annotation, part))
     return found
 
 

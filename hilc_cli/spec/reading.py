@@ -10,7 +10,7 @@ from pathlib import Path
 
 from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
 from hilc_cli.files import read_file, reason
-from hilc_cli.shipped_files import PREFIX, resolve_example
+from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, resolve_example
 from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, describe, with_entry
 from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
 
@@ -39,8 +39,12 @@ class Inputs:
         self.checksums[str(path)] = hashlib.sha256(content).hexdigest()
         return content
 
-    def tree(self, name: str) -> Node:
+    def tree(self, name: str, kind: str = SCENARIOS) -> Node:
         """The YAML tree of a file, of standard input (``-``), or of an example.
+
+        Args:
+            name: Which.
+            kind: Of the example.
 
         Raises:
             HilcError: It cannot be read, or is no valid YAML.
@@ -49,7 +53,7 @@ class Inputs:
             content = _read_stdin()
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
             return parse_yaml(content, Source("<stdin>", Path()), self.problems)
-        path = resolve_example(name)
+        path = resolve_example(name, kind)
         content = self.file(path, MAX_BYTES)
         return parse_yaml(content, Source(str(path), path.parent), self.problems)
 
@@ -79,7 +83,7 @@ class Inputs:
 
     def _trajectory_tree(self, name: str, folder: Path) -> Node:
         if name.startswith(PREFIX):
-            path = resolve_example(name, "trajectories")
+            path = resolve_example(name, TRAJECTORIES)
         else:
             path = _short(folder / name)
         content = self.file(path, MAX_BYTES)

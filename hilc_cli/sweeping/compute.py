@@ -13,7 +13,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.packs import Kind
 from hilc_cli.errors import UsageError
 from hilc_cli.spec.varied import CANNOT_BE_MADE, TRAJECTORY
-from hilc_cli.sweeping.crew import Alone, Crew, Processes, available_cores
+from hilc_cli.sweeping.crew import Alone, Crew, available_cores, sweepers
 from hilc_cli.sweeping.execute import execute
 from hilc_cli.sweeping.memory_store import Store
 from hilc_cli.sweeping.plan import Plan
@@ -100,7 +100,7 @@ def _crew(plan: Plan, missing: int, how: Execution) -> Crew:
         return DaskCrew(plan, how.scheduler, how.go_on)
     if how.workers in (None, 1) and missing * seconds_per_case(plan) < _ALONE:
         return Alone(plan, how.go_on)
-    return Processes(plan, min(how.workers or available_cores(), missing))
+    return sweepers(plan, min(how.workers or available_cores(), missing))
 
 
 def compile_for(plan: Plan, on_compile: Callable[[], None]) -> None:

@@ -10,8 +10,9 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection, wait
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 from hilc_cli.errors import HilcError
 from hilc_cli.sweeping import worker
@@ -24,13 +25,15 @@ _MOST_LOSSES = 3
 PATIENCE = 0.5
 """Seconds after which a crew that has nothing to tell lets its owner look around."""
 
+Result = TypeVar("Result")
+
 
 class WorkersError(HilcError):
     """Worker processes cannot do anything here."""
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class Outcome(Generic[Result]):
     """What has become of a chunk that was given to a crew.
 
     Attributes:
@@ -41,7 +44,7 @@ class Outcome:
     """
 
     chunk: Chunk
-    result: ChunkResult | None
+    result: Result | None
     reason: str = ""
     is_final: bool = False
 
@@ -62,7 +65,7 @@ class Crew(Protocol):
         """Hands over a chunk."""
         ...
 
-    def outcomes(self) -> list[Outcome]:
+    def outcomes(self) -> list[Outcome[ChunkResult]]:
         """What has become of some chunks; waits a while for it, and may come back empty."""
         ...
 
@@ -88,7 +91,7 @@ class Alone:
         """Hands over a chunk."""
         self._given.append(chunk)
 
-    def outcomes(self) -> list[Outcome]:
+    def outcomes(self) -> list[Outcome[ChunkResult]]:
         """Computes the chunk that was given."""
         given, self._given = self._given, []
         return [Outcome(chunk, run_chunk(self._plan, chunk, self._go_on)) for chunk in given]
@@ -100,7 +103,7 @@ class Alone:
 class _Worker:
     """A process that computes one chunk after the other until nobody asks any more."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, work: object) -> None:
         ours, theirs = socket.socketpair()
         arguments = (theirs.fileno(), os.getpid())
         # A signal that the worker is born with blocked never reaches it: Ctrl-C is sent to all
@@ -119,7 +122,7 @@ class _Worker:
             theirs.close()
             self.here: Connection = Connection(ours.detach())
         self.chunk: Chunk | None = None
-        self._say(plan)
+        self._say(work)
 
     def give(self, chunk: Chunk) -> None:
         """Hands over a chunk."""
@@ -137,21 +140,27 @@ class _Worker:
             self.here.send(message)
 
 
-class Processes:
+class Processes(Generic[Result]):
     """Worker processes on this machine; one that dies is replaced.
 
     Raises:
         WorkersError: By `outcomes`, if they cannot even start.
     """
 
-    def __init__(self, plan: Plan, workers: int) -> None:
-        self._plan = plan
+    def __init__(self, work: Callable[[Chunk], Result], workers: int) -> None:
+        """Starts them.
+
+        Args:
+            work: What each does with a chunk; it is sent to them.
+            workers: How many.
+        """
+        self._work = work
         self._members: list[_Worker] = []
         self._losses, self._has_begun = 0, False
         self.workers = workers
         try:
             for _ in range(workers):
-                self._members.append(_Worker(plan))
+                self._members.append(_Worker(work))
         except BaseException:
             self.dismiss()
             raise
@@ -164,13 +173,13 @@ class Processes:
         """Hands over a chunk."""
         next(member for member in self._members if member.chunk is None).give(chunk)
 
-    def outcomes(self) -> list[Outcome]:
+    def outcomes(self) -> list[Outcome[Result]]:
         """What has become of some chunks; waits a while for it, and may come back empty."""
         busy = [member for member in self._members if member.chunk is not None]
         ready = wait([member.here for member in busy], PATIENCE)
         return [self._outcome(member) for member in busy if member.here in ready]
 
-    def _outcome(self, member: _Worker) -> Outcome:
+    def _outcome(self, member: _Worker) -> Outcome[Result]:
         chunk, member.chunk = member.chunk, None
         assert chunk is not None  # only busy ones are waited for
         try:
@@ -182,14 +191,14 @@ class Processes:
             return Outcome(chunk, None, answer, is_final=True)
         return Outcome(chunk, answer)
 
-    def _lost(self, member: _Worker, chunk: Chunk) -> Outcome:
+    def _lost(self, member: _Worker, chunk: Chunk) -> Outcome[Result]:
         member.end()
         code = member.process.returncode
         how = f"signal {-code}" if code < 0 else f"exit code {code}"
         self._losses += 1
         if not self._has_begun and self._losses > _MOST_LOSSES * self.workers:
             raise WorkersError(f"worker processes end before they do anything, with {how}")
-        self._members[self._members.index(member)] = _Worker(self._plan)
+        self._members[self._members.index(member)] = _Worker(self._work)
         return Outcome(chunk, None, f"the worker process ended with {how}")
 
     def dismiss(self) -> None:
@@ -197,6 +206,11 @@ class Processes:
         for member in self._members:
             member.end()
         self._members = []
+
+
+def sweepers(plan: Plan, workers: int) -> Processes[ChunkResult]:
+    """Worker processes that compute chunks of a sweep."""
+    return Processes(partial(run_chunk, plan), workers)
 
 
 def available_cores() -> int:

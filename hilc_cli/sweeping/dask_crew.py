@@ -82,13 +82,13 @@ class DaskCrew:
         self._under_way[chunk] = future
         self._await(chunk, future)
 
-    def outcomes(self) -> list[Outcome]:
+    def outcomes(self) -> list[Outcome[ChunkResult]]:
         """What has become of some chunks; waits a while for it, and may come back empty.
 
         Raises:
             ClusterError: The scheduler is gone, or its workers cannot do the work.
         """
-        found: list[Outcome] = []
+        found: list[Outcome[ChunkResult]] = []
         try:
             found += self._outcomes(*self._ended.get(timeout=PATIENCE))
             while True:
@@ -112,7 +112,7 @@ class DaskCrew:
     def _await(self, chunk: Chunk, future: Any) -> None:
         future.add_done_callback(lambda done: self._ended.put((chunk, done)))
 
-    def _outcomes(self, chunk: Chunk, future: Any) -> list[Outcome]:
+    def _outcomes(self, chunk: Chunk, future: Any) -> list[Outcome[ChunkResult]]:
         """What has become of a chunk; nothing yet if it has to be computed once more."""
         if future.status in ("lost", "pending"):
             # Its worker has died with the result before that was fetched.
@@ -121,7 +121,7 @@ class DaskCrew:
         del self._under_way[chunk]
         return [self._outcome(chunk, future)]
 
-    def _outcome(self, chunk: Chunk, future: Any) -> Outcome:
+    def _outcome(self, chunk: Chunk, future: Any) -> Outcome[ChunkResult]:
         if future.status == "finished":
             return Outcome(chunk, future.result())
         if future.status != "error":

@@ -93,7 +93,7 @@ def _pieces(cases: Chunk, size: int) -> list[Chunk]:
     return pieces
 
 
-def _given_up(plan: Plan, outcome: Outcome) -> ChunkResult:
+def _given_up(plan: Plan, outcome: Outcome[ChunkResult]) -> ChunkResult:
     chunk = outcome.chunk
     reason = outcome.reason if outcome.is_final else f"{outcome.reason}, {TRIES} times"
     rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)

@@ -1,4 +1,4 @@
-"""A worker process of a sweep; started by `hilc_cli.sweeping.crew`, by nobody else."""
+"""A worker process; started by `hilc_cli.sweeping.crew`, by nobody else."""
 
 from __future__ import annotations
 
@@ -19,17 +19,15 @@ def serve(pipe: Connection) -> None:
     """Computes chunks until the pipe ends.
 
     Args:
-        pipe: Gives the plan first, then chunks; takes the result of each, or a text that says why
-            there is none.
+        pipe: Gives a function first, then chunks; takes what it returns for each, or a text that
+            says why there is no result.
     """
-    from hilc_cli.sweeping.chunks import run_chunk  # starts slowly
-
     try:
-        plan = pipe.recv()
+        work = pipe.recv()
         while True:
             chunk = pipe.recv()
             try:
-                answer: object = run_chunk(plan, chunk)
+                answer: object = work(chunk)
             except Exception as error:
                 answer = f"{type(error).__name__}: {error}"
             pipe.send(answer)

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hilc_cli.sweeping.chunks import Chunk, Failure, run_chunk
+from hilc_cli.sweeping.chunks import Chunk, ChunkResult, Failure, run_chunk
 from hilc_cli.sweeping.crew import Crew, Outcome
 from hilc_cli.sweeping.execute import TRIES, FailedCasesError, execute
 from hilc_cli.sweeping.memory_store import MemoryStore
@@ -39,7 +39,7 @@ class Careless:
         self._given.append(chunk)
         self.tries[chunk] += 1
 
-    def outcomes(self) -> list[Outcome]:
+    def outcomes(self) -> list[Outcome[ChunkResult]]:
         chunk = self._given.pop()
         if self._loses(chunk, self.tries[chunk]):
             return [Outcome(chunk, None, "lost", self._is_final)]
