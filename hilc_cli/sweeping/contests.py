@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -103,7 +103,7 @@ def hold(
     on_runs: Callable[[int], None] = lambda runs: None,
     go_on: Callable[[], None] = lambda: None,
 ) -> tuple[Entry, ...]:
-    """Computes all runs in worker processes.
+    """Computes all runs, in worker processes or, if one is to do it all, in this one.
 
     Args:
         contests: The runs.
@@ -118,6 +118,8 @@ def hold(
         FailedContestError: A run cannot be computed.
         WorkersError: Processes cannot be started.
     """
+    if workers == 1:
+        return tuple(_alone(contests, on_runs, go_on))
     waiting = deque(Chunk(number, number + 1) for number in range(len(contests.runs)))
     entries: dict[int, Entry] = {}
     lost: Counter[Chunk] = Counter()
@@ -133,14 +135,30 @@ def hold(
                     continue
                 lost[outcome.chunk] += 1
                 if outcome.is_final or lost[outcome.chunk] == TRIES:
-                    run = contests.runs[outcome.chunk.first]
-                    where = f"case {run.case}, belief {run.belief}, disturbance {run.disturbance}"
-                    raise FailedContestError(f"law {run.law}, {where}: {outcome.reason}")
+                    raise _failed(contests.runs[outcome.chunk.first], outcome.reason)
                 waiting.appendleft(outcome.chunk)
             on_runs(len(entries))
     finally:
         crew.dismiss()
     return tuple(entries[number] for number in range(len(entries)))
+
+
+def _alone(
+    contests: Contests, on_runs: Callable[[int], None], go_on: Callable[[], None]
+) -> Iterator[Entry]:
+    for number, contest in enumerate(contests.runs, 1):
+        go_on()
+        try:
+            entry = compete(contest, contests.after, contests.tolerance)
+        except Exception as error:
+            raise _failed(contest, f"{type(error).__name__}: {error}") from error
+        yield entry
+        on_runs(number)
+
+
+def _failed(contest: Contest, reason: str) -> FailedContestError:
+    where = f"case {contest.case}, belief {contest.belief}, disturbance {contest.disturbance}"
+    return FailedContestError(f"law {contest.law}, {where}: {reason}")
 
 
 @dataclass(slots=True)

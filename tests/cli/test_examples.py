@@ -52,9 +52,10 @@ def test_quiet_list_is_empty(hilc: Hilc) -> None:
 
 
 def test_copied_example_runs(hilc: Hilc, folder: Path) -> None:
-    count = len(SCENARIOS) + len(list(examples("trajectories")))
+    others = [*examples("trajectories"), *examples("leaderboards")]
+    count = len(SCENARIOS) + len(others)
     assert hilc("examples", "--copy", "mine") == Outcome(0, f"Wrote {count} files to mine\n", "")
-    assert len(listing(folder / "mine/scenarios")) == len(SCENARIOS)
+    assert len(listing(folder / "mine/scenarios")) == len(SCENARIOS) + 1  # and the leaderboard
     assert hilc("run", "mine/scenarios/fig3-spiral.yaml", *QUICK) == Outcome(0, "", "")
 
 

@@ -1,0 +1,139 @@
+"""``hilc compare --laws``: what is run, written and told."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from tests.cli.inputs import listing
+from tests.conftest import Hilc, Outcome, Write
+
+BEND = """\
+name: bend
+trajectory:
+  name: bend
+  sample_time: 10 ms
+  start: {x: 1, y: 2, heading: 1}
+  segments:
+    - arc: {radius: 2 m, sweep: 60 deg, turn: left, duration: 0.3 s}
+robot: {wheel_radius: 0.2, half_track: 0.5}
+iterations: 7
+controller: {gains: {l1: 0.1}}
+"""
+LEADERBOARD = """\
+name: small
+cases: {bend: bend.yaml, off: off.yaml}
+beliefs: {exact: {}, wrong: {wheel_radius: 0.8, half_track: 1.25}}
+disturbances: {none: {}, noise: {seed: 3, state: {bound: [1 mm, 1 mm, 0]}}}
+laws:
+  paper: {gains: {l1: 1}}
+  feedback: {law: feedback}
+b_w: 180
+after: [1, 3]
+tolerance: 20 cm
+"""
+FILES = {
+    "leaderboard.yaml": LEADERBOARD,
+    "bend.yaml": BEND,
+    "off.yaml": BEND.replace("iterations", "initial_pose: {x: 1.1}\niterations"),
+}
+RUN = ("compare", "--laws", "leaderboard.yaml", "--no-plots")
+
+
+def rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / "leaderboard.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_each_law_is_run_in_each_case(hilc: Hilc, write: Write, folder: Path) -> None:
+    write(FILES)
+    outcome = hilc(*RUN, "--workers", "1")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.startswith("small\n")
+    assert outcome.out.endswith("Written to runs/small\n")
+    for text in ("Worst error after 3 iterations [m]", "Belief wrong, disturbance noise [m]"):
+        assert text in outcome.out
+    found = rows(folder / "runs/small")
+    names = [(row["case"], row["belief"], row["disturbance"], row["law"]) for row in found]
+    assert names == [
+        (case, belief, disturbance, law)
+        for case in ("bend", "off")
+        for belief in ("exact", "wrong")
+        for disturbance in ("none", "noise")
+        for law in ("paper", "feedback")
+    ]
+    assert all(row["speed_limit_kept"] == "yes" for row in found)
+    # What a run of the same scenario writes of its samples.
+    changes = (
+        *("--set", "model.wheel_radius=0.8*0.2", "--set", "model.half_track=1.25*0.5"),
+        *("--set", "disturbance={seed: 3, state: {bound: [1 mm, 1 mm, 0]}}"),
+        *("--set", "controller={gains: {l1: 1}, b_w: 180}", "--set", "iterations=3"),
+    )
+    assert hilc("run", "off.yaml", *changes, "--no-plots", "-q", "--out", "one").code == 0
+    with (folder / "one/samples.csv").open() as file:
+        errors = [
+            math.hypot(float(row["error_x_m"]), float(row["error_y_m"]))
+            for row in csv.DictReader(file)
+            if row["iteration"] == "3" and int(row["sample"]) >= 15
+        ]
+    row = found[names.index(("off", "wrong", "noise", "paper"))]
+    assert float(row["max_position_error_after_3_m"]) == pytest.approx(max(errors), rel=1e-12)
+    mean = sum(errors) / len(errors)
+    assert float(row["mean_position_error_after_3_m"]) == pytest.approx(mean, rel=1e-12)
+
+
+def test_results_depend_on_nothing_but_the_file(hilc: Hilc, write: Write, folder: Path) -> None:
+    write(FILES)
+    assert hilc(*RUN, "-q", "--workers", "1", "--out", "one") == Outcome(0, "", "")
+    assert hilc(*RUN, "-q", "--workers", "2", "--out", "two") == Outcome(0, "", "")
+
+    def without_time(name: str) -> list[dict[str, str]]:
+        found = rows(folder / name)
+        for row in found:
+            assert float(row.pop("time_per_iteration_s")) >= 0
+        return found
+
+    assert without_time("one") == without_time("two")
+
+
+def test_tables_pictures_and_json(hilc: Hilc, write: Write, folder: Path) -> None:
+    quick = LEADERBOARD.replace("off: off.yaml", "same: bend.yaml").replace("[1, 3]", "[1]")
+    write({**FILES, "leaderboard.yaml": quick})
+    outcome = hilc(
+        "compare", "--laws", "leaderboard.yaml", "--json", "--format", "svg", "--workers", "1"
+    )
+    assert (outcome.code, outcome.err) == (0, "")
+    told = json.loads(outcome.out)
+    names = ("leaderboard.csv", "leaderboard.md", "leaderboard.tex", "leaderboard.svg")
+    assert told["files"] == [f"runs/small/{name}" for name in names]
+    assert [row["law"] for row in told["laws"]] == ["paper", "feedback"]
+    assert len(told["runs"]) == 16
+    assert set(listing(folder / "runs/small")) == set(names)
+    again = hilc(*RUN)
+    assert again == Outcome(
+        1,
+        "",
+        "hilc: runs/small/leaderboard.csv: exists; choose another folder with --out, "
+        "or replace it with --force\n",
+    )
+    markdown = ("--force", "--table", "markdown", "--workers", "1")
+    outcome = hilc(*RUN, *markdown)
+    assert (outcome.code, outcome.err) == (0, "hilc: written to runs/small\n")
+    assert outcome.out == (folder / "runs/small/leaderboard.md").read_text()
+    assert "| paper | feedback |" in outcome.out
+
+
+def test_runs_that_diverge_are_last(hilc: Hilc, write: Write, folder: Path) -> None:
+    wild = LEADERBOARD.replace("l1: 1", "l1: 1e12").replace("b_w: 180\n", "")
+    write({**FILES, "leaderboard.yaml": wild.replace("[1, 3]", "[0, 80]")})
+    assert hilc(*RUN, "-q", "--workers", "1") == Outcome(0, "", "")
+    lost = [row for row in rows(folder / "runs/small") if row["law"] == "paper"]
+    for row in lost:
+        assert int(row["diverged_at"]) >= 1
+        assert row["max_position_error_after_80_m"] == "inf"
+        assert row["iterations_to_tolerance"] == ""
+        assert float(row["max_position_error_after_0_m"]) < 10
