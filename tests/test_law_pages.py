@@ -12,6 +12,7 @@ import hilc_cli as hilc_api
 from hilc_cli.spec.controllers import CONTROLLERS
 from hilc_cli.spec.nodes import Source, to_data
 from hilc_cli.spec.yaml_tree import parse_yaml
+from hilc_cli.sweeping.contests import compete
 from tests.conftest import Hilc, Outcome
 
 PAGES = Path(__file__).resolve().parent.parent / "docs" / "laws"
@@ -49,6 +50,19 @@ def test_commands_of_the_page_run(hilc: Hilc, folder: Path, law: str) -> None:
         assert program == "hilc"
         quick = ("--set", "iterations=1", "--no-plots", "-q")
         assert hilc(*arguments, *quick) == Outcome(0, "", "")
+
+
+def test_leaderboard_of_the_overview_is_whole_and_runs(folder: Path) -> None:
+    text = (PAGES.parent / "laws.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"^```yaml\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    Path("mine.yaml").write_text(block)
+    leaderboard = hilc_api.load_leaderboard("mine.yaml")
+    assert leaderboard.spec.model_fields_set == set(type(leaderboard.spec).model_fields)
+    assert leaderboard.size == 16
+    contest = list(leaderboard.contests())[-1]  # the best law with noise, on the circle
+    entry = compete(contest, [1, 2], 0.01)
+    assert entry.keeps_limit
+    assert entry.max_m[1] < 0.1
 
 
 @pytest.mark.parametrize("page", sorted(PAGES.glob("*.md")), ids=lambda path: path.name)

@@ -42,9 +42,14 @@ class LawComparison:
     data: LeaderboardData
 
     @property
-    def tables(self) -> tuple[ComparisonTable, ComparisonTable]:
-        """The laws over all cases, and by belief and disturbance."""
-        return laws_table(self.data), settings_table(self.data)
+    def laws(self) -> dict[str, ComparisonTable]:
+        """The laws over all cases and beliefs, by disturbance."""
+        return {each: laws_table(self.data, each) for each in self.data.disturbances}
+
+    @property
+    def settings(self) -> ComparisonTable:
+        """The worst error of each law by belief and disturbance."""
+        return settings_table(self.data)
 
     @property
     def entries(self) -> ComparisonTable:
@@ -64,8 +69,10 @@ class LawComparison:
             return csv_text(self.entries)
         if kind not in FILES:
             raise UsageError(f"unknown kind of table '{kind}'; {suggestion(kind, FILES)}")
-        write = markdown_text if kind == "markdown" else latex_text
-        return "\n".join(write(table) for table in self.tables)
+        tables = [*self.laws.values(), self.settings]
+        if kind == "latex":
+            return "\n".join(map(latex_text, tables))
+        return "\n".join(f"## {table.title}\n\n{markdown_text(table)}" for table in tables)
 
     def write(
         self,

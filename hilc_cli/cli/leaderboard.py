@@ -70,18 +70,18 @@ def _tell(result: LawComparison, folder: Path, table: str, *, verbose: bool) -> 
         print_text(result.text(table).rstrip("\n"))
         say(f"written to {folder}")
         return
-    for part in (*result.tables, *([result.entries] if verbose else [])):
+    tables = [*result.laws.values(), result.settings]
+    for part in (*tables, result.entries) if verbose else tables:
         print_comparison(part)
     print_text(f"Written to {folder}")
 
 
 def _document(result: LawComparison, folder: Path, files: Sequence[Path]) -> dict[str, object]:
-    laws, settings = result.tables
     return {
         "folder": str(folder),
         "files": [str(file) for file in files],
-        "laws": _rows(laws),
-        "worst_max_position_error_m": _rows(settings),
+        "laws": {name: _rows(table) for name, table in result.laws.items()},
+        "worst_max_position_error_m": _rows(result.settings),
         "runs": _rows(result.entries),
     }
 

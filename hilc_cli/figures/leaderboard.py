@@ -29,7 +29,7 @@ def leaderboard_figure(data: LeaderboardData) -> Figure:
         data: At least one entry.
     """
     with style.applied():
-        disturbances = list(dict.fromkeys(entry.disturbance for entry in data.entries))
+        disturbances = data.disturbances
         top = layout.HEADING + layout.TOP
         panels = len(disturbances)
         width = layout.LEFT + panels * _WIDTH + (panels - 1) * _GAP + layout.RIGHT
@@ -102,14 +102,15 @@ def _draw(axes: Axes, data: LeaderboardData, disturbance: str, low: float, high:
                  linestyle=style.DASHED, label=f"{data.tolerance:g} m")  # fmt: skip
     axes.grid(visible=True, axis="y")
     axes.set_xlabel("Iterations")
-    runs = len(_errors(data, laws[0], disturbance))
-    labels.set_title(axes, f"Disturbance: {disturbance}",
-                     [f"median and range over {runs} runs of each law"])  # fmt: skip
+    notes = [f"median and range over {len(data.of(laws[0], disturbance))} runs of each law"]
+    if any(min(entry.max_m) < _LEAST for law in laws for entry in data.of(law, disturbance)):
+        notes[0] += f"; less than {labels.exponent_text(_LEAST)} m is drawn there"
+    labels.set_title(axes, f"Disturbance: {disturbance}", notes)
 
 
 def _errors(data: LeaderboardData, law: str, disturbance: str) -> Floats:
     """Errors [m], shape (runs, numbers of iterations), kept within what is drawn."""
-    found = [entry.max_m for entry in data.of(law) if entry.disturbance == disturbance]
+    found = [entry.max_m for entry in data.of(law, disturbance)]
     errors: Floats = np.clip(np.array(found, dtype=np.float64), _LEAST, 1e12)
     return errors
 

@@ -9,7 +9,7 @@ from statistics import median
 
 from hilc_cli.results.comparison import Column, ComparisonTable, Row, Value
 
-_CASE, _ERRORS, _REST = "What was run", "Errors of the second half", "Speed and time"
+_ERRORS, _REST = "Errors of the second half", "Runs, speed and time"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,9 +78,16 @@ class LeaderboardData:
         """Names of the laws in their order."""
         return tuple(dict.fromkeys(entry.law for entry in self.entries))
 
-    def of(self, law: str) -> list[Entry]:
-        """The entries of a law."""
-        return [entry for entry in self.entries if entry.law == law]
+    @property
+    def disturbances(self) -> tuple[str, ...]:
+        """Names of the disturbances in their order."""
+        return tuple(dict.fromkeys(entry.disturbance for entry in self.entries))
+
+    def of(self, law: str, disturbance: str) -> list[Entry]:
+        """The entries of a law with a disturbance."""
+        return [
+            entry for entry in self.entries if entry.law == law and entry.disturbance == disturbance
+        ]
 
     @property
     def settings(self) -> tuple[tuple[str, str], ...]:
@@ -137,9 +144,9 @@ def entries_table(data: LeaderboardData) -> ComparisonTable:
     return ComparisonTable(title, tuple(columns), rows, note, "the best law in that case")
 
 
-def laws_table(data: LeaderboardData) -> ComparisonTable:
-    """The laws, a row each, over all cases."""
-    columns = [Column("law", "Law", "Law"), Column("cases", "Runs", "Runs", section=_CASE)]
+def laws_table(data: LeaderboardData, disturbance: str) -> ComparisonTable:
+    """The laws, a row each, over all cases and beliefs with a disturbance."""
+    columns = [Column("law", "Law", "Law")]
     for kind, word in (("median", "Median"), ("worst", "Worst")):
         columns += [
             Column(
@@ -151,10 +158,11 @@ def laws_table(data: LeaderboardData) -> ComparisonTable:
         ]  # fmt: skip
     within = f"{data.tolerance:g} m"
     columns += [
-        Column("reached", f"Runs that reach {within}", "Reached", section=_CASE),
+        Column("runs", "Runs", "Runs", section=_REST),
+        Column("reached", f"Runs that reach {within}", "Reached", section=_REST),
         Column(
             "median_iterations_to_tolerance", f"Iterations to {within}, median of these",
-            "To tolerance", digits=3, absent="-", section=_CASE,
+            "To tolerance", digits=3, absent="-", section=_REST,
         ),
         Column("worst_peak_m", "Worst peak error, whole path", "Peak", "m", digits=3,
                section=_REST, is_ranked=True),
@@ -163,12 +171,15 @@ def laws_table(data: LeaderboardData) -> ComparisonTable:
         Column("median_time_per_iteration_s", "Time per iteration, median", "Time", "ms",
                digits=3, scale=1e3, section=_REST),
     ]  # fmt: skip
-    rows = tuple(Row(_law_values(law, data.of(law), len(data.after))) for law in data.laws)
+    rows = tuple(
+        Row(_law_values(law, data.of(law, disturbance), len(data.after))) for law in data.laws
+    )
     note = (
         "Errors are the largest position errors over the second half of the trajectory; "
         "median and worst are over the runs."
     )
-    return ComparisonTable(data.name, tuple(columns), rows, note, "the best law")
+    title = f"{data.name}, disturbance {disturbance}"
+    return ComparisonTable(title, tuple(columns), rows, note, "the best law")
 
 
 def settings_table(data: LeaderboardData) -> ComparisonTable:
@@ -184,12 +195,8 @@ def settings_table(data: LeaderboardData) -> ComparisonTable:
     rows = []
     for law in data.laws:
         worst: list[Value] = [
-            max(
-                entry.max_m[-1]
-                for entry in data.of(law)
-                if (entry.belief, entry.disturbance) == setting
-            )
-            for setting in data.settings
+            max(entry.max_m[-1] for entry in data.of(law, disturbance) if entry.belief == belief)
+            for belief, disturbance in data.settings
         ]
         rows.append(Row((law, *worst)))
     title = f"{data.name}: worst error after {counted(data.after[-1])}"
@@ -221,9 +228,9 @@ def _law_values(law: str, entries: Sequence[Entry], counts: int) -> tuple[Value,
     reached = [entry.settled_at for entry in entries if entry.settled_at is not None]
     return (
         law,
-        len(entries),
         *over(median),
         *over(max),
+        len(entries),
         len(reached),
         float(median(reached)) if reached else None,
         max(entry.peak_m for entry in entries),

@@ -53,7 +53,8 @@ def test_each_law_is_run_in_each_case(hilc: Hilc, write: Write, folder: Path) ->
     write(FILES)
     outcome = hilc(*RUN, "--workers", "1")
     assert (outcome.code, outcome.err) == (0, "")
-    assert outcome.out.startswith("small\n")
+    assert outcome.out.startswith("small, disturbance none\n")
+    assert "small, disturbance noise\n" in outcome.out
     assert outcome.out.endswith("Written to runs/small\n")
     for text in ("Worst error after 3 iterations [m]", "Belief wrong, disturbance noise [m]"):
         assert text in outcome.out
@@ -110,7 +111,7 @@ def test_tables_pictures_and_json(hilc: Hilc, write: Write, folder: Path) -> Non
     told = json.loads(outcome.out)
     names = ("leaderboard.csv", "leaderboard.md", "leaderboard.tex", "leaderboard.svg")
     assert told["files"] == [f"runs/small/{name}" for name in names]
-    assert [row["law"] for row in told["laws"]] == ["paper", "feedback"]
+    assert [row["law"] for row in told["laws"]["noise"]] == ["paper", "feedback"]
     assert len(told["runs"]) == 16
     assert set(listing(folder / "runs/small")) == set(names)
     again = hilc(*RUN)

@@ -59,7 +59,8 @@ def test_laws_are_told_by_median_and_worst_of_their_runs() -> None:
         replace(ENTRY, case="line", max_m=(5.0, 0.2), fastest_wheel_rad_s=181.0, settled_at=8),
         replace(FAST, max_m=(math.inf, math.inf), diverged_at=3, settled_at=None),
     ]
-    table = laws_table(data(*runs))
+    noisy = [replace(run, disturbance="noise", peak_m=99.0) for run in runs]
+    table = laws_table(data(*runs, *noisy), "none")
     assert table.values("law") == ["slow", "fast"]
     assert table.values("median_max_position_error_after_1_m") == [5.0, math.inf]
     assert table.values("worst_max_position_error_after_8_m") == [0.5, math.inf]
