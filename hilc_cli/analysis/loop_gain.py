@@ -38,8 +38,10 @@ def loop_gains(matrix: GainMatrix, robot: Robot, heading: Floats) -> NDArray[np.
     (left_ahead, left_turn), (right_ahead, right_turn) = row(matrix.left), row(matrix.right)
     forward, turning = robot.wheel_radius / 2, robot.wheel_radius / (2 * robot.signed_half_track)
     # The product the other way round: what the platform does of an error ahead and in heading.
-    half_trace = (forward * (left_ahead + right_ahead) + turning * (left_turn - right_turn)) / 2
+    left_ahead, right_ahead = forward * left_ahead, forward * right_ahead
+    left_turn, right_turn = turning * left_turn, turning * right_turn
+    half_trace = (left_ahead + right_ahead + left_turn - right_turn) / 2
     # Of two products of 2x2 matrices: the determinants' product.
-    determinant = -2 * forward * turning * (left_ahead * right_turn - left_turn * right_ahead)
+    determinant = -2 * (left_ahead * right_turn - left_turn * right_ahead)
     root = np.sqrt(np.asarray(half_trace**2 - determinant, dtype=np.complex128))
     return np.stack([half_trace + root, half_trace - root], axis=-1)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 
-from hilc_cli.analysis.bounds import Bounds, bounds
-from hilc_cli.analysis.constants import constants
+from hilc_cli.analysis.bounds import Bounds, bounds, smallest_lambda
+from hilc_cli.analysis.constants import Constants, constants
 from hilc_cli.analysis.corrections import ALL, PRINTED, Correction
 from hilc_cli.analysis.within_limit import constants_within_limit
 from hilc_cli.engine.experiment import Experiment
@@ -26,15 +27,26 @@ def theories(experiment: Experiment) -> dict[str, Bounds]:
         for every heading that the law may use.
         ``corrected, within the speed limit``: all corrections, with rho on the reference; only with
         a speed limit.
+        Those whose constants leave the range of floating point are missing.
 
     Raises:
         UsageError: The law is not the hybrid law.
     """
     found = {
-        AS_PRINTED: bounds(experiment, constants(experiment, PRINTED)),
-        WITH_SAMPLE_TIME: bounds(experiment, constants(experiment, {Correction.SAMPLE_TIME})),
-        CORRECTED: bounds(experiment, constants(experiment, ALL)),
+        AS_PRINTED: constants(experiment, PRINTED),
+        WITH_SAMPLE_TIME: constants(experiment, {Correction.SAMPLE_TIME}),
+        CORRECTED: constants(experiment, ALL),
     }
     if math.isfinite(experiment.speed_limit):
-        found[WITHIN_LIMIT] = bounds(experiment, constants_within_limit(experiment))
-    return found
+        found[WITHIN_LIMIT] = constants_within_limit(experiment)
+    all_bounds = {name: _bounds(experiment, each) for name, each in found.items()}
+    return {name: each for name, each in all_bounds.items() if each is not None}
+
+
+def _bounds(experiment: Experiment, found: Constants) -> Bounds | None:
+    """The bounds; None if there are no numbers for them."""
+    numbers = [value for value in asdict(found).values() if not isinstance(value, str)]
+    if not all(map(math.isfinite, [*numbers, smallest_lambda(found)])):
+        return None
+    made = bounds(experiment, found)
+    return made if all(map(math.isfinite, (made.lambda_, made.A, made.B))) else None

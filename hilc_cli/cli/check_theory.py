@@ -42,10 +42,12 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
     if check.conditions is None or check.theories is None:
         return Section("theory", title, [("Theory", "none: this is another law")], document={})
     measured = None if check.simulated is None else check.simulated.comparisons
-    grids = [
-        _constants(check.theories),
-        _bounds(check.theories, check.scenario.spec.iterations, measured),
-    ]
+    rows, grids = _rows(check.conditions), []
+    if check.theories:
+        iterations = check.scenario.spec.iterations
+        grids = [_constants(check.theories), _bounds(check.theories, iterations, measured)]
+    else:
+        rows.append(("Bounds", "none: their constants leave the range of floating point"))
     gaps: list[str] = []
     if verbose:
         from hilc_cli.analysis.corrections import EXPLANATIONS
@@ -54,7 +56,7 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
     return Section(
         "theory",
         title,
-        _rows(check.conditions),
+        rows,
         grids,
         check.findings["theory"],
         _document(check.conditions, check.theories, measured),
