@@ -138,6 +138,14 @@ def _bounds(
                 [f"  simulated, last {last}", *(_log(part.over_last(_LAST)) for part in parts)],
                 [f"  least room below Eq. {each}", *(_room(part) for part in parts)],
                 ["  iterations above it", *(f"{len(part.violated)}" for part in parts)],
+                [
+                    f"  room below Eq. {at_the_end}, last {last}",
+                    *(_gap(part.limit_looseness(_LAST)) for part in parts),
+                ],
+                [
+                    "  above it and transient",
+                    *("yes" if part.limit_violated(_LAST) else "no" for part in parts),
+                ],
             ]
     note = (
         "log10 of bounds in the lambda-norm, of all samples but where one is named; limit: after "
@@ -147,13 +155,17 @@ def _bounds(
     if measured:
         note += (
             f" simulated: of the errors of the last {last} iterations, in the same norm. room: "
-            "log10 of bound / error, below 0 where an error exceeds its bound."
+            "log10 of bound / error, below 0 where an error exceeds its bound; any: no bound, or no "
+            "error. transient: what is left of the first input's error, which a limit leaves out."
         )
     return Grid([("log10 of", ""), *_columns(theories)], rows, note)
 
 
 def _room(part: Measured) -> str:
-    room = float(part.looseness.min())
+    return _gap(float(part.looseness.min()))
+
+
+def _gap(room: float) -> str:
     return "any" if math.isinf(room) and room > 0 else _log(room)
 
 
@@ -198,6 +210,8 @@ def _document(
                 quantity: {
                     "last_log10": _finite(part.over_last(_LAST)),
                     "smallest_looseness_log10": _finite(float(part.looseness.min())),
+                    "limit_looseness_log10": _finite(part.limit_looseness(_LAST)),
+                    "limit_violated": part.limit_violated(_LAST),
                     "violated_iterations": [int(position) for position in part.violated],
                 }
                 for quantity, part in comparison.parts.items()
@@ -214,12 +228,21 @@ def _bounds_document(theory: Bounds) -> dict[str, object]:
         "lambda": theory.lambda_,
         "A": _finite(theory.A),
         "B": _finite(theory.B),
-        "input_limit_log10": _finite(theory.input_limit),
-        "state_limit_log10": _finite(theory.state_limit),
-        "output_limit_log10": _finite(theory.output_limit),
+        **{
+            key: value
+            for quantity, limit in {
+                "input": theory.input_limit,
+                "state": theory.state_limit,
+                "output": theory.output_limit,
+            }.items()
+            for key, value in (
+                (f"{quantity}_limit_exists", limit < math.inf),
+                (f"{quantity}_limit_log10", _finite(limit)),
+            )
+        },
     }
 
 
 def _finite(number: float) -> float | None:
-    """A number as JSON has it: null for no bound, and for a bound of zero."""
+    """A logarithm as JSON has it: null for one of zero, and of what has no bound."""
     return number if math.isfinite(number) else None
