@@ -127,6 +127,8 @@ def _strength(experiment: Experiment, law: HybridLaw) -> list[str]:
     weakest, strongest = float(strength.min()), float(strength.max())
     if not law.matrix.is_kinematic or (weakest >= 1 / _FACTOR and strongest <= _FACTOR):
         return []
+    if not math.isfinite(strongest):
+        return []  # told of learning
     least, most = f"{weakest:.3g}", f"{strongest:.3g}"
     return [
         "controller.gain_matrix acts on the true robot with "

@@ -107,6 +107,11 @@ def forecast_findings(experiment: Experiment, found: Forecast) -> Findings:
 def _why_it_does_not_settle(experiment: Experiment, found: Forecast) -> str:
     """The reason for a spectral radius of 1 and more: l1, or the gain matrix."""
     law = hybrid_law(experiment)
+    if not math.isfinite(found.spectral_radius):
+        return (
+            "learning cannot converge: what the law makes of an error leaves the range of floating "
+            "point; check the units of robot, model and controller.gains"
+        )
     cannot = f"learning cannot converge (spectral radius {found.spectral_radius:.6g}): "
     if law.l1 == 0:
         if law.compensation or (law.l2 == 0 and law.l3 == 0):
@@ -187,7 +192,7 @@ def _of_ripples(experiment: Experiment, found: Forecast) -> list[str]:
     in_all = f", {growth:.3g} times in {experiment.iterations}" if math.isfinite(growth) else ""
     return [
         "controller.gains let ripples of the wheel speeds grow by "
-        f"{100 * (found.ripple.factor - 1):.2g} % in each iteration{in_all} (at a period of "
+        f"{100 * (found.ripple.factor - 1):.3g} % in each iteration{in_all} (at a period of "
         f"{found.ripple.period:.3g} samples), which in the long run spoils what was learned; stop "
         f"in time, or {remedy}"
     ]
@@ -210,10 +215,12 @@ def _of_rest(experiment: Experiment, found: Forecast) -> list[str]:
     error = rest_error(experiment, rest)
     if error <= _FAR * experiment.reference.size:
         return []
-    where = " after sample h" if law.compensation else ""
+    where = " after sample h" if law.compensation else " after the start"
+    sizes = error / experiment.reference.size if experiment.reference.size else math.inf
+    share = f"{100 * sizes:.2g} % of" if sizes < 1 else f"{sizes:.3g} times"
     return [
         f"learning does not rest on the reference: there its position error{where} is up to "
-        f"{error:.3g} m, {100 * error / experiment.reference.size:.2g} % of the path's size; {why}"
+        f"{error:.3g} m, {share} the path's size; {why}"
     ]
 
 
@@ -232,7 +239,10 @@ def _of_limit(experiment: Experiment, found: Forecast) -> list[str]:
 
 
 def rest_error(experiment: Experiment, rest: FixedPoint) -> float:
-    """Largest position error where learning rests, of what comes after a compensation [m]."""
+    """Largest position error where learning rests, of what a wheel can do something about [m].
+
+    The initial error is left out, and with a compensation what comes until sample h.
+    """
     law = hybrid_law(experiment)
-    first = law.h + 1 if law.compensation and law.h < experiment.reference.samples else 0
+    first = law.h + 1 if law.compensation and law.h < experiment.reference.samples else 1
     return float(rest.position_error_m[first:].max())

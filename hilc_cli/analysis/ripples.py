@@ -29,6 +29,7 @@ from hilc_cli.analysis.matrices import hybrid_law
 from hilc_cli.engine.experiment import Experiment
 
 LONGEST_PERIOD = 20  # samples
+_LEAST_PERIODS = 5  # of a ripple along the path: fewer are none
 _FREQUENCIES = 200
 
 
@@ -38,7 +39,7 @@ class RippleGrowth:
 
     Attributes:
         factor: What an iteration multiplies it by.
-        period: Its period in samples, from 2 to LONGEST_PERIOD.
+        period: Its period in samples, from 2 to LONGEST_PERIOD, on a short path to a fifth of it.
     """
 
     factor: float
@@ -59,7 +60,8 @@ def ripple_growth(experiment: Experiment) -> RippleGrowth:
     eigenvalues = loop_gains(law.matrix, experiment.robot, experiment.reference.heading[:-1])
     # The same ones over and over, but for rounding, if the matrix has the form of Eq. 45.
     gains = experiment.reference.sample_time * np.unique(eigenvalues.round(12))
-    frequencies = np.linspace(2 * np.pi / LONGEST_PERIOD, np.pi, _FREQUENCIES)
+    longest = min(LONGEST_PERIOD, max(2, experiment.reference.samples / _LEAST_PERIODS))
+    frequencies = np.linspace(2 * np.pi / longest, np.pi, _FREQUENCIES)
     back = np.exp(-1j * frequencies)  # 1 / z
     learned = np.abs(1 - back - law.l1 * gains[:, None])
     fed_back = np.abs(1 - back + gains[:, None] * (l2 * back + l3 * back**2))

@@ -58,8 +58,8 @@ class Check:
         scenario: What was checked.
         feasibility: What its trajectory demands of wheels and tyres, beside what they can do.
         forecast: What learning is expected to do; None for another law than the hybrid law.
-        rest_error_m: Largest position error where learning rests, after a compensation; None if
-            it rests at no finite motion.
+        rest_error_m: Largest position error where learning rests, after the start or, with a
+            compensation, after sample h; None if it rests at no finite motion.
         conditions: Those of the paper's theorems; None for another law.
         theories: Bounds of the paper's theory, by name; None for another law.
         simulated: A simulation, if one was asked for and an iteration of it was completed.

@@ -63,14 +63,16 @@ def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
         if found.is_monotone
         else "not below 1, it may get worse before it improves"
     )
-    period = f"at a period of {found.ripple.period:.3g} samples"
+    ripple = (
+        f"times {found.ripple.factor:.6g} in each iteration, at a period of "
+        f"{found.ripple.period:.3g} samples"
+        if math.isfinite(found.ripple.factor)
+        else "leaves the range of floating point"
+    )
     return [
         ("Spectral radius", f"{radius:.6g}, {settles}"),
         ("Largest singular value", f"{found.largest_singular_value:.4g}, {monotone}"),
-        (
-            f"Worst ripple up to {LONGEST_PERIOD} samples",
-            f"times {found.ripple.factor:.6g} in each iteration, {period}",
-        ),
+        (f"Worst ripple up to {LONGEST_PERIOD} samples", ripple),
         *_rest(check, found),
         ("Verdict", _verdict(found, last)),
     ]
@@ -109,8 +111,9 @@ def _rest(check: Check, found: Forecast) -> list[tuple[str, str]]:
         return [(name, "at no finite motion")]
     size = found.transient.path_size_m
     error = f"at a position error of up to {_metres(rest.max_position_error_m, size)}"
-    if check.scenario.compensates and check.rest_error_m is not None:
-        error += f", {_metres(check.rest_error_m, size)} after sample h"
+    after = "sample h" if check.scenario.compensates else "the start"
+    if check.rest_error_m is not None and check.rest_error_m < rest.max_position_error_m:
+        error += f", {_metres(check.rest_error_m, size)} after {after}"
     more = (
         f"{_metres(rest.end_position_error_m, size)} at the end, with wheels of up to "
         f"{rest.max_wheel_speed_rad_s:.4g} rad/s"
@@ -236,7 +239,7 @@ def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[
         if rest is None or not rest.is_finite
         else {
             "max_position_error_m": rest.max_position_error_m,
-            "max_position_error_after_compensation_m": check.rest_error_m,
+            "max_position_error_after_start_m": check.rest_error_m,
             "end_position_error_m": rest.end_position_error_m,
             "max_wheel_speed_rad_s": rest.max_wheel_speed_rad_s,
         },

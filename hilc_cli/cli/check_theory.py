@@ -26,7 +26,8 @@ _SHORT = {
 }
 _EQUATIONS = {"input": (38, 39), "state": (40, 41), "output": (42, 43)}
 """Of each iteration, and of the limit."""
-_ROUNDING = 1e-9
+_ZERO = 1e-12  # constants below are rounding
+_ROUNDING = 1e-9  # of logarithms
 _LAST = 10
 """So many last iterations of a simulation stand for its limit."""
 
@@ -77,9 +78,10 @@ def _rows(found: Conditions) -> list[tuple[str, str]]:
 
 
 def _told(contraction: Contraction) -> str:
+    if not math.isfinite(contraction.rho):
+        return "rho leaves the range of floating point"
     verdict = "below 1" if contraction.holds else "not below 1"
-    # A contraction of 1e-16 is rounding.
-    rho = 0.0 if contraction.rho < 1e-12 else contraction.rho
+    rho = 0.0 if contraction.rho < _ZERO else contraction.rho
     return f"rho = {rho:.6g}, {verdict}"
 
 
@@ -113,9 +115,9 @@ def _bounds(
     """The bounds, each beside the errors of a simulation if there is one."""
     samples = next(iter(theories.values())).constants.samples
     limits = {
-        "input": [theory.input_limit for theory in theories.values()],
-        "state": [theory.state_limit for theory in theories.values()],
-        "output": [theory.output_limit for theory in theories.values()],
+        "input": [_limit(theory, theory.input_limit) for theory in theories.values()],
+        "state": [_limit(theory, theory.state_limit) for theory in theories.values()],
+        "output": [_limit(theory, theory.output_limit) for theory in theories.values()],
     }
     last = min(_LAST, iterations + 1)
     rows = [
@@ -129,7 +131,8 @@ def _bounds(
         rows.append([f"{name}, limit, Eq. {at_the_end}", *map(_log, limits[quantity])])
         if quantity == "state":
             at_last = (
-                theory.at_sample(theory.state_limit, samples) for theory in theories.values()
+                theory.at_sample(limit, samples)
+                for theory, limit in zip(theories.values(), limits["state"], strict=True)
             )
             rows.append([f"{name}, limit, at sample {samples}", *map(_log, at_last)])
         if measured:
@@ -156,9 +159,15 @@ def _bounds(
         note += (
             f" simulated: of the errors of the last {last} iterations, in the same norm. room: "
             "log10 of bound / error, below 0 where an error exceeds its bound; any: no bound, or no "
-            "error. transient: what is left of the first input's error, which a limit leaves out."
+            "error; none: an error beside a bound of 0. transient: what may be left of the first "
+            "input's error, which a limit leaves out."
         )
     return Grid([("log10 of", ""), *_columns(theories)], rows, note)
+
+
+def _limit(theory: Bounds, bound: float) -> float:
+    """A limit, without the rounding that is left of it where nothing disturbs."""
+    return -math.inf if theory.has_limit and theory.B <= _ZERO else bound
 
 
 def _room(part: Measured) -> str:
@@ -166,7 +175,9 @@ def _room(part: Measured) -> str:
 
 
 def _gap(room: float) -> str:
-    return "any" if math.isinf(room) and room > 0 else _log(room)
+    if math.isinf(room):
+        return "any" if room > 0 else "none"
+    return _log(room)
 
 
 def _columns(theories: Mapping[str, object]) -> list[tuple[str, str]]:
@@ -174,12 +185,12 @@ def _columns(theories: Mapping[str, object]) -> list[tuple[str, str]]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.5g}" if abs(value) > 1e-12 else "0"
+    return f"{value:.5g}" if abs(value) > _ZERO else "0"
 
 
 def _contraction(value: float) -> str:
     """A number that is to be below 1, with enough digits to see whether it is."""
-    return f"{value:.8g}" if abs(value) > 1e-12 else "0"
+    return f"{value:.8g}" if abs(value) > _ZERO else "0"
 
 
 def _log(value: float) -> str:
@@ -197,10 +208,10 @@ def _document(
 ) -> dict[str, object]:
     document: dict[str, object] = {
         "theorem": found.theorem,
-        "rho_theorem_1_printed": found.theorem_1_printed.rho,
-        "rho_theorem_1_simulated": found.theorem_1_simulated.rho,
-        "rho_theorem_2_printed": found.theorem_2_printed.rho,
-        "rho_theorem_2_simulated": found.theorem_2_simulated.rho,
+        "rho_theorem_1_printed": _finite(found.theorem_1_printed.rho),
+        "rho_theorem_1_simulated": _finite(found.theorem_1_simulated.rho),
+        "rho_theorem_2_printed": _finite(found.theorem_2_printed.rho),
+        "rho_theorem_2_simulated": _finite(found.theorem_2_simulated.rho),
         "starts_on_reference": found.starts_on_reference,
         "bounds": {name: _bounds_document(theory) for name, theory in theories.items()},
     }
@@ -222,27 +233,19 @@ def _document(
 
 
 def _bounds_document(theory: Bounds) -> dict[str, object]:
-    constants = {name: _finite(getattr(theory.constants, name)) for name in _CONSTANTS}
+    constants = {name: getattr(theory.constants, name) for name in _CONSTANTS}
     return {
         **constants,
         "lambda": theory.lambda_,
-        "A": _finite(theory.A),
-        "B": _finite(theory.B),
-        **{
-            key: value
-            for quantity, limit in {
-                "input": theory.input_limit,
-                "state": theory.state_limit,
-                "output": theory.output_limit,
-            }.items()
-            for key, value in (
-                (f"{quantity}_limit_exists", limit < math.inf),
-                (f"{quantity}_limit_log10", _finite(limit)),
-            )
-        },
+        "A": theory.A,
+        "B": theory.B,
+        "has_limit": theory.has_limit,
+        "input_limit_log10": _finite(theory.input_limit),
+        "state_limit_log10": _finite(theory.state_limit),
+        "output_limit_log10": _finite(theory.output_limit),
     }
 
 
 def _finite(number: float) -> float | None:
-    """A logarithm as JSON has it: null for one of zero, and of what has no bound."""
+    """A number as JSON has it: null for no bound and, with a limit, for a bound of zero."""
     return number if math.isfinite(number) else None

@@ -56,7 +56,7 @@ def test_a_ripple_in_the_loop_engine_grows_by_the_factor(gains: tuple[float, ...
     ],
 )
 def test_feedback_must_stay_below_learning(gains: tuple[float, ...], grows: bool) -> None:
-    reference = at_rest(10, 1e-4)
+    reference = at_rest(100, 1e-4)
     growth = ripple_growth(experiment_of(reference, law_of(*gains)))
     assert (growth.factor > 1) is grows
     # To first order in the sample time; the slowest ripples fare worst if l3 > 0.
@@ -64,6 +64,15 @@ def test_feedback_must_stay_below_learning(gains: tuple[float, ...], grows: bool
     phi = 2 * math.pi / (LONGEST_PERIOD if l3 else 2)
     expected = -(l1 - l2 - l3 * (1 + 2 * math.cos(phi))) / 2
     assert (growth.factor - 1) / 1e-4 == pytest.approx(expected, rel=1e-2, abs=1e-3)
+
+
+@pytest.mark.parametrize(("steps", "period"), [(3, 2.0), (40, 8.0), (100, 20.0), (500, 20.0)])
+def test_a_ripple_has_to_fit_the_path(steps: int, period: float) -> None:
+    # With learning alone the slowest ripples fare worst.
+    worst = ripple_growth(experiment_of(at_rest(steps, DT), law_of(20.0)))
+    assert worst.period == pytest.approx(period)
+    learned = abs(1 - 0.2 / (1 - cmath.exp(-2j * math.pi / period)))
+    assert worst.factor == pytest.approx(learned)
 
 
 def test_compensation_has_no_feedback() -> None:
@@ -74,7 +83,7 @@ def test_compensation_has_no_feedback() -> None:
 
 def test_the_unit_matrix_is_worth_less() -> None:
     # G B then has the eigenvalues R and R / B in place of 1.
-    reference = at_rest(10, 1e-3)
+    reference = at_rest(100, 1e-3)
     unit = ripple_growth(
         experiment_of(reference, law_of(0.0, 1.0, matrix=matrix_of("unit", PLATFORM)))
     )
