@@ -12,6 +12,7 @@ from hilc_cli.analysis.fixed_point import FixedPoint, fixed_point
 from hilc_cli.analysis.lifted import LiftedIteration
 from hilc_cli.analysis.loop_gain import loop_gains
 from hilc_cli.analysis.matrices import desired_motion, hybrid_law
+from hilc_cli.analysis.outcome import Outcome, predicted_outcome
 from hilc_cli.analysis.ripples import RippleGrowth, ripple_growth
 from hilc_cli.analysis.transient import Transient, predict_transient
 from hilc_cli.engine.experiment import Experiment
@@ -53,6 +54,22 @@ class Forecast:
         """Whether each iteration brings the input nearer to where learning rests."""
         return self.largest_singular_value < 1
 
+    @property
+    def ripples_grow(self) -> bool:
+        """Whether an iteration makes some ripple of the wheel speeds grow."""
+        return self.ripple.factor > 1 + MARGIN
+
+    def outcome(self, iterations: int) -> Outcome:
+        """What is expected of an experiment with so many learning updates."""
+        if iterations and not self.settles:
+            return Outcome.CANNOT_CONVERGE
+        return predicted_outcome(
+            self.transient,
+            iterations,
+            rests=self.rest is None or self.rest.is_finite,
+            ripples_grow=self.ripples_grow,
+        )
+
 
 def forecast(experiment: Experiment) -> Forecast:
     """The figures of the linear theory.
@@ -79,6 +96,7 @@ def forecast_findings(experiment: Experiment, found: Forecast) -> Findings:
     return Findings(
         warnings=(
             *_of_the_start(experiment),
+            *_of_errors(experiment, found),
             *_of_ripples(experiment, found),
             *_of_rest(experiment, found),
             *_of_limit(experiment, found),
@@ -134,8 +152,34 @@ def _of_the_start(experiment: Experiment) -> list[str]:
     ]
 
 
+def _of_errors(experiment: Experiment, found: Forecast) -> list[str]:
+    """Of predicted errors that do not fall, and of those that say nothing any more."""
+    errors, last = found.transient.max_position_error_m, experiment.iterations
+    outcome, rough = found.outcome(last), found.transient.rough_from
+    if rough is not None and rough <= last:
+        largest = found.transient.range_m
+        grown = f"the predicted error grows beyond {largest:.3g} m in iteration {rough}"
+        if outcome is Outcome.DOES_NOT_LEARN:
+            return [
+                f"no learning is to be expected: {grown}, and learning has no finite motion to "
+                "rest at; change the gains or controller.gain_matrix"
+            ]
+        return [
+            f"{grown}, out of the linear theory's range: from there on its errors and counts are "
+            "rough, without a limit off by orders; see what a simulation says (--simulate), or "
+            "change the gains"
+        ]
+    if outcome is not Outcome.DOES_NOT_LEARN:
+        return []
+    return [
+        f"no learning is to be expected within {last} iterations: the predicted error is "
+        f"{errors[0]:.3g} m in iteration 0 and {errors[last]:.3g} m in the last; change the gains, "
+        "or raise iterations"
+    ]
+
+
 def _of_ripples(experiment: Experiment, found: Forecast) -> list[str]:
-    if found.ripple.factor <= 1 + MARGIN:
+    if not found.ripples_grow:
         return []
     law = hybrid_law(experiment)
     remedy = (

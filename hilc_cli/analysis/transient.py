@@ -16,6 +16,8 @@ from hilc_cli.robot import step_gains
 ITERATIONS = 5000
 SAMPLES_OF_ALL_ITERATIONS = 12_000_000
 """So far is looked ahead if the experiment is shorter, whichever is less: about a second."""
+RANGE = 2.0
+"""Times the path's size: larger predicted errors are out of the linear theory's range."""
 ROUNDING = 1e-14
 """Wheel speeds that an iteration changes by no larger a share have come to rest."""
 
@@ -51,6 +53,10 @@ class Transient:
             return 1.0 if peak == first else math.inf
         return peak / first
 
+    def best_until(self, iterations: int) -> int:
+        """The iteration with the smallest error of iterations 0 to the given one."""
+        return int(self.max_position_error_m[: iterations + 1].argmin())
+
     def settled_at(self, share: float) -> int | None:
         """The first iteration from which on the error stays at or below a share of the path's size.
 
@@ -76,13 +82,44 @@ class Transient:
         within = np.flatnonzero(self.max_position_error_m <= share * self.path_size_m)
         return int(within[0]) if len(within) else None
 
-    def until(self, iterations: int) -> Transient:
-        """The same with a shorter horizon.
+    def spell_within(self, share: float, iterations: int) -> tuple[int, int] | None:
+        """From when to when the error is at or below a share of the path's size.
 
         Args:
-            iterations: The new horizon; one that is longer than the old changes nothing.
+            share: Such as 0.01.
+            iterations: Of the experiment.
+
+        Returns:
+            First and last iteration of the spell that holds the experiment's last iteration, of
+            the first spell if none does; None if the error is never so small. A spell may end with
+            the horizon.
         """
-        return Transient(self.path_size_m, self.max_position_error_m[: iterations + 1])
+        within = self.max_position_error_m <= share * self.path_size_m
+        if not within.any():
+            return None
+        inside = iterations if within[iterations] else int(within.argmax())
+        before, after = np.flatnonzero(~within[:inside]), np.flatnonzero(~within[inside:])
+        first = int(before[-1]) + 1 if len(before) else 0
+        return first, inside + int(after[0]) - 1 if len(after) else self.iterations
+
+    @property
+    def range_m(self) -> float:
+        """The largest error that the linear theory may tell of [m].
+
+        That is RANGE times the path's size, or the error of iteration 0 if that is larger. To get
+        further away, headings or speeds must be altogether wrong, and the products of errors that
+        a linear theory leaves out are then as large as what it keeps.
+        """
+        return RANGE * max(self.path_size_m, float(self.max_position_error_m[0]))
+
+    @property
+    def rough_from(self) -> int | None:
+        """The first iteration whose error is above `range_m`; None if there is none.
+
+        What is predicted of it, and of all later ones, is rough.
+        """
+        beyond = np.flatnonzero(self.max_position_error_m > self.range_m)
+        return int(beyond[0]) if len(beyond) and self.range_m > 0 else None
 
 
 def horizon(experiment: Experiment) -> int:

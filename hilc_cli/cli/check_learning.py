@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from hilc_cli.analysis.findings import Findings
+from hilc_cli.analysis.outcome import Outcome
+from hilc_cli.analysis.ripples import LONGEST_PERIOD
 from hilc_cli.cli.section import Grid, Section, counted
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
@@ -46,10 +49,14 @@ def _findings(check: Check) -> Findings:
 
 
 def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
-    iterations, radius = check.scenario.spec.iterations, found.spectral_radius
+    radius, last = found.spectral_radius, check.scenario.spec.iterations
     settles = "not below 1, it does not settle"
-    if found.settles:
-        left = f"{radius**iterations:.4g} after {counted(iterations, 'iteration')}"
+    if found.settles and found.rest is not None and not found.rest.is_finite:
+        settles = "below 1, but there is no finite motion to rest at"
+    elif found.settles and found.ripples_grow:
+        settles = "below 1, but ripples grow first"
+    elif found.settles:
+        left = f"{radius**last:.4g} after {counted(last, 'iteration')}"
         settles = f"below 1, it settles in the end: {left}"
     monotone = (
         "below 1, convergence is monotone"
@@ -62,12 +69,35 @@ def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
         if math.isfinite(found.ripple.factor)
         else "leaves the range of floating point"
     )
-    rows = [
+    return [
         ("Spectral radius", f"{radius:.6g}, {settles}"),
         ("Largest singular value", f"{found.largest_singular_value:.4g}, {monotone}"),
-        ("Worst ripple", ripple),
+        (f"Worst ripple up to {LONGEST_PERIOD} samples", ripple),
+        *_rest(check, found),
+        ("Verdict", _verdict(found, last)),
     ]
-    return rows + _rest(check, found)
+
+
+def _verdict(found: Forecast, iterations: int) -> str:
+    """The outcome in words, with its iterations."""
+    transient = found.transient
+    within, best = f"within {counted(iterations, 'iteration')}", transient.best_until(iterations)
+    later = "grows again later"
+    ahead = transient.best_until(transient.iterations)
+    if iterations < ahead < transient.iterations:
+        later = f"grows again after iteration {ahead}"
+    return {
+        Outcome.CANNOT_CONVERGE: "cannot converge",
+        Outcome.DOES_NOT_LEARN: f"does not learn {within}",
+        Outcome.OUT_OF_RANGE: (
+            "unclear: predicted errors leave the linear theory's range in iteration "
+            f"{transient.rough_from}"
+        ),
+        Outcome.GROWS_WITHIN: f"learns until iteration {best}, then its error grows again",
+        Outcome.GROWS_LATER: f"learns {within}, but its error {later}",
+        Outcome.LEARNS: f"learns {within}",
+        Outcome.NOTHING: "nothing to learn: no iterations",
+    }[found.outcome(iterations)]
 
 
 def _rest(check: Check, found: Forecast) -> list[tuple[str, str]]:
@@ -84,7 +114,11 @@ def _rest(check: Check, found: Forecast) -> list[tuple[str, str]]:
     after = "sample h" if check.scenario.compensates else "the start"
     if check.rest_error_m is not None and check.rest_error_m < rest.max_position_error_m:
         error += f", {_metres(check.rest_error_m, size)} after {after}"
-    return [(name, error), ("", f"with wheels of up to {rest.max_wheel_speed_rad_s:.4g} rad/s")]
+    more = (
+        f"{_metres(rest.end_position_error_m, size)} at the end, with wheels of up to "
+        f"{rest.max_wheel_speed_rad_s:.4g} rad/s"
+    )
+    return [(name, error), ("", more)]
 
 
 def _metres(error: float, size: float) -> str:
@@ -94,27 +128,42 @@ def _metres(error: float, size: float) -> str:
 def _errors(check: Check, transient: Transient, summary: Summary | None) -> Grid:
     """The predicted errors of the iterations, beside the simulated ones if there are any."""
     iterations, errors = check.scenario.spec.iterations, transient.max_position_error_m
+    rough = transient.rough_from
+
+    def told(text: str, iteration: int) -> str:
+        return text if rough is None or iteration < rough else f"{text}, rough"
+
+    peak = transient.peak_iteration
     rows = [
         ["Iteration 0", _length(errors[0])],
-        [f"Iteration {iterations}", _length(errors[iterations])],
-        ["Largest", _length(errors.max())],
-        ["  in iteration", f"{transient.peak_iteration}"],
+        [f"Iteration {iterations}", told(_length(errors[iterations]), iterations)],
+        ["Largest", told(_length(errors.max()), peak)],
+        ["  in iteration", f"{peak}"],
         ["  times that of iteration 0", f"{transient.peak_growth:.4g}"],
         *(
-            [f"Iterations to {label} of the path's size", _reached(transient, share)]
+            [
+                f"Iterations to {label} of the path's size",
+                _reached(transient, share, iterations, told),
+            ]
             for label, share in RELATIVE_TOLERANCES.items()
         ),
     ]
-    header = [("Maximum position error", ""), ("Predicted", "")]
+    header = [("Maximum position error", ""), ("Predicted", "without limit")]
     note = (
-        f"Predicted for {transient.iterations} iterations by the linear theory, which is rough "
-        "where headings are off by 1 rad and more."
+        f"Predicted for {transient.iterations} iterations by the linear theory, which knows no "
+        "disturbances, and is rough while headings are off by 1 rad and more."
     )
+    if rough is not None:
+        note += (
+            f" rough: out of its range, which ends in iteration {rough} with an error above "
+            f"{transient.range_m:.3g} m."
+        )
     if summary is not None and check.simulated is not None:
         first = float(check.simulated.run.metrics["max_position_error_m"][0])
         rows = [[*row, cell] for row, cell in zip(rows, _simulated(summary, first), strict=True)]
-        header.append(("Simulated", ""))
-        note += " Simulated with limit and disturbances."
+        limit = "without limit" if check.scenario.speed_limit is None else "with limit"
+        header.append(("Simulated", limit))
+        note += " Simulated with disturbances, if there are any."
     return Grid(header, rows if iterations else [rows[0], *rows[2:]], note)
 
 
@@ -135,11 +184,18 @@ def _simulated(summary: Summary, first: float) -> list[str]:
     ]
 
 
-def _reached(transient: Transient, share: float) -> str:
-    at, first = transient.settled_at(share), transient.first_within(share)
+def _reached(
+    transient: Transient, share: float, iterations: int, told: Callable[[str, int], str]
+) -> str:
+    """From which iteration on the error is so small, and until when if not for good."""
+    at = transient.settled_at(share)
     if at is not None:
-        return f"{at}"
-    return f"not in {transient.iterations}" if first is None else f"{first}, not for good"
+        return told(f"{at}", at)
+    spell = transient.spell_within(share, iterations)
+    if spell is None:
+        return told(f"not in {transient.iterations}", transient.iterations)
+    first, last = spell
+    return told(f"{first} (until {last})", first)
 
 
 def _length(error: float) -> str:
@@ -149,6 +205,7 @@ def _length(error: float) -> str:
 def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[str, object]:
     transient, rest = found.transient, found.rest
     document: dict[str, object] = {
+        "verdict": found.outcome(check.scenario.spec.iterations).value,
         "settles": found.settles,
         "spectral_radius": _finite(found.spectral_radius),
         "largest_singular_value": _finite(found.largest_singular_value),
@@ -161,17 +218,29 @@ def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[
         "predicted_max_position_error_m": _finite(
             float(transient.max_position_error_m[check.scenario.spec.iterations])
         ),
+        "predicted_rough_from_iteration": transient.rough_from,
+        "predicted_max_position_error_by_iteration_m": [
+            _finite(error)
+            for error in transient.max_position_error_m[
+                : check.scenario.spec.iterations + 1
+            ].tolist()
+        ],
         "predicted_settled_at": {
             label: transient.settled_at(share) for label, share in RELATIVE_TOLERANCES.items()
         },
         "predicted_first_within": {
             label: transient.first_within(share) for label, share in RELATIVE_TOLERANCES.items()
         },
+        "predicted_within_from_until": {
+            label: transient.spell_within(share, check.scenario.spec.iterations)
+            for label, share in RELATIVE_TOLERANCES.items()
+        },
         "rest": None
         if rest is None or not rest.is_finite
         else {
             "max_position_error_m": rest.max_position_error_m,
             "max_position_error_after_start_m": check.rest_error_m,
+            "end_position_error_m": rest.end_position_error_m,
             "max_wheel_speed_rad_s": rest.max_wheel_speed_rad_s,
         },
     }

@@ -7,7 +7,7 @@ from collections import Counter, defaultdict
 import numpy as np
 import pytest
 
-from hilc_cli.analysis.along_run import along_run
+from tests.analysis.along_run import along_run
 from hilc_cli.analysis.bounds import bounds
 from hilc_cli.analysis.constants import constants
 from hilc_cli.analysis.measured import Comparison, compare
