@@ -11,13 +11,17 @@ from hilc_cli.analysis.lifted import LiftedIteration, LinearPass
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import settled_at
-from hilc_cli.robot import step_gains
+from hilc_cli.robot import driven_path
 
 ITERATIONS = 5000
 SAMPLES_OF_ALL_ITERATIONS = 12_000_000
 """So far is looked ahead if the experiment is shorter, whichever is less: about a second."""
 RANGE = 2.0
 """Times the path's size: larger predicted errors are out of the linear theory's range."""
+MOST_SAMPLES = 36_000_000
+"""Of all iterations of a longer experiment: a few seconds."""
+SAMPLES_AS_LONG_AS_A_CALL = 1000
+"""What an iteration costs beside its samples, counted in samples."""
 ROUNDING = 1e-14
 """Wheel speeds that an iteration changes by no larger a share have come to rest."""
 
@@ -121,11 +125,22 @@ class Transient:
         beyond = np.flatnonzero(self.max_position_error_m > self.range_m)
         return int(beyond[0]) if len(beyond) and self.range_m > 0 else None
 
+    def at(self, iteration: int) -> float | None:
+        """The predicted error of an iteration [m]; None beyond the horizon."""
+        if iteration > self.iterations:
+            return None
+        return float(self.max_position_error_m[iteration])
+
 
 def horizon(experiment: Experiment) -> int:
-    """How far to look ahead at a bounded cost, but never less far than the experiment goes."""
-    affordable = SAMPLES_OF_ALL_ITERATIONS // experiment.reference.samples
-    return max(experiment.iterations, min(ITERATIONS, affordable))
+    """How far to look ahead at a bounded cost: as far as the experiment goes, if it can be.
+
+    The prediction of a very long experiment ends before it, at `Transient.iterations`.
+    """
+    samples = experiment.reference.samples
+    beyond = min(ITERATIONS, SAMPLES_OF_ALL_ITERATIONS // samples)
+    within = min(experiment.iterations, MOST_SAMPLES // (samples + SAMPLES_AS_LONG_AS_A_CALL))
+    return max(beyond, within)
 
 
 def predict_transient(experiment: Experiment, iterations: int | None = None) -> Transient:
@@ -162,34 +177,24 @@ def predict_transient(experiment: Experiment, iterations: int | None = None) -> 
 
 
 class _Driven:
-    """The exact plant, driven by predicted wheel speeds.
-
-    Source:
-        Qiao et al. 2021, Eqs. 8 and 9, all samples at once.
-    """
+    """The exact plant, driven by predicted wheel speeds."""
 
     def __init__(self, experiment: Experiment, lifted: LiftedIteration) -> None:
-        self._reference, robot = experiment.reference, experiment.robot
-        self._feedforward, self._start = lifted.plant.feedforward, lifted.start
-        self._distance_gain, _ = step_gains(
-            robot.wheel_radius, robot.signed_half_track, self._reference.sample_time
-        )
-        self._steps = np.diff(self._reference.x), np.diff(self._reference.y)
+        self._experiment, self._reference = experiment, experiment.reference
+        self._feedforward = lifted.plant.feedforward
 
     def largest_error(self, predicted: LinearPass) -> float:
         """The largest position error [m]; not finite beyond the square root of all numbers."""
-        inputs = predicted.inputs + self._feedforward
-        distances = self._distance_gain * (inputs[:, 0] + inputs[:, 1])
-        # The heading is a sum of wheel speeds: of all errors it is predicted exactly.
-        headings = self._reference.heading[:-1] - predicted.errors[:-1, 2]
-        x, y = (
-            start + np.cumsum(steps - distances * part)
-            for start, steps, part in zip(
-                self._start, self._steps, (np.cos(headings), np.sin(headings)), strict=False
-            )
+        inputs, reference = predicted.inputs + self._feedforward, self._reference
+        x, y, _ = driven_path(
+            self._experiment.initial_pose,
+            inputs[:, 0],
+            inputs[:, 1],
+            self._experiment.robot,
+            reference.sample_time,
         )
-        first, largest = self._start[0] ** 2 + self._start[1] ** 2, (x * x + y * y).max()
-        return math.sqrt(first if largest < first else largest)
+        x, y = reference.x - x, reference.y - y
+        return math.sqrt((x * x + y * y).max())
 
     def rests(self, errors: Floats, before: LinearPass, after: LinearPass) -> bool:
         """Whether wheel speeds no longer change: then nothing does from here on.

@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hilc_cli.analysis.bounds import Bounds, bounds, smallest_lambda, suitable_lambda
+from hilc_cli.analysis.bounds import Bounds, bounds, smallest_lambda, state_series, suitable_lambda
 from hilc_cli.analysis.constants import Constants, constants
 from hilc_cli.analysis.corrections import PRINTED
 from hilc_cli.analysis.measured import compare
@@ -147,6 +147,24 @@ def test_lambda_of_a_law_that_learns_nothing() -> None:
     assert found.lambda_ > c.h2
     assert pytest.approx(1.0) == found.A
     assert not found.has_limit
+
+
+@pytest.mark.parametrize("gain", [5e-324, 1e-18, 1e-15])
+def test_lambda_of_gains_that_are_lost_beside_one(gain: float) -> None:
+    experiment = experiment_of(LINE, law_of(gain, gain, gain), robot=UNIT, speed_limit=LIMIT)
+    for theory in theories(experiment).values():
+        assert theory.lambda_ > smallest_lambda(theory.constants)
+        # Hardly anything changes from one iteration to the next.
+        assert pytest.approx(theory.start, abs=1e-3) == theory.input(100)
+
+
+def test_series_beside_h2_is_that_of_exact_fractions() -> None:
+    c = any_constants(2)
+    lambda_ = c.h2 * (1 + 1e-9)
+    bracket = sum(
+        Fraction(c.h2) ** k / Fraction(lambda_) ** (k + 1) for k in range(c.samples)
+    )  # Eq. 40
+    assert state_series(c, lambda_) == pytest.approx(float(bracket), rel=1e-12)
 
 
 def test_lambda_must_be_large_enough() -> None:

@@ -165,10 +165,7 @@ def test_peak_and_counts_are_read_off_the_errors() -> None:
     assert transient.settled_at(0.01) == 4
     assert transient.settled_at(0.001) == 5
     assert transient.settled_at(0.0001) is None
-    shorter = transient.until(3)
-    assert shorter.iterations == 3
-    assert shorter.settled_at(0.01) is None
-    assert transient.until(99).iterations == 5
+    assert (transient.at(0), transient.at(5), transient.at(6)) == (2.0, 0.005, None)
 
 
 @pytest.mark.parametrize(("errors", "growth"), [([0.0, 0.0], 1.0), ([0.0, 1.0], math.inf)])
@@ -184,3 +181,14 @@ def test_horizon_is_at_least_that_of_the_experiment(iterations: int, expected: i
 def test_horizon_of_a_long_trajectory_is_bounded() -> None:
     long = Reference("long", 0.01, np.arange(120_001.0), np.zeros(120_001), np.zeros(120_001))
     assert horizon(experiment_of(long, law_of(1.0), iterations=5)) == 100
+
+
+@pytest.mark.parametrize("steps", [3, 60, 3000])
+def test_horizon_of_endless_learning_is_bounded(steps: int) -> None:
+    reference = winding(steps)
+    far, farther = (
+        horizon(experiment_of(reference, law_of(1.0), iterations=iterations))
+        for iterations in (2_000_000, 4_000_000)
+    )
+    assert 5000 <= far < 50_000
+    assert far == farther
