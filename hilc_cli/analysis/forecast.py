@@ -14,6 +14,7 @@ from hilc_cli.analysis.loop_gain import loop_gains
 from hilc_cli.analysis.matrices import desired_motion, hybrid_law
 from hilc_cli.analysis.outcome import Outcome, predicted_outcome
 from hilc_cli.analysis.ripples import RippleGrowth, ripple_growth
+from hilc_cli.analysis.singular_value import SingularValue
 from hilc_cli.analysis.transient import Transient, predict_transient
 from hilc_cli.engine.experiment import Experiment
 
@@ -31,15 +32,15 @@ class Forecast:
 
     Attributes:
         spectral_radius: Of one iteration; below 1 learning settles in the end.
-        largest_singular_value: Of one iteration; below 1 each brings the input nearer to the one
-            where learning rests.
+        singular_value: The largest one of an iteration; below 1 each brings the input nearer to
+            the one where learning rests.
         ripple: The ripple of the wheel speeds that fares worst in an iteration.
         transient: Predicted errors.
         rest: Where learning rests; None if that is no single motion.
     """
 
     spectral_radius: float
-    largest_singular_value: float
+    singular_value: SingularValue
     ripple: RippleGrowth
     transient: Transient
     rest: FixedPoint | None
@@ -52,7 +53,7 @@ class Forecast:
     @property
     def is_monotone(self) -> bool:
         """Whether each iteration brings the input nearer to where learning rests."""
-        return self.largest_singular_value < 1
+        return self.singular_value.is_below_one
 
     @property
     def ripples_grow(self) -> bool:
@@ -80,7 +81,7 @@ def forecast(experiment: Experiment) -> Forecast:
     lifted = LiftedIteration(experiment)
     return Forecast(
         lifted.spectral_radius(),
-        lifted.largest_singular_value(),
+        lifted.largest_singular_value_found(),
         ripple_growth(experiment),
         predict_transient(experiment),
         fixed_point(experiment),
@@ -93,14 +94,21 @@ def forecast_findings(experiment: Experiment, found: Forecast) -> Findings:
         return Findings()  # nothing is to be learned
     if not found.settles:
         return Findings(failures=(_why_it_does_not_settle(experiment, found),))
+    hopeless = (
+        found.rest is not None
+        and not found.rest.is_finite
+        and found.outcome(experiment.iterations) is Outcome.DOES_NOT_LEARN
+    )
+    of_errors = tuple(_of_errors(experiment, found))
     return Findings(
+        failures=of_errors if hopeless else (),
         warnings=(
             *_of_the_start(experiment),
-            *_of_errors(experiment, found),
+            *(() if hopeless else of_errors),
             *_of_ripples(experiment, found),
             *_of_rest(experiment, found),
             *_of_limit(experiment, found),
-        )
+        ),
     )
 
 
@@ -154,7 +162,8 @@ def _of_the_start(experiment: Experiment) -> list[str]:
 
 def _of_errors(experiment: Experiment, found: Forecast) -> list[str]:
     """Of predicted errors that do not fall, and of those that say nothing any more."""
-    errors, last = found.transient.max_position_error_m, experiment.iterations
+    errors = found.transient.max_position_error_m
+    last = min(experiment.iterations, found.transient.iterations)
     outcome, rough = found.outcome(last), found.transient.rough_from
     if rough is not None and rough <= last:
         largest = found.transient.range_m

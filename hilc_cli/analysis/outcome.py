@@ -36,13 +36,14 @@ def predicted_outcome(
     """What the predicted errors say.
 
     Args:
-        transient: Predicted errors, over at least so many iterations.
+        transient: Predicted errors, over as many iterations as can be afforded.
         iterations: Of the experiment.
         rests: Whether there is a finite motion to rest at.
         ripples_grow: Whether an iteration makes some ripple of the wheel speeds grow.
     """
     if iterations == 0:
         return Outcome.NOTHING
+    iterations = min(iterations, transient.iterations)
     rough = transient.rough_from
     if rough is not None and rough <= iterations:
         return Outcome.OUT_OF_RANGE if rests else Outcome.DOES_NOT_LEARN

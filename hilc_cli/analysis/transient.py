@@ -101,6 +101,7 @@ class Transient:
         within = self.max_position_error_m <= share * self.path_size_m
         if not within.any():
             return None
+        iterations = min(iterations, self.iterations)
         inside = iterations if within[iterations] else int(within.argmax())
         before, after = np.flatnonzero(~within[:inside]), np.flatnonzero(~within[inside:])
         first = int(before[-1]) + 1 if len(before) else 0

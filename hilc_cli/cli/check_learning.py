@@ -58,6 +58,7 @@ def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
     elif found.settles:
         left = f"{radius**last:.4g} after {counted(last, 'iteration')}"
         settles = f"below 1, it settles in the end: {left}"
+    least = "" if found.singular_value.is_known else "at least "
     monotone = (
         "below 1, convergence is monotone"
         if found.is_monotone
@@ -71,7 +72,7 @@ def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
     )
     return [
         ("Spectral radius", f"{radius:.6g}, {settles}"),
-        ("Largest singular value", f"{found.largest_singular_value:.4g}, {monotone}"),
+        ("Largest singular value", f"{least}{found.singular_value.value:.4g}, {monotone}"),
         (f"Worst ripple up to {LONGEST_PERIOD} samples", ripple),
         *_rest(check, found),
         ("Verdict", _verdict(found, last)),
@@ -136,7 +137,7 @@ def _errors(check: Check, transient: Transient, summary: Summary | None) -> Grid
     peak = transient.peak_iteration
     rows = [
         ["Iteration 0", _length(errors[0])],
-        [f"Iteration {iterations}", told(_length(errors[iterations]), iterations)],
+        [f"Iteration {iterations}", told(_predicted(transient, iterations), iterations)],
         ["Largest", told(_length(errors.max()), peak)],
         ["  in iteration", f"{peak}"],
         ["  times that of iteration 0", f"{transient.peak_growth:.4g}"],
@@ -198,26 +199,31 @@ def _reached(
     return told(f"{first} (until {last})", first)
 
 
+def _predicted(transient: Transient, iteration: int) -> str:
+    error = transient.at(iteration)
+    return "beyond what is predicted" if error is None else _length(error)
+
+
 def _length(error: float) -> str:
     return f"{error:.4g} m" if math.isfinite(error) else "not finite"
 
 
 def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[str, object]:
     transient, rest = found.transient, found.rest
+    predicted = transient.at(check.scenario.spec.iterations)
     document: dict[str, object] = {
         "verdict": found.outcome(check.scenario.spec.iterations).value,
         "settles": found.settles,
         "spectral_radius": _finite(found.spectral_radius),
-        "largest_singular_value": _finite(found.largest_singular_value),
+        "largest_singular_value": _finite(found.singular_value.value),
+        "largest_singular_value_is_known": found.singular_value.is_known,
         "monotone": found.is_monotone,
         "ripple_factor": _finite(found.ripple.factor),
         "ripple_period_samples": found.ripple.period,
         "predicted_iterations": transient.iterations,
         "predicted_peak_growth": _finite(transient.peak_growth),
         "predicted_peak_iteration": transient.peak_iteration,
-        "predicted_max_position_error_m": _finite(
-            float(transient.max_position_error_m[check.scenario.spec.iterations])
-        ),
+        "predicted_max_position_error_m": _finite(math.nan if predicted is None else predicted),
         "predicted_rough_from_iteration": transient.rough_from,
         "predicted_max_position_error_by_iteration_m": [
             _finite(error)

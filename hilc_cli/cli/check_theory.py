@@ -158,9 +158,9 @@ def _bounds(
     if measured:
         note += (
             f" simulated: of the errors of the last {last} iterations, in the same norm. room: "
-            "log10 of bound / error, below 0 where an error exceeds its bound; any: no bound, or no "
-            "error; none: an error beside a bound of 0. transient: what may be left of the first "
-            "input's error, which a limit leaves out."
+            "log10 of bound / error, below 0 where an error exceeds its bound; any: no bound, or "
+            "no error; none: an error beside a bound of 0. transient: what may be left of the "
+            "first input's error, which a limit leaves out."
         )
     return Grid([("log10 of", ""), *_columns(theories)], rows, note)
 

@@ -68,10 +68,12 @@ def test_what_is_not_found_in_time_is_bounded_from_below() -> None:
     n = 6000
 
     def apply(vector: Floats) -> Floats:
-        return vector - np.concatenate([[0.0], vector[:-1]])
+        applied: Floats = vector - np.concatenate([[0.0], vector[:-1]])
+        return applied
 
     def adjoint(vector: Floats) -> Floats:
-        return vector - np.concatenate([vector[1:], [0.0]])
+        applied: Floats = vector - np.concatenate([vector[1:], [0.0]])
+        return applied
 
     found = largest_singular_value(apply, adjoint, (n,))
     exact = 2 * np.cos(np.pi / (2 * n + 1))
