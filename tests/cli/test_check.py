@@ -67,9 +67,9 @@ and more.
 
 """
 # In Eq. 19 rho = |1 - l1|, with the sample time 1 - l1 d. B of Eq. 9 is R / 2 times
-# [[1, 1], [0, 0], [1 / B, -1 / B]], of norm sqrt 2 / B; from the sum of both wheels sqrt(1 + 1 / B^2).
-# L1 is 0.5 / R [[1, 0, B], [1, 0, -B]]; h2 = 1 + C_B b_ud, h1 = b_L1 h2, and lambda, with rho = 0.5,
-# is h2 + 4 b_B h1.
+# [[1, 1], [0, 0], [1 / B, -1 / B]], of norm sqrt 2 / B; from the sum of both wheels
+# sqrt(1 + 1 / B^2). L1 is 0.5 / R [[1, 0, B], [1, 0, -B]]; h2 = 1 + C_B b_ud, h1 = b_L1 h2, and
+# lambda, with rho = 0.5, is h2 + 4 b_B h1.
 THEORY = """\
 What do the paper's theorems say?
 
