@@ -109,9 +109,7 @@ def _constants(theories: Mapping[str, Bounds]) -> Grid:
         note += "; in limit: likewise, with |u| <= b_w."
     else:
         note += "; without b_w it has no limit if gains are taken at the measured heading."
-    note += (
-        " rho: contraction of the theorem; an iteration takes a bound x of the input to A x + B."
-    )
+    note += " rho: contraction of the theorem; an iteration takes an input bound x to A x + B."
     return Grid([("Constant", ""), *columns], rows, note)
 
 
@@ -164,9 +162,9 @@ def _bounds(
     if measured:
         note += (
             f" simulated: of the errors of the last {last} iterations, in the same norm. room: "
-            "log10 of bound / error, below 0 where an error exceeds its bound; any: no bound, or no "
-            "error; none: an error beside a bound of 0. transient: what may be left of the first "
-            "input's error, which a limit leaves out."
+            "log10 of bound / error, below 0 where an error exceeds its bound; any: no bound, or "
+            "no error; none: an error beside a bound of 0. transient: what may be left of the "
+            "first input's error, which a limit leaves out."
         )
     return Grid([("log10 of", ""), *_columns(theories)], rows, note)
 

@@ -110,8 +110,8 @@ def _above(lines: list[Floats], high: float) -> list[str]:
     if largest <= high:
         return []
     return [
-        f"errors up to {labels.exponent_text(largest)} m; those above "
-        f"{labels.number_text(high, 3)} m are not shown"
+        f"errors of up to {labels.number_text(largest, 2)} m; those above "
+        f"{labels.tick_text(float(f'{high:.2g}'))} m are not shown"
     ]
 
 
