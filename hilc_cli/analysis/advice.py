@@ -94,7 +94,8 @@ def _wandering(experiment: Experiment) -> list[str]:
     ahead = np.hypot(reference.x[-1] - reference.x[1:], reference.y[-1] - reference.y[1:])
     wander = math.hypot(
         math.sqrt(reference.samples) * math.hypot(spread_x, spread_y),
-        spread_heading * float(np.linalg.norm(ahead)),
+        # However far it turns, the rest of the path ends on a circle about the pose.
+        min(spread_heading * float(np.linalg.norm(ahead)), 2 * float(ahead.max())),
     )
     if wander <= _NOISE * reference.size or reference.size == 0:
         return []

@@ -15,7 +15,7 @@ from hilc_cli.analysis.matrices import desired_motion, hybrid_law
 from hilc_cli.analysis.outcome import Outcome, predicted_outcome
 from hilc_cli.analysis.ripples import RippleGrowth, ripple_growth
 from hilc_cli.analysis.singular_value import SingularValue
-from hilc_cli.analysis.transient import Transient, predict_transient
+from hilc_cli.analysis.transient import FAR_HEADING, Transient, predict_transient
 from hilc_cli.engine.experiment import Experiment
 
 MARGIN = 1e-9
@@ -23,7 +23,6 @@ MARGIN = 1e-9
 LEAST_PROGRESS = 1e-14
 """A spectral radius that is nearer to 1 cannot be told from it."""
 _FAR = 0.01  # of the path's size: what is further off does not count as on the reference
-_POOR_HEADING = 1.0  # initial heading error beyond which the linear theory says little [rad]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,7 +151,7 @@ def _why_it_does_not_settle(experiment: Experiment, found: Forecast) -> str:
 
 def _of_the_start(experiment: Experiment) -> list[str]:
     turned = abs(float(experiment.reference.heading[0]) - experiment.initial_pose[2])
-    if turned <= _POOR_HEADING:
+    if turned <= FAR_HEADING:
         return []
     return [
         f"initial_pose.heading is off by {turned:.3g} rad: the predicted errors are rough then, "
@@ -178,7 +177,7 @@ def _of_errors(experiment: Experiment, found: Forecast) -> list[str]:
             "rough, without a limit off by orders; see what a simulation says (--simulate), or "
             "change the gains"
         ]
-    if outcome is not Outcome.DOES_NOT_LEARN:
+    if outcome is not Outcome.DOES_NOT_LEARN or errors[last] < errors[0]:
         return []
     return [
         f"no learning is to be expected within {last} iterations: the predicted error is "

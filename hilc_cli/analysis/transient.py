@@ -22,6 +22,8 @@ MOST_SAMPLES = 36_000_000
 """Of all iterations of a longer experiment: a few seconds."""
 SAMPLES_AS_LONG_AS_A_CALL = 1000
 """What an iteration costs beside its samples, counted in samples."""
+FAR_HEADING = 1.0
+"""Heading errors beyond which sines and cosines are no longer linear [rad]."""
 ROUNDING = 1e-14
 """Wheel speeds that an iteration changes by no larger a share have come to rest."""
 
@@ -34,10 +36,12 @@ class Transient:
         path_size_m: Longer side of the trajectory's bounding box.
         max_position_error_m: Predicted for iterations 0..N, shape (N + 1,); infinite from the
             iteration on that left the finite numbers.
+        max_heading_error_rad: Likewise.
     """
 
     path_size_m: float
     max_position_error_m: Floats
+    max_heading_error_rad: Floats
 
     @property
     def iterations(self) -> int:
@@ -111,20 +115,23 @@ class Transient:
     def range_m(self) -> float:
         """The largest error that the linear theory may tell of [m].
 
-        That is RANGE times the path's size, or the error of iteration 0 if that is larger. To get
-        further away, headings or speeds must be altogether wrong, and the products of errors that
-        a linear theory leaves out are then as large as what it keeps.
+        That is RANGE times the path's size, or the error of iteration 0 if that is larger.
         """
         return RANGE * max(self.path_size_m, float(self.max_position_error_m[0]))
 
     @property
     def rough_from(self) -> int | None:
-        """The first iteration whose error is above `range_m`; None if there is none.
+        """The first iteration that is out of the linear theory's range; None if there is none.
 
-        What is predicted of it, and of all later ones, is rough.
+        Its position error is above `range_m`, and its heading is off by more than FAR_HEADING:
+        so far away, the products of errors that a linear theory leaves out are as large as what
+        it keeps. What is predicted of this iteration, and of all later ones, is rough. Without
+        heading errors, as on a line, no position error is too large.
         """
-        beyond = np.flatnonzero(self.max_position_error_m > self.range_m)
-        return int(beyond[0]) if len(beyond) and self.range_m > 0 else None
+        beyond = np.flatnonzero(
+            (self.max_position_error_m > self.range_m) & (self.max_heading_error_rad > FAR_HEADING)
+        )
+        return int(beyond[0]) if len(beyond) else None
 
     def at(self, iteration: int) -> float | None:
         """The predicted error of an iteration [m]; None beyond the horizon."""
@@ -161,7 +168,7 @@ def predict_transient(experiment: Experiment, iterations: int | None = None) -> 
     """
     last = horizon(experiment) if iterations is None else iterations
     lifted = LiftedIteration(experiment)
-    errors = np.full(last + 1, math.inf)
+    errors, headings = np.full((2, last + 1), math.inf)
     with np.errstate(over="ignore", invalid="ignore"):
         driven = _Driven(experiment, lifted)
         current = lifted.first()
@@ -170,11 +177,13 @@ def predict_transient(experiment: Experiment, iterations: int | None = None) -> 
             if not math.isfinite(errors[iteration]):
                 errors[iteration] = math.inf  # it may be not-a-number
                 break
+            headings[iteration] = np.abs(current.errors[:, 2]).max()
             previous, current = current, lifted.next(current)
             if iteration and driven.rests(errors[iteration - 1 : iteration + 1], previous, current):
                 errors[iteration + 1 :] = errors[iteration]
+                headings[iteration + 1 :] = headings[iteration]
                 break
-    return Transient(experiment.reference.size, errors)
+    return Transient(experiment.reference.size, errors, headings)
 
 
 class _Driven:

@@ -105,7 +105,11 @@ def _constants(theories: Mapping[str, Bounds]) -> Grid:
         "gaps of the proof closed, -v lists them"
     )
     columns = _columns(theories)
-    note += "; in limit: likewise, with |u| <= b_w." if ("in limit", "") in columns else "."
+    if ("in limit", "") in columns:
+        note += "; in limit: likewise, with |u| <= b_w."
+    else:
+        note += "; without b_w it has no limit if gains are taken at the measured heading."
+    note += " rho: contraction of the theorem; an iteration takes an input bound x to A x + B."
     return Grid([("Constant", ""), *columns], rows, note)
 
 

@@ -191,7 +191,7 @@ def test_input_at_rest_stays_there() -> None:
 
 
 def test_peak_and_counts_are_read_off_the_errors() -> None:
-    transient = Transient(10.0, np.array([2.0, 6.0, 0.05, 0.2, 0.1, 0.005]))
+    transient = of(10.0, [2.0, 6.0, 0.05, 0.2, 0.1, 0.005])
     assert transient.iterations == 5
     assert (transient.peak_growth, transient.peak_iteration) == (3.0, 1)
     assert transient.settled_at(0.01) == 4
@@ -199,11 +199,39 @@ def test_peak_and_counts_are_read_off_the_errors() -> None:
     assert transient.settled_at(0.0001) is None
     assert (transient.at(0), transient.at(5), transient.at(6)) == (2.0, 0.005, None)
     assert [transient.first_within(share) for share in (1.0, 0.01, 0.001, 1e-4)] == [0, 2, 5, None]
+    assert [transient.best_until(last) for last in (0, 1, 3, 5)] == [0, 0, 2, 5]
+
+
+def of(size: float, errors: list[float], headings: float | list[float] = 0.0) -> Transient:
+    return Transient(size, np.array(errors), np.broadcast_to(np.array(headings), len(errors)))
+
+
+@pytest.mark.parametrize(
+    ("iterations", "spell"),
+    [(0, (1, 2)), (2, (1, 2)), (3, (1, 2)), (4, (4, 5)), (5, (4, 5)), (7, (7, 7))],
+)
+def test_spell_of_small_errors_is_the_one_at_the_end_of_the_scenario(
+    iterations: int, spell: tuple[int, int]
+) -> None:
+    transient = of(1.0, [1.0, 0.1, 0.05, 1.0, 0.1, 0.0, 0.2, 0.1])
+    assert transient.spell_within(0.1, iterations) == spell
+    assert transient.spell_within(0.2, iterations) in ((1, 2), (4, 7))
+    assert of(1.0, [1.0, 0.2]).spell_within(0.1, 1) is None
+
+
+def test_rough_is_what_is_far_away_and_turned_far() -> None:
+    errors = [1.0, 20.5, 19.0, 21.0, 5.0]
+    assert of(10.0, errors, 0.9).rough_from is None
+    assert of(10.0, errors, 1.1).rough_from == 1
+    assert of(10.0, errors, [9.0, 0.0, 9.0, 9.0, 0.0]).rough_from == 3
+    assert of(10.0, [11.0, 21.0], 9.0).range_m == 22.0
+    assert of(10.0, [11.0, 21.0], 9.0).rough_from is None
+    assert of(0.0, [0.0, math.inf], math.inf).rough_from == 1
 
 
 @pytest.mark.parametrize(("errors", "growth"), [([0.0, 0.0], 1.0), ([0.0, 1.0], math.inf)])
 def test_growth_from_nothing(errors: list[float], growth: float) -> None:
-    assert Transient(1.0, np.array(errors)).peak_growth == growth
+    assert of(1.0, errors).peak_growth == growth
 
 
 @pytest.mark.parametrize(("iterations", "expected"), [(10, 5000), (7000, 7000)])
