@@ -68,12 +68,10 @@ def test_what_is_not_found_in_time_is_bounded_from_below() -> None:
     n = 6000
 
     def apply(vector: Floats) -> Floats:
-        applied: Floats = vector - np.concatenate([[0.0], vector[:-1]])
-        return applied
+        return np.diff(vector, prepend=0.0)
 
     def adjoint(vector: Floats) -> Floats:
-        applied: Floats = vector - np.concatenate([vector[1:], [0.0]])
-        return applied
+        return -np.diff(vector, append=0.0)
 
     found = largest_singular_value(apply, adjoint, (n,))
     exact = 2 * np.cos(np.pi / (2 * n + 1))
