@@ -154,11 +154,11 @@ def _draw_shares(axes: Axes, path_size_m: float) -> None:
 
 
 def _scale_errors(axes: Axes, low: float, high: float) -> None:
+    axes.set_ylim(low, high)  # first: Matplotlib would look for limits, and may overflow
     axes.set_yscale("log")
     major, texts, minor = logarithmic.ticks(math.log10(low), math.log10(high))
     axes.set_yticks(major, texts)
     axes.set_yticks(minor, [""] * len(minor), minor=True)
-    axes.set_ylim(low, high)
     axes.set_ylabel("Maximum position error [m]", labelpad=2)
 
 

@@ -206,3 +206,22 @@ def test_theories_of_an_experiment() -> None:
     assert found[CORRECTED].constants.rho == pytest.approx(1.02)
     assert found[WITHIN_LIMIT].constants.rho == pytest.approx(0.98)
     assert [theory.has_limit for theory in found.values()] == [True, True, False, True]
+
+
+@pytest.mark.parametrize("l1", [1e-17, 1e-300])
+def test_gain_that_is_lost_beside_h2_has_bounds_all_the_same(l1: float) -> None:
+    found = theories(experiment_of(LINE, law_of(l1), robot=UNIT, speed_limit=LIMIT))
+    assert len(found) == 4
+    for each in found.values():
+        assert each.lambda_ > smallest_lambda(each.constants)
+        assert pytest.approx(1, rel=1e-6) == each.A
+
+
+def test_constants_beyond_all_numbers_give_no_bounds() -> None:
+    # L1 is 1e400; with l1 = 1 it is 1e200, which cannot be squared.
+    law = law_of(1e200, matrix=model_gain(Robot(1e-200, 1.0)))
+    with np.errstate(all="ignore"):
+        assert theories(experiment_of(LINE, law, robot=UNIT, speed_limit=LIMIT)) == {}
+        some = theories(experiment_of(LINE, replace(law, l1=1.0), robot=UNIT, speed_limit=LIMIT))
+    for each in some.values():
+        assert math.isfinite(each.lambda_ + each.A + each.B)

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from hilc_cli.analysis.lifted import LiftedIteration, LinearPass
 from hilc_cli.analysis.transient import Transient, horizon, predict_transient
 from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.experiment import Experiment
@@ -19,7 +20,8 @@ from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import settled_at
 from hilc_cli.robot import Robot
 from tests.analysis.cases import CASES, WRONG, Case, driven, winding
-from tests.engine.experiments import experiment_of, law_of
+from tests.analysis.straight import line
+from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference
 
 SAMPLE_TIME = 0.004  # [s]; 500 samples in 2 s
@@ -158,6 +160,36 @@ def test_what_leaves_the_finite_numbers_is_infinite() -> None:
     assert transient.settled_at(0.01) is None
 
 
+@pytest.mark.parametrize("offset", [0.0, 0.1])
+def test_what_has_come_to_rest_is_not_computed_again(
+    monkeypatch: pytest.MonkeyPatch, offset: float
+) -> None:
+    # Each iteration leaves 0.9 of the first sample's error: after 310 of them 1e-14 is left.
+    experiment = experiment_of(line(6, 0.1), law_of(1.0), initial_pose=(0.0, offset, 0.0))
+    passes: list[LinearPass] = []
+    learn = LiftedIteration.next
+
+    def counted(self: LiftedIteration, previous: LinearPass) -> LinearPass:
+        passes.append(previous)
+        return learn(self, previous)
+
+    monkeypatch.setattr(LiftedIteration, "next", counted)
+    found = predict_transient(experiment, 3000).max_position_error_m
+    assert 300 < len(passes) < 1000
+    assert len(found) == 3001
+    # Along the line each error is the sum of those before it, times 0.1, smaller than it was.
+    step = np.eye(6) - 0.1 * np.tri(6)
+    ahead = np.linalg.matrix_power(step, 200) @ (0.1 * np.arange(1, 7))
+    assert found[200] == pytest.approx(np.hypot(np.abs(ahead).max(), offset), rel=1e-9)
+    np.testing.assert_allclose(found[len(passes) :], offset, rtol=1e-12, atol=1e-12)
+
+
+def test_input_at_rest_stays_there() -> None:
+    drive = feedforward(line(6, 0.1), PLATFORM)
+    found = predict_transient(experiment_of(line(6, 0.1), law_of(1.0), initial_input=drive), 50)
+    assert found.max_position_error_m.max() < 1e-15
+
+
 def test_peak_and_counts_are_read_off_the_errors() -> None:
     transient = of(10.0, [2.0, 6.0, 0.05, 0.2, 0.1, 0.005])
     assert transient.iterations == 5
@@ -165,6 +197,7 @@ def test_peak_and_counts_are_read_off_the_errors() -> None:
     assert transient.settled_at(0.01) == 4
     assert transient.settled_at(0.001) == 5
     assert transient.settled_at(0.0001) is None
+    assert [transient.first_within(share) for share in (1.0, 0.01, 0.001, 1e-4)] == [0, 2, 5, None]
     assert [transient.best_until(last) for last in (0, 1, 3, 5)] == [0, 0, 2, 5]
 
 
