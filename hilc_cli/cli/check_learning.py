@@ -6,12 +6,12 @@ import math
 from typing import TYPE_CHECKING
 
 from hilc_cli.analysis.findings import Findings
-from hilc_cli.cli.section import Grid, Section, counted
+from hilc_cli.cli.check_errors import errors_grid
+from hilc_cli.cli.section import Section, counted
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
 if TYPE_CHECKING:
     from hilc_cli.analysis.forecast import Forecast
-    from hilc_cli.analysis.transient import Transient
     from hilc_cli.api import Check
     from hilc_cli.results.summary import Summary
 
@@ -21,19 +21,15 @@ _ROUNDING = 1e-12  # of the path's size
 def learning_section(check: Check) -> Section:
     """The linear theory's figures; of a law that it does not know, that it does not."""
     title = "Does learning converge? (along the reference, without limit and disturbances)"
-    found = check.forecast
-    if found is None:
-        rows = [("Theory", "none is known of this law")]
-        return Section("learning", title, rows, findings=_findings(check), document={})
-    simulated = None if check.simulated is None else check.simulated.summary
-    return Section(
-        "learning",
-        title,
-        _rows(check, found),
-        [_errors(check, found.transient, simulated)],
-        _findings(check),
-        _document(check, found, simulated),
-    )
+    found, document = check.forecast, {}
+    rows = [("Theory", "none is known of this law")]
+    if found is not None:
+        rows, document = _rows(check, found), _document(check, found)
+    if check.simulated is not None:
+        document["simulated"] = _simulated(check.simulated.summary)
+    errors = errors_grid(check)
+    grids = [] if errors is None else [errors]
+    return Section("learning", title, rows, grids, _findings(check), document)
 
 
 def _findings(check: Check) -> Findings:
@@ -91,64 +87,9 @@ def _metres(error: float, size: float) -> str:
     return "0 m" if error <= _ROUNDING * size else f"{error:.4g} m"
 
 
-def _errors(check: Check, transient: Transient, summary: Summary | None) -> Grid:
-    """The predicted errors of the iterations, beside the simulated ones if there are any."""
-    iterations, errors = check.scenario.spec.iterations, transient.max_position_error_m
-    rows = [
-        ["Iteration 0", _length(errors[0])],
-        [f"Iteration {iterations}", _length(errors[iterations])],
-        ["Largest", _length(errors.max())],
-        ["  in iteration", f"{transient.peak_iteration}"],
-        ["  times that of iteration 0", f"{transient.peak_growth:.4g}"],
-        *(
-            [f"Iterations to {label} of the path's size", _reached(transient, share)]
-            for label, share in RELATIVE_TOLERANCES.items()
-        ),
-    ]
-    header = [("Maximum position error", ""), ("Predicted", "")]
-    note = (
-        f"Predicted for {transient.iterations} iterations by the linear theory, which is rough "
-        "where headings are off by 1 rad and more."
-    )
-    if summary is not None and check.simulated is not None:
-        first = float(check.simulated.run.metrics["max_position_error_m"][0])
-        rows = [[*row, cell] for row, cell in zip(rows, _simulated(summary, first), strict=True)]
-        header.append(("Simulated", ""))
-        note += " Simulated with limit and disturbances."
-    return Grid(header, rows if iterations else [rows[0], *rows[2:]], note)
-
-
-def _simulated(summary: Summary, first: float) -> list[str]:
-    """The column of a run, whose first iteration had an error of so many metres."""
-    peak, diverged_at = summary.peak_max_position_error_m, summary.diverged_at
-    last = _length(summary.final["max_position_error_m"])
-    return [
-        _length(first),
-        last if diverged_at is None else f"diverged in {diverged_at}",
-        _length(peak),
-        f"{summary.peak_iteration}",
-        f"{peak / first:.4g}" if first else "-",
-        *(
-            f"not in {summary.iterations}" if at is None else f"{at}"
-            for at in summary.settled_at.values()
-        ),
-    ]
-
-
-def _reached(transient: Transient, share: float) -> str:
-    at, first = transient.settled_at(share), transient.first_within(share)
-    if at is not None:
-        return f"{at}"
-    return f"not in {transient.iterations}" if first is None else f"{first}, not for good"
-
-
-def _length(error: float) -> str:
-    return f"{error:.4g} m" if math.isfinite(error) else "not finite"
-
-
-def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[str, object]:
+def _document(check: Check, found: Forecast) -> dict[str, object]:
     transient, rest = found.transient, found.rest
-    document: dict[str, object] = {
+    return {
         "settles": found.settles,
         "spectral_radius": _finite(found.spectral_radius),
         "largest_singular_value": _finite(found.largest_singular_value),
@@ -175,16 +116,17 @@ def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[
             "max_wheel_speed_rad_s": rest.max_wheel_speed_rad_s,
         },
     }
-    if simulated is not None:
-        document["simulated"] = {
-            "iterations": simulated.iterations,
-            "max_position_error_m": simulated.final["max_position_error_m"],
-            "peak_max_position_error_m": simulated.peak_max_position_error_m,
-            "peak_iteration": simulated.peak_iteration,
-            "settled_at": simulated.settled_at,
-            "diverged_at": simulated.diverged_at,
-        }
-    return document
+
+
+def _simulated(summary: Summary) -> dict[str, object]:
+    return {
+        "iterations": summary.iterations,
+        "max_position_error_m": summary.final["max_position_error_m"],
+        "peak_max_position_error_m": summary.peak_max_position_error_m,
+        "peak_iteration": summary.peak_iteration,
+        "settled_at": summary.settled_at,
+        "diverged_at": summary.diverged_at,
+    }
 
 
 def _finite(number: float) -> float | None:
