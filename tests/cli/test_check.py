@@ -269,7 +269,7 @@ def test_long_table_is_shortened_to_what_demands_most(hilc: Hilc, write: Write) 
 UNWISE: Mapping[str, str] = {
     "iterations=0": "iterations is 0: ",
     "controller.gains.l2=50": "controller.gains.l2 of 50 and l3 of 0 make the feedback ",
-    "model.wheel_radius=200": "controller.gain_matrix acts on the true robot with 0.001 to ",
+    "model.wheel_radius=200": "controller.gain_matrix acts on the true robot with 0.001 times",
     "initial_pose.heading=200 deg": "initial_pose.heading differs by more than half a turn ",
     "initial_pose.y=1": "controller.h of 3 of 3 samples: ",
     "controller.gains.l2=0.6": "controller.gains let ripples of the wheel speeds grow by ",
@@ -315,7 +315,7 @@ def test_learning_that_cannot_converge_is_an_error(hilc: Hilc, write: Write, cha
     assert cause.partition("): ")[2].startswith(CANNOT[change])
     assert f"\nerror: {outcome.err.removeprefix('hilc: ')}" in outcome.out
     assert "it does not settle\n" in outcome.out
-    assert "  Learning rests           nowhere\n" in outcome.out
+    assert "  Learning rests                  nowhere\n" in outcome.out
     unlearned = hilc("check", "scenario.yaml", "--set", change, "--set", "iterations=0")
     assert (unlearned.code, unlearned.err) == (0, "")
     assert "\nwarning: iterations is 0: " in unlearned.out

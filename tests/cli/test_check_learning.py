@@ -18,7 +18,7 @@ def test_prediction_out_of_range_is_called_rough(hilc: Hilc) -> None:
     assert "  Verdict                         unclear: predicted errors leave the " in outcome.out
     assert " m, rough\n" in outcome.out
     assert "\nwarning: the predicted error grows beyond 40 m in iteration " in outcome.out
-    assert "; without b_w it has no limit if gains are taken" in outcome.out.replace("\n", " ")
+    assert "; without speed limit it has none if gains are taken" in outcome.out.replace("\n", " ")
 
 
 @pytest.mark.parametrize(

@@ -29,9 +29,16 @@ def test_picture_goes_to_a_folder_of_its_own(hilc: Hilc, write: Write, folder: P
     before = listing(folder)
     outcome = hilc(*PLOT)
     assert (outcome.code, outcome.err) == (0, "")
-    assert outcome.out.endswith(".\n\nWritten to runs/test-check/transient.png\n")
+    assert outcome.out.endswith(
+        ".\n\nWritten to runs/test-check/transient.png\nWritten to runs/test-check/transient.csv\n"
+    )
     assert set(listing(folder)) - set(before) == {
-        *("runs", "runs/test-check", "runs/test-check/transient.png")
+        *(
+            "runs",
+            "runs/test-check",
+            "runs/test-check/transient.csv",
+            "runs/test-check/transient.png",
+        )
     }
     picture = folder / "runs/test-check/transient.png"
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -44,7 +51,7 @@ def test_formats_and_their_names_as_json(hilc: Hilc, write: Write, folder: Path)
     write()
     options = ("--format", "svg", "--format", "pdf", "--format", "svg", "--out", "a/b", "--json")
     document = json.loads(hilc(*PLOT, *options).out)
-    assert document["files"] == ["a/b/transient.svg", "a/b/transient.pdf"]
+    assert document["files"] == ["a/b/transient.svg", "a/b/transient.pdf", "a/b/transient.csv"]
     assert (folder / "a/b/transient.svg").read_text().startswith("<?xml")
     assert (folder / "a/b/transient.pdf").read_bytes().startswith(b"%PDF")
     assert json.loads(hilc("check", "scenario.yaml", "--json").out)["files"] == []
@@ -108,7 +115,8 @@ def test_lines_carry_what_the_report_says(
     document = json.loads(hilc(*PLOT, "--simulate", "--json", *changes).out)
     (axes,) = drawn[0].axes
     predicted, simulated = (
-        np.asarray(line(axes, label).get_ydata(), float) for label in (PREDICTED, SIMULATED)
+        np.asarray(line(axes, label).get_ydata(), float)
+        for label in (PREDICTED, f"{SIMULATED}, with limit")
     )
     learning = document["learning"]
     assert (len(predicted), len(simulated)) == (201, 6)
