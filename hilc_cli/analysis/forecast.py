@@ -63,10 +63,11 @@ class Forecast:
         """What is expected of an experiment with so many learning updates."""
         if iterations and not self.settles:
             return Outcome.CANNOT_CONVERGE
+        near = self.rest is None or self.rest.max_position_error_m <= self.transient.range_m
         return predicted_outcome(
             self.transient,
             iterations,
-            rests=self.rest is None or self.rest.is_finite,
+            rests=near,
             ripples_grow=self.ripples_grow,
         )
 
@@ -169,8 +170,8 @@ def _of_errors(experiment: Experiment, found: Forecast) -> list[str]:
         grown = f"the predicted error grows beyond {largest:.3g} m in iteration {rough}"
         if outcome is Outcome.DOES_NOT_LEARN:
             return [
-                f"no learning is to be expected: {grown}, and learning has no finite motion to "
-                "rest at; change the gains or controller.gain_matrix"
+                f"no learning is to be expected: {grown}, and there is no motion near the "
+                "path to rest at; change the gains or controller.gain_matrix"
             ]
         return [
             f"{grown}, out of the linear theory's range: from there on its errors and counts are "

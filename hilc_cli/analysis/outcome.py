@@ -38,7 +38,7 @@ def predicted_outcome(
     Args:
         transient: Predicted errors, over as many iterations as can be afforded.
         iterations: Of the experiment.
-        rests: Whether there is a finite motion to rest at.
+        rests: Whether there may be a motion to rest at that is not out of the theory's range.
         ripples_grow: Whether an iteration makes some ripple of the wheel speeds grow.
     """
     if iterations == 0:

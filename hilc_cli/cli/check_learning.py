@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
-from hilc_cli.cli.section import Grid, Section, counted
+from hilc_cli.cli.check_errors import errors_grid
+from hilc_cli.cli.section import Section, counted
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
 if TYPE_CHECKING:
     from hilc_cli.analysis.forecast import Forecast
-    from hilc_cli.analysis.transient import Transient
     from hilc_cli.api import Check
     from hilc_cli.results.summary import Summary
 
@@ -24,19 +23,15 @@ _ROUNDING = 1e-12  # of the path's size
 def learning_section(check: Check) -> Section:
     """The linear theory's figures; of a law that it does not know, that it does not."""
     title = "Does learning converge? (along the reference, without limit and disturbances)"
-    found = check.forecast
-    if found is None:
-        rows = [("Theory", "none is known of this law")]
-        return Section("learning", title, rows, findings=_findings(check), document={})
-    simulated = None if check.simulated is None else check.simulated.summary
-    return Section(
-        "learning",
-        title,
-        _rows(check, found),
-        [_errors(check, found.transient, simulated)],
-        _findings(check),
-        _document(check, found, simulated),
-    )
+    found, document = check.forecast, {}
+    rows = [("Theory", "none is known of this law")]
+    if found is not None:
+        rows, document = _rows(check, found), _document(check, found)
+    if check.simulated is not None:
+        document["simulated"] = _simulated(check.simulated.summary)
+    errors = errors_grid(check)
+    grids = [] if errors is None else [errors]
+    return Section("learning", title, rows, grids, _findings(check), document)
 
 
 def _findings(check: Check) -> Findings:
@@ -126,92 +121,10 @@ def _metres(error: float, size: float) -> str:
     return "0 m" if error <= _ROUNDING * size else f"{error:.4g} m"
 
 
-def _errors(check: Check, transient: Transient, summary: Summary | None) -> Grid:
-    """The predicted errors of the iterations, beside the simulated ones if there are any."""
-    iterations, errors = check.scenario.spec.iterations, transient.max_position_error_m
-    rough = transient.rough_from
-
-    def told(text: str, iteration: int) -> str:
-        return text if rough is None or iteration < rough else f"{text}, rough"
-
-    peak = transient.peak_iteration
-    rows = [
-        ["Iteration 0", _length(errors[0])],
-        [f"Iteration {iterations}", told(_predicted(transient, iterations), iterations)],
-        ["Largest", told(_length(errors.max()), peak)],
-        ["  in iteration", f"{peak}"],
-        ["  times that of iteration 0", f"{transient.peak_growth:.4g}"],
-        *(
-            [
-                f"Iterations to {label} of the path's size",
-                _reached(transient, share, iterations, told),
-            ]
-            for label, share in RELATIVE_TOLERANCES.items()
-        ),
-    ]
-    header = [("Maximum position error", ""), ("Predicted", "without limit")]
-    note = (
-        f"Predicted for {transient.iterations} iterations by the linear theory, which knows no "
-        "disturbances, and is rough while headings are off by 1 rad and more."
-    )
-    if rough is not None:
-        note += (
-            f" rough: out of its range, which ends in iteration {rough} with an error above "
-            f"{transient.range_m:.3g} m."
-        )
-    if summary is not None and check.simulated is not None:
-        first = float(check.simulated.run.metrics["max_position_error_m"][0])
-        rows = [[*row, cell] for row, cell in zip(rows, _simulated(summary, first), strict=True)]
-        limit = "without limit" if check.scenario.speed_limit is None else "with limit"
-        header.append(("Simulated", limit))
-        note += " Simulated with disturbances, if there are any."
-    return Grid(header, rows if iterations else [rows[0], *rows[2:]], note)
-
-
-def _simulated(summary: Summary, first: float) -> list[str]:
-    """The column of a run, whose first iteration had an error of so many metres."""
-    peak, diverged_at = summary.peak_max_position_error_m, summary.diverged_at
-    last = _length(summary.final["max_position_error_m"])
-    return [
-        _length(first),
-        last if diverged_at is None else f"diverged in {diverged_at}",
-        _length(peak),
-        f"{summary.peak_iteration}",
-        f"{peak / first:.4g}" if first else "-",
-        *(
-            f"not in {summary.iterations}" if at is None else f"{at}"
-            for at in summary.settled_at.values()
-        ),
-    ]
-
-
-def _reached(
-    transient: Transient, share: float, iterations: int, told: Callable[[str, int], str]
-) -> str:
-    """From which iteration on the error is so small, and until when if not for good."""
-    at = transient.settled_at(share)
-    if at is not None:
-        return told(f"{at}", at)
-    spell = transient.spell_within(share, iterations)
-    if spell is None:
-        return told(f"not in {transient.iterations}", transient.iterations)
-    first, last = spell
-    return told(f"{first} (until {last})", first)
-
-
-def _predicted(transient: Transient, iteration: int) -> str:
-    error = transient.at(iteration)
-    return "beyond what is predicted" if error is None else _length(error)
-
-
-def _length(error: float) -> str:
-    return f"{error:.4g} m" if math.isfinite(error) else "not finite"
-
-
-def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[str, object]:
+def _document(check: Check, found: Forecast) -> dict[str, object]:
     transient, rest = found.transient, found.rest
     predicted = transient.at(check.scenario.spec.iterations)
-    document: dict[str, object] = {
+    return {
         "verdict": found.outcome(check.scenario.spec.iterations).value,
         "settles": found.settles,
         "spectral_radius": _finite(found.spectral_radius),
@@ -250,16 +163,17 @@ def _document(check: Check, found: Forecast, simulated: Summary | None) -> dict[
             "max_wheel_speed_rad_s": rest.max_wheel_speed_rad_s,
         },
     }
-    if simulated is not None:
-        document["simulated"] = {
-            "iterations": simulated.iterations,
-            "max_position_error_m": simulated.final["max_position_error_m"],
-            "peak_max_position_error_m": simulated.peak_max_position_error_m,
-            "peak_iteration": simulated.peak_iteration,
-            "settled_at": simulated.settled_at,
-            "diverged_at": simulated.diverged_at,
-        }
-    return document
+
+
+def _simulated(summary: Summary) -> dict[str, object]:
+    return {
+        "iterations": summary.iterations,
+        "max_position_error_m": summary.final["max_position_error_m"],
+        "peak_max_position_error_m": summary.peak_max_position_error_m,
+        "peak_iteration": summary.peak_iteration,
+        "settled_at": summary.settled_at,
+        "diverged_at": summary.diverged_at,
+    }
 
 
 def _finite(number: float) -> float | None:

@@ -108,7 +108,7 @@ def _constants(theories: Mapping[str, Bounds]) -> Grid:
     if ("in limit", "") in columns:
         note += "; in limit: likewise, with |u| <= b_w."
     else:
-        note += "; without b_w it has no limit if gains are taken at the measured heading."
+        note += "; without speed limit it has none if gains are taken at the measured heading."
     note += " rho: contraction of the theorem; an iteration takes an input bound x to A x + B."
     return Grid([("Constant", ""), *columns], rows, note)
 
