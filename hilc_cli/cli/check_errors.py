@@ -62,7 +62,7 @@ def _predicted(transient: Transient, iterations: int) -> list[str]:
     errors, peak = transient.max_position_error_m, transient.peak_iteration
     return [
         _length(errors[0]),
-        _told(transient, _predicted(transient, iterations), iterations),
+        _told(transient, _at(transient, iterations), iterations),
         _told(transient, _length(errors.max()), peak),
         f"{peak}",
         f"{transient.peak_growth:.4g}",
@@ -106,7 +106,7 @@ def _simulated(simulated: Simulated) -> list[str]:
     ]
 
 
-def _predicted(transient: Transient, iteration: int) -> str:
+def _at(transient: Transient, iteration: int) -> str:
     error = transient.at(iteration)
     return "beyond what is predicted" if error is None else _length(error)
 

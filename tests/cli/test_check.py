@@ -489,6 +489,7 @@ LEARNING_KEYS = {
     "settles": bool,
     "spectral_radius": float,
     "largest_singular_value": float,
+    "largest_singular_value_is_known": bool,
     "monotone": bool,
     "ripple_factor": float,
     "ripple_period_samples": float,
@@ -638,3 +639,9 @@ def test_check_imports_neither_pictures_nor_compilers(tmp_path: Path) -> None:
         timeout=TIMEOUT,
     )
     assert (done.stdout, done.stderr) == ("0 []\n", "")
+
+
+def test_matrix_with_which_nothing_is_learned_fails(hilc: Hilc) -> None:
+    outcome = hilc("check", "example:fig8c", "-q")
+    assert (outcome.code, outcome.out) == (3, "")
+    assert outcome.err.startswith("hilc: no learning is to be expected: the predicted error grows")
