@@ -14,7 +14,8 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-Number = TypeVar("Number", float, NDArray[np.float64])
+Floats = NDArray[np.float64]
+Number = TypeVar("Number", float, Floats)
 
 TurnConvention = Literal["paper", "rep103"]
 
@@ -125,6 +126,40 @@ def step_gains(
         sample_time * wheel_radius / 2,
         sample_time * wheel_radius / (2 * signed_half_track),
     )
+
+
+def driven_path(
+    start: tuple[float, float, float], left: Floats, right: Floats, robot: Robot, sample_time: float
+) -> tuple[Floats, Floats, Floats]:
+    """Where given wheel speeds lead: `euler_step` for all samples at once, without disturbance.
+
+    Args:
+        start: Pose at sample 0: x [m], y [m], heading [rad].
+        left: Speeds of the left wheel [rad/s], shape (n,).
+        right: Speeds of the right wheel [rad/s], shape (n,).
+        robot: The platform.
+        sample_time: d_t [s].
+
+    Returns:
+        x [m], y [m] and heading [rad], shape (n + 1,) each; infinite or not-a-number from where
+        they leave the finite numbers.
+
+    Source:
+        Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
+    """
+    distance_gain, turn_gain = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
+    heading = _running_sum(start[2], turn_gain * (left - right))
+    distance = distance_gain * (left + right)
+    x = _running_sum(start[0], distance * np.cos(heading[:-1]))  # Eq. 8
+    y = _running_sum(start[1], distance * np.sin(heading[:-1]))
+    return x, y, heading
+
+
+def _running_sum(start: float, steps: Floats) -> Floats:
+    """The sums from a start on, in the order of a loop."""
+    sums = np.empty(len(steps) + 1)
+    sums[0], sums[1:] = start, steps
+    return np.cumsum(sums, out=sums)
 
 
 def limit_wheel_speeds(left: float, right: float, bound: float) -> tuple[float, float]:

@@ -42,7 +42,10 @@ def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
     name = text.removeprefix(PREFIX).removesuffix(".yaml")
     known = {path.stem: path for path in examples(kind)}
     if name not in known:
-        begun = [stem for stem in known if name and stem.startswith(name)]
+        # Its last character may be the wrong one.
+        begun = [stem for stem in known if name and stem.startswith(name)] or [
+            stem for stem in known if name[:-1] and stem.startswith(name[:-1])
+        ]
         hint = suggestion(name, begun or known)
         raise UsageError(f"{text}: there is no such example; {hint}")
     return known[name]

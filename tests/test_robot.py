@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from hilc_cli.robot import (
     Robot,
+    driven_path,
     euler_step,
     gravity_center_position,
     limit_wheel_means,
@@ -51,6 +53,27 @@ def test_twist_is_that_of_equation_2(
 ) -> None:
     twist = twist_from_wheel_speeds(left, right, 0.2, 0.5)
     assert twist == pytest.approx((speed, yaw_rate), abs=1e-14)
+
+
+@given(
+    st.tuples(st.floats(-10, 10), st.floats(-10, 10), st.floats(-4, 4)),
+    st.lists(st.tuples(st.floats(-20, 20), st.floats(-20, 20)), max_size=8),
+    st.booleans(),
+)
+def test_driven_path_is_step_after_step(
+    start: tuple[float, float, float], wheels: list[tuple[float, float]], swapped: bool
+) -> None:
+    robot = Robot(0.2, 0.5, "rep103" if swapped else "paper")
+    gains = step_gains(robot.wheel_radius, robot.signed_half_track, 0.1)
+    poses = [start]
+    for left, right in wheels:
+        x, y, heading = poses[-1]
+        cos, sin = math.cos(heading), math.sin(heading)
+        poses.append(euler_step(x, y, heading, cos, sin, left, right, *gains))
+    left_wheel, right_wheel = np.array(wheels).reshape(-1, 2).T
+    path = driven_path(start, left_wheel, right_wheel, robot, 0.1)
+    # Steps of up to 0.4 m and 0.8 rad: cosines, and with them positions, differ in the last digits.
+    np.testing.assert_allclose(np.array(path).T, poses, rtol=1e-13, atol=1e-13)
 
 
 def test_circle_of_the_paper_needs_a_faster_left_wheel() -> None:

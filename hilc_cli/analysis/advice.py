@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.analysis.loop_gain import loop_gains
+from hilc_cli.disturbance.streams import Bounded
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.reference.path import POSITION_TOLERANCE
 
 _FACTOR = 10.0  # a gain matrix that is off by more hardly is so on purpose
+_NOISE = 0.01  # of the path's size: what is larger hides whether 1 % is reached
 _MARGIN = 1e-9  # beyond what rounding may make of a limiting case
 
 
@@ -60,16 +62,63 @@ def _disturbances(experiment: Experiment) -> list[str]:
             f"disturbance.state.bound of {max(disturbance.state.bound[:2]):g} m is added at every "
             f"sample, in which the reference moves by {step:.3g} m only; make it smaller"
         )
-    if max(disturbance.output.bound[:2]) >= reference.size > 0:
+    else:
+        found += _wandering(experiment)
+    seen = max(disturbance.output.bound[:2])
+    if seen >= reference.size > 0:
         found.append(
             f"disturbance.output.bound of {max(disturbance.output.bound[:2]):g} m is as large as "
             f"the whole path, {reference.size:.3g} m; make it smaller"
+        )
+    elif seen > _NOISE * reference.size > 0:
+        found.append(
+            f"disturbance.output.bound of {seen:g} m is {100 * seen / reference.size:.2g} % of the "
+            "path's size: the controller sees errors as large as that even on the reference, and "
+            "cannot tell smaller ones from them in one iteration"
         )
     if disturbance.output.bound[2] >= math.pi / 2:
         found.append(
             f"disturbance.output.bound of {disturbance.output.bound[2]:g} rad hides whether the "
             "robot drives ahead or aside; make it less than pi/2"
         )
+    return found
+
+
+def _wandering(experiment: Experiment) -> list[str]:
+    """How far disturbances of the state, added up over the path, carry the robot from it."""
+    reference, state = experiment.reference, experiment.disturbance.state
+    if state.repeat or not state.active:
+        return []
+    spread_x, spread_y, spread_heading = _deviations(state)
+    # A heading that is off from sample k + 1 on turns what is still to come about the pose there.
+    ahead = np.hypot(reference.x[-1] - reference.x[1:], reference.y[-1] - reference.y[1:])
+    wander = math.hypot(
+        math.sqrt(reference.samples) * math.hypot(spread_x, spread_y),
+        # However far it turns, the rest of the path ends on a circle about the pose.
+        min(spread_heading * float(np.linalg.norm(ahead)), 2 * float(ahead.max())),
+    )
+    if wander <= _NOISE * reference.size or reference.size == 0:
+        return []
+    return [
+        f"disturbance.state adds up to about {wander:.2g} m (RMS) at the end of the path, "
+        f"{100 * wander / reference.size:.2g} % of its size, anew in each iteration: learning "
+        "cannot take that away, only feedback within the iteration can lessen it"
+    ]
+
+
+def _deviations(noise: Bounded) -> list[float]:
+    """Standard deviations of the components."""
+    found = []
+    for bound, deviation in zip(noise.bound, noise.deviation, strict=True):
+        if noise.distribution == "uniform" or bound == 0:
+            found.append(bound / math.sqrt(3))
+        elif deviation == 0:
+            found.append(0.0)
+        else:  # of a normal that is cut off at +- z standard deviations
+            z = bound / deviation
+            density = math.exp(-z * z / 2) / math.sqrt(2 * math.pi)
+            kept = 1 - 2 * z * density / math.erf(z / math.sqrt(2))
+            found.append(min(deviation * math.sqrt(max(0.0, kept)), bound / math.sqrt(3)))
     return found
 
 
@@ -81,10 +130,12 @@ def _strength(experiment: Experiment, law: HybridLaw) -> list[str]:
         return []
     if not math.isfinite(strongest):
         return []  # told of learning
+    least, most = f"{weakest:.3g}", f"{strongest:.3g}"
     return [
-        f"controller.gain_matrix acts on the true robot with {weakest:.3g} to {strongest:.3g} "
-        "times the strength of Eq. 45 with its true R and B; check the units of robot and "
-        "model, or make up for it in controller.gains"
+        "controller.gain_matrix acts on the true robot with "
+        f"{least if least == most else f'{least} to {most}'} times the strength "
+        "of Eq. 45 with its true R and B; check the units of robot and model, or make up for it in "
+        "controller.gains"
     ]
 
 

@@ -171,7 +171,9 @@ def suitable_lambda(constants: Constants, iterations: int) -> float:
 def state_series(constants: Constants, lambda_: float) -> float:
     """(1 - (h2 / lambda)^n) / (lambda - h2), what an input error leaves in the state, Eq. 40."""
     c = constants
-    return -math.expm1(c.samples * math.log(c.h2 / lambda_)) / (lambda_ - c.h2)
+    # log(h2 / lambda) by their difference, which keeps its digits where lambda is next to h2.
+    falls = -math.log1p((lambda_ - c.h2) / c.h2)
+    return -math.expm1(c.samples * falls) / (lambda_ - c.h2)
 
 
 def _start(experiment: Experiment, c: Constants, lambda_: float) -> float:

@@ -51,6 +51,11 @@ class FixedPoint:
         return float(self.position_error_m.max())
 
     @property
+    def end_position_error_m(self) -> float:
+        """Distance from the reference at its end [m]."""
+        return float(self.position_error_m[-1])
+
+    @property
     def max_wheel_speed_rad_s(self) -> float:
         """Largest absolute wheel speed [rad/s]; beyond the speed limit it cannot be driven."""
         return float(np.abs(self.inputs).max())

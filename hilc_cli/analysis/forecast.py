@@ -12,8 +12,10 @@ from hilc_cli.analysis.fixed_point import FixedPoint, fixed_point
 from hilc_cli.analysis.lifted import LiftedIteration
 from hilc_cli.analysis.loop_gain import loop_gains
 from hilc_cli.analysis.matrices import desired_motion, hybrid_law
+from hilc_cli.analysis.outcome import Outcome, predicted_outcome
 from hilc_cli.analysis.ripples import RippleGrowth, ripple_growth
-from hilc_cli.analysis.transient import Transient, predict_transient
+from hilc_cli.analysis.singular_value import SingularValue
+from hilc_cli.analysis.transient import FAR_HEADING, Transient, predict_transient
 from hilc_cli.engine.experiment import Experiment
 
 MARGIN = 1e-9
@@ -21,7 +23,6 @@ MARGIN = 1e-9
 LEAST_PROGRESS = 1e-14
 """A spectral radius that is nearer to 1 cannot be told from it."""
 _FAR = 0.01  # of the path's size: what is further off does not count as on the reference
-_POOR_HEADING = 1.0  # initial heading error beyond which the linear theory says little [rad]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,15 +31,15 @@ class Forecast:
 
     Attributes:
         spectral_radius: Of one iteration; below 1 learning settles in the end.
-        largest_singular_value: Of one iteration; below 1 each brings the input nearer to the one
-            where learning rests.
+        singular_value: The largest one of an iteration; below 1 each brings the input nearer to
+            the one where learning rests.
         ripple: The ripple of the wheel speeds that fares worst in an iteration.
         transient: Predicted errors.
         rest: Where learning rests; None if that is no single motion.
     """
 
     spectral_radius: float
-    largest_singular_value: float
+    singular_value: SingularValue
     ripple: RippleGrowth
     transient: Transient
     rest: FixedPoint | None
@@ -51,7 +52,24 @@ class Forecast:
     @property
     def is_monotone(self) -> bool:
         """Whether each iteration brings the input nearer to where learning rests."""
-        return self.largest_singular_value < 1
+        return self.singular_value.is_below_one
+
+    @property
+    def ripples_grow(self) -> bool:
+        """Whether an iteration makes some ripple of the wheel speeds grow."""
+        return self.ripple.factor > 1 + MARGIN
+
+    def outcome(self, iterations: int) -> Outcome:
+        """What is expected of an experiment with so many learning updates."""
+        if iterations and not self.settles:
+            return Outcome.CANNOT_CONVERGE
+        near = self.rest is None or self.rest.max_position_error_m <= self.transient.range_m
+        return predicted_outcome(
+            self.transient,
+            iterations,
+            rests=near,
+            ripples_grow=self.ripples_grow,
+        )
 
 
 def forecast(experiment: Experiment) -> Forecast:
@@ -63,7 +81,7 @@ def forecast(experiment: Experiment) -> Forecast:
     lifted = LiftedIteration(experiment)
     return Forecast(
         lifted.spectral_radius(),
-        lifted.largest_singular_value(),
+        lifted.largest_singular_value_found(),
         ripple_growth(experiment),
         predict_transient(experiment),
         fixed_point(experiment),
@@ -76,13 +94,21 @@ def forecast_findings(experiment: Experiment, found: Forecast) -> Findings:
         return Findings()  # nothing is to be learned
     if not found.settles:
         return Findings(failures=(_why_it_does_not_settle(experiment, found),))
+    hopeless = (
+        found.rest is not None
+        and not found.rest.is_finite
+        and found.outcome(experiment.iterations) is Outcome.DOES_NOT_LEARN
+    )
+    of_errors = tuple(_of_errors(experiment, found))
     return Findings(
+        failures=of_errors if hopeless else (),
         warnings=(
             *_of_the_start(experiment),
+            *(() if hopeless else of_errors),
             *_of_ripples(experiment, found),
             *_of_rest(experiment, found),
             *_of_limit(experiment, found),
-        )
+        ),
     )
 
 
@@ -126,7 +152,7 @@ def _why_it_does_not_settle(experiment: Experiment, found: Forecast) -> str:
 
 def _of_the_start(experiment: Experiment) -> list[str]:
     turned = abs(float(experiment.reference.heading[0]) - experiment.initial_pose[2])
-    if turned <= _POOR_HEADING:
+    if turned <= FAR_HEADING:
         return []
     return [
         f"initial_pose.heading is off by {turned:.3g} rad: the predicted errors are rough then, "
@@ -134,8 +160,35 @@ def _of_the_start(experiment: Experiment) -> list[str]:
     ]
 
 
+def _of_errors(experiment: Experiment, found: Forecast) -> list[str]:
+    """Of predicted errors that do not fall, and of those that say nothing any more."""
+    errors = found.transient.max_position_error_m
+    last = min(experiment.iterations, found.transient.iterations)
+    outcome, rough = found.outcome(last), found.transient.rough_from
+    if rough is not None and rough <= last:
+        largest = found.transient.range_m
+        grown = f"the predicted error grows beyond {largest:.3g} m in iteration {rough}"
+        if outcome is Outcome.DOES_NOT_LEARN:
+            return [
+                f"no learning is to be expected: {grown}, and there is no motion near the "
+                "path to rest at; change the gains or controller.gain_matrix"
+            ]
+        return [
+            f"{grown}, out of the linear theory's range: from there on its errors and counts are "
+            "rough, without a limit off by orders; see what a simulation says (--simulate), or "
+            "change the gains"
+        ]
+    if outcome is not Outcome.DOES_NOT_LEARN or errors[last] < errors[0]:
+        return []
+    return [
+        f"no learning is to be expected within {last} iterations: the predicted error is "
+        f"{errors[0]:.3g} m in iteration 0 and {errors[last]:.3g} m in the last; change the gains, "
+        "or raise iterations"
+    ]
+
+
 def _of_ripples(experiment: Experiment, found: Forecast) -> list[str]:
-    if found.ripple.factor <= 1 + MARGIN:
+    if not found.ripples_grow:
         return []
     law = hybrid_law(experiment)
     remedy = (

@@ -6,11 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.analysis.linearisation import Linearisation, linearise
 from hilc_cli.analysis.matrices import GainParts, hybrid_law
 from hilc_cli.analysis.recursion import DriftRecursion, ErrorRecursion
-from hilc_cli.analysis.singular_value import largest_singular_value
+from hilc_cli.analysis.singular_value import SingularValue, largest_singular_value
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.compensation import compensation_gain
 from hilc_cli.laws.hybrid import compensated_error
@@ -175,19 +176,45 @@ class LiftedIteration:
 
         T is block lower triangular with the blocks I - l1 d G_k B_k, whatever the feedback.
         """
-        with np.errstate(over="ignore", invalid="ignore"):
-            blocks = np.eye(2) - self.l1 * (self.gains @ self.plant.inputs)
-        if not np.isfinite(blocks).all():
-            return math.inf
-        return float(np.abs(np.linalg.eigvals(blocks)).max())
+        gains = self._loop_gains()
+        return math.inf if gains is None else float(np.abs(1 - gains).max())
+
+    def contraction(self) -> float:
+        """1 less the spectral radius, above 0 where the iteration converges in the end.
+
+        It is exact to rounding of its own size, where the spectral radius itself cannot be told
+        from 1; minus infinity where the blocks of T leave the finite numbers.
+        """
+        gains = self._loop_gains()
+        if gains is None:
+            return -math.inf
+        # 1 - |1 - g| = (1 - |1 - g|^2) / (1 + |1 - g|) = (2 Re g - |g|^2) / (1 + |1 - g|)
+        both = 1 + np.abs(1 - gains)
+        less = gains.real * ((2 - gains.real) / both) - gains.imag * (gains.imag / both)
+        return float(less.min())
 
     def largest_singular_value(self) -> float:
+        """The value of `largest_singular_value_found`."""
+        return self.largest_singular_value_found().value
+
+    def largest_singular_value_found(self) -> SingularValue:
         """The most by which T may lengthen an input; if below 1 the convergence is monotone.
 
         Length is the root of the sum of squares over both wheels and all samples. Of the errors
         there is no such number, since they have no common unit.
+
+        Returns:
+            The value, and how surely it is known: a lower bound if the search was given up.
         """
         return largest_singular_value(self.apply, self.adjoint, (self.samples, 2))
+
+    def _loop_gains(self) -> NDArray[np.complex128] | None:
+        """The eigenvalues of l1 d G_k B_k, shape (n, 2); None beyond the finite numbers."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            products = self.l1 * (self.gains @ self.plant.inputs)
+        if not np.isfinite(products).all():
+            return None
+        return np.linalg.eigvals(products).astype(np.complex128)
 
     def _driven(self, constant: Floats, inputs: Floats) -> Floats:
         """The right side of the error's recursion for a given input."""

@@ -34,13 +34,6 @@ def pose_norm(poses: Floats) -> Floats:
     return values
 
 
-def control_norm(matrices: Floats, wheels: WheelNorm) -> Floats:
-    """Norms of matrices from wheel speeds to poses, shape (..., 3, 2) to (...)."""
-    if wheels == "euclidean":
-        return _spectral(np.swapaxes(matrices, -1, -2))
-    return pose_norm(np.swapaxes(matrices, -1, -2)).max(axis=-1)  # type: ignore[no-any-return]
-
-
 def gain_norm(matrices: Floats, wheels: WheelNorm) -> Floats:
     """Norms of matrices from poses to wheel speeds, shape (..., 2, 3) to (...)."""
     if wheels == "euclidean":

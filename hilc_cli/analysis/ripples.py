@@ -10,6 +10,12 @@ which for small gains is 1 - c d_k (l1 - l2 - l3 (1 + 2 cos phi)) / 2. So feedba
 not add up, as Eq. 19 has it: where l2 + 3 l3 > l1 slow ripples grow from iteration to iteration,
 and where l2 > l1 + l3 the fastest do. All eigenvalues of the iteration may well lie within one
 then: they tell of the limit only, ripples of the many iterations before it.
+
+Only periods up to LONGEST_PERIOD samples are looked at. At longer ones the factor is above 1 even
+for learning that goes well: without feedback it is about 1 - l1 c d_k + (l1 c d_k / phi)^2 when
+squared, so that at a period of 1000 samples l1 = 1 and d_k = 1 ms give 1.012. There the integrator
+adds up what is left along the path: a growth that ends with the path, which the largest singular
+value and the predicted errors tell.
 """
 
 from __future__ import annotations
@@ -22,7 +28,7 @@ from hilc_cli.analysis.loop_gain import loop_gains
 from hilc_cli.analysis.matrices import hybrid_law
 from hilc_cli.engine.experiment import Experiment
 
-LONGEST_PERIOD = 20  # samples; for longer ones the path and the integrator's own growth count
+LONGEST_PERIOD = 20  # samples
 _LEAST_PERIODS = 5  # of a ripple along the path: fewer are none
 _FREQUENCIES = 200
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,17 +12,54 @@ from hilc_cli.reference.sampled import Floats
 
 Operator = Callable[[Floats], Floats]
 
-MOST_STEPS = 300
-RELATIVE_ERROR = 1e-12
-"""Bound of the error of the singular value, as a share of it."""
+ENOUGH = 1e-10
+"""The search ends at this residual, as a share of the value."""
+KNOWN = 1e-5
+"""Up to this residual, as a share of the value, more of its digits are known than are printed."""
+MOST_STEPS = 500
+MOST_PRODUCTS = 3e8
+"""Of numbers, to keep the vectors of all steps orthogonal: less than a second."""
+MOST_NUMBERS = 1.2e7
+"""Kept of the vectors of all steps: 100 MB."""
+_SMALL = 50  # steps
+_ROUNDING = 1e-14  # of the value
 
 
-def largest_singular_value(apply: Operator, adjoint: Operator, shape: tuple[int, ...]) -> float:
-    """Golub-Kahan-Lanczos bidiagonalisation with full reorthogonalisation.
+@dataclass(frozen=True, slots=True)
+class SingularValue:
+    """What was found of a largest singular value.
+
+    Attributes:
+        value: An operator of this norm or more: the largest singular value is not below it, but
+            for rounding.
+        residual: Within this distance of the value there is a singular value for sure. It is the
+            largest one unless the search has missed that, which a random start makes improbable.
+    """
+
+    value: float
+    residual: float
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the search came to its end; otherwise the value is a lower bound only."""
+        return self.residual <= KNOWN * self.value
+
+    @property
+    def is_below_one(self) -> bool:
+        """Whether the largest singular value is below 1 even if the search stopped short of it."""
+        return self.value * (1 + _ROUNDING) + self.residual < 1
+
+
+def largest_singular_value(
+    apply: Operator, adjoint: Operator, shape: tuple[int, ...]
+) -> SingularValue:
+    """The Lanczos process on the operator's transpose times it, with full reorthogonalisation.
 
     It starts from a fixed vector of pseudo-random numbers, which has a share in every direction;
     a smooth one may have none in the singular vector that is looked for. A learning update is the
-    identity and a smooth part, for which about ten steps are enough.
+    identity and a smooth part, for which about ten steps are enough. Strong feedback, or hardly
+    any learning, leaves many singular values close to the largest one: hundreds of steps then tell
+    it to some digits. The more rows the operator has, the fewer steps are taken.
 
     Args:
         apply: The operator, between arrays of the given shape.
@@ -32,41 +70,78 @@ def largest_singular_value(apply: Operator, adjoint: Operator, shape: tuple[int,
         The largest singular value; infinity where squares of what the operator gives overflow.
 
     Source:
-        Golub and Kahan, Calculating the singular values and pseudo-inverse of a matrix, J. SIAM
-        Numer. Anal. B 2 (1965) 205-224.
+        Parlett, The Symmetric Eigenvalue Problem, SIAM 1998, chapter 13.
     """
     start = np.random.default_rng(0).standard_normal(math.prod(shape))
-    rights: list[Floats] = [start / np.linalg.norm(start)]
-    lefts: list[Floats] = []
+    steps = most_steps(start.size)
+    basis = np.empty((steps, start.size))  # an operating system gives memory as it is written to
+    basis[0] = start / np.linalg.norm(start)
     diagonal: list[float] = []
-    above: list[float] = []
-    largest = 0.0
-    most = min(MOST_STEPS, start.size)
+    beside: list[float] = []
+    found = SingularValue(0.0, math.inf)
     with np.errstate(over="ignore", invalid="ignore"):
-        while len(diagonal) < most:
-            left = _orthogonal(apply(rights[-1].reshape(shape)).ravel(), lefts)
-            diagonal.append(float(np.linalg.norm(left)))
-            if not math.isfinite(diagonal[-1]):
-                return math.inf
-            lefts.append(left / (diagonal[-1] or 1.0))
-            right = _orthogonal(adjoint(lefts[-1].reshape(shape)).ravel(), rights)
-            rest = float(np.linalg.norm(right))
-            if not math.isfinite(rest):
-                return math.inf
+        for step in range(1, steps + 1):
+            known = basis[:step]
+            vector = adjoint(apply(known[-1].reshape(shape))).flatten()
+            diagonal.append(float(known[-1] @ vector))
+            vector -= diagonal[-1] * known[-1]
+            if beside:
+                vector -= beside[-1] * known[-2]
+            # In exact arithmetic nothing is left of the others; rounding brings them back.
+            vector -= _combined(_shares(vector, known), known)
+            rest = float(np.linalg.norm(vector))
+            if not math.isfinite(diagonal[-1] + rest):
+                return SingularValue(math.inf, 0.0)
             # Not each time once there are many: the decomposition costs more than all else then.
-            if len(diagonal) % max(1, len(diagonal) // 5) == 0 or len(diagonal) == most:
-                vectors, values, _ = np.linalg.svd(np.diag(diagonal) + np.diag(above, 1))
-                largest = float(values[0])
-                if rest * abs(vectors[-1, 0]) <= RELATIVE_ERROR * largest:
+            if step % max(1, step // 5) == 0 or step == steps:
+                found = _largest_of(diagonal, beside, rest)
+                if found.residual <= ENOUGH * found.value:
                     break
-            above.append(rest)
-            rights.append(right / rest)
-    return largest
+            if step < steps:
+                beside.append(rest)
+                basis[step] = vector / rest
+    return found
 
 
-def _orthogonal(vector: Floats, basis: Sequence[Floats]) -> Floats:
-    """What is left of a vector beside an orthonormal basis; twice is enough."""
-    for _ in range(2):
-        for direction in basis:
-            vector = vector - (direction @ vector) * direction
-    return vector
+def most_steps(size: int) -> int:
+    """The steps that an operator with so many rows may cost."""
+    affordable = min(math.sqrt(MOST_PRODUCTS / size), MOST_NUMBERS / size)
+    return max(1, min(MOST_STEPS, size, int(affordable)))
+
+
+def _shares(vector: Floats, basis: Floats) -> Floats:
+    """The product with each vector of a basis.
+
+    Not by a matrix product, whose threads wait for each other where other programs run: memory
+    is what limits both.
+    """
+    shares: Floats = np.einsum("kj,j->k", basis, vector)
+    return shares
+
+
+def _combined(shares: Floats, basis: Floats) -> Floats:
+    """The sum of the vectors of a basis, each by its share."""
+    total: Floats = np.einsum("k,kj->j", shares, basis)
+    return total
+
+
+def _largest_of(diagonal: list[float], beside: list[float], rest: float) -> SingularValue:
+    """What the steps so far tell: the root of the largest eigenvalue of their tridiagonal matrix.
+
+    Args:
+        diagonal: Of the matrix.
+        beside: Its entries on both sides of the diagonal.
+        rest: Norm of what the last step gave beyond all vectors so far.
+    """
+    last = len(diagonal) - 1
+    if last < _SMALL:
+        values, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(beside, -1))
+    else:
+        from scipy.linalg import eigh_tridiagonal  # starts slowly, and is seldom needed
+
+        values, vectors = eigh_tridiagonal(diagonal, beside, select="i", select_range=(last, last))
+    value = math.sqrt(max(float(values[-1]), 0.0))
+    if value == 0:
+        return SingularValue(0.0, math.sqrt(rest))
+    # |value^2 - sigma^2| <= rest |last entry|, and sigma + value >= value
+    return SingularValue(value, rest * abs(float(vectors[-1, -1])) / value)

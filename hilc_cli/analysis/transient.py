@@ -11,11 +11,19 @@ from hilc_cli.analysis.lifted import LiftedIteration, LinearPass
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import settled_at
-from hilc_cli.robot import step_gains
+from hilc_cli.robot import driven_path
 
 ITERATIONS = 5000
 SAMPLES_OF_ALL_ITERATIONS = 12_000_000
 """So far is looked ahead if the experiment is shorter, whichever is less: about a second."""
+RANGE = 2.0
+"""Times the path's size: larger predicted errors are out of the linear theory's range."""
+MOST_SAMPLES = 36_000_000
+"""Of all iterations of a longer experiment: a few seconds."""
+SAMPLES_AS_LONG_AS_A_CALL = 1000
+"""What an iteration costs beside its samples, counted in samples."""
+FAR_HEADING = 1.0
+"""Heading errors beyond which sines and cosines are no longer linear [rad]."""
 ROUNDING = 1e-14
 """Wheel speeds that an iteration changes by no larger a share have come to rest."""
 
@@ -28,10 +36,12 @@ class Transient:
         path_size_m: Longer side of the trajectory's bounding box.
         max_position_error_m: Predicted for iterations 0..N, shape (N + 1,); infinite from the
             iteration on that left the finite numbers.
+        max_heading_error_rad: Likewise.
     """
 
     path_size_m: float
     max_position_error_m: Floats
+    max_heading_error_rad: Floats
 
     @property
     def iterations(self) -> int:
@@ -50,6 +60,10 @@ class Transient:
         if first == 0 or math.isinf(first):
             return 1.0 if peak == first else math.inf
         return peak / first
+
+    def best_until(self, iterations: int) -> int:
+        """The iteration with the smallest error of iterations 0 to the given one."""
+        return int(self.max_position_error_m[: iterations + 1].argmin())
 
     def settled_at(self, share: float) -> int | None:
         """The first iteration from which on the error stays at or below a share of the path's size.
@@ -76,19 +90,65 @@ class Transient:
         within = np.flatnonzero(self.max_position_error_m <= share * self.path_size_m)
         return int(within[0]) if len(within) else None
 
-    def until(self, iterations: int) -> Transient:
-        """The same with a shorter horizon.
+    def spell_within(self, share: float, iterations: int) -> tuple[int, int] | None:
+        """From when to when the error is at or below a share of the path's size.
 
         Args:
-            iterations: The new horizon; one that is longer than the old changes nothing.
+            share: Such as 0.01.
+            iterations: Of the experiment.
+
+        Returns:
+            First and last iteration of the spell that holds the experiment's last iteration, of
+            the first spell if none does; None if the error is never so small. A spell may end with
+            the horizon.
         """
-        return Transient(self.path_size_m, self.max_position_error_m[: iterations + 1])
+        within = self.max_position_error_m <= share * self.path_size_m
+        if not within.any():
+            return None
+        iterations = min(iterations, self.iterations)
+        inside = iterations if within[iterations] else int(within.argmax())
+        before, after = np.flatnonzero(~within[:inside]), np.flatnonzero(~within[inside:])
+        first = int(before[-1]) + 1 if len(before) else 0
+        return first, inside + int(after[0]) - 1 if len(after) else self.iterations
+
+    @property
+    def range_m(self) -> float:
+        """The largest error that the linear theory may tell of [m].
+
+        That is RANGE times the path's size, or the error of iteration 0 if that is larger.
+        """
+        return RANGE * max(self.path_size_m, float(self.max_position_error_m[0]))
+
+    @property
+    def rough_from(self) -> int | None:
+        """The first iteration that is out of the linear theory's range; None if there is none.
+
+        Its position error is above `range_m`, and its heading is off by more than FAR_HEADING:
+        so far away, the products of errors that a linear theory leaves out are as large as what
+        it keeps. What is predicted of this iteration, and of all later ones, is rough. Without
+        heading errors, as on a line, no position error is too large.
+        """
+        beyond = np.flatnonzero(
+            (self.max_position_error_m > self.range_m) & (self.max_heading_error_rad > FAR_HEADING)
+        )
+        return int(beyond[0]) if len(beyond) else None
+
+    def at(self, iteration: int) -> float | None:
+        """The predicted error of an iteration [m]; None beyond the horizon."""
+        if iteration > self.iterations:
+            return None
+        return float(self.max_position_error_m[iteration])
 
 
 def horizon(experiment: Experiment) -> int:
-    """How far to look ahead at a bounded cost, but never less far than the experiment goes."""
-    affordable = SAMPLES_OF_ALL_ITERATIONS // experiment.reference.samples
-    return max(experiment.iterations, min(ITERATIONS, affordable))
+    """How far to look ahead at a bounded cost: as far as the experiment goes, if it can be.
+
+    The prediction of a very long experiment ends before it, at `Transient.iterations`.
+    """
+    samples = experiment.reference.samples
+    beyond = min(ITERATIONS, SAMPLES_OF_ALL_ITERATIONS // samples)
+    within = min(experiment.iterations, MOST_SAMPLES // (samples + SAMPLES_AS_LONG_AS_A_CALL))
+    return max(beyond, within)
 
 
 def predict_transient(experiment: Experiment, iterations: int | None = None) -> Transient:
@@ -108,7 +168,7 @@ def predict_transient(experiment: Experiment, iterations: int | None = None) -> 
     """
     last = horizon(experiment) if iterations is None else iterations
     lifted = LiftedIteration(experiment)
-    errors = np.full(last + 1, math.inf)
+    errors, headings = np.full((2, last + 1), math.inf)
     with np.errstate(over="ignore", invalid="ignore"):
         driven = _Driven(experiment, lifted)
         current = lifted.first()
@@ -117,42 +177,34 @@ def predict_transient(experiment: Experiment, iterations: int | None = None) -> 
             if not math.isfinite(errors[iteration]):
                 errors[iteration] = math.inf  # it may be not-a-number
                 break
+            headings[iteration] = np.abs(current.errors[:, 2]).max()
             previous, current = current, lifted.next(current)
             if iteration and driven.rests(errors[iteration - 1 : iteration + 1], previous, current):
                 errors[iteration + 1 :] = errors[iteration]
+                headings[iteration + 1 :] = headings[iteration]
                 break
-    return Transient(experiment.reference.size, errors)
+    return Transient(experiment.reference.size, errors, headings)
 
 
 class _Driven:
-    """The exact plant, driven by predicted wheel speeds.
-
-    Source:
-        Qiao et al. 2021, Eqs. 8 and 9, all samples at once.
-    """
+    """The exact plant, driven by predicted wheel speeds."""
 
     def __init__(self, experiment: Experiment, lifted: LiftedIteration) -> None:
-        self._reference, robot = experiment.reference, experiment.robot
-        self._feedforward, self._start = lifted.plant.feedforward, lifted.start
-        self._distance_gain, _ = step_gains(
-            robot.wheel_radius, robot.signed_half_track, self._reference.sample_time
-        )
-        self._steps = np.diff(self._reference.x), np.diff(self._reference.y)
+        self._experiment, self._reference = experiment, experiment.reference
+        self._feedforward = lifted.plant.feedforward
 
     def largest_error(self, predicted: LinearPass) -> float:
         """The largest position error [m]; not finite beyond the square root of all numbers."""
-        inputs = predicted.inputs + self._feedforward
-        distances = self._distance_gain * (inputs[:, 0] + inputs[:, 1])
-        # The heading is a sum of wheel speeds: of all errors it is predicted exactly.
-        headings = self._reference.heading[:-1] - predicted.errors[:-1, 2]
-        x, y = (
-            start + np.cumsum(steps - distances * part)
-            for start, steps, part in zip(
-                self._start, self._steps, (np.cos(headings), np.sin(headings)), strict=False
-            )
+        inputs, reference = predicted.inputs + self._feedforward, self._reference
+        x, y, _ = driven_path(
+            self._experiment.initial_pose,
+            inputs[:, 0],
+            inputs[:, 1],
+            self._experiment.robot,
+            reference.sample_time,
         )
-        first, largest = self._start[0] ** 2 + self._start[1] ** 2, (x * x + y * y).max()
-        return math.sqrt(first if largest < first else largest)
+        x, y = reference.x - x, reference.y - y
+        return math.sqrt((x * x + y * y).max())
 
     def rests(self, errors: Floats, before: LinearPass, after: LinearPass) -> bool:
         """Whether wheel speeds no longer change: then nothing does from here on.

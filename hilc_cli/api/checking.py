@@ -27,6 +27,7 @@ from hilc_cli.files import merge_folder
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.summary import summarise
+from hilc_cli.results.transient_table import TRANSIENT_FILE, write_transient
 from hilc_cli.results.trial import Trial
 from hilc_cli.spec.valid import Scenario
 
@@ -95,40 +96,59 @@ class Check:
     ) -> list[Path]:
         """Draws the predicted error over the iterations, beside the simulated one if there is one.
 
+        The same errors go into transient.csv.
+
         Args:
-            folder: Where to put transient.FORMAT; made if it is not there.
+            folder: Where to put transient.FORMAT and transient.csv; made if it is not there.
             formats: png, svg, pdf.
-            may_replace: Whether a picture of that name that stands there may be replaced.
+            may_replace: Whether a file of that name that stands there may be replaced.
 
         Returns:
-            The pictures; none if nothing is predicted of the law.
+            The pictures, and the table last; none if nothing is predicted of the law.
 
         Raises:
             UsageError: There is no such format.
-            ExistingResultsError: A picture stands there that may not be replaced.
+            ExistingResultsError: A file stands there that may not be replaced.
             FileAccessError: They cannot be written.
         """
         from hilc_cli.figures.save import save_figure  # Matplotlib starts slowly
         from hilc_cli.figures.transient import transient_figure
 
-        if self.forecast is None:
+        expected = self.forecast
+        if expected is None:
             return []
-        rest = self.forecast.rest if self.forecast.settles else None
+        rest = expected.rest if expected.settles else None
         figure = transient_figure(
             self.scenario.name,
-            self.forecast.transient,
+            expected.transient,
             self.scenario.spec.iterations,
             None if self.simulated is None else self.simulated.run,
             rest.max_position_error_m if rest is not None and rest.is_finite else None,
+            _law_text(self.scenario),
         )
-        names = [f"transient.{name}" for name in dict.fromkeys(formats)]
+        pictures = [f"transient.{name}" for name in dict.fromkeys(formats)]
+        names = [*pictures, TRANSIENT_FILE]
 
         def draw(into: Path) -> None:
-            for name in names:
+            for name in pictures:
                 save_figure(figure, into / name)
+            write_transient(
+                into / TRANSIENT_FILE,
+                expected.transient.max_position_error_m,
+                None
+                if self.simulated is None
+                else self.simulated.run.metrics["max_position_error_m"],
+            )
 
         merge_folder(Path(folder), draw, may_replace)
         return [Path(folder) / name for name in names]
+
+
+def _law_text(scenario: Scenario) -> str:
+    """The law and its gains in a few words."""
+    gains = scenario.spec.controller.gains
+    equation = "Eq. 21" if scenario.compensates else "Eq. 17"
+    return f"{equation}, l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}"
 
 
 def check(

@@ -26,7 +26,8 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
     """
     feasibility = check.feasibility
     demand = feasibility.demand
-    grids = [_segments(feasibility, demand.segments if verbose else _shown(feasibility))]
+    shown = demand.segments if verbose else _shown(feasibility)
+    grids = [_segments(feasibility, shown, accelerations=verbose)]
     if verbose:
         grids.append(_joints(demand.joints))
     return Section(
@@ -105,7 +106,9 @@ def _shown(feasibility: Feasibility) -> Sequence[SegmentDemand]:
     return sorted(most, key=lambda segment: segment.first)
 
 
-def _segments(feasibility: Feasibility, shown: Sequence[SegmentDemand]) -> Grid:
+def _segments(
+    feasibility: Feasibility, shown: Sequence[SegmentDemand], *, accelerations: bool
+) -> Grid:
     from hilc_cli.analysis.feasibility import GRAVITY
 
     header = [
@@ -120,6 +123,7 @@ def _segments(feasibility: Feasibility, shown: Sequence[SegmentDemand]) -> Grid:
     ]
     limited, short = feasibility.share(0.0) is not None, not feasibility.feasible
     header[6:6] = [("b_w", "%")] if limited else []
+    header += [("Wheel acc.", "rad/s^2")] if accelerations else []
     header += [("Needs", "s")] if short else []
     rows = []
     for segment in shown:
@@ -135,6 +139,7 @@ def _segments(feasibility: Feasibility, shown: Sequence[SegmentDemand]) -> Grid:
         ]
         share = feasibility.share(segment.fastest_wheel)
         row[6:6] = [] if share is None else [f"{100 * share:.1f}"]
+        row += [f"{segment.wheel_acceleration:.4g}"] if accelerations else []
         row += [_needed(feasibility, segment)] if short else []
         rows.append(row)
     total = len(feasibility.demand.segments)

@@ -105,7 +105,11 @@ def _constants(theories: Mapping[str, Bounds]) -> Grid:
         "gaps of the proof closed, -v lists them"
     )
     columns = _columns(theories)
-    note += "; in limit: likewise, with |u| <= b_w." if ("in limit", "") in columns else "."
+    if ("in limit", "") in columns:
+        note += "; in limit: likewise, with |u| <= b_w."
+    else:
+        note += "; without speed limit it has none if gains are taken at the measured heading."
+    note += " rho: contraction of the theorem; an iteration takes an input bound x to A x + B."
     return Grid([("Constant", ""), *columns], rows, note)
 
 
@@ -141,6 +145,14 @@ def _bounds(
                 [f"  simulated, last {last}", *(_log(part.over_last(_LAST)) for part in parts)],
                 [f"  least room below Eq. {each}", *(_room(part) for part in parts)],
                 ["  iterations above it", *(f"{len(part.violated)}" for part in parts)],
+                [
+                    f"  room below Eq. {at_the_end}, last {last}",
+                    *(_gap(part.limit_looseness(_LAST)) for part in parts),
+                ],
+                [
+                    "  above it and transient",
+                    *("yes" if part.limit_violated(_LAST) else "no" for part in parts),
+                ],
             ]
     note = (
         "log10 of bounds in the lambda-norm, of all samples but where one is named; limit: after "
@@ -150,7 +162,9 @@ def _bounds(
     if measured:
         note += (
             f" simulated: of the errors of the last {last} iterations, in the same norm. room: "
-            "log10 of bound / error, below 0 where an error exceeds its bound."
+            "log10 of bound / error, below 0 where an error exceeds its bound; any: no bound, or "
+            "no error; none: an error beside a bound of 0. transient: what may be left of the "
+            "first input's error, which a limit leaves out."
         )
     return Grid([("log10 of", ""), *_columns(theories)], rows, note)
 
@@ -161,8 +175,13 @@ def _limit(theory: Bounds, bound: float) -> float:
 
 
 def _room(part: Measured) -> str:
-    room = float(part.looseness.min())
-    return "any" if math.isinf(room) and room > 0 else _log(room)
+    return _gap(float(part.looseness.min()))
+
+
+def _gap(room: float) -> str:
+    if math.isinf(room):
+        return "any" if room > 0 else "none"
+    return _log(room)
 
 
 def _columns(theories: Mapping[str, object]) -> list[tuple[str, str]]:
@@ -206,6 +225,8 @@ def _document(
                 quantity: {
                     "last_log10": _finite(part.over_last(_LAST)),
                     "smallest_looseness_log10": _finite(float(part.looseness.min())),
+                    "limit_looseness_log10": _finite(part.limit_looseness(_LAST)),
+                    "limit_violated": part.limit_violated(_LAST),
                     "violated_iterations": [int(position) for position in part.violated],
                 }
                 for quantity, part in comparison.parts.items()

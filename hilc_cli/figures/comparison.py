@@ -105,21 +105,23 @@ def _draw_paths_below(
         left = place * _SHEET / len(shown) + layout.LEFT
         axes = layout.add_panel(figure, left, top, width, height)
 
-        def entitle(
-            axes: Axes, title: str, notes: Sequence[str], group: Sequence[RunData] = group
-        ) -> None:
-            title = labels.wrapped(f"Final path, {group[0].reference.name}", width)
-            labels.set_title(
-                axes,
-                title,
-                [line for note in notes for line in labels.wrapped(note, width).split("\n")],
-            )
-
-        draw_final_path(axes, group, entitle, among=runs)
+        draw_final_path(axes, group, _title_for(group[0].reference.name, width), among=runs)
         paths.append(axes)
     legend = layout.legend_below(paths[0], _SHEET, without=names)
     layout.resize_sheet(figure, bottom=legend)
     return top + height + layout.BOTTOM + legend
+
+
+def _title_for(trajectory: str, width: float) -> labels.Entitle:
+    """Titles a panel of so many inches by its trajectory; at most two lines of notes."""
+    longest = int(width * 72 / (0.6 * style.TITLE_SIZE))
+    title = labels.shortened(f"Final path, {trajectory}", longest)
+
+    def entitle(axes: Axes, _: str, notes: Sequence[str]) -> None:
+        broken = [line for note in notes for line in labels.wrapped(note, width).split("\n")]
+        labels.set_title(axes, title, broken[:2])
+
+    return entitle
 
 
 def _by_trajectory(runs: Sequence[RunData]) -> list[list[RunData]]:

@@ -16,6 +16,7 @@ from hilc_cli.results.run import RunData
 
 ZERO_LABEL = "Exactly zero"
 STRIP_LABEL = "Samples at speed limit (0 to 100 %)"
+SEVERAL_STRIPS = ", colours of the runs"
 MOST_DETAILED = 5
 """Of so many runs mean errors and shares at the limit are drawn; those of more hide the lines."""
 
@@ -204,7 +205,13 @@ def _draw_strips(axes: Axes, runs: Sequence[RunData], height: float) -> None:
         )
         bottom += height
     if bottom:
-        axes.fill([], [], color="0.35", linewidth=0, label=STRIP_LABEL)
+        axes.fill(
+            [],
+            [],
+            color="0.35",
+            linewidth=0,
+            label=STRIP_LABEL + (SEVERAL_STRIPS if several else ""),
+        )
 
 
 def _gap_notes(runs: Sequence[RunData]) -> list[str]:

@@ -15,6 +15,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
+TITLE = "Predicted without limit"
 PREDICTED = "Predicted, without limit and disturbances"
 SIMULATED = "Simulated"
 RESTS = "Where learning rests"
@@ -24,7 +25,7 @@ SHARES = "Share of the path's size"
 _WIDTH = 5.6  # [inch]
 _SHARE_LABELS = 0.2  # [inch]
 _MARKED_UP_TO = 30  # iterations that are marked one by one
-_SMALLEST, _LARGEST = 1e-9, 1e6  # of the path's size: what is beyond tells nothing more
+_SMALLEST, _LARGEST = 1e-6, 100.0  # of the path's size: what is beyond tells nothing more
 _ROOM = 0.15  # above and below the lines, in decades
 _DASH_DOT = (0, (6, 2, 1.2, 2))
 
@@ -35,6 +36,7 @@ def transient_figure(
     iterations: int,
     simulated: RunData | None = None,
     rest_error_m: float | None = None,
+    law: str = "",
 ) -> Figure:
     """The maximum position error over the iterations, which run with log(1 + iteration).
 
@@ -44,6 +46,7 @@ def transient_figure(
         iterations: How many learning updates the scenario has.
         simulated: A run of it, if there is one.
         rest_error_m: Error where learning rests [m], if it rests.
+        law: The law and its gains in a few words, for the title.
     """
     with style.applied():
         figure, axes = layout.single_panel(
@@ -52,13 +55,16 @@ def transient_figure(
         predicted = transient.max_position_error_m
         lines = [_draw(axes, predicted, PREDICTED)]
         if simulated is not None:
-            lines.append(_draw(axes, simulated.metrics["max_position_error_m"], SIMULATED))
+            limit = "without limit" if simulated.speed_limit is None else "with limit"
+            simulated_errors = simulated.metrics["max_position_error_m"]
+            lines.append(_draw(axes, simulated_errors, f"{SIMULATED}, {limit}"))
         last = max(map(len, lines)) - 1
         low, high = _range(lines, transient.path_size_m)
         notes = [] if simulated is None else labels.divergence_notes([simulated])
         if np.isinf(predicted).any():
             first = int(np.argmax(np.isinf(predicted)))
             notes.insert(0, f"prediction not finite from iteration {first} on")
+        notes += _above(lines, high)
         if not any((line >= low).any() for line in lines):
             notes.append("no error but rounding")
         if rest_error_m is not None and low <= rest_error_m <= high:
@@ -77,7 +83,7 @@ def transient_figure(
         _scale_errors(axes, low, high)
         _scale_iterations(axes, last)
         axes.grid(visible=True)
-        labels.set_title(axes, "Predicted transient", notes)
+        labels.set_title(axes, f"{TITLE}: {law}" if law else TITLE, notes)
         layout.finish(figure, axes, _WIDTH)
         return figure
 
@@ -96,6 +102,17 @@ def _draw(axes: Axes, errors: Floats, label: str) -> Floats:
         label=label,
     )
     return shown
+
+
+def _above(lines: list[Floats], high: float) -> list[str]:
+    """Says how far errors go that are above the panel."""
+    largest = max((float(np.nanmax(line, initial=0.0)) for line in lines), default=0.0)
+    if largest <= high:
+        return []
+    return [
+        f"errors of up to {labels.number_text(largest, 2)} m; those above "
+        f"{labels.tick_text(float(f'{high:.2g}'))} m are not shown"
+    ]
 
 
 def _range(lines: list[Floats], path_size_m: float) -> tuple[float, float]:
@@ -137,11 +154,11 @@ def _draw_shares(axes: Axes, path_size_m: float) -> None:
 
 
 def _scale_errors(axes: Axes, low: float, high: float) -> None:
+    axes.set_ylim(low, high)  # first: Matplotlib would look for limits, and may overflow
     axes.set_yscale("log")
     major, texts, minor = logarithmic.ticks(math.log10(low), math.log10(high))
     axes.set_yticks(major, texts)
     axes.set_yticks(minor, [""] * len(minor), minor=True)
-    axes.set_ylim(low, high)
     axes.set_ylabel("Maximum position error [m]", labelpad=2)
 
 

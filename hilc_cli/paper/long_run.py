@@ -6,15 +6,13 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.feedforward import feedforward
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.robot import Robot, step_gains
+from hilc_cli.robot import driven_path
 from hilc_cli.spec.loading import load_scenario
 
 
@@ -48,21 +46,8 @@ def on_reachable_reference(experiment: Experiment) -> Experiment:
     a circle it drifts sideways by half a step's turn. Theorems that assume an input with no error
     are tested where there is one.
     """
-    reference = _driven(experiment.reference, experiment.robot)
-    return replace(experiment, reference=reference)
-
-
-def _driven(reference: Reference, robot: Robot) -> Reference:
+    reference, robot = experiment.reference, experiment.robot
+    start = (float(reference.x[0]), float(reference.y[0]), float(reference.heading[0]))
     left, right = feedforward(reference, robot)
-    distance_gain, turn_gain = step_gains(
-        robot.wheel_radius, robot.signed_half_track, reference.sample_time
-    )
-    distance = distance_gain * (left + right)
-    heading = reference.heading[0] + _running_sum(turn_gain * (left - right))
-    x = reference.x[0] + _running_sum(distance * np.cos(heading[:-1]))  # Eq. 8
-    y = reference.y[0] + _running_sum(distance * np.sin(heading[:-1]))
-    return replace(reference, x=x, y=y, heading=heading)
-
-
-def _running_sum(steps: Floats) -> Floats:
-    return np.concatenate([[0.0], np.cumsum(steps)])
+    x, y, heading = driven_path(start, left, right, robot, reference.sample_time)
+    return replace(experiment, reference=replace(reference, x=x, y=y, heading=heading))

@@ -11,14 +11,15 @@ import numpy as np
 import pytest
 
 from hilc_cli.analysis.advice import advice
-from hilc_cli.disturbance.streams import Bounded, Disturbance
+from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
+from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.reference.path import ArcPlan, build_reference
 from hilc_cli.robot import Robot
 from tests.analysis.straight import DT, errors, line
-from tests.engine.experiments import experiment_of, law_of
+from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference
 
 
@@ -132,9 +133,13 @@ def test_scattered_start_is_not_to_be_compensated(
 # The line of ten samples is 5 m long, 0.5 m in each.
 DISTURBANCES: Mapping[str, tuple[Disturbance, str | None]] = {
     "step": (Disturbance(state=Bounded((0.0, 0.5, 0.0))), "disturbance.state.bound of 0.5 m"),
-    "part of a step": (Disturbance(state=Bounded((0.4, 0.4, 9.0))), None),
+    "part of a step": (Disturbance(state=Bounded((0.4, 0.4, 9.0), repeat=True)), None),
     "path": (Disturbance(output=Bounded((5.0, 0.0, 0.0))), "disturbance.output.bound of 5 m"),
-    "part of the path": (Disturbance(output=Bounded((4.9, 4.9, 1.5))), None),
+    "part of the path": (
+        Disturbance(output=Bounded((4.9, 0.0, 1.5))),
+        "disturbance.output.bound of 4.9 m is 98 % of the path's size",
+    ),
+    "hundredth of the path": (Disturbance(output=Bounded((0.05, 0.05, 1.5))), None),
     "direction": (Disturbance(output=Bounded((0.0, 0.0, 1.6))), "disturbance.output.bound of 1.6"),
 }
 
@@ -147,6 +152,31 @@ def test_disturbances_are_not_to_hide_the_motion(name: str) -> None:
         assert advice(experiment) == []
     else:
         one_of(experiment, start)
+
+
+@pytest.mark.parametrize(
+    ("distribution", "deviation"), [("uniform", 0.0), ("truncated-normal", 0.02)]
+)
+def test_state_noise_adds_up_as_told(distribution: Distribution, deviation: float) -> None:
+    # A line of 40 steps of 0.5 m, driven by its feedforward again and again.
+    reference = line(40)
+    noise = Bounded((0.05, 0.02, 0.03), distribution, (deviation,) * 3)
+    experiment = experiment_of(
+        reference,
+        law_of(0.0),
+        disturbance=Disturbance(state=noise),
+        initial_input=feedforward(reference, PLATFORM),
+        iterations=1500,
+    )
+    (text,) = advice(experiment)
+    match = re.match(r"disturbance.state adds up to about ([0-9.]+) m \(RMS\) at the end", text)
+    assert match is not None
+    ends = [(trial.x[-1] - 20, trial.y[-1]) for trial in simulate(experiment)]
+    # Told to two digits; a spread of 1500 draws is known to 1 / sqrt(2 * 1500).
+    rms = float(np.sqrt(np.square(ends).sum(axis=1).mean()))
+    assert float(match[1]) == pytest.approx(rms, rel=0.05 + 4 / math.sqrt(3000))
+    repeated = replace(noise, repeat=True)
+    assert advice(replace(experiment, disturbance=Disturbance(state=repeated))) == []
 
 
 @pytest.mark.parametrize("turns", [1, 2, 5])

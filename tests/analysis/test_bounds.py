@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from hilc_cli.analysis.bounds import Bounds, bounds, smallest_lambda, suitable_lambda
+from hilc_cli.analysis.bounds import Bounds, bounds, smallest_lambda, state_series, suitable_lambda
 from hilc_cli.analysis.constants import Constants, constants
 from hilc_cli.analysis.corrections import PRINTED
 from hilc_cli.analysis.measured import compare
@@ -149,6 +149,24 @@ def test_lambda_of_a_law_that_learns_nothing() -> None:
     assert not found.has_limit
 
 
+@pytest.mark.parametrize("gain", [5e-324, 1e-18, 1e-15])
+def test_lambda_of_gains_that_are_lost_beside_one(gain: float) -> None:
+    experiment = experiment_of(LINE, law_of(gain, gain, gain), robot=UNIT, speed_limit=LIMIT)
+    for theory in theories(experiment).values():
+        assert theory.lambda_ > smallest_lambda(theory.constants)
+        # Hardly anything changes from one iteration to the next.
+        assert pytest.approx(theory.start, abs=1e-3) == theory.input(100)
+
+
+def test_series_beside_h2_is_that_of_exact_fractions() -> None:
+    c = any_constants(2)
+    lambda_ = c.h2 * (1 + 1e-9)
+    bracket = sum(
+        Fraction(c.h2) ** k / Fraction(lambda_) ** (k + 1) for k in range(c.samples)
+    )  # Eq. 40
+    assert state_series(c, lambda_) == pytest.approx(float(bracket), rel=1e-12)
+
+
 def test_lambda_must_be_large_enough() -> None:
     c = any_constants(3)
     with pytest.raises(UsageError, match="lambda must be above"):
@@ -206,3 +224,22 @@ def test_theories_of_an_experiment() -> None:
     assert found[CORRECTED].constants.rho == pytest.approx(1.02)
     assert found[WITHIN_LIMIT].constants.rho == pytest.approx(0.98)
     assert [theory.has_limit for theory in found.values()] == [True, True, False, True]
+
+
+@pytest.mark.parametrize("l1", [1e-17, 1e-300])
+def test_gain_that_is_lost_beside_h2_has_bounds_all_the_same(l1: float) -> None:
+    found = theories(experiment_of(LINE, law_of(l1), robot=UNIT, speed_limit=LIMIT))
+    assert len(found) == 4
+    for each in found.values():
+        assert each.lambda_ > smallest_lambda(each.constants)
+        assert pytest.approx(1, rel=1e-6) == each.A
+
+
+def test_constants_beyond_all_numbers_give_no_bounds() -> None:
+    # L1 is 1e400; with l1 = 1 it is 1e200, which cannot be squared.
+    law = law_of(1e200, matrix=model_gain(Robot(1e-200, 1.0)))
+    with np.errstate(all="ignore"):
+        assert theories(experiment_of(LINE, law, robot=UNIT, speed_limit=LIMIT)) == {}
+        some = theories(experiment_of(LINE, replace(law, l1=1.0), robot=UNIT, speed_limit=LIMIT))
+    for each in some.values():
+        assert math.isfinite(each.lambda_ + each.A + each.B)

@@ -7,7 +7,6 @@ from collections import Counter, defaultdict
 import numpy as np
 import pytest
 
-from hilc_cli.analysis.along_run import along_run
 from hilc_cli.analysis.bounds import bounds
 from hilc_cli.analysis.constants import constants
 from hilc_cli.analysis.measured import Comparison, compare
@@ -18,6 +17,7 @@ from hilc_cli.analysis.theories import (
     WITHIN_LIMIT,
     theories,
 )
+from tests.analysis.along_run import along_run
 from tests.analysis.experiments import completed_trials, random_experiment
 
 CASES = 240

@@ -114,6 +114,26 @@ def test_spectral_radius_of_the_true_model_is_one_less_gain_times_sample_time() 
     assert radius == pytest.approx(1 - 0.7 * reference.sample_time, rel=1e-14)
 
 
+@pytest.mark.parametrize("gain", [1e-300, 1e-15, 1e-3, 0.7])
+def test_contraction_of_the_true_model_is_gain_times_sample_time(gain: float) -> None:
+    reference = winding(12)
+    iteration = LiftedIteration(Case(gain, 3.0, 2.0).experiment(reference))
+    assert iteration.contraction() == pytest.approx(gain * reference.sample_time, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_contraction_is_one_less_the_spectral_radius(name: str) -> None:
+    iteration = LiftedIteration(CASES[name].experiment(winding(12)))
+    assert iteration.contraction() == pytest.approx(1 - iteration.spectral_radius(), abs=1e-14)
+
+
+@pytest.mark.parametrize(("gain", "contraction"), [(0.0, 0.0), (1e200, -1e199), (1e308, -1e307)])
+def test_contraction_at_the_ends(gain: float, contraction: float) -> None:
+    # A sample time of 0.1 s: 1 - |1 - 0.1 gain|.
+    iteration = LiftedIteration(Case(gain).experiment(winding(12)))
+    assert iteration.contraction() in (pytest.approx(contraction, rel=1e-12), -np.inf)
+
+
 def test_learning_of_nothing_keeps_the_input() -> None:
     iteration = LiftedIteration(Case(0.0).experiment(winding(12)))
     inputs = noise(4, 12)

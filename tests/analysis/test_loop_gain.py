@@ -81,3 +81,8 @@ def test_swapped_wheels_turn_the_wrong_way() -> None:
     one, other = ROBOTS[0], Robot(0.2, 0.518, "rep103")
     found = loop_gains(model_gain(other), one, HEADING)
     np.testing.assert_allclose(found, np.tile([1, -1], (5, 1)), atol=1e-12)
+
+
+def test_tiny_wheels_are_no_division_of_nothing_by_nothing() -> None:
+    tiny = Robot(1e-300, 0.5)
+    np.testing.assert_allclose(loop_gains(model_gain(tiny), tiny, HEADING), 1, atol=1e-7)

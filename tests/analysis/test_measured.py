@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from hilc_cli.analysis.along_run import along_run
 from hilc_cli.analysis.bounds import Bounds, bounds
 from hilc_cli.analysis.constants import constants
 from hilc_cli.analysis.measured import Measured, compare
@@ -17,6 +16,7 @@ from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.results.trial import Trial
 from hilc_cli.robot import Robot
+from tests.analysis.along_run import along_run
 from tests.analysis.experiments import HEADINGS, euler_reference
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference

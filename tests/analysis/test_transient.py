@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from hilc_cli.analysis.lifted import LiftedIteration, LinearPass
 from hilc_cli.analysis.transient import Transient, horizon, predict_transient
 from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.experiment import Experiment
@@ -19,7 +20,8 @@ from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import settled_at
 from hilc_cli.robot import Robot
 from tests.analysis.cases import CASES, WRONG, Case, driven, winding
-from tests.engine.experiments import experiment_of, law_of
+from tests.analysis.straight import line
+from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference
 
 SAMPLE_TIME = 0.004  # [s]; 500 samples in 2 s
@@ -158,22 +160,78 @@ def test_what_leaves_the_finite_numbers_is_infinite() -> None:
     assert transient.settled_at(0.01) is None
 
 
+@pytest.mark.parametrize("offset", [0.0, 0.1])
+def test_what_has_come_to_rest_is_not_computed_again(
+    monkeypatch: pytest.MonkeyPatch, offset: float
+) -> None:
+    # Each iteration leaves 0.9 of the first sample's error: after 310 of them 1e-14 is left.
+    experiment = experiment_of(line(6, 0.1), law_of(1.0), initial_pose=(0.0, offset, 0.0))
+    passes: list[LinearPass] = []
+    learn = LiftedIteration.next
+
+    def counted(self: LiftedIteration, previous: LinearPass) -> LinearPass:
+        passes.append(previous)
+        return learn(self, previous)
+
+    monkeypatch.setattr(LiftedIteration, "next", counted)
+    found = predict_transient(experiment, 3000).max_position_error_m
+    assert 300 < len(passes) < 1000
+    assert len(found) == 3001
+    # Along the line each error is the sum of those before it, times 0.1, smaller than it was.
+    step = np.eye(6) - 0.1 * np.tri(6)
+    ahead = np.linalg.matrix_power(step, 200) @ (0.1 * np.arange(1, 7))
+    assert found[200] == pytest.approx(np.hypot(np.abs(ahead).max(), offset), rel=1e-9)
+    np.testing.assert_allclose(found[len(passes) :], offset, rtol=1e-12, atol=1e-12)
+
+
+def test_input_at_rest_stays_there() -> None:
+    drive = feedforward(line(6, 0.1), PLATFORM)
+    found = predict_transient(experiment_of(line(6, 0.1), law_of(1.0), initial_input=drive), 50)
+    assert found.max_position_error_m.max() < 1e-15
+
+
 def test_peak_and_counts_are_read_off_the_errors() -> None:
-    transient = Transient(10.0, np.array([2.0, 6.0, 0.05, 0.2, 0.1, 0.005]))
+    transient = of(10.0, [2.0, 6.0, 0.05, 0.2, 0.1, 0.005])
     assert transient.iterations == 5
     assert (transient.peak_growth, transient.peak_iteration) == (3.0, 1)
     assert transient.settled_at(0.01) == 4
     assert transient.settled_at(0.001) == 5
     assert transient.settled_at(0.0001) is None
-    shorter = transient.until(3)
-    assert shorter.iterations == 3
-    assert shorter.settled_at(0.01) is None
-    assert transient.until(99).iterations == 5
+    assert (transient.at(0), transient.at(5), transient.at(6)) == (2.0, 0.005, None)
+    assert [transient.first_within(share) for share in (1.0, 0.01, 0.001, 1e-4)] == [0, 2, 5, None]
+    assert [transient.best_until(last) for last in (0, 1, 3, 5)] == [0, 0, 2, 5]
+
+
+def of(size: float, errors: list[float], headings: float | list[float] = 0.0) -> Transient:
+    return Transient(size, np.array(errors), np.broadcast_to(np.array(headings), len(errors)))
+
+
+@pytest.mark.parametrize(
+    ("iterations", "spell"),
+    [(0, (1, 2)), (2, (1, 2)), (3, (1, 2)), (4, (4, 5)), (5, (4, 5)), (7, (7, 7))],
+)
+def test_spell_of_small_errors_is_the_one_at_the_end_of_the_scenario(
+    iterations: int, spell: tuple[int, int]
+) -> None:
+    transient = of(1.0, [1.0, 0.1, 0.05, 1.0, 0.1, 0.0, 0.2, 0.1])
+    assert transient.spell_within(0.1, iterations) == spell
+    assert transient.spell_within(0.2, iterations) in ((1, 2), (4, 7))
+    assert of(1.0, [1.0, 0.2]).spell_within(0.1, 1) is None
+
+
+def test_rough_is_what_is_far_away_and_turned_far() -> None:
+    errors = [1.0, 20.5, 19.0, 21.0, 5.0]
+    assert of(10.0, errors, 0.9).rough_from is None
+    assert of(10.0, errors, 1.1).rough_from == 1
+    assert of(10.0, errors, [9.0, 0.0, 9.0, 9.0, 0.0]).rough_from == 3
+    assert of(10.0, [11.0, 21.0], 9.0).range_m == 22.0
+    assert of(10.0, [11.0, 21.0], 9.0).rough_from is None
+    assert of(0.0, [0.0, math.inf], math.inf).rough_from == 1
 
 
 @pytest.mark.parametrize(("errors", "growth"), [([0.0, 0.0], 1.0), ([0.0, 1.0], math.inf)])
 def test_growth_from_nothing(errors: list[float], growth: float) -> None:
-    assert Transient(1.0, np.array(errors)).peak_growth == growth
+    assert of(1.0, errors).peak_growth == growth
 
 
 @pytest.mark.parametrize(("iterations", "expected"), [(10, 5000), (7000, 7000)])
@@ -184,3 +242,14 @@ def test_horizon_is_at_least_that_of_the_experiment(iterations: int, expected: i
 def test_horizon_of_a_long_trajectory_is_bounded() -> None:
     long = Reference("long", 0.01, np.arange(120_001.0), np.zeros(120_001), np.zeros(120_001))
     assert horizon(experiment_of(long, law_of(1.0), iterations=5)) == 100
+
+
+@pytest.mark.parametrize("steps", [3, 60, 3000])
+def test_horizon_of_endless_learning_is_bounded(steps: int) -> None:
+    reference = winding(steps)
+    far, farther = (
+        horizon(experiment_of(reference, law_of(1.0), iterations=iterations))
+        for iterations in (2_000_000, 4_000_000)
+    )
+    assert 5000 <= far < 50_000
+    assert far == farther

@@ -11,9 +11,15 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import hilc_cli as hilc_api
+from hilc_cli.analysis import transient
+from hilc_cli.analysis.advice import advice
+from hilc_cli.analysis.demand import demand_of
+from hilc_cli.analysis.feasibility import Feasibility, Limits
+from hilc_cli.analysis.remedies import feasibility_findings
 from hilc_cli.shipped_files import examples
 from tests.cli.inputs import SCENARIO, TRAJECTORY, listing, scenario, trajectory
 from tests.cli.processes import HILC, TIMEOUT, environment, run_hilc
@@ -47,23 +53,25 @@ Segment   [s]     [m]  [m/s]  [rad/s]  [rad/s]  [%]  [m/s^2]  [g]
 LEARNING = """\
 Does learning converge? (along the reference, without limit and disturbances)
 
-  Spectral radius          0.95, below 1, it settles in the end: 0.9025 after 2 iterations
-  Largest singular value   0.976, below 1, convergence is monotone
-  Worst ripple             times 0.987694 in each iteration, at a period of 20 samples
-  Learning rests           at a position error of up to 0 m
-                           with wheels of up to 16.67 rad/s
+  Spectral radius                 0.95, below 1, it settles in the end: 0.9025 after 2 iterations
+  Largest singular value          0.976, below 1, convergence is monotone
+  Worst ripple up to 20 samples   times 0.975 in each iteration, at a period of 2 samples
+  Learning rests                  at a position error of up to 0 m
+                                  0 m at the end, with wheels of up to 16.67 rad/s
+  Verdict                         does not learn within 2 iterations
 
-Maximum position error                  Predicted
-─────────────────────────────────────────────────
-Iteration 0                                   1 m
-Iteration 2                              0.8083 m
-Largest                                       1 m
-  in iteration                                  0
-  times that of iteration 0                     1
-Iterations to 1 % of the path's size           87
-Iterations to 0.1 % of the path's size        166
-Predicted for 5000 iterations by the linear theory, which is rough where headings are off by 1 rad
-and more.
+                                              Predicted
+Maximum position error                  [without limit]
+───────────────────────────────────────────────────────
+Iteration 0                                         1 m
+Iteration 2                                    0.8083 m
+Largest                                             1 m
+  in iteration                                        0
+  times that of iteration 0                           1
+Iterations to 1 % of the path's size                 87
+Iterations to 0.1 % of the path's size              166
+Predicted for 5000 iterations by the linear theory, which knows no disturbances, and is rough while
+headings are off by 1 rad and more.
 
 """
 # In Eq. 19 rho = |1 - l1|, with the sample time 1 - l1 d. B of Eq. 9 is R / 2 times
@@ -100,7 +108,8 @@ lambda      6.6667    6.6667     1.6315      126.24
 A             0.75     0.975       1.55  0.97446868
 B                0         0          0           0
 Constants of Eqs. 12 to 37. printed: as it stands; with d_k: d_k B for B; corrected: all gaps of the
-proof closed, -v lists them; in limit: likewise, with |u| <= b_w.
+proof closed, -v lists them; in limit: likewise, with |u| <= b_w. rho: contraction of the theorem;
+an iteration takes an input bound x to A x + B.
 
 log10 of                    printed  with d_k  corrected  in limit
 ──────────────────────────────────────────────────────────────────
@@ -156,12 +165,14 @@ def test_infeasible_report_has_the_duration_that_is_needed(hilc: Hilc, write: Wr
     outcome = hilc("check", "scenario.yaml", "--set", "controller.b_w=12")
     assert (outcome.code, outcome.err) == (3, f"{TOO_FAST}\n")
     assert "  Verdict                    infeasible: 1 of 1 segment\n" in outcome.out
-    assert outcome.out.endswith(
-        "         Time  Length  Speed      Yaw    Wheel    b_w  Lateral       Needs\n"
+    assert (
+        "\n         Time  Length  Speed      Yaw    Wheel    b_w  Lateral       Needs\n"
         "Segment   [s]     [m]  [m/s]  [rad/s]  [rad/s]    [%]  [m/s^2]  [g]    [s]\n"
         "──────────────────────────────────────────────────────────────────────────\n"
         "0.line    0.3       1  3.333        0    16.67  138.9        0    0    0.5\n"
-    )
+        f"\nerror: {TOO_FAST.removeprefix('hilc: ')}\n"
+    ) in outcome.out
+    assert "  Verdict      cannot work: 1 error" in outcome.out
 
 
 def test_fastest_wheel_may_be_as_fast_as_the_limit(hilc: Hilc, write: Write) -> None:
@@ -191,7 +202,7 @@ def test_friction_that_is_not_enough_is_infeasible(hilc: Hilc, write: Write) -> 
     )
     assert outcome.code == 3
     assert "; tyres hold 7.845 m/s^2\n" in outcome.out
-    assert "friction of" not in outcome.out
+    assert outcome.out.count("friction of") == 1, "in the error"
     without = hilc("check", "scenario.yaml", "--set", "controller.b_w=null")
     assert (without.code, without.err) == (0, "")
     assert "\nwarning: trajectory.segments.1.semicircle needs 38.83 m/s^2 of lateral accel" in (
@@ -204,6 +215,14 @@ def test_several_failures_are_one_line(hilc: Hilc, write: Write) -> None:
     outcome = hilc("check", "scenario.yaml", "--set", "controller.b_w=12")
     assert (outcome.code, outcome.err.count("\n")) == (3, 1)
     assert outcome.err == f"{TOO_FAST} (2 more in the report)\n"
+    errors = [line for line in outcome.out.splitlines() if line.startswith("error: ")]
+    assert [text.split()[1] for text in errors] == [
+        "trajectory.segments.0.line",
+        "trajectory.segments.1.semicircle",
+        "trajectory.segments.2.line",
+    ]
+    quiet = hilc("check", "scenario.yaml", "-q", "--set", "controller.b_w=12")
+    assert quiet == Outcome(3, "", f"{TOO_FAST} (2 more without -q)\n")
     assert "Verdict                    infeasible: 2 of 3 segments and 1 corner\n" in outcome.out
 
 
@@ -231,6 +250,7 @@ def test_verbose_report_has_the_joints(hilc: Hilc, write: Write) -> None:
     ]
 
 
+@pytest.mark.usefixtures("short_horizon")
 def test_long_table_is_shortened_to_what_demands_most(hilc: Hilc, write: Write) -> None:
     lines = "".join(
         f"  - line: {{length: {2 if index == 25 else 1}, duration: 0.1 s}}\n" for index in range(30)
@@ -248,15 +268,29 @@ def test_long_table_is_shortened_to_what_demands_most(hilc: Hilc, write: Write) 
 
 UNWISE: Mapping[str, str] = {
     "iterations=0": "iterations is 0: ",
-    "controller.gains.l1=50": "controller.gains.l1 of 50 is too large for this sample_time: ",
     "controller.gains.l2=50": "controller.gains.l2 of 50 and l3 of 0 make the feedback ",
-    "model.wheel_radius=200": "controller.gain_matrix acts on the true robot with 0.001 to ",
+    "model.wheel_radius=200": "controller.gain_matrix acts on the true robot with 0.001 times",
     "initial_pose.heading=200 deg": "initial_pose.heading differs by more than half a turn ",
     "initial_pose.y=1": "controller.h of 3 of 3 samples: ",
+    "controller.gains.l2=0.6": "controller.gains let ripples of the wheel speeds grow by ",
+    "initial_pose={y: 0.1, heading: 0}": "learning does not rest on the reference: ",
     "trajectory.start.y=0": "",
+}
+CANNOT: Mapping[str, str] = {
+    "controller.gains.l1=0": "controller.gains.l1 is 0, so every iteration is the first; raise it",
+    "controller.gains={l1: 0, l2: 1}": "controller.gains.l1 is 0, so no wheel speed is corrected ",
+    "controller.gains.l1=50": "controller.gains.l1 of 50 turns the error that a sample's wheel spe",
+    "controller.gains.l1=1e-17": "controller.gains.l1 of 1e-17 changes wheel speeds by less than ",
+    "controller.gain_matrix=[[-cos, -sin, B], [-cos, -sin, -B]]": "controller.gain_matrix corrects",
 }
 
 
+@pytest.fixture
+def short_horizon(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(transient, "ITERATIONS", 100)
+
+
+@pytest.mark.usefixtures("short_horizon")
 @pytest.mark.parametrize("change", UNWISE)
 def test_what_is_unwise_is_warned_of(hilc: Hilc, write: Write, change: str) -> None:
     write()
@@ -271,13 +305,39 @@ def test_what_is_unwise_is_warned_of(hilc: Hilc, write: Write, change: str) -> N
         assert warnings == []
 
 
+@pytest.mark.usefixtures("short_horizon")
+@pytest.mark.parametrize("change", CANNOT)
+def test_learning_that_cannot_converge_is_an_error(hilc: Hilc, write: Write, change: str) -> None:
+    write()
+    outcome = hilc("check", "scenario.yaml", "--set", change)
+    assert outcome.code == 3
+    cause = outcome.err.removeprefix("hilc: learning cannot converge (spectral radius ")
+    assert cause.partition("): ")[2].startswith(CANNOT[change])
+    assert f"\nerror: {outcome.err.removeprefix('hilc: ')}" in outcome.out
+    assert "it does not settle\n" in outcome.out
+    assert "  Learning rests                  nowhere\n" in outcome.out
+    unlearned = hilc("check", "scenario.yaml", "--set", change, "--set", "iterations=0")
+    assert (unlearned.code, unlearned.err) == (0, "")
+    assert "\nwarning: iterations is 0: " in unlearned.out
+
+
 def test_json_document(hilc: Hilc, write: Write) -> None:
     write({"path.yaml": WINDING})
     changes = ("--set", "controller.b_w=12", "--set", "robot.friction=0.8")
     outcome = hilc("check", "scenario.yaml", "--json", *changes)
     assert (outcome.code, outcome.err.count("\n")) == (3, 1)
     document = json.loads(outcome.out)
-    assert list(document) == ["name", "trajectory", "ok", "failures", "warnings", "feasibility"]
+    assert list(document) == [
+        "name",
+        "trajectory",
+        "ok",
+        "failures",
+        "warnings",
+        "feasibility",
+        "learning",
+        "theory",
+        "files",
+    ]
     assert (document["name"], document["trajectory"], document["ok"]) == ("test", "path", False)
     assert len(document["failures"]) == 3
     assert outcome.err.startswith(f"hilc: {document['failures'][0]} (2 more")
@@ -335,6 +395,7 @@ def test_json_document(hilc: Hilc, write: Write) -> None:
     assert last["least_duration_s"] == pytest.approx(last["duration_s"]) == pytest.approx(1)
 
 
+@pytest.mark.usefixtures("short_horizon")
 @pytest.mark.parametrize(
     "change", ["robot.wheel_radius=1e-320", "controller.b_w=1e-320", "robot.friction=1e-320"]
 )
@@ -345,6 +406,7 @@ def test_numbers_at_the_end_of_their_range_are_no_crash(
     for more in ((), ("-v",), ("--json",)):
         outcome = hilc("check", "scenario.yaml", "--set", change, *more)
         assert (outcome.code, outcome.err.count("\n")) == (3, 1)
+        assert "nan" not in outcome.out
     assert json.loads(outcome.out)["ok"] is False
 
 
@@ -380,21 +442,132 @@ PATHS = {
 
 @pytest.mark.parametrize("name", [path.stem for path in examples()])
 def test_shipped_scenario_is_feasible(name: str) -> None:
-    found = hilc_api.check(hilc_api.load_scenario(f"example:{name}"))
-    assert found.failures == ()
-    fastest, friction = PATHS[found.scenario.spec.trajectory.name]
+    scenario = hilc_api.load_scenario(f"example:{name}")
+    experiment, trajectory = scenario.experiment(), scenario.spec.trajectory
+    demand = demand_of(experiment.reference, experiment.robot, trajectory.segment_names)
+    limits = Limits(experiment.speed_limit, scenario.spec.robot.friction)
+    feasibility = Feasibility(demand, experiment.robot, limits)
+    fastest, friction = PATHS[trajectory.name]
     # Chords are shorter than arcs by the square of a step's turn over 24.
     coarsest = 0.0101**2 / 24
-    assert found.feasibility.demand.fastest.fastest_wheel == pytest.approx(fastest, rel=coarsest)
-    assert found.feasibility.needed_friction == pytest.approx(friction, rel=coarsest)
-    paper = friction > 1
-    told = [text for text in found.warnings if "of lateral acceleration" in text]
-    assert len(told) == paper
-    others = [text for text in found.warnings if text not in told]
-    closed_askew = found.scenario.spec.trajectory.name == "cardioid"
-    assert [text.partition(",")[0] for text in others] == [
+    assert demand.fastest.fastest_wheel == pytest.approx(fastest, rel=coarsest)
+    assert feasibility.needed_friction == pytest.approx(friction, rel=coarsest)
+    found = feasibility_findings(feasibility)
+    assert found.failures == ()
+    assert [text.partition(" of lateral")[1] for text in found.warnings] == [" of lateral"] * (
+        friction > 1
+    )
+    closed_askew = trajectory.name == "cardioid"
+    assert [text.partition(",")[0] for text in (*scenario.warnings(), *advice(experiment))] == [
         "trajectory ends where it starts"
     ] * closed_askew
+
+
+@pytest.mark.parametrize("name", [path.stem for path in examples()])
+def test_document_of_a_shipped_scenario_is_strict(
+    hilc: Hilc, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setattr(transient, "ITERATIONS", 20)
+    changes = ["--set", "iterations=3"]
+    if name not in ("figure-eight", "rounded-square"):
+        changes += ["--set", "trajectory.sample_time=10 ms"]
+    outcome = hilc("check", f"example:{name}", "--json", "--simulate", *changes)
+    assert outcome.code == 0
+
+    def refused(constant: str) -> None:
+        raise AssertionError(f"{constant} is no JSON")
+
+    document = json.loads(outcome.out, parse_constant=refused)
+    assert (document["name"], document["ok"], document["files"]) == (name, True, [])
+    assert len(document["theory"]["bounds"]) == 4 - (name in NO_LIMIT)
+    assert list(document["theory"]["simulated"]) == list(document["theory"]["bounds"])
+
+
+NO_LIMIT = ("fig7a", "fig7c", "gain-map-no-limit")
+LEARNING_KEYS = {
+    "verdict": str,
+    "settles": bool,
+    "spectral_radius": float,
+    "largest_singular_value": float,
+    "largest_singular_value_is_known": bool,
+    "monotone": bool,
+    "ripple_factor": float,
+    "ripple_period_samples": float,
+    "predicted_iterations": int,
+    "predicted_peak_growth": float,
+    "predicted_peak_iteration": int,
+    "predicted_max_position_error_m": float,
+    "predicted_rough_from_iteration": type(None),
+    "predicted_max_position_error_by_iteration_m": list,
+    "predicted_settled_at": dict,
+    "predicted_first_within": dict,
+    "predicted_within_from_until": dict,
+    "rest": dict,
+}
+
+
+def test_learning_of_a_line_is_that_of_three_sums(hilc: Hilc, write: Write) -> None:
+    # Ahead and in turning: a wheel speed of sample k is an error from there on, times 0.1 s.
+    write()
+    learning = json.loads(hilc("check", "scenario.yaml", "--json").out)["learning"]
+    assert {key: type(value) for key, value in learning.items()} == LEARNING_KEYS
+    step = np.eye(3) - 0.05 * np.tri(3)
+    errors = [np.linalg.matrix_power(step, i) @ [1 / 3, 2 / 3, 1] for i in range(200)]
+    largest = [float(np.abs(each).max()) for each in errors]
+    ripple = abs(1 - 0.05 / 2)  # of plus and minus; longer ones do not fit three samples
+    expected = {
+        "settles": True,
+        "spectral_radius": 0.95,
+        "largest_singular_value": float(np.linalg.norm(step, 2)),
+        "monotone": True,
+        "ripple_factor": ripple,
+        "ripple_period_samples": 2,
+        "predicted_iterations": 5000,
+        "predicted_peak_growth": 1,
+        "predicted_peak_iteration": 0,
+        "predicted_max_position_error_m": largest[2],
+    }
+    assert {key: learning[key] for key in expected} == pytest.approx(expected, rel=1e-9)
+    within = {
+        name: next(i for i in range(200) if max(largest[i:]) <= share)
+        for name, share in (("1 %", 0.01), ("0.1 %", 0.001))
+    }
+    assert learning["predicted_settled_at"] == learning["predicted_first_within"] == within
+    assert learning["rest"]["max_position_error_m"] < 1e-15
+    assert learning["rest"]["max_wheel_speed_rad_s"] == pytest.approx(50 / 3)
+
+
+def test_theory_as_json(hilc: Hilc, write: Write) -> None:
+    write()
+    theory = json.loads(hilc("check", "scenario.yaml", "--json").out)["theory"]
+    assert list(theory) == [
+        "theorem",
+        "rho_theorem_1_printed",
+        "rho_theorem_1_simulated",
+        "rho_theorem_2_printed",
+        "rho_theorem_2_simulated",
+        "starts_on_reference",
+        "bounds",
+    ]
+    assert (theory["theorem"], theory["starts_on_reference"]) == (1, True)
+    printed, _, corrected, limited = theory["bounds"].values()
+    assert list(printed) == [
+        *("rho", "b_B", "C_B", "b_ud", "b_L1", "b_L2", "b_L3", "b_q0", "b_alpha", "b_beta"),
+        *("h1", "h2", "h3", "b_1", "lambda", "A", "B", "has_limit"),
+        *("input_limit_log10", "state_limit_log10", "output_limit_log10"),
+    ]
+    # B of Eq. 37 is 0: the printed limit is 0, and has no logarithm.
+    assert (printed["B"], printed["has_limit"], printed["input_limit_log10"]) == (0, True, None)
+    assert (corrected["has_limit"], corrected["input_limit_log10"]) == (False, None)
+    assert limited["b_ud"] == 2 * 180
+
+
+def test_verbose_report_explains_the_corrections(hilc: Hilc, write: Write) -> None:
+    write()
+    out = hilc("check", "scenario.yaml", "-v").out
+    assert "\nCorrected, sample-time: Eqs. 12, 19 and 23 have B, and Eq. 26 loses the " in out
+    assert out.count("\nCorrected, ") == 8
+    assert max(map(len, out.splitlines())) <= 100
 
 
 def test_check_from_standard_input_in_a_process(tmp_path: Path) -> None:
@@ -404,7 +577,9 @@ def test_check_from_standard_input_in_a_process(tmp_path: Path) -> None:
 
 
 def test_reader_that_has_seen_enough_ends_the_report(tmp_path: Path) -> None:
-    command = f"{' '.join(HILC)} check example:fig3-circle -v | head -1; echo ${{PIPESTATUS[0]}}"
+    (tmp_path / "scenario.yaml").write_text(SCENARIO)
+    (tmp_path / "path.yaml").write_text(TRAJECTORY)
+    command = f"{' '.join(HILC)} check scenario.yaml -v | head -1; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(
         ["bash", "-c", command],
         cwd=tmp_path,
@@ -413,14 +588,15 @@ def test_reader_that_has_seen_enough_ends_the_report(tmp_path: Path) -> None:
         text=True,
         timeout=TIMEOUT,
     )
-    assert done.stdout == "fig3-circle: circle, 2000 samples of 0.001 s\n0\n"
+    assert done.stdout == "test: path, 3 samples of 0.1 s\n0\n"
     assert done.stderr == ""
 
 
 def test_report_fits_a_terminal(tmp_path: Path) -> None:
     own, theirs = pty.openpty()
     changes = {"COLUMNS": "80", "LINES": "24"}
-    arguments = ("check", "example:fig3-arc-and-line", "--set", "controller.b_w=100")
+    coarse = ("--set", "trajectory.sample_time=20 ms", "--set", "controller.b_w=100")
+    arguments = ("check", "example:fig3-arc-and-line", "--simulate", *coarse)
     with subprocess.Popen(
         [*HILC, *arguments],
         cwd=tmp_path,
@@ -442,15 +618,17 @@ def test_report_fits_a_terminal(tmp_path: Path) -> None:
     assert "\x1b[1m" in text
     plain = "".join(part.partition("m")[2] for part in f"m{text}".split("\x1b[")).splitlines()
     assert max(map(len, plain)) <= 80
-    assert any(line.startswith("0.semicircle   0.5   15.71  31.42") for line in plain)
+    assert any(line.startswith("0.semicircle   0.5   15.71   31.4") for line in plain)
 
 
-def test_check_imports_neither_pictures_nor_a_compiler(tmp_path: Path) -> None:
+def test_check_imports_neither_pictures_nor_compilers(tmp_path: Path) -> None:
+    (tmp_path / "scenario.yaml").write_text(SCENARIO)
+    (tmp_path / "path.yaml").write_text(TRAJECTORY)
     program = (
         "import sys\nfrom hilc_cli.cli.main import main\n"
-        "try: main(['check', 'example:fig3-circle', '-q'])\n"
+        "try: main(['check', 'scenario.yaml', '-q'])\n"
         "except SystemExit as end: code = end.code\n"
-        "print(code, sorted({'numba', 'matplotlib'} & set(sys.modules)))"
+        "print(code, sorted({'numba', 'matplotlib', 'scipy'} & set(sys.modules)))"
     )
     done = subprocess.run(
         [sys.executable, "-c", program],
@@ -489,3 +667,9 @@ def test_every_law_is_told_in_words(hilc: Hilc, folder: Path, name: str, law: st
 
 def test_law_that_does_not_learn_needs_no_iterations(hilc: Hilc, folder: Path) -> None:
     assert "iterations is 0" not in hilc("check", "example:feedback-circle").out
+
+
+def test_matrix_with_which_nothing_is_learned_fails(hilc: Hilc) -> None:
+    outcome = hilc("check", "example:fig8c", "-q")
+    assert (outcome.code, outcome.out) == (3, "")
+    assert outcome.err.startswith("hilc: no learning is to be expected: the predicted error grows")

@@ -66,13 +66,16 @@ def runs(made: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 TERMINAL = """\
 Comparison of 2 runs
 
-                                              slow    fast
- ─────────────────────────────────────────────────────────
- Trajectory                                   path    path
- Path size [m]                               1.000   1.000
- Iterations                                      2       3
- Maximum position error [m]                 0.9213 0.7244*
- Mean position error [m]                    0.4672 0.3842*
+                                                        slow              fast
+ ─────────────────────────────────────────────────────────────────────────────
+ Learning law                                         hybrid            hybrid
+ Gains                                      l1=0.2 l2=0 l3=0  l1=0.5 l2=0 l3=0
+ Compensation                                            off               off
+ Trajectory                                             path              path
+ Path size [m]                                         1.000             1.000
+ Iterations                                                2                 3
+ Maximum position error [m]                           0.9213           0.7244*
+ Mean position error [m]                              0.4672           0.3842*
 """
 
 
@@ -119,9 +122,10 @@ def four(runs: Path) -> list[str]:
 
 def test_many_runs_stand_below_each_other(hilc: Hilc, four: list[str]) -> None:
     out = hilc("compare", *four, "--no-plots", "--out", "out").out
-    assert out.startswith("Comparison of 4 runs: errors of the last iteration\n")
+    assert out.startswith("Comparison of 4 runs: settings\n\n Run ")
+    assert "\nComparison of 4 runs: errors of the last iteration\n" in out
     assert "\nComparison of 4 runs: wheel speeds and learning\n" in out
-    assert [out.count(Path(name).name) for name in four] == [2] * 4
+    assert [out.count(Path(name).name) for name in four] == [3] * 4
     assert max(map(len, out.splitlines())) <= 100
 
 
@@ -134,7 +138,9 @@ def test_narrow_terminal_breaks_names_and_no_numbers(
     out = hilc("compare", *four, "--no-plots", "--out", "out").out
     assert re.search(r"\x1b\[1m *0\.7244\*\x1b\[0m", out), "the best is bold"
     plain = re.sub(r"\x1b\[[0-9;]*m", "", out)
-    assert four[0].removeprefix("runs/") not in plain
+    figures = plain.partition("errors of the last iteration")[2]
+    assert four[0].removeprefix("runs/") in plain
+    assert four[0].removeprefix("runs/") not in figures
     assert plain.count(" 0.9213 ") == 6, "the largest and the last error of three runs"
     assert max(map(len, plain.splitlines())) <= 80
 
@@ -177,6 +183,27 @@ def test_picture_in_each_format(hilc: Hilc, runs: Path) -> None:
         [*FILES, "comparison.png", "comparison.svg"]
     )
     assert (folder / "comparison.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_earlier_comparisons_are_left_out(hilc: Hilc, runs: Path) -> None:
+    assert hilc(*BOTH, "-q").code == 0
+    outcome = hilc("compare", "runs/slow", "runs/slow-vs-fast", "runs/fast", "--no-plots", "-q")
+    message = "hilc: runs/slow-vs-fast: holds a comparison and no run, so it is left out\n"
+    assert outcome == Outcome(0, "", message)
+    outcome = hilc("compare", "runs/slow", "runs/slow-vs-fast")
+    one = "hilc: runs/slow: is only one run; give at least two to compare\n"
+    assert outcome == Outcome(2, "", message + one)
+
+
+def test_sets_of_runs_have_folders_of_their_own(hilc: Hilc, runs: Path) -> None:
+    def folder(*names: str) -> str:
+        out = hilc("compare", *(f"runs/{name}" for name in names), "--no-plots", "--json").out
+        return str(json.loads(out)["folder"])
+
+    first = folder("slow", "fast", "other/fast")
+    assert re.fullmatch(r"runs/slow-and-2-more-[0-9a-f]{6}", first)
+    assert folder("slow", "fast", "slow") != first
+    assert folder("slow", "fast", "other/fast") == first
 
 
 def test_same_comparison_again_is_no_conflict(hilc: Hilc, runs: Path) -> None:

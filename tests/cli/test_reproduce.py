@@ -19,6 +19,7 @@ import pytest
 
 from hilc_cli import api
 from hilc_cli.cli.main import main
+from hilc_cli.cli.reproduce import _stage
 from hilc_cli.cli.reproduction_report import print_claims
 from hilc_cli.paper import folder as paper_folder
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
@@ -198,6 +199,49 @@ def test_some_figures_in_two_formats(hilc: Hilc, folder: Path, few: None) -> Non
     assert "Not judged" in text
     assert "\nhilc reproduce fig4 --format svg --format pdf\n" in text
     assert all((folder / "mine" / link).is_file() for link in links(text))
+
+
+def test_pdf_alone_is_joined_by_pictures_that_the_index_shows(
+    hilc: Hilc, folder: Path, few: None
+) -> None:
+    told = hilc("reproduce", "fig4", "--format", "pdf", "--dpi", "20", "--out", "mine", "--json")
+    text = (folder / "mine/index.md").read_text(encoding="utf-8")
+    assert "![Figure 4](fig4.png)" in text
+    assert all((folder / "mine" / link).is_file() for link in links(text))
+    assert json.loads(told.out)["figures"][0]["files"] == ["fig4.pdf", "fig4.png"]
+    assert "\nhilc reproduce fig4 --format pdf --dpi 20\n" in text
+
+
+def test_more_figures_of_the_same_scenarios_complete_a_folder(
+    hilc: Hilc, folder: Path, few: None
+) -> None:
+    options = ("--dpi", "20", "-q")
+    assert hilc("reproduce", "fig4", *options).code == 0
+    mine = folder / "runs/reproduce"
+    (mine / "notes.txt").write_text("mine")
+    assert hilc("reproduce", "fig4", "fig8", *options) == Outcome(0, "", "")
+    assert (mine / "fig4.png").exists() and (mine / "fig8.png").exists()
+    assert (mine / "notes.txt").read_text() == "mine"
+
+    before = listing(mine)
+    assert hilc("reproduce", "fig4", *options).code == 1, "fig8 would be lost"
+    manifest = json.loads((mine / "manifest.json").read_text())
+    kinds: list[object] = [{"fig4-compensated": "0" * 64}, {"fig4-compensated": {}}, [], None]
+    for damaged in kinds:
+        text = json.dumps({**manifest, "checksum": "", "scenarios_sha256": damaged})
+        (mine / "manifest.json").write_text(text)
+        assert hilc("reproduce", "fig4", "fig8", *options).code == 1, "from other scenarios"
+    assert {**listing(mine), "manifest.json": None} == {**before, "manifest.json": None}
+
+
+def test_bar_tells_what_is_going_on() -> None:
+    plan = quick()
+    runs, claims = len(plan.scenarios), len(plan.claims)
+    stages = [_stage(plan, done) for done in (0, runs - 1, runs, runs + claims - 1, runs + claims)]
+    assert [stage.split()[1] for stage in stages] == [
+        *("simulating", "simulating", "judging", "judging", "drawing"),
+    ]
+    assert "compiled" in stages[2]
 
 
 def test_a_second_time_gives_the_same_bytes(hilc: Hilc, folder: Path, few: None) -> None:

@@ -54,6 +54,17 @@ def test_signal_in_mid_simulation_leaves_no_folder(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["path.yaml"]
 
 
+@pytest.mark.parametrize(("number", "code", "message"), SIGNALS, ids=["SIGINT", "SIGTERM"])
+def test_signal_in_mid_check(tmp_path: Path, number: int, code: int, message: str) -> None:
+    (tmp_path / "path.yaml").write_text(TRAJECTORY)
+    changes = ("--simulate", "--plot", "--set", "iterations=10000000")
+    with started("check", "-", *changes, cwd=tmp_path) as process:
+        wait_until_it_simulates(process)
+        process.send_signal(number)
+        assert outcome_of(process) == Outcome(code, "", message)
+    assert [path.name for path in tmp_path.iterdir()] == ["path.yaml"]
+
+
 def interrupt() -> None:
     raise KeyboardInterrupt
 

@@ -8,7 +8,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from hilc_cli.errors import UsageError
-from hilc_cli.figures.comparison import MOST_LINES, MOST_ROWS, comparison_figure, save_comparison
+from hilc_cli.figures.comparison import (
+    MOST_LINES,
+    MOST_PATHS,
+    MOST_ROWS,
+    comparison_figure,
+    save_comparison,
+)
 from hilc_cli.figures.error import ZERO_LABEL
 from tests.figures.conftest import MakeRun, circle, straight
 from tests.figures.reading import legend, line, lines, overlaps, texts
@@ -21,7 +27,7 @@ def place(mark: Line2D) -> tuple[float, float]:
 
 
 def row_names(figure: Figure) -> list[str]:
-    return [text.get_text() for text in figure.axes[2].get_yticklabels()]
+    return [text.get_text() for text in figure.axes[-1].get_yticklabels()]
 
 
 def test_sheet_shows_errors_paths_and_last_errors(make_run: MakeRun) -> None:
@@ -88,8 +94,28 @@ def test_different_trajectories_are_named(make_run: MakeRun) -> None:
     figure = comparison_figure([make_run("a"), make_run("b", straight())])
 
     assert row_names(figure) == ["a (circle)", "b (line)"]
-    assert len(lines(figure.axes[1], "Reference")) == 2
+    error, *paths, _ = figure.axes
+    assert lines(error, "a") and lines(error, "b")
+    for axes, name, other in zip(paths, "ab", "ba", strict=True):
+        assert line(axes, name).get_color() == line(error, name).get_color()
+        assert not lines(axes, other)
+        assert line(axes, "Reference").get_color() == "black"
     assert overlaps(figure) == []
+
+
+def test_of_many_trajectories_some_have_a_panel(make_run: MakeRun) -> None:
+    runs = [make_run(f"r{i}", circle(10.0**i)) for i in range(MOST_PATHS + 2)]
+    figure = comparison_figure(runs)
+
+    assert len(figure.axes) == 1 + MOST_PATHS + 1
+    assert f"those on {MOST_PATHS} of {MOST_PATHS + 2} trajectories" in texts(figure)
+    assert overlaps(figure) == []
+
+
+def test_heading_names_as_many_runs_as_fit(make_run: MakeRun) -> None:
+    assert "2 runs: a, b" in texts(comparison_figure([make_run("a"), make_run("b")]))
+    long = [make_run(f"{number}{'n' * 49}") for number in range(3)]
+    assert f"3 runs: 0{'n' * 49}, 1{'n' * 49} and 1 more" in texts(comparison_figure(long))
 
 
 def test_run_that_diverged_is_named_and_stretches_nothing(make_run: MakeRun) -> None:
@@ -133,7 +159,7 @@ def test_nothing_overlaps_or_leaves_the_sheet(make_run: MakeRun, count: int, nam
     figure = comparison_figure(runs)
 
     assert overlaps(figure) == []
-    for label in figure.axes[2].get_yticklabels():
+    for label in figure.axes[-1].get_yticklabels():
         assert label.get_window_extent().x0 >= 0
     assert len(set(row_names(figure))) == count
 

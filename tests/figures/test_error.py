@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from matplotlib.patches import StepPatch
 
-from hilc_cli.figures.error import STRIP_LABEL, ZERO_LABEL, drawable, error_figure, saturated_share
+from hilc_cli.figures.error import (
+    MOST_DETAILED,
+    STRIP_LABEL,
+    ZERO_LABEL,
+    drawable,
+    error_figure,
+    saturated_share,
+)
 from hilc_cli.results.metrics import measure
 from tests.figures.conftest import SAMPLES, MakeRun
 from tests.figures.reading import legend, line, lines, texts
@@ -70,7 +77,7 @@ def test_strip_shows_the_share_of_limited_samples(make_run: MakeRun) -> None:
 
 
 def test_strips_stay_below_the_lines(make_run: MakeRun) -> None:
-    runs = [make_run(f"r{i}", saturated=10) for i in range(10)]
+    runs = [make_run(f"r{i}", saturated=10) for i in range(MOST_DETAILED)]
     axes = error_figure(runs).axes[0]
     tops = [np.max(p.get_data()[0]) for p in axes.patches if isinstance(p, StepPatch)]
     least = min(np.nanmin(np.asarray(shown.get_ydata(), float)) for shown in lines(axes, "_mean"))
@@ -86,7 +93,18 @@ def test_several_runs_have_a_colour_and_a_marker_each(make_run: MakeRun) -> None
 
     assert len({str(each.get_color()) for each in shown}) == 10
     assert len({str(each.get_marker()) for each in shown}) == 10
-    assert legend(axes) == [*names, "Maximum", "Mean"]
+    assert legend(axes) == [*names, "Maximum"]
+
+
+@pytest.mark.parametrize(
+    ("count", "drawn"), [(MOST_DETAILED, MOST_DETAILED), (MOST_DETAILED + 1, 0)]
+)
+def test_means_and_strips_are_those_of_few_runs(make_run: MakeRun, count: int, drawn: int) -> None:
+    axes = error_figure([make_run(f"r{i}", saturated=5) for i in range(count)]).axes[0]
+
+    assert len(lines(axes, "_mean")) == drawn
+    assert sum(isinstance(patch, StepPatch) for patch in axes.patches) == drawn
+    assert ("Mean" in legend(axes)) == bool(drawn)
 
 
 def test_divergence_is_noted(make_run: MakeRun) -> None:

@@ -38,11 +38,12 @@ def test_reference_that_runs_share_is_drawn_once(make_run: MakeRun) -> None:
 
 def test_references_that_differ_are_drawn_in_the_colour_of_their_run(make_run: MakeRun) -> None:
     axes = final_path_figure([make_run("a"), make_run("b", straight())]).axes[0]
-    references = lines(axes, "Reference")
+    references = lines(axes, "_reference")
 
     assert len(references) == 2
     for reference, name in zip(references, "ab", strict=True):
         assert reference.get_color() == line(axes, name).get_color()
+    assert line(axes, "Reference").get_color() == "black", "in the legend, of no run"
 
 
 def test_path_that_leaves_the_view_is_named(make_run: MakeRun) -> None:

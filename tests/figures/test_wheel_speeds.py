@@ -28,9 +28,9 @@ def test_limit_lines_carry_their_value(make_run: MakeRun) -> None:
     figure = wheel_speeds_figure([make_run(speed_limit=180.0)])
     limits = lines(figure.axes[0], LIMIT_LABEL)
 
-    assert sorted(float(np.asarray(each.get_ydata())[0]) for each in limits) == [-180, 180]
-    assert "+180" in texts(figure)
-    assert f"{MINUS}180" in texts(figure)
+    assert [float(np.asarray(each.get_ydata())[0]) for each in limits] == [180]
+    assert "+180" in texts(figure) and f"{MINUS}180" not in texts(figure)
+    assert figure.axes[0].get_ylim()[0] > 0, "wheels that never turn back leave no room below"
     assert legend(figure.axes[0]) == ["Left wheel", "Right wheel", LIMIT_LABEL]
 
 
@@ -38,6 +38,17 @@ def test_no_limit_no_line(make_run: MakeRun) -> None:
     figure = wheel_speeds_figure([make_run(speed_limit=None)])
 
     assert legend(figure.axes[0]) == ["Left wheel", "Right wheel"]
+
+
+@pytest.mark.parametrize(("slowest", "drawn"), [(-17.0, [180]), (-19.0, [180, -180])])
+def test_lower_limit_is_drawn_if_a_wheel_comes_near_it(
+    make_run: MakeRun, slowest: float, drawn: list[float]
+) -> None:
+    run = make_run()
+    run.last.right[3] = slowest  # near is a tenth of the limit
+    limits = lines(wheel_speeds_figure([run]).axes[0], LIMIT_LABEL)
+
+    assert [float(np.asarray(each.get_ydata())[0]) for each in limits] == drawn
 
 
 def test_limit_far_above_the_speeds_is_told_instead(make_run: MakeRun) -> None:
@@ -55,7 +66,9 @@ def test_limit_is_shown_for_a_robot_that_stands_still(make_run: MakeRun) -> None
 
 
 def test_limits_that_fall_together_share_a_label(make_run: MakeRun) -> None:
-    assert "±1\n" in texts(wheel_speeds_figure([make_run(speed_limit=1.0)])) + "\n"
+    run = make_run(speed_limit=1.0)
+    run.last.right[3] = -50
+    assert "±1\n" in texts(wheel_speeds_figure([run])) + "\n"
 
 
 def test_several_runs_by_colour_wheels_by_dashes(make_run: MakeRun) -> None:
@@ -67,7 +80,7 @@ def test_several_runs_by_colour_wheels_by_dashes(make_run: MakeRun) -> None:
     for name, right in zip("ab", rights, strict=True):
         assert line(axes, name).get_color() == right.get_color()
         assert right.is_dashed()
-    assert {"+150", f"{MINUS}150", "+180", f"{MINUS}180"} <= set(texts(figure).split("\n"))
+    assert {"+150", "+180"} <= set(texts(figure).split("\n"))
     assert legend(axes) == ["a", "b", "Left wheel", "Right wheel", LIMIT_LABEL]
 
 

@@ -1,0 +1,115 @@
+"""The table of ``hilc check`` that puts predicted and simulated errors side by side."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from hilc_cli.cli.section import Grid
+from hilc_cli.results.summary import RELATIVE_TOLERANCES
+
+if TYPE_CHECKING:
+    from hilc_cli.analysis.transient import Transient
+    from hilc_cli.api import Check
+    from hilc_cli.api.checking import Simulated
+
+
+def errors_grid(check: Check) -> Grid | None:
+    """The maximum position error of the iterations in a few rows.
+
+    Args:
+        check: What was found.
+
+    Returns:
+        A column of what is predicted and one of what was simulated; None if there is neither.
+    """
+    iterations = check.scenario.spec.iterations
+    names = [
+        "Iteration 0",
+        f"Iteration {iterations}",
+        "Largest",
+        "  in iteration",
+        "  times that of iteration 0",
+        *(f"Iterations to {label} of the path's size" for label in RELATIVE_TOLERANCES),
+    ]
+    columns, notes = {}, []
+    if check.forecast is not None:
+        transient = check.forecast.transient
+        columns["Predicted", "without limit"] = _predicted(transient, iterations)
+        notes.append(
+            f"Predicted for {transient.iterations} iterations by the linear theory, which knows no "
+            "disturbances, and is rough while headings are off by 1 rad and more."
+        )
+        if transient.rough_from is not None:
+            notes.append(
+                "rough: out of its range, which ends in iteration "
+                f"{transient.rough_from} with an error above {transient.range_m:.3g} m."
+            )
+    if check.simulated is not None:
+        limit = "without limit" if check.scenario.speed_limit is None else "with limit"
+        columns["Simulated", limit] = _simulated(check.simulated)
+        notes.append("Simulated with disturbances, if there are any.")
+    if not columns:
+        return None
+    rows = [list(row) for row in zip(names, *columns.values(), strict=True)]
+    if not iterations:
+        del rows[1]  # the same again
+    header = [("Maximum position error", ""), *columns]
+    return Grid(header, rows, " ".join(notes))
+
+
+def _predicted(transient: Transient, iterations: int) -> list[str]:
+    errors, peak = transient.max_position_error_m, transient.peak_iteration
+    return [
+        _length(errors[0]),
+        _told(transient, _at(transient, iterations), iterations),
+        _told(transient, _length(errors.max()), peak),
+        f"{peak}",
+        f"{transient.peak_growth:.4g}",
+        *(_reached(transient, share, iterations) for share in RELATIVE_TOLERANCES.values()),
+    ]
+
+
+def _reached(transient: Transient, share: float, iterations: int) -> str:
+    """From which iteration on the error is so small, and until when if not for good."""
+    at = transient.settled_at(share)
+    if at is not None:
+        return _told(transient, f"{at}", at)
+    spell = transient.spell_within(share, iterations)
+    if spell is None:
+        return _told(transient, f"not in {transient.iterations}", transient.iterations)
+    first, last = spell
+    return _told(transient, f"{first} (until {last})", first)
+
+
+def _told(transient: Transient, text: str, iteration: int) -> str:
+    """What is said of an iteration, marked if that is rough."""
+    rough = transient.rough_from
+    return text if rough is None or iteration < rough else f"{text}, rough"
+
+
+def _simulated(simulated: Simulated) -> list[str]:
+    summary = simulated.summary
+    first = float(simulated.run.metrics["max_position_error_m"][0])
+    last, peak = summary.final["max_position_error_m"], summary.peak_max_position_error_m
+    diverged_at = summary.diverged_at
+    return [
+        _length(first),
+        _length(last) if diverged_at is None else f"diverged in {diverged_at}",
+        _length(peak),
+        f"{summary.peak_iteration}",
+        f"{peak / first:.4g}" if first else "-",
+        *(
+            f"not in {summary.iterations}" if at is None else f"{at}"
+            for at in summary.settled_at.values()
+        ),
+    ]
+
+
+def _at(transient: Transient, iteration: int) -> str:
+    error = transient.at(iteration)
+    return "beyond what is predicted" if error is None else _length(error)
+
+
+def _length(error: float) -> str:
+    return f"{error:.4g} m" if math.isfinite(error) else "not finite"

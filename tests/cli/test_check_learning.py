@@ -1,0 +1,53 @@
+"""``hilc check``: verdicts on learning, predictions that are rough, and the table of errors."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import Hilc, Write
+
+COARSE = ("--set", "trajectory.sample_time=10 ms")
+
+
+def test_prediction_out_of_range_is_called_rough(hilc: Hilc) -> None:
+    outcome = hilc("check", "example:fig6c", "--set", "controller.b_w=null", *COARSE)
+    assert outcome.code == 0
+    assert "  Verdict                         unclear: predicted errors leave the " in outcome.out
+    assert " m, rough\n" in outcome.out
+    assert "\nwarning: the predicted error grows beyond 40 m in iteration " in outcome.out
+    assert "; without speed limit it has none if gains are taken" in outcome.out.replace("\n", " ")
+
+
+@pytest.mark.parametrize(
+    ("name", "verdict"),
+    [("fig3-circle", "learns"), ("fig8a", "learns-then-grows-later"), ("fig8c", "does-not-learn")],
+)
+def test_verdict_of_the_papers_gains(hilc: Hilc, name: str, verdict: str) -> None:
+    outcome = hilc("check", f"example:{name}", "--json", *COARSE)
+    assert outcome.code == 0
+    document = json.loads(outcome.out)
+    learning = document["learning"]
+    assert learning["verdict"] == verdict
+    assert len(learning["predicted_max_position_error_by_iteration_m"]) == 101
+    warned = any(text.startswith("no learning is to be expected") for text in document["warnings"])
+    assert warned is (verdict == "does-not-learn")
+    rough = learning["predicted_rough_from_iteration"]
+    assert (rough is not None and rough <= 100) is warned
+
+
+def test_plot_writes_its_numbers(hilc: Hilc, write: Write, folder: Path) -> None:
+    write()
+    outcome = hilc("check", "scenario.yaml", "--simulate", "--plot", "--out", "out")
+    assert outcome.code == 0
+    assert outcome.out.endswith("Written to out/transient.png\nWritten to out/transient.csv\n")
+    header, first, *rows = (folder / "out" / "transient.csv").read_text().splitlines()
+    assert header == "iteration,predicted_max_position_error_m,simulated_max_position_error_m"
+    # 1 m of line, from wheels at rest.
+    assert [float(cell) for cell in first.split(",")] == pytest.approx([0, 1, 1])
+    assert len(rows) == 5000
+    assert rows[1].partition(",")[0] == "2"
+    assert not rows[1].endswith(",")
+    assert rows[2].endswith(",")
