@@ -29,6 +29,7 @@ from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.summary import summarise
 from hilc_cli.results.transient_table import TRANSIENT_FILE, write_transient
 from hilc_cli.results.trial import Trial
+from hilc_cli.spec.hybrid import HybridController
 from hilc_cli.spec.valid import Scenario
 
 
@@ -146,9 +147,12 @@ class Check:
 
 def _law_text(scenario: Scenario) -> str:
     """The law and its gains in a few words."""
-    gains = scenario.spec.controller.gains
+    controller = scenario.spec.controller
+    assert isinstance(controller, HybridController)  # nothing is predicted of another one
+    gains = controller.gains
     equation = "Eq. 21" if scenario.compensates else "Eq. 17"
-    return f"{equation}, l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}"
+    lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
+    return f"{equation}, l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
 
 
 def check(

@@ -56,7 +56,6 @@ def test_message(hilc: Hilc, write: Write, content: str, message: str) -> None:
     [
         (["--laws", "a.yaml", "runs/a"], "--laws runs what it compares; leave out runs/a"),
         (["--workers", "2", "a", "b"], "--workers is for --laws; nothing else is simulated"),
-        ([], "there is nothing to compare; give at least two run folders, or --laws"),
         (["--laws", "none.yaml"], "none.yaml: there is no such file; check the path"),
         (
             ["--laws", "example:qqq"],

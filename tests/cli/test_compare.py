@@ -236,7 +236,7 @@ NO_RUN = "is no run folder; give a folder that hilc run has written"
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "missing argument 'RUN'; see 'hilc compare --help'"),
+        ([], "there is nothing to compare; give at least two run folders, or --laws"),
         (["runs/slow"], "runs/slow: is only one run; give at least two to compare"),
         (["runs/slow", "runs/nosuch"], f"runs/nosuch: {NO_RUN}"),
         (["runs/slow", "runs"], f"runs: {NO_RUN}"),
