@@ -490,7 +490,7 @@ CASES = [
     (
         "law",
         scenario("b_w: 180", "law: hybird"),
-        "scenario.yaml:7:8: controller.law: is not one of the choices, got 'hybird'; give hybrid, pid or feedback",
+        "scenario.yaml:7:8: controller.law: is not one of the choices, got 'hybird'; give hybrid, pid, norm-optimal or feedback",
     ),
     (
         "compensation",

@@ -5,11 +5,15 @@ from __future__ import annotations
 import csv
 import json
 import math
+import signal
+import time
 from pathlib import Path
 
 import pytest
 
 from tests.cli.inputs import listing
+from tests.cli.processes import TIMEOUT, outcome_of, started
+from tests.cli.sweeps import workers_of
 from tests.conftest import Hilc, Outcome, Write
 
 BEND = """\
@@ -138,3 +142,19 @@ def test_runs_that_diverge_are_last(hilc: Hilc, write: Write, folder: Path) -> N
         assert row["max_position_error_after_80_m"] == "inf"
         assert row["iterations_to_tolerance"] == ""
         assert float(row["max_position_error_after_0_m"]) < 10
+
+
+def test_signal_leaves_nothing_behind(write: Write, folder: Path) -> None:
+    long = LEADERBOARD.replace("[1, 3]", "[1, 1000000]")
+    write({**FILES, "leaderboard.yaml": long})
+    with started("compare", "--laws", "leaderboard.yaml", "--workers", "2", cwd=folder) as process:
+        deadline = time.monotonic() + TIMEOUT
+        while len(workers_of(process)) < 2 and time.monotonic() < deadline:
+            time.sleep(0.02)
+        workers = workers_of(process)
+        assert len(workers) == 2
+        process.send_signal(signal.SIGINT)
+        outcome = outcome_of(process)
+    assert outcome == Outcome(130, "", "hilc: interrupted; nothing was left half written\n")
+    assert not any(Path(f"/proc/{worker}").exists() for worker in workers)
+    assert not (folder / "runs").exists()
