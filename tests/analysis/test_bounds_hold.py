@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from tests.analysis.along_run import along_run
 from tests.analysis.experiments import completed_trials, random_experiment
 
 CASES = 240
+DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
 LAST = 5
 ALONG_RUN = "corrected, with the headings of the run"
 LARGE_LAMBDA = ", large lambda"
@@ -76,6 +78,7 @@ def report(found: Found) -> str:
 
 def test_corrected_bounds_hold(found: Found) -> None:
     violated = violations(found)
+    print(report(found))  # how loose they are, with pytest -s
     wrong = {key: seeds for key, seeds in violated.items() if key[0].startswith("corrected")}
     assert not wrong, f"{wrong}\n{report(found)}"
 
@@ -86,6 +89,18 @@ def test_printed_bounds_do_not(found: Found) -> None:
     for theory in AS_PRINTED, WITH_SAMPLE_TIME:
         for quantity in "input", "state", "output", "input limit":
             assert counts[theory, quantity] > 0, f"{counts}\n{report(found)}"
+
+
+def test_document_tells_these_figures(found: Found) -> None:
+    document = DOCUMENT.read_text(encoding="utf-8")
+    violated = violations(found)
+    quantities = ("input", "state", "output")
+    printed = sum(len(violated[AS_PRINTED, quantity]) for quantity in quantities)
+    assert f"printed, {printed} of {len(quantities) * len(found)} are violated" in document
+    loose = np.concatenate([cases[CORRECTED].state.looseness for cases in found.values()])
+    loose = loose[np.isfinite(loose)]
+    told = f"{np.median(loose):.1f} decades above the state's error in the median"
+    assert f"{told}, between {loose.min():.0f} and {loose.max():.0f}" in " ".join(document.split())
 
 
 def test_bounds_are_nearly_attained(found: Found) -> None:
