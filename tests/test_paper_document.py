@@ -48,6 +48,18 @@ def test_verdicts_in_the_document_are_the_measured_ones(reproduction: Path) -> N
     assert rows == measured
 
 
+def test_caption_of_figure_6_has_the_measured_counts(reproduction: Path) -> None:
+    with (reproduction / "claims.csv").open(encoding="utf-8", newline="") as file:
+        measured = {row["id"]: row["figures"] for row in csv.DictReader(file)}
+    needed = dict(re.findall(r"needed \(6(\w)\)=(\d+)\.0 iterations", measured["F6-3"]))
+    for letter, gain in (("b", "1"), ("c", "10")):
+        (needed[letter],) = re.findall(rf"l1 = {gain}=(\d+)\.0 iterations", measured["F6-1"])
+    assert sorted(needed) == list("bcdefghi")
+    caption = " ".join(DOCUMENT.read_text(encoding="utf-8").split())
+    for letter, count in needed.items():
+        assert f" {count} ({letter})" in caption
+
+
 def test_all_figures_and_data_are_there(reproduction: Path) -> None:
     for name in FIGURES:
         assert (reproduction / f"{name}.png").stat().st_size > 10_000
