@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from hilc_cli.sweeping.crew import available_cores
     from hilc_cli.sweeping.estimate import Estimate, estimate
     from hilc_cli.sweeping.plan import Plan
-    from hilc_cli.sweeping.shards import shard_cases
+    from hilc_cli.sweeping.shards import check_shardable, shard_cases
 
 __all__ = [
     "Check",
@@ -65,6 +65,7 @@ __all__ = [
     "check",
     "check_folder",
     "check_reproduction",
+    "check_shardable",
     "check_sweep_output",
     "compare",
     "compile_for",
@@ -154,7 +155,10 @@ _HOMES = {
         "estimate",
     ),
     "hilc_cli.sweeping.plan": ("Plan",),
-    "hilc_cli.sweeping.shards": ("shard_cases",),
+    "hilc_cli.sweeping.shards": (
+        "check_shardable",
+        "shard_cases",
+    ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

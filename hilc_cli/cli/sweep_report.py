@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from hilc_cli.cli.search_report import search_document, search_notes, search_table, shown
 from hilc_cli.cli.terminal import print_json, print_table, print_text, progress, say, two_columns
+from hilc_cli.results.search import BEST
 
 if TYPE_CHECKING:
     from hilc_cli.api import Estimate, Failure, Plan, Sweep, SweepSummary
 
-SOME_FAILED = 3
+SOME_FAILED = NOTHING_FOUND = 3
 AGAIN = "the same command with --resume tries these cases again"
 SHARDS_AGAIN = "--resume of their shards tries these cases again"
 _MOST_FAILURES = 10
@@ -84,13 +86,15 @@ class SweepReport:
             again: How to try cases again that have failed.
 
         Raises:
-            typer.Exit: Some cases have failed.
+            typer.Exit: Some cases have failed, or a search has found nothing.
         """
         self._summary(result.summary(), result.failures, folder)
         if self.verbose:
             for step, seconds in result.how.get("timings_s", {}).items():
                 say(f"{step}: {seconds:.3f} s")
         self._failures(result.failures, again)
+        if result.as_it_is is not None and not result.ranked():
+            raise typer.Exit(NOTHING_FOUND)
 
     def complete(self, folder: Path) -> None:
         """A sweep of which nothing is left to do."""
@@ -100,16 +104,22 @@ class SweepReport:
         self._summary(summarise_sweep(read_sweep(folder)), (), folder)
 
     def _summary(self, summary: SweepSummary, failures: Sequence[Failure], folder: Path) -> None:
+        as_it_is = summary.as_it_is
         if self.json:
-            document = {
-                "folder": str(folder),
-                **asdict(summary),
-                "failures": _json(failures),
-            }
+            document = {"folder": str(folder), **asdict(summary), "failures": _json(failures)}
+            del document["as_it_is"]
+            if as_it_is is not None:
+                document["search"] = search_document(summary, as_it_is, folder)
             print_json(document)
         elif not self.quiet:
             print_table(two_columns(f"{summary.name}, {summary.cases:,} cases", _rows(summary)))
+            if as_it_is is not None:
+                print_table(search_table(summary, as_it_is))
             print_text(f"Written to {folder}")
+            if as_it_is is not None and summary.best:
+                print_text(f"Best scenario: {folder / BEST}")
+        for note in [] if as_it_is is None else search_notes(summary, as_it_is):
+            self.say(note)
 
     def shard(
         self, plan: Plan, part: tuple[int, int], failures: Sequence[Failure], folder: Path
@@ -151,15 +161,9 @@ def _rows(summary: SweepSummary) -> list[tuple[str, str]]:
         rows.append((f"median {metric}{of_these}", f"{summary.median:.6g}"))
         rows.append((f"largest {metric}{of_these}", f"{summary.worst:.6g}"))
     for best in summary.best:
-        values = ", ".join(f"{key}={_shown(value)}" for key, value in best.values.items())
+        values = ", ".join(f"{key}={shown(value)}" for key, value in best.values.items())
         rows.append((f"case {best.case}: {values}", f"{best.metric:.6g}"))
     return rows
-
-
-def _shown(value: object) -> str:
-    if value is None:
-        return "null"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _json(failures: Sequence[Failure]) -> list[dict[str, object]]:
