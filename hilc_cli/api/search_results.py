@@ -58,9 +58,12 @@ def _value_at(data: Any, key: str) -> Value:
     if key == TRAJECTORY:
         return str(data[TRAJECTORY]["name"])
     for part in parts(key):
-        below = data.keys() if isinstance(data, Mapping) else ()
-        below = range(len(data)) if isinstance(data, list) else below
-        if part not in below:
+        is_there = part in data if isinstance(data, Mapping) else _is_place(part, data)
+        if not is_there:
             return None
         data = data[part]
     return data if isinstance(data, bool | int | float | str) else None
+
+
+def _is_place(part: str | int, data: Any) -> bool:
+    return isinstance(data, list) and isinstance(part, int) and part < len(data)

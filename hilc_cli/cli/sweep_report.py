@@ -15,7 +15,7 @@ from hilc_cli.cli.terminal import print_json, print_table, print_text, progress,
 from hilc_cli.results.search import BEST
 
 if TYPE_CHECKING:
-    from hilc_cli.api import Estimate, Failure, Plan, Sweep, SweepSummary
+    from hilc_cli.api import Estimate, Failure, Plan, Sweep, SweepData, SweepSummary
 
 SOME_FAILED = NOTHING_FOUND = 3
 AGAIN = "the same command with --resume tries these cases again"
@@ -88,26 +88,32 @@ class SweepReport:
         Raises:
             typer.Exit: Some cases have failed, or a search has found nothing.
         """
-        self._summary(result.summary(), result.failures, folder)
+        self._summary(result, result.failures, folder)
         if self.verbose:
             for step, seconds in result.how.get("timings_s", {}).items():
                 say(f"{step}: {seconds:.3f} s")
         self._failures(result.failures, again)
-        if result.as_it_is is not None and not result.ranked():
-            raise typer.Exit(NOTHING_FOUND)
+        _check_found(result)
 
     def complete(self, folder: Path) -> None:
-        """A sweep of which nothing is left to do."""
-        from hilc_cli.api import read_sweep, summarise_sweep
+        """A sweep of which nothing is left to do.
+
+        Raises:
+            typer.Exit: It was a search that has found nothing.
+        """
+        from hilc_cli.api import read_sweep
 
         self.say(f"nothing to resume: {folder} is complete")
-        self._summary(summarise_sweep(read_sweep(folder)), (), folder)
+        data = read_sweep(folder)
+        self._summary(data, (), folder)
+        _check_found(data)
 
-    def _summary(self, summary: SweepSummary, failures: Sequence[Failure], folder: Path) -> None:
-        as_it_is = summary.as_it_is
+    def _summary(self, data: SweepData, failures: Sequence[Failure], folder: Path) -> None:
+        from hilc_cli.api import summarise_sweep
+
+        summary, as_it_is = summarise_sweep(data), data.as_it_is
         if self.json:
             document = {"folder": str(folder), **asdict(summary), "failures": _json(failures)}
-            del document["as_it_is"]
             if as_it_is is not None:
                 document["search"] = search_document(summary, as_it_is, folder)
             print_json(document)
@@ -118,7 +124,7 @@ class SweepReport:
             print_text(f"Written to {folder}")
             if as_it_is is not None and summary.best:
                 print_text(f"Best scenario: {folder / BEST}")
-        for note in [] if as_it_is is None else search_notes(summary, as_it_is):
+        for note in search_notes(data):
             self.say(note)
 
     def shard(
@@ -146,6 +152,11 @@ class SweepReport:
         if failures:
             say(again)
             raise typer.Exit(SOME_FAILED)
+
+
+def _check_found(data: SweepData) -> None:
+    if data.as_it_is is not None and not data.ranked():
+        raise typer.Exit(NOTHING_FOUND)
 
 
 def _rows(summary: SweepSummary) -> list[tuple[str, str]]:

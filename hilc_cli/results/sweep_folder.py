@@ -23,7 +23,7 @@ MANIFEST = "sweep.json"
 CASES = "cases.csv"
 BANDS = "bands.csv"
 PARQUET = "cases.parquet"
-SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands")
+SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
 _PICTURES = {f"{kind}.{suffix}" for kind in SWEEP_PICTURE_KINDS for suffix in PICTURE_FORMATS}
 _OWN = frozenset({MANIFEST, CASES, BANDS, PARQUET, SCENARIO, INITIAL_INPUT, BEST}) | _PICTURES
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.results.search import AsItIs
 from hilc_cli.results.sweep import ITERATIONS_TO_TOLERANCE, SweepData
 from hilc_cli.variation.axes import Value
 
@@ -42,7 +41,6 @@ class SweepSummary:
         tolerance: Bound of the maximum error [m], if one was given.
         within_tolerance: Cases that settled within it, if one was given.
         best: The best cases, best first.
-        as_it_is: The scenario with its own values, if this was a search for the smallest metric.
     """
 
     name: str
@@ -56,7 +54,6 @@ class SweepSummary:
     tolerance: float | None
     within_tolerance: int | None
     best: list[BestCase]
-    as_it_is: AsItIs | None = None
 
 
 def summarise_sweep(data: SweepData, best: int = 5) -> SweepSummary:
@@ -81,5 +78,4 @@ def summarise_sweep(data: SweepData, best: int = 5) -> SweepSummary:
         tolerance=data.tolerance,
         within_tolerance=None if data.tolerance is None else within,
         best=[BestCase(case, data.case(case), float(column[case])) for case in order[:best]],
-        as_it_is=data.as_it_is,
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -21,6 +23,12 @@ SAMPLER = "TPE"
 """As the manifest of a search names it."""
 
 Values = tuple[Value, ...]
+_Params = dict[str, Any]
+"""What Optuna has for the values of a case."""
+
+_BLOCK = 256
+_MOST_DRAWS = 100
+"""After so many that have been tried there may be no others."""
 
 
 class Sampler:
@@ -37,25 +45,24 @@ class Sampler:
         """Prepares a search.
 
         Args:
-            cases: Drawn from the ranges; of these it takes as many as it is asked for.
+            cases: Drawn from the ranges; it takes as many of them as it needs.
 
         Raises:
             UsageError: The package for that is not installed.
         """
-        optuna = require_optuna()
+        self._optuna = require_optuna()
         self._axes = cases.axes
-        self._drawn = iter(cases.values(0, len(cases)))
-        self._optuna = optuna
-        self._space = {key: _distribution(axis, optuna) for key, axis in cases.axes.items()}
-        self._params: list[dict[str, Any]] = []
-        self._asked: list[Trial] = []
+        self._drawn = _points(cases)
+        self._space = {key: _distribution(axis, self._optuna) for key, axis in cases.axes.items()}
+        self._batch: list[tuple[_Params, Trial | None]] = []
+        self._tried: set[tuple[Any, ...]] = set()
         # Its generator takes 32 bits, a seed of ours has 64.
         seed = int(np.random.SeedSequence(cases.seed).generate_state(1)[0])
-        with _quietly(optuna):
-            sampler = optuna.samplers.TPESampler(
+        with _quietly(self._optuna):
+            sampler = self._optuna.samplers.TPESampler(
                 seed=seed, n_startup_trials=1, multivariate=True, constant_liar=False
             )
-            self._study = optuna.create_study(sampler=sampler)
+            self._study = self._optuna.create_study(sampler=sampler)
 
     def ask(self, count: int, drawn: int) -> tuple[Values, ...]:
         """The next cases.
@@ -65,19 +72,22 @@ class Sampler:
             drawn: So many of them, the first, are drawn, whatever is known.
 
         Returns:
-            What each key is in each of them.
+            What each key is in each of them; a case that has been there only where it is hard to
+            find another one.
         """
+        self._batch = []
         with _quietly(self._optuna):
-            points = [next(self._drawn) for _ in range(drawn)]
-            self._asked = [self._study.ask(self._space) for _ in range(count - drawn)]
-        self._params = [
-            {key: _param(self._axes[key], value) for key, value in point.items()}
-            for point in points
-        ]
-        params = [*self._params, *(trial.params for trial in self._asked)]
+            for number in range(count):
+                trial = None if number < drawn else self._study.ask(self._space)
+                params = self._new_point() if trial is None else trial.params
+                if trial is not None and tuple(params.values()) in self._tried:
+                    self._study.tell(trial, state=self._optuna.trial.TrialState.FAIL)
+                    params, trial = self._new_point(), None
+                self._tried.add(tuple(params.values()))
+                self._batch.append((params, trial))
         return tuple(
-            tuple(_value(axis, of_case[key]) for key, axis in self._axes.items())
-            for of_case in params
+            tuple(_value(axis, params[key]) for key, axis in self._axes.items())
+            for params, _ in self._batch
         )
 
     def tell(self, costs: Floats | Sequence[float]) -> None:
@@ -86,16 +96,30 @@ class Sampler:
         Args:
             costs: The smaller the better; only their order counts. Infinite is the worst.
         """
-        found = map(float, costs)
         with _quietly(self._optuna):
-            for params in self._params:
-                self._study.add_trial(
-                    self._optuna.trial.create_trial(
-                        params=params, distributions=self._space, value=next(found)
-                    )
+            for (params, trial), cost in zip(self._batch, map(float, costs), strict=True):
+                if trial is not None:
+                    self._study.tell(trial, cost)
+                    continue
+                finished = self._optuna.trial.create_trial(
+                    params=params, distributions=self._space, value=cost
                 )
-            for trial in self._asked:
-                self._study.tell(trial, next(found))
+                self._study.add_trial(finished)
+
+    def _new_point(self) -> _Params:
+        """The next point that is drawn and has not been tried, if there is one soon."""
+        for _ in range(_MOST_DRAWS):
+            point = next(self._drawn)
+            params = {key: _param(self._axes[key], value) for key, value in point.items()}
+            if tuple(params.values()) not in self._tried:
+                break
+        return params
+
+
+def _points(cases: Cases) -> Iterator[dict[str, Value]]:
+    """Points drawn one after the other, without end."""
+    for first in itertools.count(0, _BLOCK):
+        yield from cases.values(first, first + _BLOCK)
 
 
 def require_optuna() -> Any:
@@ -117,7 +141,10 @@ def _quietly(optuna: Any) -> Iterator[None]:
     before = optuna.logging.get_verbosity()
     optuna.logging.set_verbosity(optuna.logging.CRITICAL)
     try:
-        yield
+        with warnings.catch_warnings():
+            # Versions before 5 warn that options may change.
+            warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
+            yield
     finally:
         optuna.logging.set_verbosity(before)
 
