@@ -6,6 +6,7 @@ import itertools
 import math
 from pathlib import Path
 
+import distributed
 import numpy as np
 import pytest
 
@@ -24,6 +25,7 @@ from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.search import batches, costs, search
 from hilc_cli.sweeping.store import FolderStore
 from tests.cli.searches import FILES, L1, METRIC, error_after
+from tests.sweeping.test_dask_crew import Client
 
 CASES = 40
 
@@ -144,6 +146,16 @@ def test_whoever_computes_it_and_however_far_it_was(
     assert store.rows().tobytes() == whole.rows().tobytes()
     assert not store.missing()
     store.close()
+
+
+def test_workers_of_a_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = plan_of(tmp_path)
+    one, other = MemoryStore(plan), MemoryStore(plan)
+    search(plan, one, Execution())
+    monkeypatch.setattr(distributed, "Client", Client)
+    monkeypatch.setattr(Client, "fates", ("lost", "finished"))
+    search(plan, other, Execution(scheduler="tcp://nowhere"))
+    assert one.rows().tobytes() == other.rows().tobytes()
 
 
 def test_kept_cases_of_other_values_are_forgotten(tmp_path: Path) -> None:
