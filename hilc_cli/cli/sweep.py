@@ -157,8 +157,7 @@ def sweep(
       hilc sweep my.yaml --vary controller.gains.l1=0.1:10:40:log --vary controller.h=100,200
       hilc sweep my.yaml --vary disturbance.seed=1..100 --bands --tolerance '5 cm'
       hilc sweep my.yaml --vary robot.wheel_radius=0.15:0.25 --sample sobol --cases 1000
-      hilc sweep my.yaml --vary controller.gains.l1=0.01:10:log --minimise max_position_error_m \
-        --cases 200
+      hilc sweep my.yaml --vary controller.gains.l1=0:20 --minimise max_position_error_m --cases 200
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
     from hilc_cli import api
