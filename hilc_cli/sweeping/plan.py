@@ -42,11 +42,6 @@ class Plan:
         """Values by key."""
         return self.varied.axes
 
-    @property
-    def searches(self) -> bool:
-        """Whether each case follows from the results of those before it."""
-        return self.spec.minimise is not None
-
     @cached_property
     def cases(self) -> Cases:
         """All cases; of a search as many points drawn from its ranges, with which it begins."""
@@ -65,6 +60,11 @@ class Plan:
         if axis is None:
             return self.varied.scenario.spec.iterations
         return max(int(end) for end in axis.ends if end is not None)
+
+    @property
+    def searches(self) -> bool:
+        """Whether each case follows from the results of those before it."""
+        return self.spec.minimise is not None
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
