@@ -1,8 +1,10 @@
 """Every example in the documents is run as it stands there."""
 
 import re
+import shlex
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -34,6 +36,7 @@ def test_the_shell_examples_run_one_after_the_other(tmp_path: Path) -> None:
     assert (tmp_path / "runs" / "fig3-circle" / "summary.png").stat().st_size > 0
     assert (tmp_path / "runs" / "limit" / "error.png").stat().st_size > 0
     assert (tmp_path / "runs" / "twice" / "iterations.csv").stat().st_size > 0
+    assert (tmp_path / "runs" / "fig8a-best" / "iterations.csv").stat().st_size > 0
 
 
 def test_the_python_example_runs(tmp_path: Path) -> None:
@@ -58,6 +61,28 @@ def test_the_yaml_examples_are_valid(tmp_path: Path) -> None:
     other = hilc.load_scenario(tmp_path / "scenario.yaml", overrides=path)
     assert isinstance(other.spec.trajectory, TrajectorySpec)
     assert other.spec.trajectory.reference().samples == 3000
+
+
+def test_the_search_of_the_sweeps_document_is_valid(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"^hilc (sweep [^\n]*--minimise [^\n]*\n[^\n]*)", text, re.MULTILINE)
+    (section,) = re.findall(r"^```yaml\n(sweep:\n.*?)^```", text, re.MULTILINE | re.DOTALL)
+    words = shlex.split(command.replace("\\\n", ""))
+    vary = [text for option, text in pairwise(words) if option == "--vary"]
+    options = {
+        option: words[words.index(option) + 1] for option in ("--minimise", "--cases", "--seed")
+    }
+    scenario = hilc.load_scenario(words[1])
+    plan = hilc.plan_sweep(
+        scenario,
+        vary,
+        minimise=options["--minimise"],
+        cases=int(options["--cases"]),
+        seed=int(options["--seed"]),
+    )
+    (tmp_path / "scenario.yaml").write_text(scenario.resolved_yaml() + section, encoding="utf-8")
+    same = hilc.plan_sweep(hilc.load_scenario(tmp_path / "scenario.yaml"))
+    assert (plan.axes, plan.spec) == (same.axes, same.spec)
 
 
 def test_the_error_messages_shown_are_the_ones_given(tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from hilc_cli.sweeping.crew import available_cores
     from hilc_cli.sweeping.estimate import Estimate, estimate
     from hilc_cli.sweeping.plan import Plan
-    from hilc_cli.sweeping.shards import shard_cases
+    from hilc_cli.sweeping.shards import check_shardable, shard_cases
 
 __all__ = [
     "Check",
@@ -75,6 +75,7 @@ __all__ = [
     "check_folder",
     "check_leaderboard_output",
     "check_reproduction",
+    "check_shardable",
     "check_sweep_output",
     "compare",
     "compare_laws",
@@ -173,7 +174,10 @@ _HOMES = {
         "estimate",
     ),
     "hilc_cli.sweeping.plan": ("Plan",),
-    "hilc_cli.sweeping.shards": ("shard_cases",),
+    "hilc_cli.sweeping.shards": (
+        "check_shardable",
+        "shard_cases",
+    ),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -31,6 +31,7 @@ class Sweep(SweepData):
         scenario_yaml: The resolved scenario with its sweep.
         initial_input: Sample time, left and right wheel speeds of the input file, if there is one.
         how: What the manifest tells of the computation.
+        best_yaml: The scenario of the best case as a file, if one was searched for and found.
     """
 
     failures: tuple[Failure, ...] = field(kw_only=True)
@@ -38,6 +39,7 @@ class Sweep(SweepData):
     scenario_yaml: str = field(kw_only=True)
     initial_input: tuple[float, Floats, Floats] | None = field(kw_only=True)
     how: Mapping[str, Any] = field(kw_only=True)
+    best_yaml: str | None = field(default=None, kw_only=True)
 
     def summary(self) -> SweepSummary:
         """The few figures that tell how the sweep went."""
@@ -95,6 +97,7 @@ class Sweep(SweepData):
             checksum=self.checksum,
             scenario_yaml=self.scenario_yaml,
             initial_input=self.initial_input,
+            best_yaml=self.best_yaml,
             force=force,
             draw=draw if plots else None,
             parquet="parquet" in formats,

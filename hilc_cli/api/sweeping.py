@@ -7,7 +7,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from hilc_cli.api.search_results import beside_cases, how_searched
 from hilc_cli.api.sweep_results import Sweep, as_fields, circumstances
 from hilc_cli.errors import UsageError
 from hilc_cli.results.run_folder import SCENARIO
@@ -19,8 +21,11 @@ from hilc_cli.sweeping.compute import Execution, compute
 from hilc_cli.sweeping.memory_store import MemoryStore, Store
 from hilc_cli.sweeping.opening import open_store
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.shards import merge, read_initial_input, shard_cases
+from hilc_cli.sweeping.shards import check_shardable, merge, read_initial_input, shard_cases
 from hilc_cli.sweeping.store import FolderStore
+
+if TYPE_CHECKING:
+    from hilc_cli.sweeping.search import Found
 
 _DEFAULT = Execution()
 
@@ -35,6 +40,7 @@ def plan_sweep(
     tolerance: float | str | None = None,
     bands: bool | None = None,
     metric: str | None = None,
+    minimise: str | None = None,
 ) -> Plan:
     """Validates a sweep; what is not given is as the scenario's section ``sweep`` says.
 
@@ -43,15 +49,16 @@ def plan_sweep(
         vary: Values by dotted key: a list, or a text such as ``0.1:10:20:log``; or texts
             ``KEY=VALUES`` as on the command line.
         sample: grid (default), random or sobol.
-        cases: How many points random and sobol draw.
-        seed: Of the drawing.
+        cases: How many points random and sobol draw, or a search tries.
+        seed: Of the drawing, or of the search.
         tolerance: Maximum error for iterations_to_tolerance [m].
         bands: Whether to keep quantiles of the error, iteration by iteration.
         metric: By which the cases are ranked and drawn.
+        minimise: Search the ranges for the case in which this metric is smallest.
 
     Raises:
         InvalidInputError: A key or value is not valid; names every problem.
-        UsageError: Nothing is varied.
+        UsageError: Nothing is varied, or the package for a search is not installed.
     """
     options = {
         "sample": sample,
@@ -60,8 +67,14 @@ def plan_sweep(
         "tolerance": tolerance,
         "bands": bands,
         "metric": metric,
+        "minimise": minimise,
     }
-    return Plan(*plan_of(scenario, vary, options))
+    plan = Plan(*plan_of(scenario, vary, options))
+    if plan.searches:
+        from hilc_cli.sweeping.sampler import require_optuna  # an extra
+
+        require_optuna()
+    return plan
 
 
 def sweep(
@@ -72,7 +85,7 @@ def sweep(
     resume: bool = False,
     force: bool = False,
 ) -> Sweep:
-    """Runs all cases of a sweep.
+    """Runs all cases of a sweep, or searches for the best one.
 
     Args:
         plan: From `plan_sweep`, or a scenario with a section ``sweep``.
@@ -92,10 +105,12 @@ def sweep(
     started, clock = datetime.now(UTC), time.perf_counter()
     every = Chunk(0, len(plan.cases))
     with _store(plan, work_folder, every, None, resume=resume, force=force) as store:
-        compute(plan, store, how)
+        found = _search(plan, store, how) if plan.searches else None
+        if found is None:
+            compute(plan, store, how)
         data = collect(
             plan.name,
-            plan.cases,
+            plan.cases if found is None else found.cases,
             store.rows(),
             store.errors() if plan.bands else None,
             plan.spec.tolerance,
@@ -105,14 +120,16 @@ def sweep(
         failures = tuple(store.failures())
     scenario = plan.varied.scenario
     given = scenario.initial_input
+    beside = {} if found is None else beside_cases(plan, data, found.as_it_is)
     return Sweep(
-        **as_fields(data),
+        **{**as_fields(data), **beside},
         failures=failures,
         checksum=plan.checksum(),
         scenario_yaml=plan.resolved_yaml(),
         initial_input=given and (scenario.spec.trajectory.sample_time, *given),
         how={
             **circumstances(started),
+            **({} if found is None else {"search": how_searched(plan)}),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(scenario.checksums),
         },
@@ -145,6 +162,7 @@ def sweep_shard(
         UsageError: There is no such part.
         HilcError: As for `sweep`.
     """
+    check_shardable(plan)
     cases = shard_cases(len(plan.cases), *shard)
     name = f"{shard[0]}/{shard[1]}"
     with _store(plan, folder, cases, name, resume=resume, force=force) as store:
@@ -194,6 +212,12 @@ def merge_shards(
             initial_input=initial_input,
             how={**circumstances(started), "shards": len(stores)},
         )
+
+
+def _search(plan: Plan, store: Store, how: Execution) -> Found:
+    from hilc_cli.sweeping.search import search  # an extra
+
+    return search(plan, store, how)
 
 
 @contextmanager

@@ -33,6 +33,7 @@ class PictureKind(StrEnum):
     EFFECTS = "effects"
     BEST = "best"
     BANDS = "bands"
+    SEARCH = "search"
 
 
 def _show_version(wanted: bool) -> None:

@@ -27,7 +27,12 @@ def plot(
     ],
     kind: Annotated[
         list[PictureKind] | None,
-        typer.Option("--kind", help="What to draw; repeatable. [default: all]"),
+        typer.Option(
+            "--kind",
+            metavar="KIND",
+            help="What to draw; repeatable. Of runs: path-change, final-path, error, wheel-speeds, "
+            "summary; of a sweep: curve, map, effects, best, bands, search. [default: all]",
+        ),
     ] = None,
     formats: Formats = None,
     iterations: Annotated[

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -22,8 +19,9 @@ from hilc_cli.cli.options import (
     Version,
     complete_scenario,
 )
-from hilc_cli.cli.session import InterruptedBySignal, Session
-from hilc_cli.errors import ExistingResultsError, HilcError, UsageError
+from hilc_cli.cli.resumable import resumable
+from hilc_cli.cli.session import Session
+from hilc_cli.errors import UsageError
 
 
 class SweepFormat(StrEnum):
@@ -69,10 +67,19 @@ def sweep(
         typer.Option(help="Every combination, or points drawn from the ranges. [default: grid]"),
     ] = None,
     cases: Annotated[
-        int | None, typer.Option(metavar="N", help="How many points to draw.", show_default=False)
+        int | None,
+        typer.Option(metavar="N", help="How many points to draw, or to try.", show_default=False),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(metavar="S", help="Of the drawing. [default: 0]")
+        int | None, typer.Option(metavar="S", help="Of the drawing or search. [default: 0]")
+    ] = None,
+    minimise: Annotated[
+        str | None,
+        typer.Option(
+            metavar="METRIC",
+            help="Search the ranges, in --cases N, for the case in which this is smallest.",
+            show_default=False,
+        ),
     ] = None,
     tolerance: Annotated[
         str | None,
@@ -138,10 +145,11 @@ def sweep(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """Run a scenario many times with other values.
+    """Run a scenario many times with other values, or search for the best ones.
 
-    Writes a row per case to runs/NAME-sweep/cases.csv, and pictures. Results of an unfinished
-    sweep stay in runs/NAME-sweep.part, for --resume.
+    Writes a row per case to runs/NAME-sweep/cases.csv, and pictures; --minimise also the best
+    case, as a scenario, to best.yaml there. Results of an unfinished sweep stay in
+    runs/NAME-sweep.part, for --resume.
 
     \b
     Examples:
@@ -149,6 +157,7 @@ def sweep(
       hilc sweep my.yaml --vary controller.gains.l1=0.1:10:40:log --vary controller.h=100,200
       hilc sweep my.yaml --vary disturbance.seed=1..100 --bands --tolerance '5 cm'
       hilc sweep my.yaml --vary robot.wheel_radius=0.15:0.25 --sample sobol --cases 1000
+      hilc sweep my.yaml --vary controller.gains.l1=0:20 --minimise max_position_error_m --cases 200
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
     from hilc_cli import api
@@ -167,7 +176,7 @@ def sweep(
     if "parquet" in chosen:
         api.require_parquet()
     if merge:
-        _check_merge(vary, sample, cases, seed, tolerance, bands, metric, set_, workers,
+        _check_merge(vary, sample, cases, seed, minimise, tolerance, bands, metric, set_, workers,
                      scheduler, shard, resume, fail_fast, dry_run)  # fmt: skip
         result = api.merge_shards([Path(folder) for folder in targets], go_on=session.go_on)
         folder = out or Path("runs") / f"{result.name}-sweep"
@@ -186,7 +195,10 @@ def sweep(
         tolerance=tolerance,
         bands=bands or None,
         metric=metric,
+        minimise=minimise,
     )
+    if part is not None:
+        api.check_shardable(plan)
     how = api.Execution(
         workers, scheduler, fail_fast, on_compile=report.compiling, go_on=session.go_on
     )
@@ -200,7 +212,7 @@ def sweep(
     kept = {"resume": resume, "force": force}
     if part is not None:
         folder = out or place.with_name(f"{place.name}.{part[0]}-of-{part[1]}")
-        with _resumable(folder), report.progress(plan, part) as on_cases:
+        with resumable(folder), report.progress(plan, part) as on_cases:
             failures = api.sweep_shard(plan, part, folder, how.telling(on_cases), **kept)
         report.shard(plan, part, failures, folder)
         return
@@ -211,28 +223,13 @@ def sweep(
         api.discard_work(plan, work)
         report.complete(folder)
         return
-    with _resumable(work):
+    with resumable(work):
         with report.progress(plan) as on_cases:
             result = api.sweep(plan, how.telling(on_cases), work_folder=work, **kept)
         result.write(folder, **writing)
     if not result.failures:
         api.discard_work(plan, work)
     report.result(result, folder, AGAIN)
-
-
-@contextmanager
-def _resumable(work: Path) -> Iterator[None]:
-    """Tells how to go on when a sweep has been stopped and left something to go on with."""
-    try:
-        yield
-    except (InterruptedBySignal, KeyboardInterrupt, HilcError, OSError, MemoryError) as error:
-        from hilc_cli import api
-        from hilc_cli.cli.terminal import say
-
-        if api.is_resumable(work) and not isinstance(error, ExistingResultsError):
-            words = [word for word in sys.argv[1:] if word != "--resume"]
-            say(f"go on with: {shlex.join(['hilc', *words, '--resume'])}")
-        raise
 
 
 def _parse_shard(text: str) -> tuple[int, int]:

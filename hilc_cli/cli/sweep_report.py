@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from hilc_cli.cli.search_report import search_document, search_notes, search_table, shown
 from hilc_cli.cli.terminal import print_json, print_table, print_text, progress, say, two_columns
+from hilc_cli.results.search import BEST
 
 if TYPE_CHECKING:
-    from hilc_cli.api import Estimate, Failure, Plan, Sweep, SweepSummary
+    from hilc_cli.api import Estimate, Failure, Plan, Sweep, SweepData, SweepSummary
 
-SOME_FAILED = 3
+SOME_FAILED = NOTHING_FOUND = 3
 AGAIN = "the same command with --resume tries these cases again"
 SHARDS_AGAIN = "--resume of their shards tries these cases again"
 _MOST_FAILURES = 10
@@ -84,32 +86,46 @@ class SweepReport:
             again: How to try cases again that have failed.
 
         Raises:
-            typer.Exit: Some cases have failed.
+            typer.Exit: Some cases have failed, or a search has found nothing.
         """
-        self._summary(result.summary(), result.failures, folder)
+        self._summary(result, result.failures, folder)
         if self.verbose:
             for step, seconds in result.how.get("timings_s", {}).items():
                 say(f"{step}: {seconds:.3f} s")
         self._failures(result.failures, again)
+        _check_found(result)
 
     def complete(self, folder: Path) -> None:
-        """A sweep of which nothing is left to do."""
-        from hilc_cli.api import read_sweep, summarise_sweep
+        """A sweep of which nothing is left to do.
+
+        Raises:
+            typer.Exit: It was a search that has found nothing.
+        """
+        from hilc_cli.api import read_sweep
 
         self.say(f"nothing to resume: {folder} is complete")
-        self._summary(summarise_sweep(read_sweep(folder)), (), folder)
+        data = read_sweep(folder)
+        self._summary(data, (), folder)
+        _check_found(data)
 
-    def _summary(self, summary: SweepSummary, failures: Sequence[Failure], folder: Path) -> None:
+    def _summary(self, data: SweepData, failures: Sequence[Failure], folder: Path) -> None:
+        from hilc_cli.api import summarise_sweep
+
+        summary, as_it_is = summarise_sweep(data), data.as_it_is
         if self.json:
-            document = {
-                "folder": str(folder),
-                **asdict(summary),
-                "failures": _json(failures),
-            }
+            document = {"folder": str(folder), **asdict(summary), "failures": _json(failures)}
+            if as_it_is is not None:
+                document["search"] = search_document(summary, as_it_is, folder)
             print_json(document)
         elif not self.quiet:
             print_table(two_columns(f"{summary.name}, {summary.cases:,} cases", _rows(summary)))
+            if as_it_is is not None:
+                print_table(search_table(summary, as_it_is))
             print_text(f"Written to {folder}")
+            if as_it_is is not None and summary.best:
+                print_text(f"Best scenario: {folder / BEST}")
+        for note in search_notes(data):
+            self.say(note)
 
     def shard(
         self, plan: Plan, part: tuple[int, int], failures: Sequence[Failure], folder: Path
@@ -138,6 +154,11 @@ class SweepReport:
             raise typer.Exit(SOME_FAILED)
 
 
+def _check_found(data: SweepData) -> None:
+    if data.as_it_is is not None and not data.ranked():
+        raise typer.Exit(NOTHING_FOUND)
+
+
 def _rows(summary: SweepSummary) -> list[tuple[str, str]]:
     metric = summary.metric
     rows = [("diverged", f"{summary.diverged:,}")]
@@ -151,15 +172,9 @@ def _rows(summary: SweepSummary) -> list[tuple[str, str]]:
         rows.append((f"median {metric}{of_these}", f"{summary.median:.6g}"))
         rows.append((f"largest {metric}{of_these}", f"{summary.worst:.6g}"))
     for best in summary.best:
-        values = ", ".join(f"{key}={_shown(value)}" for key, value in best.values.items())
+        values = ", ".join(f"{key}={shown(value)}" for key, value in best.values.items())
         rows.append((f"case {best.case}: {values}", f"{best.metric:.6g}"))
     return rows
-
-
-def _shown(value: object) -> str:
-    if value is None:
-        return "null"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _json(failures: Sequence[Failure]) -> list[dict[str, object]]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import INTEGER_METRICS, METRIC_NAMES
+from hilc_cli.results.search import AsItIs
 from hilc_cli.variation.axes import Axis, Value
 
 Numbers = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.uint64]
@@ -73,6 +74,8 @@ class SweepData:
         tolerance: Of iterations_to_tolerance [m]; None if none was given.
         metric: Which column the pictures show, in CASE_METRICS.
         bands: Quantiles over all cases, if they were asked for.
+        as_it_is: The scenario with its own values, if the cases are those of a search for the
+            smallest metric.
     """
 
     name: str
@@ -83,6 +86,7 @@ class SweepData:
     tolerance: float | None = None
     metric: str = "max_position_error_m"
     bands: Bands | None = None
+    as_it_is: AsItIs | None = None
 
     def __len__(self) -> int:
         return len(self.columns[DIVERGED])

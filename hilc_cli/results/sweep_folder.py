@@ -12,6 +12,7 @@ from hilc_cli.files import write_folder
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.output_folder import check_replaceable, read_manifest
 from hilc_cli.results.run_folder import INITIAL_INPUT, PICTURE_FORMATS, SCENARIO
+from hilc_cli.results.search import BEST, AsItIs
 from hilc_cli.results.sweep import SweepData
 from hilc_cli.results.sweep_tables import read_bands, read_cases, write_bands, write_cases
 from hilc_cli.results.tables import write_input
@@ -22,9 +23,9 @@ MANIFEST = "sweep.json"
 CASES = "cases.csv"
 BANDS = "bands.csv"
 PARQUET = "cases.parquet"
-SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands")
+SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
 _PICTURES = {f"{kind}.{suffix}" for kind in SWEEP_PICTURE_KINDS for suffix in PICTURE_FORMATS}
-_OWN = frozenset({MANIFEST, CASES, BANDS, PARQUET, SCENARIO, INITIAL_INPUT}) | _PICTURES
+_OWN = frozenset({MANIFEST, CASES, BANDS, PARQUET, SCENARIO, INITIAL_INPUT, BEST}) | _PICTURES
 
 
 def write_sweep_folder(
@@ -35,6 +36,7 @@ def write_sweep_folder(
     checksum: str,
     scenario_yaml: str,
     initial_input: tuple[float, Floats, Floats] | None = None,
+    best_yaml: str | None = None,
     force: bool = False,
     draw: Callable[[Path], None] | None = None,
     parquet: bool = False,
@@ -49,6 +51,7 @@ def write_sweep_folder(
         checksum: Of all that the results depend on.
         scenario_yaml: The resolved scenario with its sweep.
         initial_input: Sample time, left and right wheel speeds of the input file, if there is one.
+        best_yaml: The scenario of the best case, if one was searched for and found.
         force: Replace the folder of another sweep.
         draw: Draws the pictures into the folder that it is given.
         parquet: Write the cases as Parquet as well.
@@ -64,6 +67,8 @@ def write_sweep_folder(
         (folder / SCENARIO).write_text(scenario_yaml, encoding="utf-8")
         if initial_input is not None:
             write_input(folder / INITIAL_INPUT, *initial_input)
+        if best_yaml is not None:
+            (folder / BEST).write_text(best_yaml, encoding="utf-8")
         write_cases(folder / CASES, data.values, data.columns, go_on)
         if data.bands is not None:
             write_bands(folder / BANDS, data.bands)
@@ -83,6 +88,7 @@ def write_sweep_folder(
             "grid": data.is_grid,
             "tolerance_m": data.tolerance,
             "metric": data.metric,
+            **({} if data.as_it_is is None else {"as_it_is": data.as_it_is.to_data()}),
             **manifest(),
             "files": files,
         }
@@ -134,8 +140,9 @@ def read_sweep_folder(path: Path) -> SweepData:
         axes = {str(key): axis_from_data(data) for key, data in manifest["axes"].items()}
         is_grid, tolerance = bool(manifest["grid"]), manifest["tolerance_m"]
         metric, name = str(manifest["metric"]), str(manifest["name"])
-    except (KeyError, TypeError, AttributeError) as error:
+        as_it_is = AsItIs.from_data(manifest["as_it_is"]) if "as_it_is" in manifest else None
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"{path / MANIFEST}: is damaged: {error}") from None
     values, columns = read_cases(path / CASES, axes)
     bands = read_bands(path / BANDS) if (path / BANDS).exists() else None
-    return SweepData(name, axes, is_grid, values, columns, tolerance, metric, bands)
+    return SweepData(name, axes, is_grid, values, columns, tolerance, metric, bands, as_it_is)

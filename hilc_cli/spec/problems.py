@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any, get_args, get_origin
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
-from hilc_cli.errors import Problem, suggestion
+from hilc_cli.errors import Problem, near_word, suggestion
 from hilc_cli.spec.model import NAME_PATTERN, Model
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
 
@@ -29,6 +30,8 @@ _MESSAGES: Mapping[str, tuple[str, str]] = {
     "too_short": ("has too few entries", "add some"),
     "too_long": ("has too many entries", "remove some"),
 }
+_MOST_CHOICES = 6
+"""So many are read faster than one of them is guessed."""
 
 
 def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[Problem]:
@@ -61,8 +64,8 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         elif details["type"] == "extra_forbidden":
             found.append(_at(tree, keys, _unknown(tree, keys, model), point_at_key=True))
         elif details["type"] == "literal_error":
-            choices = str(context["expected"]).replace("'", "")
-            found.append(_located(tree, keys, "is not one of the choices", f"give {choices}"))
+            remedy = _choice(str(context["expected"]), nearest(tree, keys)[0])
+            found.append(_located(tree, keys, "is not one of the choices", remedy))
         else:
             other = (details["msg"], "correct it")
             problem, remedy = _MESSAGES.get(details["type"], other)
@@ -87,6 +90,14 @@ def _located(
     node, _, found = nearest(tree, keys)
     shown = f", got {describe(node)}" if found and (show_all or isinstance(node, Scalar)) else ""
     return _at(tree, keys, f"{problem}{shown}; {remedy}")
+
+
+def _choice(expected: str, given: Node) -> str:
+    """What to give instead: of many choices the one that was probably meant."""
+    choices = re.findall("'([^']*)'", expected)
+    text = str(given.value) if isinstance(given, Scalar) else ""
+    near = near_word(text, choices) if len(choices) > _MOST_CHOICES else None
+    return f"did you mean '{near}'?" if near else "give " + expected.replace("'", "")
 
 
 def _at(

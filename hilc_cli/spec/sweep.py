@@ -28,8 +28,11 @@ class SweepSpec(Model):
     sample: Sampling = Field(
         "grid", description="grid: every combination; random, sobol: points drawn from the ranges"
     )
-    cases: CaseCount | None = Field(None, description="number of points to draw")
-    seed: Seed = Field(0, description="of the drawing")
+    minimise: Literal[CASE_METRICS] | None = Field(  # type: ignore[valid-type]
+        None, description="search the ranges for the case in which this metric is smallest"
+    )
+    cases: CaseCount | None = Field(None, description="number of points to draw, or to search")
+    seed: Seed = Field(0, description="of the drawing, or of the search")
     tolerance: PositiveLength | None = Field(
         None, description="maximum error [m] for iterations_to_tolerance"
     )
@@ -42,13 +45,24 @@ class SweepSpec(Model):
 class CompleteSweepSpec(SweepSpec):
     """A sweep as it is to run: what one part of it needs of another is there.
 
-    What a scenario leaves out may still be given on the command line.
+    What a scenario leaves out may still be given on the command line. What is minimised is what
+    the cases are ranked by.
     """
 
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
         """What does not fit together, whatever else is wrong."""
         found = super().misfits(data)
+        found += cls._of_sampling(data) if data.get("minimise") is None else cls._of_search(data)
+        for key in ("metric", "minimise"):
+            if data.get(key) == ITERATIONS_TO_TOLERANCE and data.get("tolerance") is None:
+                remedy = "give it too, such as 'tolerance: 5 cm' or --tolerance '5 cm'"
+                found.append(((key,), "needs a tolerance", remedy))
+        return found
+
+    @classmethod
+    def _of_sampling(cls, data: dict[str, Any]) -> list[Located]:
+        found: list[Located] = []
         sample = data.get("sample", "grid") or "grid"
         if sample == "grid":
             if data.get("cases") is not None:
@@ -64,9 +78,20 @@ class CompleteSweepSpec(SweepSpec):
         elif sample in ("random", "sobol") and data.get("cases") is None:
             remedy = "give it too, such as 'cases: 1000' or --cases 1000"
             found.append((("sample",), "needs the number of cases to draw", remedy))
-        if data.get("metric") == ITERATIONS_TO_TOLERANCE and data.get("tolerance") is None:
-            remedy = "give it too, such as 'tolerance: 5 cm' or --tolerance '5 cm'"
-            found.append((("metric",), "needs a tolerance", remedy))
+        return found
+
+    @classmethod
+    def _of_search(cls, data: dict[str, Any]) -> list[Located]:
+        found: list[Located] = []
+        if data.get("cases") is None:
+            remedy = "give it too, such as 'cases: 200' or --cases 200"
+            found.append((("minimise",), "needs the number of cases to try", remedy))
+        if data.get("sample") is not None:
+            remedy = "remove it, or 'minimise'"
+            found.append((("sample",), "has no meaning for a search", remedy))
+        if data.get("metric") not in (None, data["minimise"]):
+            remedy = "remove it: cases are ranked by what is minimised"
+            found.append((("metric",), "has no meaning for a search", remedy))
         return found
 
 

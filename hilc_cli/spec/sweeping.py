@@ -24,6 +24,11 @@ from hilc_cli.variation.cases import Cases
 
 Variations = Mapping[str, object] | Sequence[str]
 
+_MOST_TRIED = 10_000
+"""Cases of a search: the time that it takes to think of the next one grows with their number."""
+_REPLACES = {"minimise": ("sample", "metric"), "sample": ("minimise",)}
+"""Keys of the section that make way for one that is given."""
+
 
 def plan_of(
     scenario: Scenario, variations: Variations = (), options: Mapping[str, object] | None = None
@@ -54,6 +59,9 @@ def plan_of(
             "or a section 'sweep:' in the scenario"
         )
     varied = vary(scenario, spec.vary, _places(tree))
+    if spec.minimise is not None:
+        _check_budget(spec.cases or 0)
+        return varied, spec.model_copy(update={"metric": spec.minimise})
     if spec.sample == "grid":
         _check_size(Cases(varied.axes))
     return varied, spec
@@ -72,6 +80,14 @@ def _check_size(grid: Cases) -> None:
         raise UsageError(
             f"the grid has {cases:,} cases, of which at most {MOST_CASES:,} can be run; "
             "give fewer values, or draw some with --sample and --cases"
+        )
+
+
+def _check_budget(cases: int) -> None:
+    if cases > _MOST_TRIED:
+        raise UsageError(
+            f"the search has {cases:,} cases, of which at most {_MOST_TRIED:,} can be tried; "
+            "give fewer, or draw them with --sample and --cases"
         )
 
 
@@ -104,10 +120,14 @@ def _tree(
 ) -> MapNode:
     """Both together as the tree of one section."""
     own: dict[str, Any] = {}
-    if scenario.spec.sweep is not None:
-        own = dict(scenario.spec.sweep)
+    section = scenario.spec.sweep
+    if section is not None:
+        replaced = [key for chosen, keys in _REPLACES.items() if chosen in given for key in keys]
         if given.get("sample") == "grid":
-            del own["cases"]  # it belongs to the sampling that has been replaced
+            replaced.append("cases")  # it belongs to the sampling that has been replaced
+        # What the section leaves out is not there to contradict what is given.
+        written = [key for key in SweepSpec.model_fields if key in section.model_fields_set]
+        own = {key: getattr(section, key) for key in written if key not in replaced}
     here = _place("the scenario's sweep")
     axes: dict[str, Node] = {
         # The values have been read before: they stand in for their text.

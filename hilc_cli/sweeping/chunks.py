@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from hilc_cli.results.metrics import METRIC_NAMES
 from hilc_cli.results.sweep import CASE_COLUMNS
 from hilc_cli.spec.varied import CANNOT_BE_MADE
 from hilc_cli.sweeping.plan import Plan
+from hilc_cli.variation.axes import Value
 
 _PACKS_AT_ONCE = 16
 """Of experiments that are made and run together: enough to group them, few enough for little memory
@@ -28,16 +29,30 @@ _SAMPLES_AT_ONCE = 1_000_000
 
 @dataclass(frozen=True, slots=True, order=True)
 class Chunk:
-    """Cases ``first`` to ``last - 1``."""
+    """Cases ``first`` to ``last - 1``.
+
+    Attributes:
+        first: The first of them.
+        last: The first that is none of them.
+        values: What each key is in each of them, if that does not follow from their numbers.
+    """
 
     first: int
     last: int
+    values: tuple[tuple[Value, ...], ...] | None = field(default=None, compare=False, repr=False)
 
     def __len__(self) -> int:
         return self.last - self.first
 
     def __str__(self) -> str:
         return f"cases {self.first} to {self.last - 1}" if len(self) > 1 else f"case {self.first}"
+
+    def part(self, first: int, last: int) -> Chunk:
+        """Some of the cases."""
+        values = self.values
+        if values is not None:
+            values = values[first - self.first : last - self.first]
+        return Chunk(first, last, values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +100,7 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
     for first in range(chunk.first, chunk.last, at_once):
         go_on()
         last = min(first + at_once, chunk.last)
-        experiments, failed = _experiments(plan, first, last)
+        experiments, failed = _experiments(plan, chunk.part(first, last))
         failures += failed
         if not experiments:
             continue
@@ -104,16 +119,23 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
     return ChunkResult(chunk, rows, errors, tuple(failures))
 
 
-def _experiments(plan: Plan, first: int, last: int) -> tuple[dict[int, Experiment], list[Failure]]:
+def _experiments(plan: Plan, chunk: Chunk) -> tuple[dict[int, Experiment], list[Failure]]:
     """The experiments by case, and those that cannot be made of their values."""
     experiments: dict[int, Experiment] = {}
     failures = []
-    for case, values in enumerate(plan.cases.values(first, last), first):
+    for case, values in enumerate(_values(plan, chunk), chunk.first):
         try:
             experiments[case] = plan.varied.experiment(values)
         except CANNOT_BE_MADE as error:
             failures.append(Failure(Chunk(case, case + 1), str(error)))
     return experiments, failures
+
+
+def _values(plan: Plan, chunk: Chunk) -> list[dict[str, Value]]:
+    """What each key is in the cases of a chunk."""
+    if chunk.values is None:
+        return plan.cases.values(chunk.first, chunk.last)
+    return [dict(zip(plan.axes, values, strict=True)) for values in chunk.values]
 
 
 def _left_out(experiments: dict[int, Experiment]) -> list[Failure]:

@@ -10,11 +10,12 @@ import numpy as np
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.sweep import CASE_COLUMNS, QUANTILES, Bands, SweepData, as_numbers
 from hilc_cli.variation.cases import Cases
+from hilc_cli.variation.listed import ListedCases
 
 
 def collect(
     name: str,
-    cases: Cases,
+    cases: Cases | ListedCases,
     rows: Floats,
     errors: Iterable[Floats] | None,
     tolerance: float | None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from contextlib import suppress
@@ -78,7 +79,7 @@ def compute(plan: Plan, store: Store, how: Execution) -> None:
         return
     if how.scheduler is None:
         compile_for(plan, how.on_compile)
-    crew = _crew(plan, missing, how)
+    crew = crew_for(plan, missing, how)
     try:
         execute(
             plan,
@@ -93,14 +94,17 @@ def compute(plan: Plan, store: Store, how: Execution) -> None:
         crew.dismiss()
 
 
-def _crew(plan: Plan, missing: int, how: Execution) -> Crew:
+def crew_for(plan: Plan, cases: int, how: Execution) -> Crew:
+    """Who is to compute so many cases at a time."""
     if how.scheduler is not None:
         from hilc_cli.sweeping.dask_crew import DaskCrew  # an extra
 
         return DaskCrew(plan, how.scheduler, how.go_on)
-    if how.workers in (None, 1) and missing * seconds_per_case(plan) < _ALONE:
+    if how.workers in (None, 1) and cases * seconds_per_case(plan) < _ALONE:
         return Alone(plan, how.go_on)
-    return sweepers(plan, min(how.workers or available_cores(), missing))
+    workers = how.workers or available_cores()
+    chunks = math.ceil(cases / cases_per_chunk(plan, cases, workers))
+    return sweepers(plan, min(workers, chunks))
 
 
 def compile_for(plan: Plan, on_compile: Callable[[], None]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -12,11 +13,13 @@ from hilc_cli.engine.many import simulate_many
 from hilc_cli.results.sweep import CASE_COLUMNS
 from hilc_cli.spec.varied import CANNOT_BE_MADE
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.sizing import samples_per_case
+from hilc_cli.sweeping.search import batches
+from hilc_cli.sweeping.sizing import cases_per_chunk, samples_per_case
 
 _BASE_MEMORY = 250e6  # [bytes] Python with its libraries, pictures included
 _BYTES_PER_VALUE = 8
 _START, _PER_CASE = 1.0, 5e-5  # [s] processes with their libraries; an experiment of its values
+_PER_THOUGHT, _PER_MEMORY = 2e-3, 4e-6  # [s] for each case of a search, and each one before it
 _TRIAL_SAMPLES = 50_000
 
 
@@ -53,14 +56,27 @@ def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
     columns = len(CASE_COLUMNS) + len(plan.axes)
     rows = cases * _BYTES_PER_VALUE * len(CASE_COLUMNS)
     bands = cases * _BYTES_PER_VALUE * (plan.most_iterations + 1) if plan.bands else 0
+    per_case = samples * _seconds_per_sample(plan) + _PER_CASE
+    work = _of_search(plan, per_case, workers) if plan.searches else cases * per_case / workers
     return Estimate(
         cases=cases,
         samples=round(cases * samples),
         memory=round(_BASE_MEMORY + 3 * cases * _BYTES_PER_VALUE * columns),
         disk=rows + bands,
-        seconds=_START + cases * (samples * _seconds_per_sample(plan) + _PER_CASE) / workers,
+        seconds=_START + work,
         workers=workers,
     )
+
+
+def _of_search(plan: Plan, per_case: float, workers: int) -> float:
+    """Of a search [s]: batches wait for each other, and it takes time to think of the next."""
+    cases = len(plan.cases)
+    seconds = cases * (_PER_THOUGHT + cases * _PER_MEMORY)
+    for batch, _ in batches(cases):
+        size = cases_per_chunk(plan, len(batch), workers)
+        rounds = math.ceil(math.ceil(len(batch) / size) / workers)
+        seconds += rounds * size * per_case
+    return seconds
 
 
 def _seconds_per_sample(plan: Plan) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -51,8 +51,37 @@ def execute(
         FailedCasesError: A case has failed and `fail_fast` is set.
         FileAccessError: Results cannot be written.
     """
-    waiting = deque(piece for gap in store.missing() for piece in _pieces(gap, size))
-    done = len(store.cases) - sum(map(len, waiting))
+    pieces = [piece for gap in store.missing() for piece in _pieces(gap, size)]
+    hand_out(plan, store, crew, pieces, fail_fast=fail_fast, on_cases=on_cases, go_on=go_on)
+
+
+def hand_out(
+    plan: Plan,
+    store: Store,
+    crew: Crew,
+    pieces: Iterable[Chunk],
+    *,
+    fail_fast: bool = False,
+    on_cases: OnCases = lambda cases: None,
+    go_on: Callable[[], None] = lambda: None,
+) -> None:
+    """Computes chunks that are missing in a store.
+
+    Args:
+        plan: The sweep.
+        store: Where results go.
+        crew: Who computes them.
+        pieces: The chunks.
+        fail_fast: As for `execute`, as are the others.
+        on_cases: Told how many cases of the sweep are done, each time there are more.
+        go_on: Called now and then; may raise to stop.
+
+    Raises:
+        FailedCasesError: A case has failed and `fail_fast` is set.
+        FileAccessError: Results cannot be written.
+    """
+    waiting = deque(pieces)
+    done = len(store.cases) - sum(map(len, store.missing()))
     under_way = 0
     lost: Counter[Chunk] = Counter()
     on_cases(done)

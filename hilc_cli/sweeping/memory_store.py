@@ -22,6 +22,10 @@ class Store(Protocol):
         """The cases of which nothing is known yet, in order."""
         ...
 
+    def forget_others(self, cases: Chunk) -> None:
+        """Takes cases of a chunk for missing that are known with other values."""
+        ...
+
     def keep(self, result: ChunkResult) -> None:
         """Remembers the results of a chunk."""
         ...
@@ -53,6 +57,9 @@ class MemoryStore:
     def missing(self) -> list[Chunk]:
         """The cases of which nothing is known yet, in order."""
         return gaps(self.cases, self._done)
+
+    def forget_others(self, cases: Chunk) -> None:
+        """It has none: it begins empty."""
 
     def keep(self, result: ChunkResult) -> None:
         """Remembers the results of a chunk."""

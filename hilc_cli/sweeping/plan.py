@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.metadata import version
 from typing import Any
 
 from hilc_cli.results.sweep import SEED_KEY
@@ -48,8 +49,9 @@ class Plan:
 
     @cached_property
     def cases(self) -> Cases:
-        """All cases."""
-        return Cases(self.axes, self.spec.sample, self.spec.cases or 0, self.spec.seed)
+        """All cases; of a search as many points drawn from its ranges, with which it begins."""
+        sample = "sobol" if self.searches else self.spec.sample
+        return Cases(self.axes, sample, self.spec.cases or 0, self.spec.seed)
 
     @property
     def bands(self) -> bool:
@@ -64,6 +66,11 @@ class Plan:
             return self.varied.scenario.spec.iterations
         return max(int(end) for end in axis.ends if end is not None)
 
+    @property
+    def searches(self) -> bool:
+        """Whether each case follows from the results of those before it."""
+        return self.spec.minimise is not None
+
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
         found = self.varied.scenario.warnings()
@@ -73,6 +80,10 @@ class Plan:
         bounds = [key for key in self.axes if key.startswith("disturbance.") and key != SEED_KEY]
         if SEED_KEY in self.axes and not disturbed and not bounds:
             found.append("disturbance.seed varies, but there is no disturbance: all bounds are 0")
+        if SEED_KEY in self.axes and self.searches:
+            found.append(
+                "disturbance.seed varies: the search will find lucky disturbances, not good values"
+            )
         return found
 
     def resolved(self) -> dict[str, Any]:
@@ -82,7 +93,9 @@ class Plan:
         they vary with those.
         """
         data = self.varied.scenario.inlined()
-        sweep = self.spec.model_dump(mode="json", exclude={"vary"}, exclude_none=True)
+        # A search has no sampling, and ranks by what it minimises.
+        without = {"vary", "sample", "metric"} if self.searches else {"vary"}
+        sweep = self.spec.model_dump(mode="json", exclude=without, exclude_none=True)
         sweep["vary"] = {key: axis_text(axis) for key, axis in self.axes.items()}
         if self.varied.trajectories:
             sweep["vary"][TRAJECTORY] = [
@@ -108,7 +121,10 @@ class Plan:
         data["axes"] = [[key, axis_to_data(axis)] for key, axis in self.axes.items()]
         data["paths"] = [path.model_dump(mode="json") for path in self.varied.trajectories.values()]
         data["bands"], data["tolerance"] = self.bands, self.spec.tolerance
-        if self.spec.sample != "grid":
+        if self.searches:
+            data["searched"] = [self.spec.minimise, self.spec.cases, self.spec.seed]
+            data["optuna"] = version("optuna")
+        elif self.spec.sample != "grid":
             data["drawn"] = [self.spec.sample, self.spec.cases, self.spec.seed]
         digest = hashlib.sha256(f"{__version__}\n{json.dumps(data, sort_keys=True)}".encode())
         for wheel in self.varied.scenario.initial_input or ():

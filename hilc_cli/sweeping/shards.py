@@ -12,6 +12,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run_folder import INITIAL_INPUT
 from hilc_cli.sweeping.chunks import Chunk, Failure
+from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.store import FolderStore
 from hilc_cli.variation.axes import axis_from_data
 from hilc_cli.variation.cases import Cases
@@ -35,6 +36,19 @@ def shard_cases(cases: int, number: int, shards: int) -> Chunk:
             f"--shard {number}/{shards}: there are only {cases} cases; make fewer shards"
         )
     return Chunk(cases * (number - 1) // shards, cases * number // shards)
+
+
+def check_shardable(plan: Plan) -> None:
+    """Whether parts of a sweep can be computed apart.
+
+    Raises:
+        UsageError: They cannot: it is a search.
+    """
+    if plan.searches:
+        raise UsageError(
+            "a search has no shards: each case follows from those before it; "
+            "leave out --shard, or draw the cases with --sample instead of --minimise"
+        )
 
 
 class Merged:
@@ -77,6 +91,9 @@ def merge(stores: Sequence[FolderStore]) -> Merged:
     """
     first = stores[0]
     position = 0
+    searched = next((store.folder for store in stores if store.header["minimise"]), None)
+    if searched is not None:
+        raise UsageError(f"{searched}: is a search under way, no shard; finish it with --resume")
     for store in sorted(stores, key=lambda store: store.cases):
         if store.header["checksum"] != first.header["checksum"]:
             raise UsageError(

@@ -104,6 +104,7 @@ class FolderStore:
             "seed": plan.spec.seed,
             "tolerance_m": plan.spec.tolerance,
             "metric": plan.spec.metric,
+            "minimise": plan.spec.minimise,
         }
 
         def fill(draft: Path) -> None:
@@ -132,6 +133,17 @@ class FolderStore:
         """Takes chunks with failed cases for missing, so that they are tried again."""
         self._done = {chunk: failed for chunk, failed in self._done.items() if not failed}
 
+    def forget_others(self, cases: Chunk) -> None:
+        """Takes what is kept of some cases for missing if it is not of these values."""
+
+        def fits(kept: Chunk) -> bool:
+            if kept.first >= cases.last or cases.first >= kept.last:
+                return True  # none of these
+            inside = cases.first <= kept.first and kept.last <= cases.last
+            return inside and kept.values == cases.part(kept.first, kept.last).values
+
+        self._done = {chunk: failed for chunk, failed in self._done.items() if fits(chunk)}
+
     def keep(self, result: ChunkResult) -> None:
         """Puts the results of a chunk on the disk, then notes that they are there.
 
@@ -155,6 +167,7 @@ class FolderStore:
                 "last": result.chunk.last,
                 "checksum": checksum,
                 "failures": [[f.chunk.first, f.chunk.last, f.reason] for f in result.failures],
+                "values": result.chunk.values,
             }
         )
         self._count(result.chunk, result.failures)
@@ -182,7 +195,10 @@ class FolderStore:
 
     def _recall(self, entry: dict[str, Any]) -> None:
         """Takes a chunk of the journal for done if its results are what the journal says."""
-        chunk = Chunk(entry["first"], entry["last"])
+        values = entry.get("values")
+        if values is not None:
+            values = tuple(map(tuple, values))
+        chunk = Chunk(entry["first"], entry["last"], values)
         if not self.cases.first <= chunk.first < chunk.last <= self.cases.last:
             return  # the journal has come here from another sweep
         offset = chunk.first - self.cases.first
@@ -200,6 +216,7 @@ class FolderStore:
         for old in failed:
             if old.first < chunk.last and chunk.first < old.last:
                 del self._done[old]
+        self._done.pop(chunk, None)  # what is kept now may be of other values
         self._done[chunk] = failures
 
     def _write(self, name: str, numbers: Floats, offset: int) -> None:

@@ -22,7 +22,7 @@ ERRORS = "errors.bin"
 FILES = frozenset({HEADER, JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT})
 KEYS = frozenset(
     {"name", "checksum", "first", "last", "shard", "iterations", "bands"}
-    | {"axes", "sample", "cases", "seed", "tolerance_m", "metric"}
+    | {"axes", "sample", "cases", "seed", "tolerance_m", "metric", "minimise"}
 )
 
 

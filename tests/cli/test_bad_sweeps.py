@@ -742,7 +742,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l1=0,1", "--metric", "max_position_error"],
         2,
-        "--metric max_position_error: metric: is not one of the choices, got 'max_position_error'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, iterations_to_tolerance or peak_max_position_error_m",
+        "--metric max_position_error: metric: is not one of the choices, got 'max_position_error'; did you mean 'max_position_error_m'?",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--metric", "iterations_to_tolerance"],
@@ -1000,6 +1000,100 @@ CASES: list[tuple[list[str], int, str]] = [
         2,
         "--vary controller.gains.l1=a;b:3:3: controller.gains.l1: holds 'a;b', which has ';', which is no part of it, got 'a;b:3:3'; give 0.1,1,10 or 0.1:10:20 or 0.1:10:20:log or 1..30",
     ),
+    (
+        ["--vary", "controller.gains.l1=0:1", "--minimise", "mean_positon_error", "--cases", "9"],
+        2,
+        "--minimise mean_positon_error: minimise: is not one of the choices, got 'mean_positon_error'; did you mean 'mean_position_error_m'?",
+    ),
+    (
+        ["--vary", "controller.gains.l1=0:1", "--minimise", "error", "--cases", "9"],
+        2,
+        "--minimise error: minimise: is not one of the choices, got 'error'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, iterations_to_tolerance or peak_max_position_error_m",
+    ),
+    (
+        ["--vary", "controller.gains.l1=0:1", "--minimise", "max_position_error_m"],
+        2,
+        "--minimise max_position_error_m: minimise: needs the number of cases to try, got 'max_position_error_m'; give it too, such as 'cases: 200' or --cases 200",
+    ),
+    (
+        ["--minimise", "max_position_error_m", "--cases", "9"],
+        2,
+        "hilc: nothing is varied; give --vary KEY=VALUES, such as --vary controller.gains.l1=0:1:11, or a section 'sweep:' in the scenario",
+    ),
+    (
+        [
+            "--vary",
+            "controller.gains.l1=0:1",
+            "--minimise",
+            "iterations_to_tolerance",
+            "--cases",
+            "9",
+        ],
+        2,
+        "--minimise iterations_to_tolerance: minimise: needs a tolerance, got 'iterations_to_tolerance'; give it too, such as 'tolerance: 5 cm' or --tolerance '5 cm'",
+    ),
+    (
+        [
+            "--vary",
+            "controller.gains.l1=0:1",
+            "--minimise",
+            "max_position_error_m",
+            "--cases",
+            "9",
+            "--sample",
+            "grid",
+            "--metric",
+            "rms_position_error_m",
+        ],
+        2,
+        (
+            "--metric rms_position_error_m: metric: has no meaning for a search, got 'rms_position_error_m'; remove it: cases are ranked by what is minimised\n"
+            "--sample grid: sample: has no meaning for a search, got 'grid'; remove it, or 'minimise'"
+        ),
+    ),
+    (
+        [
+            "--vary",
+            "controller.gains.l1=0:1",
+            "--minimise",
+            "max_position_error_m",
+            "--cases",
+            "9",
+            "--shard",
+            "1/3",
+        ],
+        2,
+        "hilc: a search has no shards: each case follows from those before it; leave out --shard, or draw the cases with --sample instead of --minimise",
+    ),
+    (
+        ["--minimise", "max_position_error_m", "--merge"],
+        2,
+        "hilc: --merge takes the folders of all shards and no scenario, so that only --out, --force, --format, --no-plots, --json and -q go with it",
+    ),
+    (
+        [
+            "--vary",
+            "controller.gains.l1=0:1",
+            "--minimise",
+            "max_position_error_m",
+            "--cases",
+            "10001",
+        ],
+        2,
+        "hilc: the search has 10,001 cases, of which at most 10,000 can be tried; give fewer, or draw them with --sample and --cases",
+    ),
+    (
+        [
+            "--vary",
+            "controller.gains.l1=0:1:log",
+            "--minimise",
+            "max_position_error_m",
+            "--cases",
+            "9",
+        ],
+        2,
+        "--vary controller.gains.l1=0:1:log: controller.gains.l1: has no logarithm, got '0:1:log'; start above 0, such as 0.1:10:20:log",
+    ),
 ]
 
 SECTIONS: list[tuple[str, str]] = [
@@ -1193,6 +1287,18 @@ SECTIONS: list[tuple[str, str]] = [
     (
         "sweep: {vary: {controller.gains: [{l1: 1}, {l1: 2}]}}",
         "scenario.yaml:8:34: controller.gains: must hold single values, got a mapping; vary the keys below it",
+    ),
+    (
+        "sweep: {vary: {controller.gains.l1: 0:1}, minimise: max_position_error_m}",
+        "scenario.yaml:8:53: sweep.minimise: needs the number of cases to try, got 'max_position_error_m'; give it too, such as 'cases: 200' or --cases 200",
+    ),
+    (
+        "sweep: {vary: {controller.gains.l1: 0:1}, minimise: peak, sample: sobol, cases: 9}",
+        "scenario.yaml:8:53: sweep.minimise: is not one of the choices, got 'peak'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, iterations_to_tolerance or peak_max_position_error_m",
+    ),
+    (
+        "sweep: {vary: {controller.gains.l1: 0:1}, minimise: rms_position_error_m, sample: grid, cases: 9}",
+        "scenario.yaml:8:83: sweep.sample: has no meaning for a search, got 'grid'; remove it, or 'minimise'",
     ),
 ]
 

@@ -64,6 +64,24 @@ def test_grid_instead_of_drawing_needs_no_number_of_cases(swept: Scenario) -> No
     assert list(varied.axes) == ["controller.gains.l1", "iterations"]
 
 
+def test_search_takes_the_place_of_drawing(swept: Scenario) -> None:
+    _, spec = plan_of(swept, (), {"minimise": "rms_position_error_m"})
+    assert (spec.minimise, spec.cases, spec.seed) == ("rms_position_error_m", 50, 4)
+    assert spec.metric == "rms_position_error_m"  # by which cases are ranked
+
+
+def test_drawing_takes_the_place_of_a_search(write: Write) -> None:
+    section = SECTION.replace("sample: random", "minimise: peak_max_position_error_m")
+    write({"scenario.yaml": plus(section)})
+    searched = load_scenario("scenario.yaml")
+    _, spec = plan_of(searched)
+    assert spec.minimise == "peak_max_position_error_m"
+    _, spec = plan_of(searched, (), {"sample": "sobol"})
+    assert (spec.minimise, spec.sample, spec.cases) == (None, "sobol", 50)
+    _, spec = plan_of(searched, {"controller.gains.l1": [1, 2]}, {"sample": "grid"})
+    assert (spec.minimise, spec.sample, spec.cases) == (None, "grid", None)
+
+
 def test_section_is_left_out_of_a_run(swept: Scenario) -> None:
     assert "sweep" not in swept.resolved()
 

@@ -15,6 +15,7 @@ from hilc_cli.figures.sweep.curve import curve_figure, curve_keys
 from hilc_cli.figures.sweep.effects import effects_figure
 from hilc_cli.figures.sweep.heat_map import map_figure
 from hilc_cli.figures.sweep.picking import varied_keys
+from hilc_cli.figures.sweep.progress import search_figure
 from hilc_cli.results.sweep import SweepData
 from hilc_cli.results.sweep_folder import SWEEP_PICTURE_KINDS
 
@@ -24,6 +25,7 @@ _DRAWERS: Mapping[str, Callable[[SweepData], Figure]] = {
     "best": best_figure,
     "effects": effects_figure,
     "bands": bands_figure,
+    "search": search_figure,
 }
 SWEEP_KINDS = SWEEP_PICTURE_KINDS
 assert set(SWEEP_KINDS) == set(_DRAWERS)
@@ -34,7 +36,8 @@ def kinds_for(data: SweepData) -> tuple[str, ...]:
 
     A curve for one varied key, or for two of which one has a few words; a map for two; for more
     the best cases and what each key does; beside them the error over the iterations if it is
-    known. Keys with a single value and the seed of the disturbances do not count.
+    known, and how a search went. Keys with a single value and the seed of the disturbances do not
+    count.
     """
     keys = len(varied_keys(data))
     if not len(data):
@@ -43,7 +46,8 @@ def kinds_for(data: SweepData) -> tuple[str, ...]:
         kinds: tuple[str, ...] = ("curve",)
     else:
         kinds = () if keys == 0 else ("map",) if keys == 2 else ("best", "effects")
-    return kinds if data.bands is None else (*kinds, "bands")
+    kinds = kinds if data.bands is None else (*kinds, "bands")
+    return kinds if data.as_it_is is None else (*kinds, "search")
 
 
 def draw_sweep(kind: str, data: SweepData) -> Figure:
@@ -110,6 +114,7 @@ def _check(kind: str, data: SweepData) -> None:
         "best": (keys > 0, "a varied key"),
         "effects": (keys > 0, "a varied key"),
         "bands": (data.bands is not None, "the error over the iterations; set 'sweep.bands: true'"),
+        "search": (data.as_it_is is not None, "a search; set 'sweep.minimise'"),
     }
     fits, need = needs[kind]
     if not len(data):
