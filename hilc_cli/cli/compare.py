@@ -71,7 +71,8 @@ def compare(
     table. Folders of earlier comparisons are left out. Nothing is simulated.
 
     With --laws, runs each law of a leaderboard in each of its cases, and writes leaderboard.csv
-    (all runs), .md, .tex and .png to runs/NAME.
+    (all runs), .md, .tex and .png to runs/NAME. The same leaderboard replaces that folder; another
+    one does so only with --force.
 
     \b
     Examples:

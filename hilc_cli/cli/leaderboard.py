@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
@@ -36,7 +37,7 @@ def compare_laws(
         session: Of this program.
         table: terminal, csv, markdown or latex.
         out: The folder; None: runs/NAME.
-        force: Replace files of the same name.
+        force: Replace the folder of another leaderboard.
         formats: Of the picture.
         plots: Whether to draw it.
         workers: Processes; None: all cores.
@@ -45,18 +46,16 @@ def compare_laws(
         verbose: Print all runs as well.
     """
     from hilc_cli import api
-    from hilc_cli.cli.several_runs import check_shared_folder
     from hilc_cli.figures.save import check_format
 
     for name in formats:
         check_format(name)
     valid = api.load_leaderboard(leaderboard)
     folder = Path("runs") / valid.name if out is None else out
-    check_shared_folder(folder)
-    api.check_leaderboard_output(folder, force=force)
+    api.check_leaderboard_output(valid, folder, force=force)
     with progress(valid.name, valid.size, quiet=quiet) as advance:
         result = api.compare_laws(valid, workers=workers, on_runs=advance, go_on=session.go_on)
-    files = result.write(folder, force=force, formats=formats, plots=plots)
+    files = result.write(folder, force=force, formats=formats, plots=plots, command=sys.argv)
     if json:
         print_json(_document(result, folder, files))
     elif not quiet:

@@ -13,8 +13,7 @@ from hilc_cli.figures import labels, layout, logarithmic, style
 from hilc_cli.figures.save import check_format, save_figure
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.leaderboard import LeaderboardData
-
-NAME = "leaderboard"
+from hilc_cli.results.leaderboard_folder import LEADERBOARD_PICTURE
 
 _LEAST = 1e-6  # [m]; smaller errors are drawn here, as rounding would stretch the axis
 _WIDTH, _HEIGHT = 4.2, 3.4  # of a panel [inch]
@@ -72,7 +71,7 @@ def save_leaderboard(
     for name in formats:
         check_format(name)
     figure = leaderboard_figure(data)
-    written = [folder / f"{NAME}.{name}" for name in dict.fromkeys(formats)]
+    written = [folder / f"{LEADERBOARD_PICTURE}.{name}" for name in dict.fromkeys(formats)]
     for path in written:
         save_figure(figure, path, dpi)
     return written
