@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.compiling import compiled
+from hilc_cli.compiling import cached
 from hilc_cli.reference.sampled import Floats
 
 
@@ -199,7 +199,7 @@ def _input_derivatives(
     return derivatives
 
 
-factorised = compiled(_factorised)
-solved = compiled(_solved)
-linear_motion = compiled(_linear_motion)
-input_derivatives = compiled(_input_derivatives)
+factorised = cached(_factorised)
+solved = cached(_solved)
+linear_motion = cached(_linear_motion)
+input_derivatives = cached(_input_derivatives)

@@ -1,4 +1,4 @@
-"""Machine code does what its source says, where caches can be written and where not."""
+"""Machine code does what its source says."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal import compiling, local_level, motion, riccati, tracking
+from hilc_cli.laws.norm_optimal import local_level, motion, riccati, tracking
 from tests.laws.norm_optimal.problems import DISTANCE_GAIN, TURN_GAIN, random_problem
 
 N = 9
@@ -63,19 +63,3 @@ def test_machine_code_does_what_the_source_says(name: str) -> None:
     ):
         if plain is not None:
             assert compiled == pytest.approx(plain, rel=1e-9, abs=1e-9)
-
-
-def test_code_is_compiled_without_a_folder_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
-
-    def njit(function: Callable[..., Any], **options: Any) -> tuple[Any, Any]:
-        asked.append(options)
-        if options.get("cache"):
-            raise RuntimeError("cannot cache function")
-        return function, options
-
-    monkeypatch.setattr(compiling, "njit", njit)
-    function, _ = compiling.compiled(lambda: None)
-    assert [options.get("cache") for options in asked] == [True, None]
-    # The name tells the sources that the code was made of.
-    assert len(function.__qualname__) > len("<lambda>") + 8
