@@ -14,7 +14,6 @@ from tests.laws.norm_optimal.problems import DISTANCE_GAIN, TURN_GAIN, random_pr
 N = 9
 RANDOM = np.random.default_rng(1)
 PROBLEM, _, _ = random_problem(RANDOM, N)
-ALONG = (PROBLEM.steps, PROBLEM.directions, DISTANCE_GAIN, TURN_GAIN)
 GAINS, INVERSES = (
     PROBLEM.solution(PROBLEM.input_weights, PROBLEM.input_slopes)[1],
     PROBLEM._factors[1],
@@ -28,7 +27,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "factorised": (
         riccati.factorised,
         (
-            *ALONG,
+            PROBLEM.motion,
             PROBLEM.pose_weights,
             PROBLEM.input_weights,
             np.zeros((N, 2, 3)),
@@ -37,10 +36,17 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "solved": (
         riccati.solved,
-        (*ALONG, GAINS, INVERSES, PROBLEM.pose_slopes, PROBLEM.input_slopes, np.zeros((N, 2))),
+        (
+            PROBLEM.motion,
+            GAINS,
+            INVERSES,
+            PROBLEM.pose_slopes,
+            PROBLEM.input_slopes,
+            np.zeros((N, 2)),
+        ),
     ),
-    "linear_motion": (riccati.linear_motion, (*ALONG, INPUTS)),
-    "input_derivatives": (riccati.input_derivatives, (*ALONG, PROBLEM.pose_slopes)),
+    "linear_motion": (riccati.linear_motion, (PROBLEM.motion, INPUTS)),
+    "input_derivatives": (riccati.input_derivatives, (PROBLEM.motion, PROBLEM.pose_slopes)),
     "closed_loop": (motion.closed_loop, (POSES[0], INPUTS, POSES, FEEDBACK, 60.0, *PLATFORM)),
     "tracked": (tracking.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, 60.0, *PLATFORM)),
     "filtered": (local_level.filtered, (READINGS, KNOWN, 0.2)),
@@ -49,10 +55,11 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 
 def results(function: Callable[..., Any], arguments: tuple[Any, ...]) -> list[Any]:
-    """What a function returns, and its arguments after it, some of which it fills."""
+    """What a function returns, and the arrays that it got after it, some of which it fills."""
     own = [value.copy() if isinstance(value, np.ndarray) else value for value in arguments]
     returned = function(*own)
-    return [*(returned if isinstance(returned, tuple) else (returned,)), *own]
+    filled = [value for value in own if isinstance(value, np.ndarray)]
+    return [*(returned if isinstance(returned, tuple) else (returned,)), *filled]
 
 
 @pytest.mark.parametrize("name", CALLS)
