@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +12,6 @@ from hilc_cli.cli.terminal import print_json, print_text, progress, say
 
 if TYPE_CHECKING:
     from hilc_cli.api import LawComparison
-    from hilc_cli.results.comparison import ComparisonTable
 
 
 def compare_laws(
@@ -79,19 +77,7 @@ def _document(result: LawComparison, folder: Path, files: Sequence[Path]) -> dic
     return {
         "folder": str(folder),
         "files": [str(file) for file in files],
-        "laws": {name: _rows(table) for name, table in result.laws.items()},
-        "worst_max_position_error_m": _rows(result.settings),
-        "runs": _rows(result.entries),
+        "laws": {name: table.records() for name, table in result.laws.items()},
+        "worst_max_position_error_m": result.settings.records(),
+        "runs": result.entries.records(),
     }
-
-
-def _rows(table: ComparisonTable) -> list[dict[str, object]]:
-    """The rows by column; None for what is not finite."""
-    names = [column.name for column in table.columns]
-    return [
-        {
-            name: None if isinstance(value, float) and not isfinite(value) else value
-            for name, value in zip(names, row.values, strict=True)
-        }
-        for row in table.rows
-    ]
