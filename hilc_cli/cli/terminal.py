@@ -14,6 +14,7 @@ from hilc_cli.errors import FileAccessError
 from hilc_cli.files import reason
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
     from rich.table import Table
 
 _WIDTH_WITHOUT_TERMINAL = 500  # no line of a table is broken where grep reads it
@@ -55,7 +56,7 @@ def _with_nulls(value: Any) -> Any:
     return value
 
 
-def print_table(table: Table) -> None:
+def print_table(table: RenderableType) -> None:
     """A table to stdout, with colours on a terminal only."""
     from rich.console import Console
 

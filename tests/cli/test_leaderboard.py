@@ -60,7 +60,11 @@ def test_each_law_is_run_in_each_case(hilc: Hilc, write: Write, folder: Path) ->
     assert outcome.out.startswith("small, disturbance none\n")
     assert "small, disturbance noise\n" in outcome.out
     assert outcome.out.endswith("Written to runs/small\n")
-    for text in ("Worst error after 3 iterations [m]", "Belief wrong, disturbance noise [m]"):
+    for text in (
+        "Largest error after 3 iterations, worst [m]",
+        "Mean error after 1 iteration, median [m]",
+        "Belief wrong, disturbance noise [m]",
+    ):
         assert text in outcome.out
     found = rows(folder / "runs/small")
     names = [(row["case"], row["belief"], row["disturbance"], row["law"]) for row in found]
@@ -194,5 +198,8 @@ def test_signal_leaves_nothing_behind(write: Write, folder: Path) -> None:
         process.send_signal(signal.SIGINT)
         outcome = outcome_of(process)
     assert outcome == Outcome(130, "", "hilc: interrupted; nothing was left half written\n")
-    assert not any(Path(f"/proc/{worker}").exists() for worker in workers)
+    # One that was being started ends by itself, soon after its owner.
+    while any(Path(f"/proc/{worker}").exists() for worker in workers):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
     assert not (folder / "runs").exists()
