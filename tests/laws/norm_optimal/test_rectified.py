@@ -37,7 +37,7 @@ def arc() -> Floats:
 
 
 def rectified(start: Floats, h: int, speed_limit: float = 30.0) -> RectifiedReference:
-    return rectified_reference(arc(), start, model_with(speed_limit), h, 1e-3, WEIGHTS)
+    return rectified_reference(arc(), start, model_with(speed_limit), h, WEIGHTS)
 
 
 OFFSETS = [(0.2, 0.0, 0.0), (-0.3, 0.1, 1.5), (0.0, 0.4, -0.5)]
@@ -49,27 +49,80 @@ def test_way_in_is_feasible_and_over_by_sample_h(offset: tuple[float, float, flo
     found = rectified(start, 150)
     assert found.merged is not None
     assert found.merged <= 152
-    left = np.hypot(*(found.poses - arc())[:, :2].T)
+    left = np.hypot(*(found.motion - arc())[:, :2].T)
     assert np.all(left[found.merged :] <= 1e-3)
     assert left[found.merged - 1] > 1e-3
     assert np.abs(found.inputs).max() <= 30.0
     # It is a motion of the platform: the model's own equations, step by step.
-    assert found.poses[0] == pytest.approx(start)
+    assert found.motion[0] == pytest.approx(start)
     left_wheel, right_wheel = found.inputs.T
     step = SAMPLE_TIME * RADIUS * (left_wheel + right_wheel) / 2
-    heading = found.poses[:-1, 2]
+    heading = found.motion[:-1, 2]
     expected = np.stack([step * np.cos(heading), step * np.sin(heading)], axis=1)
-    assert np.diff(found.poses[:, :2], axis=0) == pytest.approx(expected, abs=1e-12)
+    assert np.diff(found.motion[:, :2], axis=0) == pytest.approx(expected, abs=1e-12)
     turn = SAMPLE_TIME * RADIUS * (left_wheel - right_wheel) / (2 * HALF_TRACK)
-    assert np.diff(found.poses[:, 2]) == pytest.approx(turn, abs=1e-12)
+    assert np.diff(found.motion[:, 2]) == pytest.approx(turn, abs=1e-12)
+    # After an initial error of hundreds of millimetres, that is the reference.
+    assert found.poses == pytest.approx(found.motion, abs=1e-4)
 
 
 def test_without_initial_error_it_is_the_trajectory() -> None:
-    found = rectified(arc()[0] + [5e-4, 0, 5e-4], 150)
+    found = rectified(arc()[0], 150)
     assert np.array_equal(found.poses, arc())
     assert found.merged == 0
+    assert found.settled
     # The platform itself steps along its heading, half a step ahead of the arc.
     assert np.hypot(*(found.motion - arc())[:, :2].T).max() < 1e-3
+
+
+def corner() -> Floats:
+    """Left by a right angle at sample 100, at 2 m/s."""
+    along = SPEED * SAMPLE_TIME * np.arange(N + 1)
+    turned = along > along[100]
+    x, y = along.clip(max=along[100]), (along - along[100]).clip(min=0)
+    return np.stack([x, y, np.where(turned, math.pi / 2, 0.0)], axis=1)
+
+
+def test_way_in_is_continuous_in_the_initial_error() -> None:
+    # An error counts as one about in proportion to the initial error, so that nothing on the way
+    # grows faster than that, be it a cut corner; there is no offset from which on it counts less.
+    offsets = np.concatenate([[0.0], np.geomspace(1e-5, 1.0, 26)])
+    largest = []
+    for offset in offsets:
+        start = corner()[0] + [0.0, offset, 0.0]
+        found = rectified_reference(corner(), start, model_with(60.0), 200, WEIGHTS)
+        largest.append(np.hypot(*(found.motion - corner())[:, :2].T).max())
+    first, errors = largest[0], np.array(largest[1:])
+    factor = offsets[2] / offsets[1]
+    assert first < 0.05
+    assert errors[0] == pytest.approx(first, rel=0.01)
+    assert np.all(errors[1:] <= factor * errors[:-1] * (1 + 1e-6))
+    assert np.all(errors <= first + 10 * offsets[1:])
+    assert errors[-1] == pytest.approx(1.0, rel=0.01)  # it is nowhere further than at the start
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e-9, 1e-7])
+def test_reference_goes_over_into_the_trajectory(offset: float) -> None:
+    found = rectified(arc()[0] + [offset, 0, 0], 150)
+    assert np.abs(found.poses - arc()).max() <= offset
+
+
+def test_heading_counts_as_an_initial_error_by_its_weight() -> None:
+    # 0.05 rad and 1 mm count as one, and so does the root of the half of each: the reference is
+    # half way between trajectory and motion.
+    for offset in ([0.0, 0.0, 0.05], [1e-3, 0.0, 0.0], [0.0, 5e-4**0.5 / 1e3**0.5, 0.05 / 2**0.5]):
+        found = rectified(arc()[0] + offset, 150)
+        assert found.poses[0] == pytest.approx(arc()[0] + np.array(offset) / 2, abs=1e-12)
+
+
+def test_search_without_limit_keeps_to_what_the_trajectory_needs() -> None:
+    start = arc()[0] + [2.0, 1.0, 2.5]
+    free, bounded = rectified(start, 75, math.inf), rectified(start, 75, 200.0)
+    assert free.settled and bounded.settled
+    assert np.abs(bounded.inputs).max() < 190.0
+    assert free.inputs == pytest.approx(bounded.inputs, abs=0.1)
+    assert free.speed_limit < 1e4
+    assert bounded.speed_limit == 200.0
 
 
 def test_way_in_takes_longer_where_the_limit_leaves_less() -> None:
