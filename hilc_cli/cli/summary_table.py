@@ -27,6 +27,10 @@ def summary_table(summary: Summary, speed_limit: float | None) -> Table:
     limit = "no limit" if speed_limit is None else f"limit {speed_limit:g}"
     rows = [
         ("Position error, maximum", f"{final['max_position_error_m']:.4g} m"),
+        (
+            "Position error, maximum of the second half",
+            f"{final['max_position_error_second_half_m']:.4g} m",
+        ),
         ("Position error, mean", f"{final['mean_position_error_m']:.4g} m"),
         ("Position error, RMS", f"{final['rms_position_error_m']:.4g} m"),
         ("Position error at the end", f"{final['final_position_error_m']:.4g} m"),

@@ -20,6 +20,8 @@ from hilc_cli.engine.kernel import (
     INITIAL,
     LARGEST,
     LARGEST_SQUARE,
+    LATER_SQUARE,
+    LATER_SUM,
     LIMIT,
     OUTPUT_NOISE,
     REST,
@@ -58,6 +60,8 @@ POSE_NOISE = int(Noise.POSE) * W
     MAX_WHEEL,
     SATURATED_SAMPLES,
     INPUT_CHANGE,
+    LATER_MAX_ERROR,
+    LATER_MEAN_ERROR,
 ) = [
     METRIC_NAMES.index(name) * W
     for name in (
@@ -71,6 +75,8 @@ POSE_NOISE = int(Noise.POSE) * W
         "max_wheel_speed_rad_s",
         "saturated_samples",
         "input_change_rms_rad_s",
+        "max_position_error_second_half_m",
+        "mean_position_error_second_half_m",
     )
 ]
 
@@ -121,6 +127,9 @@ def _begin(
         lanes[FASTEST_WHEEL + j] = 0.0
         lanes[SATURATED + j] = 0.0
         lanes[CHANGE_SQUARES + j] = 0.0
+        # The start is in the first half, however short the path.
+        lanes[LATER_SQUARE + j] = 0.0
+        lanes[LATER_SUM + j] = 0.0
         if own_heading is not None:
             gain_heading = heading + noise[OUTPUT_NOISE + 2 * W + j]
             if previous_heading is not None:
@@ -182,6 +191,8 @@ def _note(
         final[MAX_WHEEL + j] = min(lanes[FASTEST_WHEEL + j], lanes[LIMIT + j])
         final[SATURATED_SAMPLES + j] = lanes[SATURATED + j]
         final[INPUT_CHANGE + j] = math.sqrt(change / (2 * samples))
+        final[LATER_MAX_ERROR + j] = math.sqrt(lanes[LATER_SQUARE + j])
+        final[LATER_MEAN_ERROR + j] = lanes[LATER_SUM + j] / (samples // 2 + 1)
     return goes_on
 
 

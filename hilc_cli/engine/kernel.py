@@ -57,6 +57,8 @@ COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
 REST, SHIFTED = int(Field.REST) * W, int(Field.SHIFTED) * W
 PAST_MEAN, PAST_DIFFERENCE = int(Field.PAST_MEAN) * W, int(Field.PAST_HALF_DIFFERENCE) * W
 LARGEST_SQUARE = int(Field.LARGEST_SQUARE) * W
+LATER_SQUARE = int(Field.LATER_LARGEST_SQUARE) * W
+LATER_SUM = int(Field.LATER_ERROR_SUM) * W
 ERROR_SUM, SQUARE_SUM = int(Field.ERROR_SUM) * W, int(Field.SQUARE_SUM) * W
 LARGEST = int(Field.LARGEST_ERRORS) * W
 FASTEST_WHEEL = int(Field.FASTEST_WHEEL) * W
@@ -123,6 +125,7 @@ def _follow(
             draw_state(noise, lanes, words, state_kind, k, count)
             draw_output(noise, lanes, words, output_kind, k + 1, count)
         limited = False
+        later = 1.0 if 2 * (k + 1) >= steps else 0.0
         for j in range(W):
             cos, sin = _cos_sin_near_zero(lanes[REST + j])
             cos, sin = _turned(cos, sin, lanes[SHIFTED + j])
@@ -219,7 +222,10 @@ def _follow(
             square = error_x * error_x + error_y * error_y
             lanes[LARGEST_SQUARE + j] = max(square, lanes[LARGEST_SQUARE + j])
             if all_metrics is not None:
-                lanes[ERROR_SUM + j] += math.sqrt(square)
+                distance = math.sqrt(square)
+                lanes[ERROR_SUM + j] += distance
+                lanes[LATER_SUM + j] += later * distance
+                lanes[LATER_SQUARE + j] = max(later * square, lanes[LATER_SQUARE + j])
                 lanes[SQUARE_SUM + j] += square
                 lanes[LARGEST + j] = max(lanes[LARGEST + j], abs(error_x))
                 lanes[LARGEST + W + j] = max(lanes[LARGEST + W + j], abs(error_y))

@@ -50,9 +50,11 @@ class Field(IntEnum):
     FASTEST_WHEEL = 89
     SATURATED = 90
     CHANGE_SQUARES = 91
+    LATER_LARGEST_SQUARE = 92  # of the second half
+    LATER_ERROR_SUM = 93
     # The heading, reduced for the cosine; second rows: that of the gain matrix.
-    REST = 92
-    SHIFTED = 94
+    REST = 94
+    SHIFTED = 96
 
 
 FIELDS = Field.SHIFTED + 2

@@ -157,10 +157,14 @@ RUN_COLUMNS = (
     Column("start_offset", "Start offset", "Start offset", section=SETTINGS, is_optional=True),
     Column("trajectory", "Trajectory", "Trajectory", section=ERRORS),
     Column("path_size_m", "Path size", "Size", "m", section=ERRORS),
-    Column("iterations", "Iterations", "Iterations", section=ERRORS),
+    Column("iterations", "Iterations", "Iterations", section=LEARNING),
     Column(
         "max_position_error_m", "Maximum position error", "Max. error", "m",
         section=ERRORS, is_ranked=True,
+    ),
+    Column(
+        "max_position_error_second_half_m", "Maximum position error, second half",
+        "Max. 2nd half", "m", section=ERRORS, is_ranked=True,
     ),
     Column(
         "mean_position_error_m", "Mean position error", "Mean error", "m",
@@ -264,6 +268,7 @@ def number_text(value: float, digits: int) -> str:
 def _values(run: RunData, name: str) -> tuple[Value, ...]:
     summary = summarise(run)
     final = summary.final
+    later = final["max_position_error_second_half_m"]  # which folders of before do not have
     values: dict[str, Value] = {
         "run": name,
         **{column: run.settings.get(column) for column in _SETTINGS},
@@ -271,6 +276,7 @@ def _values(run: RunData, name: str) -> tuple[Value, ...]:
         "path_size_m": summary.path_size_m,
         "iterations": summary.iterations,
         "max_position_error_m": final["max_position_error_m"],
+        "max_position_error_second_half_m": None if math.isnan(later) else later,
         "mean_position_error_m": final["mean_position_error_m"],
         "rms_position_error_m": final["rms_position_error_m"],
         "final_position_error_m": final["final_position_error_m"],

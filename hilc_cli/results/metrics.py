@@ -39,7 +39,8 @@ class IterationMetrics:
     """The row of one iteration; the fields carry the column names of ``iterations.csv``.
 
     Position errors are Euclidean distances of the true wheel midpoint from the reference; mean,
-    RMS and maximum run over samples 0..n. The heading error is not wrapped.
+    RMS and maximum run over samples 0..n; those of the second half, in which an initial error
+    should be gone, over samples k >= n / 2. The heading error is not wrapped.
     """
 
     max_position_error_m: float
@@ -52,6 +53,8 @@ class IterationMetrics:
     max_wheel_speed_rad_s: float
     saturated_samples: int
     input_change_rms_rad_s: float
+    max_position_error_second_half_m: float
+    mean_position_error_second_half_m: float
 
 
 METRIC_NAMES: tuple[str, ...] = tuple(IterationMetrics.__dataclass_fields__)
@@ -77,6 +80,7 @@ def measure(trial: Trial, reference: Reference, before: Trial | None) -> Iterati
             if before is None
             else _rms(np.concatenate([trial.left - before.left, trial.right - before.right]))
         )
+        second_half = position_error[reference.samples - reference.samples // 2 :]
         return IterationMetrics(
             max_position_error_m=float(position_error.max()),
             mean_position_error_m=_mean(position_error),
@@ -88,6 +92,8 @@ def measure(trial: Trial, reference: Reference, before: Trial | None) -> Iterati
             max_wheel_speed_rad_s=float(max(np.abs(trial.left).max(), np.abs(trial.right).max())),
             saturated_samples=trial.saturated_samples,
             input_change_rms_rad_s=change,
+            max_position_error_second_half_m=float(second_half.max()),
+            mean_position_error_second_half_m=_mean(second_half),
         )
 
 

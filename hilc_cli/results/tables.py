@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     import _csv
 
 ITERATIONS_HEADER = ("iteration", *METRIC_NAMES)
+_FIRST_ITERATIONS_HEADER = ITERATIONS_HEADER[:11]
+"""Of tables that were written before there were metrics of the second half."""
 SAMPLES_HEADER = (
     "iteration", "sample", "t_s",
     "reference_x_m", "reference_y_m", "reference_heading_rad",
@@ -101,16 +103,20 @@ def write_gravity_center(
 
 
 def read_iterations(path: Path) -> MetricsTable:
-    """Reads ``iterations.csv``.
+    """Reads ``iterations.csv``; metrics that a table of before does not have are not-a-number.
 
     Raises:
         HilcError: There is no such table, or it is damaged.
     """
     table = MetricsTable()
-    for line, row in _rows(path, ITERATIONS_HEADER):
+    lines = read_file(path, MAX_CSV_BYTES).decode("utf-8", "replace").splitlines()
+    is_first = lines[:1] == [",".join(_FIRST_ITERATIONS_HEADER)]
+    header = _FIRST_ITERATIONS_HEADER if is_first else ITERATIONS_HEADER
+    for line, row in _parse(path, lines, header):
         if row[0] != len(table):
             raise _damaged(path, line, f"iteration {len(table)} should stand here")
-        values = dict(zip(METRIC_NAMES, row[1:], strict=True))
+        values = dict.fromkeys(METRIC_NAMES, math.nan)
+        values |= dict(zip(header[1:], row[1:], strict=True))
         for name in INTEGER_METRICS:
             values[name] = int(values[name])
         table.append(IterationMetrics(**values))  # type: ignore[arg-type]  # made whole above

@@ -15,7 +15,6 @@ from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, HilcError
 from hilc_cli.results.leaderboard import Entry
 from hilc_cli.results.metrics import measure, settled_at
-from hilc_cli.results.second_half import second_half
 from hilc_cli.results.trial import Trial
 from hilc_cli.spec.leaderboard import Contest
 from hilc_cli.sweeping.chunks import Chunk
@@ -176,12 +175,11 @@ def _errors(experiment: Experiment) -> _Errors:
     before: Trial | None = None
     try:
         for trial in simulate(experiment):
-            later = second_half(trial, experiment.reference)
-            whole = measure(trial, experiment.reference, before)
-            found.max_m.append(later.max_position_error_m)
-            found.mean_m.append(later.mean_position_error_m)
-            found.whole_m.append(whole.max_position_error_m)
-            found.fastest = max(found.fastest, whole.max_wheel_speed_rad_s)
+            metrics = measure(trial, experiment.reference, before)
+            found.max_m.append(metrics.max_position_error_second_half_m)
+            found.mean_m.append(metrics.mean_position_error_second_half_m)
+            found.whole_m.append(metrics.max_position_error_m)
+            found.fastest = max(found.fastest, metrics.max_wheel_speed_rad_s)
             before = trial
     except DivergedError as error:
         found.diverged_at = error.iteration

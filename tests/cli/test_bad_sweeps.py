@@ -737,7 +737,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l1=0,1", "--metric", "foo"],
         2,
-        "--metric foo: metric: is not one of the choices, got 'foo'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, iterations_to_tolerance or peak_max_position_error_m",
+        "--metric foo: metric: is not one of the choices, got 'foo'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, max_position_error_second_half_m, mean_position_error_second_half_m, iterations_to_tolerance or peak_max_position_error_m",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--metric", "max_position_error"],
@@ -1008,7 +1008,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l1=0:1", "--minimise", "error", "--cases", "9"],
         2,
-        "--minimise error: minimise: is not one of the choices, got 'error'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, iterations_to_tolerance or peak_max_position_error_m",
+        "--minimise error: minimise: is not one of the choices, got 'error'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, max_position_error_second_half_m, mean_position_error_second_half_m, iterations_to_tolerance or peak_max_position_error_m",
     ),
     (
         ["--vary", "controller.gains.l1=0:1", "--minimise", "max_position_error_m"],
@@ -1222,7 +1222,7 @@ SECTIONS: list[tuple[str, str]] = [
     ),
     (
         "sweep: {vary: {controller.gains.l1: 0:1:3}, metric: error}",
-        "scenario.yaml:8:53: sweep.metric: is not one of the choices, got 'error'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, iterations_to_tolerance or peak_max_position_error_m",
+        "scenario.yaml:8:53: sweep.metric: is not one of the choices, got 'error'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, max_position_error_second_half_m, mean_position_error_second_half_m, iterations_to_tolerance or peak_max_position_error_m",
     ),
     (
         "sweep: {vary: {controller.gains.l1: 0:1:3}, metric: iterations_to_tolerance}",
@@ -1294,7 +1294,7 @@ SECTIONS: list[tuple[str, str]] = [
     ),
     (
         "sweep: {vary: {controller.gains.l1: 0:1}, minimise: peak, sample: sobol, cases: 9}",
-        "scenario.yaml:8:53: sweep.minimise: is not one of the choices, got 'peak'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, iterations_to_tolerance or peak_max_position_error_m",
+        "scenario.yaml:8:53: sweep.minimise: is not one of the choices, got 'peak'; give max_position_error_m, mean_position_error_m, rms_position_error_m, final_position_error_m, max_abs_error_x_m, max_abs_error_y_m, max_abs_error_heading_rad, max_wheel_speed_rad_s, saturated_samples, input_change_rms_rad_s, max_position_error_second_half_m, mean_position_error_second_half_m, iterations_to_tolerance or peak_max_position_error_m",
     ),
     (
         "sweep: {vary: {controller.gains.l1: 0:1}, minimise: rms_position_error_m, sample: grid, cases: 9}",

@@ -8,6 +8,7 @@ import pytest
 
 from hilc_cli.cli import comparison_table, terminal
 from hilc_cli.cli.comparison_table import print_comparison
+from hilc_cli.results.comparison import Column, ComparisonTable, Row
 from hilc_cli.results.leaderboard import Entry, LeaderboardData, entries_table, laws_table
 
 LAWS = ("paper-17", "paper-21", "pid", "lateral", "feedback", "norm-optimal")
@@ -76,6 +77,22 @@ def test_all_runs_fit_a_terminal(
         lines = [line for line in plain.splitlines() if f" {law} " in line]
         assert len(lines) == 2 * plain.count("───\n")
         assert all(line.split()[:3:2] == ["circle", "none"] for line in lines[::2])
+
+
+@pytest.mark.usefixtures("narrow")
+def test_long_names_are_broken_and_numbers_are_not(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "50")
+    columns = [Column("run", "Run", "Run")]
+    columns += [Column(f"e{place}", f"Error {place}", f"Error {place}", section="Errors")
+                for place in range(4)]  # fmt: skip
+    rows = [Row(("x" * 60, 0.125, 0.25, 0.5, 1e-9))] * 5
+    print_comparison(ComparisonTable("Long", tuple(columns), tuple(rows)))
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
+    assert max(map(len, plain.splitlines())) <= 50
+    assert plain.count("0.1250  0.2500  0.5000  1.000e-9") == 5, "in one part"
+    assert plain.count("x") == 5 * 60
 
 
 def test_log_has_each_row_on_one_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -76,6 +76,26 @@ def test_final_error_is_that_of_the_last_sample() -> None:
     assert (metrics.final_position_error_m, metrics.max_position_error_m) == (1, 5)
 
 
+@pytest.mark.parametrize(
+    ("errors", "largest", "mean"),
+    [
+        ([9, 9, 2, 1, 3], 3, 2),  # n = 4: samples 2 to 4
+        ([9, 9, 9, 2, 1, 3], 3, 2),  # n = 5: samples 3 to 5
+        ([9, 4], 4, 4),  # n = 1
+    ],
+)
+def test_second_half_is_the_samples_from_the_middle_on(
+    errors: list[float], largest: int, mean: int
+) -> None:
+    size = np.array(errors, dtype=np.float64)
+    nothing, speeds = np.zeros(len(size)), np.zeros(len(size) - 1)
+    # 3-4-5 triangles.
+    trial = Trial(0, -0.6 * size, 0.8 * size, nothing, speeds, speeds)
+    metrics = measure(trial, Reference("path", 0.1, nothing, nothing, nothing), None)
+    assert metrics.max_position_error_second_half_m == pytest.approx(largest, rel=1e-15)
+    assert metrics.mean_position_error_second_half_m == pytest.approx(mean, rel=1e-15)
+
+
 @pytest.mark.parametrize("size", [1e200, 1.5e308])
 def test_errors_of_a_diverging_run_stay_finite_as_long_as_they_can(size: float) -> None:
     # Three equal errors of that size: maximum, mean and RMS are that size.
@@ -84,6 +104,7 @@ def test_errors_of_a_diverging_run_stay_finite_as_long_as_they_can(size: float) 
     assert metrics.max_position_error_m == size
     assert metrics.rms_position_error_m == pytest.approx(size, rel=1e-15)
     assert metrics.mean_position_error_m == pytest.approx(size, rel=1e-15)
+    assert metrics.mean_position_error_second_half_m == pytest.approx(size, rel=1e-15)
 
 
 def vars_of(metrics: IterationMetrics) -> dict[str, float]:
@@ -112,6 +133,8 @@ def test_metric_names_are_the_columns_of_the_contract() -> None:
         "max_wheel_speed_rad_s",
         "saturated_samples",
         "input_change_rms_rad_s",
+        "max_position_error_second_half_m",
+        "mean_position_error_second_half_m",
     )
 
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 import gc
 import hashlib
 import json
+import math
 import os
+import re
+import shutil
 import stat
 import sys
 from collections.abc import Iterator
@@ -456,10 +459,23 @@ def test_tables_alone_are_a_run(done: Path) -> None:
     assert (read.name, read.speed_limit, read.diverged_at) == ("test", None, None)
 
 
+def test_folder_of_before_there_were_second_halves_is_read(hilc: Hilc, done: Path) -> None:
+    table = done / "iterations.csv"
+    lines = [line.rsplit(",", 2)[0] for line in table.read_text().splitlines()]
+    table.write_text("\n".join(lines) + "\n")
+    last = hilc_api.read_run(done).metrics.row(-1)
+    assert ",".join(map(str, list(last.values())[:-2])) == lines[-1].partition(",")[2]
+    assert math.isnan(last["max_position_error_second_half_m"])
+    assert hilc("plot", "runs/test", "-q").code == 0
+    shutil.copytree(done, "runs/again")
+    out = hilc("compare", "runs/test", "runs/again", "--no-plots").out
+    assert re.search(r"second half \[m\] *\n", out)
+
+
 DAMAGES = [
     ("iterations.csv", "iteration,", "iterations,", "iterations.csv: is no such table"),
     ("iterations.csv", "\n1,", "\n7,", "iterations.csv:3: is damaged: iteration 1 should stand"),
-    ("iterations.csv", "\n1,", "\n1,oops,", "iterations.csv:3: is damaged: 11 cells should"),
+    ("iterations.csv", "\n1,", "\n1,oops,", "iterations.csv:3: is damaged: 13 cells should"),
     ("samples.csv", "sample,", "samples,", "samples.csv: is no such table"),
     ("samples.csv", "\n0,1,", "\n0,2,", "samples.csv: is damaged: its samples are not in order"),
     ("samples.csv", "\n0,1,", "\n0,oops,", "samples.csv: is damaged: "),

@@ -31,7 +31,8 @@ from tests.results.test_tables import rows as rows_of
 METRICS = (
     "max_position_error_m,mean_position_error_m,rms_position_error_m,final_position_error_m,"
     "max_abs_error_x_m,max_abs_error_y_m,max_abs_error_heading_rad,max_wheel_speed_rad_s,"
-    "saturated_samples,input_change_rms_rad_s,iterations_to_tolerance,peak_max_position_error_m,"
+    "saturated_samples,input_change_rms_rad_s,max_position_error_second_half_m,"
+    "mean_position_error_second_half_m,iterations_to_tolerance,peak_max_position_error_m,"
     "diverged"
 )
 BANDS = (
@@ -55,7 +56,7 @@ def test_golden_sweep(hilc: Hilc, write: Write, folder: Path) -> None:
     ]
     first, limited = GOLDEN_ITERATIONS[0][1:], GOLDEN_ITERATIONS[1][1:]
     # Without the limit the last step is 1.5 m: errors 0, 0.5, 0.5, 0.
-    free = [0.5, 0.25, math.sqrt(0.5 / 4), 0, 0.5, 0, 0, 7.5, 0, math.sqrt(87.5 / 3)]
+    free = [0.5, 0.25, math.sqrt(0.5 / 4), 0, 0.5, 0, 0, 7.5, 0, math.sqrt(87.5 / 3), 0.5, 0.25]
     found = [[float(cell) for cell in row[3:-3]] for row in rows[1:]]
     np.testing.assert_allclose(found, [first, first, limited, free], atol=1e-12)
     assert [float(row[-2]) for row in rows[1:]] == [3, 3, 3, 3]

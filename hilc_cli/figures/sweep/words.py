@@ -50,6 +50,16 @@ _METRICS = {
     "max_wheel_speed_rad_s": ("maximum wheel speed", "rad/s", "in the last iteration"),
     "saturated_samples": ("samples at the speed limit", "", "in the last iteration"),
     "input_change_rms_rad_s": ("RMS input change", "rad/s", "in the last iteration"),
+    "max_position_error_second_half_m": (
+        "maximum position error of the second half",
+        "m",
+        "after the last iteration",
+    ),
+    "mean_position_error_second_half_m": (
+        "mean position error of the second half",
+        "m",
+        "after the last iteration",
+    ),
     PEAK: ("largest position error", "m", "of all iterations"),
 }
 
