@@ -126,11 +126,8 @@ def _document(
     last = result.last.iteration
     gravity_x, gravity_y, heading = result.gravity_center_path(last)
     figures = asdict(summary)
-    told = figures.pop("learning")
-    if told:  # most laws tell nothing
-        figures["learning"] = {
-            name: figure if math.isfinite(figure) else None for name, figure in told.items()
-        }
+    if not summary.learning:  # most laws tell nothing
+        del figures["learning"]
     return {
         "folder": str(folder),
         **figures,

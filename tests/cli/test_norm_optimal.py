@@ -47,6 +47,7 @@ def test_summary_tells_what_was_identified(hilc: Hilc, folder: Path, scenario: s
     assert told["model_wheel_radius_m"] == pytest.approx(0.2, rel=1e-9)
     assert told["model_half_track_m"] == pytest.approx(0.5, rel=1e-9)
     assert told["merge_time_s"] <= 40 * 5e-3 + 1e-9
+    assert told["search_settled"] == 1
     rows = learned(hilc("run", scenario, "--no-plots").out)
     assert rows["wheel radius"].startswith("0.200000 m, standard error ")
     assert rows["half track"].startswith("0.500000 m, standard error ")
@@ -76,9 +77,10 @@ def test_without_identification_nothing_is_told_of_it(
 ) -> None:
     without = ("--no-plots", "--set", "controller.identify=false", "--force")
     assert set(json.loads(hilc("run", scenario, *without, "--json").out)["learning"]) == {
-        "merge_time_s"
+        "merge_time_s",
+        "search_settled",
     }
-    assert set(learned(hilc("run", scenario, *without).out)) == {"merge time"}
+    assert set(learned(hilc("run", scenario, *without).out)) == {"merge time", "search settled"}
     outcome = hilc("run", scenario, *without, "--require", "half_track_m<=1")
     assert outcome.code == 2
     assert "'half_track_m' is no metric; " in outcome.err

@@ -23,7 +23,6 @@ H = {"merge_time_s": {"h": pytest.approx(0.2)}}  # 200 samples of a millisecond
         ({"controller.h": 90}, PLATFORM | {"merge_time_s": {"h": pytest.approx(0.09)}}),
         ({"controller.identify": False}, H),
         ({"initial_pose": None}, PLATFORM),
-        ({"controller.start_tolerance": 1.5}, PLATFORM),
         ({"initial_pose": None, "disturbance.initial_pose.bound": [0.1, 0, 0]}, PLATFORM | H),
         ({"controller": {"law": "feedback"}}, {}),
     ],

@@ -88,19 +88,23 @@ class _AtWork:
         said = self._learner.learn(self._poses - error, applied)
         told = [] if said is None else [*_alone(said), *_together(self._learner.belief)]
         names = figures_told(identify=said is not None)
-        return dict(zip(names, [*told, self._merge_time()], strict=True))
+        return dict(zip(names, [*told, *self._of_plan()], strict=True))
 
-    def _merge_time(self) -> float:
-        """When the iteration's plan was on the trajectory [s]; infinity if not by the end."""
+    def _of_plan(self) -> tuple[float, float]:
+        """When the iteration's plan was on the trajectory [s], infinity if not by the end.
+
+        And whether the search for it settled, 0 or 1; not-a-number where no plan was run.
+        """
         if self._plan is None:
-            return math.nan
+            return math.nan, math.nan
         merged = self._plan.merge_sample
-        return math.inf if merged is None else merged * self._reference.sample_time
+        time = math.inf if merged is None else merged * self._reference.sample_time
+        return time, float(self._plan.settled)
 
 
 def figures_told(*, identify: bool) -> tuple[str, ...]:
     """Columns of ``learning.csv`` that the law fills, with and without identification."""
-    return (*(_IDENTIFIED if identify else ()), MERGE_TIME)
+    return (*(_IDENTIFIED if identify else ()), MERGE_TIME, "search_settled")
 
 
 def _alone(said: Identification) -> tuple[float, ...]:
