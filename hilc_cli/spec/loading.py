@@ -11,9 +11,10 @@ from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.tables import MAX_CSV_BYTES, read_input
 from hilc_cli.spec.model import Model
+from hilc_cli.spec.model_paths import model_in
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
 from hilc_cli.spec.overrides import apply_override, data_override, parse_override
-from hilc_cli.spec.problems import model_in, problems_of
+from hilc_cli.spec.problems import problems_of
 from hilc_cli.spec.reading import Inputs
 from hilc_cli.spec.scenario import ScenarioSpec
 from hilc_cli.spec.valid import NAMED_INPUTS, Scenario

@@ -65,7 +65,7 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "set-unknown-nested",
         ["run", "scenario.yaml", "--set", "controller.gain.l1=3"],
         2,
-        "--set controller.gain.l1=3: controller.gain: is an unknown key; did you mean 'gains'?",
+        "--set controller.gain.l1=3: controller.gain: is an unknown key of law hybrid; did you mean 'gains'?",
     ),
     (
         "set-yaml",

@@ -18,12 +18,34 @@ CASES = [
     (
         "hybrid-key-of-pid",
         law("  gains: {l1: 1}\n  cutoff: 5 Hz\n"),
-        "scenario.yaml:7:3: controller.cutoff: is an unknown key; known: b_w, compensation, gain_heading, gain_matrix, gains, h, law, switch_tolerance",
+        "scenario.yaml:7:3: controller.cutoff: is an unknown key of law hybrid, but one of law pid; add 'law: pid'",
+    ),
+    (
+        "pid-without-its-name",
+        law("  gains: {kp: 1, kd: 0.5}\n  cutoff: 2 Hz\n"),
+        (
+            "scenario.yaml:6:11: controller.gains.kp: is an unknown key of law hybrid, but one of law pid; add 'law: pid'\n"
+            "scenario.yaml:6:18: controller.gains.kd: is an unknown key of law hybrid, but one of law pid; add 'law: pid'\n"
+            "scenario.yaml:7:3: controller.cutoff: is an unknown key of law hybrid, but one of law pid; add 'law: pid'"
+        ),
+    ),
+    (
+        "norm-optimal-without-its-name",
+        law("  weights: {position: 1 mm}\n"),
+        "scenario.yaml:6:3: controller.weights: is an unknown key of law hybrid, but one of law norm-optimal; add 'law: norm-optimal'",
+    ),
+    (
+        "hybrid-by-its-name",
+        law("  law: hybrid\n  gains: {kp: 1}\n"),
+        (
+            "scenario.yaml:7:3: controller.gains.l1: is missing; give it (of the previous iteration's error, e_i(k+1))\n"
+            "scenario.yaml:7:11: controller.gains.kp: is an unknown key of law hybrid, but one of law pid; known: l1, l2, l3, lateral"
+        ),
     ),
     (
         "pid-gain-of-hybrid",
         law("  law: pid\n  gains: {l1: 1}\n"),
-        "scenario.yaml:7:11: controller.gains.l1: is an unknown key of law pid; known: kd, ki, kp",
+        "scenario.yaml:7:11: controller.gains.l1: is an unknown key of law pid, but one of law hybrid; known: kd, ki, kp",
     ),
     (
         "pid-misspelt",
@@ -63,7 +85,7 @@ CASES = [
     (
         "feedback-matrix",
         law("  law: feedback\n  gain_matrix: unit\n"),
-        "scenario.yaml:7:3: controller.gain_matrix: is an unknown key of law feedback; known: b_w, gains, law",
+        "scenario.yaml:7:3: controller.gain_matrix: is an unknown key of law feedback, but one of laws hybrid and pid; known: b_w, gains, law",
     ),
     (
         "feedback-gains",
@@ -77,7 +99,7 @@ CASES = [
     (
         "norm-optimal-gains",
         law("  law: norm-optimal\n  gains: {l1: 1}\n"),
-        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal; known: b_w, feedback, feedback_weights, h, identify, law, memory, start_tolerance, weights",
+        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal, but one of laws hybrid, pid and feedback; known: b_w, feedback, feedback_weights, h, identify, law, memory, start_tolerance, weights",
     ),
     (
         "norm-optimal-values",
@@ -117,8 +139,8 @@ def test_other_law_on_the_command_line_is_told_what_does_not_belong_to_it(
     outcome = hilc("run", "scenario.yaml", "--set", "controller.law=pid")
     assert outcome.code == 2
     assert [line.partition(";")[0] for line in outcome.err.splitlines()] == [
-        "scenario.yaml:6:11: controller.gains.l1: is an unknown key of law pid",
-        "scenario.yaml:7:3: controller.compensation: is an unknown key of law pid",
+        "scenario.yaml:6:11: controller.gains.l1: is an unknown key of law pid, but one of law hybrid",
+        "scenario.yaml:7:3: controller.compensation: is an unknown key of law pid, but one of law hybrid",
     ]
 
 
@@ -146,7 +168,7 @@ PID = "  law: pid\n  gains: {kp: 1, kd: 1}\n"
         ),
         (
             "controller.gains.l1=1,2",
-            "controller.gains.l1: is an unknown key of law pid; known: kd, ki, kp",
+            "controller.gains.l1: is an unknown key of law pid, but one of law hybrid; known: kd, ki, kp",
         ),
         (
             "controller.cutoff=1,7",

@@ -24,7 +24,7 @@ CASES = [
     ("key", GOOD + "tolerence: 1\n", f"{HERE}:5:1: tolerence: is an unknown key; did you mean 'tolerance'?"),
     ("name", GOOD.replace("paper:", "my law:"), f"{HERE}:4:3: laws.my law: is no name; use letters, digits, '.', '_' and '-'"),
     ("law", GOOD + "  other: {law: qqq}\n", f"{HERE}:5:16: laws.other.law: is not one of the choices, got 'qqq'; give hybrid, pid, norm-optimal or feedback"),
-    ("law-key", GOOD + "  other: {law: feedback, h: 2}\n", f"{HERE}:5:26: laws.other.h: is an unknown key of law feedback; known: b_w, gains, law"),
+    ("law-key", GOOD + "  other: {law: feedback, h: 2}\n", f"{HERE}:5:26: laws.other.h: is an unknown key of law feedback, but one of laws hybrid, pid and norm-optimal; known: b_w, gains, law"),
     ("gain", GOOD + "  other: {law: pid, gains: {kp: -1, kq: 1}}\n",
      f"{HERE}:5:33: laws.other.gains.kp: must be at least 0, got -1; give a number from 0 up, such as 0.5\n"
      f"{HERE}:5:37: laws.other.gains.kq: is an unknown key of law pid; known: kd, ki, kp"),
