@@ -23,6 +23,7 @@ from hilc_cli.spec.quantities import (
     PositiveLength,
     PositiveNumber,
     PositiveWheelSpeed,
+    such_as,
 )
 from hilc_cli.spec.reading import Inputs
 from hilc_cli.spec.record import RecordSpec
@@ -72,7 +73,7 @@ class LeaderboardSpec(Model):
     after: Annotated[tuple[Iterations, ...], Field(min_length=1, max_length=20)] = Field(
         (1, 2, 5, 10, 100), description="iterations whose errors are told; the last one ends a run"
     )
-    tolerance: PositiveLength = Field(
+    tolerance: Annotated[float, such_as(PositiveLength, "0.01 or 1 cm")] = Field(
         0.01, description="maximum error [m] over the second half that counts as reached"
     )
 

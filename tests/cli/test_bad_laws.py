@@ -75,7 +75,7 @@ CASES = [
     (
         "pid-forgetting",
         law("  law: pid\n  gains: {kp: 1}\n  forgetting: 1.1\n"),
-        "scenario.yaml:8:15: controller.forgetting: must be at most 1, got 1.1; give a number from 0 up, such as 0.1",
+        "scenario.yaml:8:15: controller.forgetting: must be at most 1, got 1.1; give a number from 0 to 1, such as 0.1",
     ),
     (
         "pid-matrix",
@@ -91,7 +91,7 @@ CASES = [
         "feedback-gains",
         law("  law: feedback\n  gains: {k_x: -1, k_y: 64/m, k_tehta: 1}\n"),
         (
-            "scenario.yaml:7:16: controller.gains.k_x: must be at least 0, got -1; give a number from 0 up, such as 0.5\n"
+            "scenario.yaml:7:16: controller.gains.k_x: must be at least 0, got -1; give a number from 0 up, such as 10 or 10/s\n"
             "scenario.yaml:7:25: controller.gains.k_y: has the wrong unit, got '64/m'; give a number from 0 up, such as 64 or 64 rad/m/m\n"
             "scenario.yaml:7:31: controller.gains.k_tehta: is an unknown key of law feedback; did you mean 'k_theta'?"
         ),
@@ -108,11 +108,26 @@ CASES = [
             "  feedback: pid\n  h: 4\n  memory: 0\n"
         ),
         (
-            "scenario.yaml:7:23: controller.weights.position: has the wrong unit, got '1 s'; give a number above 0, such as 0.2 or 20 cm\n"
+            "scenario.yaml:7:23: controller.weights.position: has the wrong unit, got '1 s'; give a number above 0, such as 0.001 or 1 mm\n"
             "scenario.yaml:7:28: controller.weights.hading: is an unknown key of law norm-optimal; did you mean 'heading'?\n"
             "scenario.yaml:8:13: controller.feedback: is not one of the choices, got 'pid'; give lqr or none\n"
             "scenario.yaml:9:6: controller.h: must be at most the trajectory's 3 samples, got 4; give a whole number from 1 to 3\n"
-            "scenario.yaml:10:11: controller.memory: must be at least 1, got 0; give a whole number from 1 up, such as 200"
+            "scenario.yaml:10:11: controller.memory: must be at least 1, got 0; give a whole number from 1 up, such as 4"
+        ),
+    ),
+    (
+        "norm-optimal-numbers",
+        law(
+            "  law: norm-optimal\n  start_tolerance: -1 mm\n"
+            "  weights: {input_change: 0, heading: 1 m}\n"
+            "  feedback_weights: {position: 0, heading: 0}\n"
+        ),
+        (
+            "scenario.yaml:7:20: controller.start_tolerance: must have no unit, got '-1 mm'; give a number from 0 up, such as 0.001, in m and rad\n"
+            "scenario.yaml:8:27: controller.weights.input_change: must be above 0, got 0; give a number above 0, such as 10 or 100 rpm\n"
+            "scenario.yaml:8:39: controller.weights.heading: has the wrong unit, got '1 m'; give a number above 0, such as 0.05 or 3 deg\n"
+            "scenario.yaml:9:32: controller.feedback_weights.position: must be above 0, got 0; give a number above 0, such as 0.01 or 1 cm\n"
+            "scenario.yaml:9:44: controller.feedback_weights.heading: must be above 0, got 0; give a number above 0, such as 0.1 or 6 deg"
         ),
     ),
     (
