@@ -14,6 +14,7 @@ from hilc_cli.robot import Robot
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
 from hilc_cli.spec.controllers import ControllerSpec
 from hilc_cli.spec.disturbance import DisturbanceSpec
+from hilc_cli.spec.kinds import mistaken
 from hilc_cli.spec.loading import load_scenario
 from hilc_cli.spec.model import Located, Model, Name, Text
 from hilc_cli.spec.nodes import MapNode, Node, describe, nearest, to_data
@@ -160,9 +161,9 @@ def load_leaderboard(path: str | Path) -> Leaderboard:
     if not isinstance(tree, MapNode):
         message = f"is no leaderboard, got {describe(tree)}; write a mapping of keys and values"
         raise InvalidInputError([Problem(str(tree.place), "", message)])
-    if "controller" in tree.entries:
-        message = "is a scenario, not a leaderboard; name it under 'cases:' in a leaderboard"
-        raise InvalidInputError([Problem(str(tree.place), "", message)])
+    other = mistaken(tree.entries, LEADERBOARDS)
+    if other is not None:
+        raise InvalidInputError([Problem(str(tree.place), "", other)])
     try:
         spec = LeaderboardSpec.model_validate(to_data(tree))
     except ValidationError as error:

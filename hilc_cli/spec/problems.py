@@ -67,6 +67,8 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
                 # A list that is said not to be one is shown; one that does not fit is not.
                 show_all = problem.startswith("must be")
                 found.append(_located(tree, (*keys, *at), problem, remedy, show_all=show_all))
+        elif details["type"] == "too_short" and _has_enough(tree, keys, context):
+            continue  # what is wrong with its entries is told
         elif details["type"] == "missing":
             if not any(keys[: len(above)] == above for above in unchosen):
                 found.append(_at(tree, keys, f"is missing; {_how_to_give(tree, keys, model)}"))
@@ -99,6 +101,12 @@ def _located(
     node, _, found = nearest(tree, keys)
     shown = f", got {describe(node)}" if found and (show_all or isinstance(node, Scalar)) else ""
     return _at(tree, keys, f"{problem}{shown}; {remedy}")
+
+
+def _has_enough(tree: Node, keys: PathKeys, context: Mapping[str, Any]) -> bool:
+    """Whether a list or mapping is too short only without its wrong entries."""
+    data = to_data(nearest(tree, keys)[0])
+    return isinstance(data, list | dict) and len(data) >= context["min_length"]
 
 
 def _choice(expected: str, given: Node) -> str:

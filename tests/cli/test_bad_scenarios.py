@@ -945,6 +945,16 @@ CASES = [
         "scenario.yaml:1:1: is a trajectory, not a scenario; name it under 'trajectory:' in a scenario",
     ),
     (
+        "is-leaderboard",
+        "name: board\ncases: {path: path.yaml}\nlaws: {paper: {gains: {l1: 1}}}\n",
+        "scenario.yaml:1:1: is a leaderboard, not a scenario; give it to hilc compare --laws",
+    ),
+    (
+        "traj-is-example-of-scenario",
+        scenario("path.yaml", "example:fig3-circle"),
+        "scenario.yaml:2:13: trajectory: example:fig3-circle: is a scenario, not a trajectory; name a trajectory file",
+    ),
+    (
         "traj-is-itself",
         scenario("path.yaml", "scenario.yaml"),
         "scenario.yaml:2:13: trajectory: is a scenario, not a trajectory, got scenario.yaml; name a trajectory file",
