@@ -82,8 +82,8 @@ def _is_at_end(axis: Range, value: object) -> bool:
 
 def shown(value: object) -> str:
     """A value of a key as a table shows it."""
-    if value is None:
-        return "null"
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
