@@ -105,8 +105,10 @@ def run(
             f"the simulation diverged to non-finite values in iteration {summary.diverged_at}; "
             f"the iterations before it are in {folder}"
         )
+    initial_error = float(result.position_error(result.last.iteration)[0])
     for requirement in unmet:
-        say(f"not met: {requirement.text}, got {summary.final[requirement.metric]:.6g}")
+        got = f"{summary.final[requirement.metric]:.6g}{requirement.hint(initial_error)}"
+        say(f"not met: {requirement.text}, got {got}")
     if unmet or summary.diverged_at is not None:
         raise typer.Exit(NOT_MET)
 

@@ -15,6 +15,7 @@ from hilc_cli.spec.axis import axis_text
 from hilc_cli.spec.dump import to_yaml
 from hilc_cli.spec.sweep import SweepSpec
 from hilc_cli.spec.varied import TRAJECTORY, WITHOUT_EFFECT, Varied
+from hilc_cli.sweeping.initial_error import hidden_by_initial_error
 from hilc_cli.variation.axes import Axis, axis_to_data
 from hilc_cli.variation.cases import Cases
 from hilc_cli.version import __version__
@@ -84,7 +85,7 @@ class Plan:
             found.append(
                 "disturbance.seed varies: the search will find lucky disturbances, not good values"
             )
-        return found
+        return found + hidden_by_initial_error(self.varied, self.spec)
 
     def resolved(self) -> dict[str, Any]:
         """The scenario with its sweep and its files as plain data.
