@@ -31,8 +31,8 @@ class FeedbackGains(Model):
     k_x: Annotated[float, such_as(GainPerSecond, "10 or 10/s")] = Field(
         10.0, description="of the error ahead [1/s]"
     )
-    k_y: CurvatureGain = Field(64.0, description="of the error to the left [rad/m^2]")
-    k_theta: Annotated[float, such_as(LateralGain, "16 or 16 rad/m")] | None = Field(
+    k_y: CurvatureGain = Field(8.0, description="of the error to the left [rad/m^2]")
+    k_theta: Annotated[float, such_as(LateralGain, "6 or 6 rad/m")] | None = Field(
         None,
         description="of the heading's error [rad/m]; default 2 sqrt(k_y), critically damped: "
         "a sideways error is gone after some 1 / sqrt(k_y) of the path",

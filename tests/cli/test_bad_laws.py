@@ -92,14 +92,14 @@ CASES = [
         law("  law: feedback\n  gains: {k_x: -1, k_y: 64/m, k_tehta: 1}\n"),
         (
             "scenario.yaml:7:16: controller.gains.k_x: must be at least 0, got -1; give a number from 0 up, such as 10 or 10/s\n"
-            "scenario.yaml:7:25: controller.gains.k_y: has the wrong unit, got '64/m'; give a number from 0 up, such as 64 or 64 rad/m/m\n"
+            "scenario.yaml:7:25: controller.gains.k_y: has the wrong unit, got '64/m'; give a number from 0 up, such as 8 or 8 rad/m/m\n"
             "scenario.yaml:7:31: controller.gains.k_tehta: is an unknown key of law feedback; did you mean 'k_theta'?"
         ),
     ),
     (
         "norm-optimal-gains",
         law("  law: norm-optimal\n  gains: {l1: 1}\n"),
-        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal, but one of laws hybrid, pid and feedback; known: b_w, feedback, feedback_weights, h, identify, law, memory, start_tolerance, weights",
+        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal, but one of laws hybrid, pid and feedback; known: b_w, feedback, feedback_weights, h, identify, law, memory, weights",
     ),
     (
         "norm-optimal-values",
@@ -118,12 +118,12 @@ CASES = [
     (
         "norm-optimal-numbers",
         law(
-            "  law: norm-optimal\n  start_tolerance: -1 mm\n"
+            "  law: norm-optimal\n  memory: 2 s\n"
             "  weights: {input_change: 0, heading: 1 m}\n"
             "  feedback_weights: {position: 0, heading: 0}\n"
         ),
         (
-            "scenario.yaml:7:20: controller.start_tolerance: must have no unit, got '-1 mm'; give a number from 0 up, such as 0.001, in m and rad\n"
+            "scenario.yaml:7:11: controller.memory: must have no unit, got '2 s'; give a whole number from 1 up, such as 4\n"
             "scenario.yaml:8:27: controller.weights.input_change: must be above 0, got 0; give a number above 0, such as 10 or 100 rpm\n"
             "scenario.yaml:8:39: controller.weights.heading: has the wrong unit, got '1 m'; give a number above 0, such as 0.05 or 3 deg\n"
             "scenario.yaml:9:32: controller.feedback_weights.position: must be above 0, got 0; give a number above 0, such as 0.01 or 1 cm\n"

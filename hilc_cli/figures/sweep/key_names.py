@@ -31,7 +31,6 @@ _UNITS_BY_LAST_NAME = {
     "radius": "m",
     "sample_time": "s",
     "speed": "m/s",
-    "start_tolerance": "m and rad",
     "switch_tolerance": "m and rad",
     "wheel_radius": "m",
     "wheel_separation": "m",

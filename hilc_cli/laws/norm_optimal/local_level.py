@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.compiling import compiled
+from hilc_cli.compiling import cached
 from hilc_cli.reference.sampled import Floats
 
 _MOST_ODDS = 1e4
@@ -93,8 +93,8 @@ def _smoothed(rest: Floats, share: float) -> tuple[Floats, Floats]:
     return level, variance
 
 
-filtered = compiled(_filtered)
-smoothed = compiled(_smoothed)
+filtered = cached(_filtered)
+smoothed = cached(_smoothed)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
