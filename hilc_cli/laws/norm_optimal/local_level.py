@@ -106,15 +106,18 @@ class LevelFit:
         standard_error: Its standard error; infinity if the readings do not tell.
         level: The sum behind the readings, from all of them, shape (n + 1,).
         variance: Variance of its error, shape (n + 1,).
+        deviances: How unlikely each share of the drift is by these readings and those before;
+            None if no readings have told yet.
     """
 
     gain: float
     standard_error: float
     level: Floats
     variance: Floats
+    deviances: Floats | None
 
 
-def fit_level(y: Floats, s: Floats, rounding: float) -> LevelFit:
+def fit_level(y: Floats, s: Floats, rounding: float, before: Floats | None = None) -> LevelFit:
     """The gain of a known part, and the sum behind the readings.
 
     All shares of the drift count, each as it is likely. The likeliest alone would too often be
@@ -122,20 +125,25 @@ def fit_level(y: Floats, s: Floats, rounding: float) -> LevelFit:
     gain less sure. Odds from there up are taken to be equally likely beforehand, on a logarithmic
     scale.
 
+    Readings of earlier sums with the same share of the drift make it known better. Without them a
+    sum whose readings happen to show too little drift would seem much surer than the others, and
+    their mean would follow the lucky ones.
+
     Args:
         y: The readings, shape (n + 1,).
         s: The known part, shape (n + 1,); all 0 if there is none whose gain is asked for.
         rounding: Largest error that rounding may have left in a reading: what is not explained
             within it counts as explained, > 0.
+        before: ``deviances`` of the earlier fit, of as many readings; None if there is none.
     """
     n = len(y) - 1
     if n < _FEWEST:
-        return LevelFit(0.0, math.inf, y, np.zeros(n + 1))
+        return LevelFit(0.0, math.inf, y, np.zeros(n + 1), before)
     odds = np.exp2(np.arange(math.log2(1 / n**2), math.log2(_MOST_ODDS)))
     shares = np.append(odds / (1 + odds), 1.0)
     yy, ys, ss, logarithms = np.array([filtered(y, s, share) for share in shares]).T
     if not np.isfinite(yy.sum() + ss.sum()):
-        return LevelFit(0.0, math.inf, y, np.zeros(n + 1))
+        return LevelFit(0.0, math.inf, y, np.zeros(n + 1), before)
     varies = bool(ss.min() > 0)
     freedom = n - 1 if varies else n
     gains = ys / ss if varies else np.zeros_like(ys)
@@ -143,10 +151,12 @@ def fit_level(y: Floats, s: Floats, rounding: float) -> LevelFit:
     deviances = freedom * np.log(both) + logarithms
     if varies:
         deviances += np.log(ss)  # restricted likelihood: the gain is no nuisance to the variances
+    if before is not None:
+        deviances += before
     chances = np.exp((deviances.min() - deviances) / 2)
     chances /= chances.sum()
     gain = float(chances @ gains)
     error = math.sqrt(chances @ (both / ss + (gains - gain) ** 2)) if varies else math.inf
     share = shares[round(float(chances @ np.arange(len(shares))))]
     rest, variance = smoothed(y - gain * s, share)
-    return LevelFit(gain, error, rest + gain * s, float(chances @ both) * variance)
+    return LevelFit(gain, error, rest + gain * s, float(chances @ both) * variance, deviances)

@@ -67,6 +67,31 @@ def test_so_few_readings_tell_nothing() -> None:
     assert fit.level.tolist() == y.tolist()
 
 
+def test_readings_before_weigh_like_a_prior() -> None:
+    # Bayes: chances after both are those before times those now.
+    random = np.random.default_rng(6)
+    s = np.arange(41.0)
+    fits = []
+    for _ in range(2):
+        y = np.cumsum(random.normal(0, 0.2, 41)) + random.normal(0, 1, 41) + 2 * s
+        fits.append((y, fit_level(y, s, 1e-15)))
+    (_, first), (y, second) = fits
+    assert first.deviances is not None and second.deviances is not None
+    fit = fit_level(y, s, 1e-15, first.deviances)
+    odds = np.exp2(np.arange(-math.log2(40.0**2), math.log2(1e4)))
+    gains = []
+    for share in [*(odds / (1 + odds)), 1.0]:
+        covariance = share * np.eye(40) + (1 - share) * (
+            2 * np.eye(40) - np.eye(40, k=1) - np.eye(40, k=-1)
+        )
+        weighted = np.linalg.solve(covariance, np.diff(s))
+        gains.append(weighted @ np.diff(y) / (weighted @ np.diff(s)))
+    likelihoods = np.exp(-(first.deviances - first.deviances.min()) / 2) * np.exp(
+        -(second.deviances - second.deviances.min()) / 2
+    )
+    assert fit.gain == pytest.approx(likelihoods @ gains / likelihoods.sum(), rel=1e-9)
+
+
 @pytest.mark.parametrize("drift", [0.0, 0.3])
 def test_standard_errors_are_those_of_known_variances(drift: float) -> None:
     # With one noise only the error has a closed form: that of ordinary least squares of the

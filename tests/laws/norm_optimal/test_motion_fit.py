@@ -10,7 +10,7 @@ import pytest
 
 from hilc_cli.disturbance.streams import Distribution, Disturbance, Triple
 from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
-from hilc_cli.laws.norm_optimal.motion_fit import fit_motion
+from hilc_cli.laws.norm_optimal.motion_fit import NO_EVIDENCE, fit_motion
 from hilc_cli.reference.sampled import Floats
 from tests.laws.norm_optimal.plant import noise
 
@@ -77,6 +77,22 @@ def test_straight_run_tells_nothing_of_the_turn() -> None:
     fit = fit_motion(poses, np.full((50, 2), 10.0))
     assert fit.distance_gain == pytest.approx(0.1 / 20)
     assert fit.turn_error == math.inf
+
+
+def test_noises_of_earlier_iterations_are_remembered_but_for_those_at_rest() -> None:
+    disturbance = Disturbance(3, noise((1e-3, 1e-3, 1e-3)), noise((5e-3, 5e-3, 5e-3)))
+    measured, applied, _ = many(disturbance, np.zeros((SAMPLES, 2, 3)), 2)
+    first = fit_motion(measured[0], applied[0])
+    second, both = (
+        fit_motion(measured[1], applied[1], evidence) for evidence in (NO_EVIDENCE, first.evidence)
+    )
+    for one, other, together in zip(first.evidence, second.evidence, both.evidence, strict=True):
+        assert one is not None and other is not None and together is not None
+        # Deviances are logarithms of likelihoods, which multiply. Where the second fit depends on
+        # that of the heading, as all but the heading's do, it does so to second order.
+        assert together == pytest.approx(one + other, rel=1e-3)
+    resting = fit_motion(np.tile([1.0, 2.0, 3.0], (51, 1)), np.zeros((50, 2)))
+    assert resting.evidence == NO_EVIDENCE
 
 
 @pytest.mark.parametrize("feedback", [False, True], ids=["open-loop", "feedback"])
