@@ -17,6 +17,11 @@ if TYPE_CHECKING:
         compare_laws,
         load_leaderboard,
     )
+    from hilc_cli.api.leaderboard_folders import (
+        is_leaderboard,
+        plot_leaderboard,
+        read_leaderboard,
+    )
     from hilc_cli.api.reproducing import Reproduction, check_reproduction, reproduce
     from hilc_cli.api.running import (
         Run,
@@ -42,6 +47,7 @@ if TYPE_CHECKING:
     from hilc_cli.api.sweep_results import Sweep
     from hilc_cli.api.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
     from hilc_cli.paper.plan import ReproductionPlan, plan_reproduction
+    from hilc_cli.results.leaderboard import LeaderboardData
     from hilc_cli.results.parquet import require_parquet
     from hilc_cli.results.sweep import SweepData
     from hilc_cli.results.sweep_summary import SweepSummary, summarise_sweep
@@ -60,6 +66,7 @@ __all__ = [
     "Failure",
     "LawComparison",
     "Leaderboard",
+    "LeaderboardData",
     "Plan",
     "Reproduction",
     "ReproductionPlan",
@@ -83,6 +90,7 @@ __all__ = [
     "discard_work",
     "estimate",
     "is_complete",
+    "is_leaderboard",
     "is_resumable",
     "is_sweep",
     "load_leaderboard",
@@ -91,7 +99,9 @@ __all__ = [
     "plan_reproduction",
     "plan_sweep",
     "plot",
+    "plot_leaderboard",
     "plot_sweep",
+    "read_leaderboard",
     "read_run",
     "read_sweep",
     "reproduce",
@@ -125,6 +135,11 @@ _HOMES = {
         "compare_laws",
         "load_leaderboard",
     ),
+    "hilc_cli.api.leaderboard_folders": (
+        "is_leaderboard",
+        "plot_leaderboard",
+        "read_leaderboard",
+    ),
     "hilc_cli.api.running": (
         "Run",
         "RunData",
@@ -157,6 +172,7 @@ _HOMES = {
         "ReproductionPlan",
         "plan_reproduction",
     ),
+    "hilc_cli.results.leaderboard": ("LeaderboardData",),
     "hilc_cli.results.parquet": ("require_parquet",),
     "hilc_cli.results.sweep": ("SweepData",),
     "hilc_cli.results.sweep_summary": (

@@ -247,19 +247,19 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "plot-nofolder",
         ["plot", "nosuch"],
         2,
-        "hilc: nosuch: is no run folder; give a folder that hilc run has written",
+        "hilc: nosuch: is no folder of a run, a sweep or a leaderboard; give one",
     ),
     (
         "plot-nonrun",
         ["plot", "."],
         2,
-        "hilc: .: is no run folder; give a folder that hilc run has written",
+        "hilc: .: is no folder of a run, a sweep or a leaderboard; give one",
     ),
     (
         "plot-file",
         ["plot", "scenario.yaml"],
         2,
-        "hilc: scenario.yaml: is no run folder; give a folder that hilc run has written",
+        "hilc: scenario.yaml: is no folder of a run, a sweep or a leaderboard; give one",
     ),
     (
         "plot-iter",
