@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 import hilc_cli as hilc_api
+from hilc_cli.results.leaderboard import LeaderboardData
+from hilc_cli.results.leaderboard_tables import entries_table
 from hilc_cli.spec.controllers import CONTROLLERS
 from hilc_cli.spec.nodes import Source, to_data
 from hilc_cli.spec.yaml_tree import parse_yaml
@@ -23,6 +25,10 @@ def blocks(law: str, language: str) -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 
+def read_yaml(text: str) -> object:
+    return to_data(parse_yaml(text.encode(), Source("text", Path())))
+
+
 def test_each_law_has_a_page() -> None:
     assert {path.stem for path in PAGES.glob("*.md")} >= set(CONTROLLERS)
 
@@ -30,7 +36,7 @@ def test_each_law_has_a_page() -> None:
 @pytest.mark.parametrize("law", CONTROLLERS)
 def test_parameters_of_the_page_are_all_there_and_valid(law: str) -> None:
     (text,) = blocks(law, "yaml")
-    controller = to_data(parse_yaml(text.encode(), Source(law, Path())))
+    controller = read_yaml(text)
     assert isinstance(controller, dict)
     model = CONTROLLERS[law]
     assert set(controller) == set(model.model_fields)
@@ -64,6 +70,25 @@ def test_leaderboard_of_the_overview_is_whole_and_runs(folder: Path) -> None:
     entry = compete(contest, [1, 2], 0.01)
     assert entry.keeps_limit
     assert entry.max_m[1] < 0.1
+
+
+def test_controllers_of_the_overview_are_those_of_the_leaderboard() -> None:
+    text = (PAGES.parent / "laws.md").read_text(encoding="utf-8")
+    told = {
+        name: read_yaml(f"{{{parameters}}}")
+        for name, parameters in re.findall(r"^\| ([\w-]+) \| `(law: .*?)` \|", text, re.MULTILINE)
+    }
+    shipped = read_yaml((PAGES.parent.parent / "scenarios/leaderboard.yaml").read_text())
+    assert isinstance(shipped, dict)
+    assert told == shipped["laws"]
+
+
+def test_columns_of_the_overview_are_those_of_the_table() -> None:
+    text = (PAGES.parent / "laws.md").read_text(encoding="utf-8")
+    _, table = text.split("| column | meaning |\n|---|---|\n")
+    told = [name for row in table.splitlines() for name in re.findall("`(.*?)`", row.split("|")[1])]
+    columns = entries_table(LeaderboardData("any", (7,), 0.01, ())).columns
+    assert told == [column.name.replace("after_7", "after_N") for column in columns]
 
 
 @pytest.mark.parametrize("page", sorted(PAGES.glob("*.md")), ids=lambda path: path.name)

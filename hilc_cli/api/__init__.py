@@ -17,6 +17,11 @@ if TYPE_CHECKING:
         compare_laws,
         load_leaderboard,
     )
+    from hilc_cli.api.leaderboard_folders import (
+        is_leaderboard,
+        plot_leaderboard,
+        read_leaderboard,
+    )
     from hilc_cli.api.reproducing import Reproduction, check_reproduction, reproduce
     from hilc_cli.api.running import (
         Run,
@@ -43,6 +48,7 @@ if TYPE_CHECKING:
     from hilc_cli.api.sweep_results import Sweep
     from hilc_cli.api.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
     from hilc_cli.paper.plan import ReproductionPlan, plan_reproduction
+    from hilc_cli.results.leaderboard import LeaderboardData
     from hilc_cli.results.parquet import require_parquet
     from hilc_cli.results.sweep import SweepData
     from hilc_cli.results.sweep_summary import SweepSummary, summarise_sweep
@@ -61,6 +67,7 @@ __all__ = [
     "Failure",
     "LawComparison",
     "Leaderboard",
+    "LeaderboardData",
     "Plan",
     "Reproduction",
     "ReproductionPlan",
@@ -85,6 +92,7 @@ __all__ = [
     "estimate",
     "forewarnings",
     "is_complete",
+    "is_leaderboard",
     "is_resumable",
     "is_sweep",
     "load_leaderboard",
@@ -93,7 +101,9 @@ __all__ = [
     "plan_reproduction",
     "plan_sweep",
     "plot",
+    "plot_leaderboard",
     "plot_sweep",
+    "read_leaderboard",
     "read_run",
     "read_sweep",
     "reproduce",
@@ -126,6 +136,11 @@ _HOMES = {
         "check_leaderboard_output",
         "compare_laws",
         "load_leaderboard",
+    ),
+    "hilc_cli.api.leaderboard_folders": (
+        "is_leaderboard",
+        "plot_leaderboard",
+        "read_leaderboard",
     ),
     "hilc_cli.api.running": (
         "Run",
@@ -160,6 +175,7 @@ _HOMES = {
         "ReproductionPlan",
         "plan_reproduction",
     ),
+    "hilc_cli.results.leaderboard": ("LeaderboardData",),
     "hilc_cli.results.parquet": ("require_parquet",),
     "hilc_cli.results.sweep": ("SweepData",),
     "hilc_cli.results.sweep_summary": (

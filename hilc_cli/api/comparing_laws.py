@@ -11,18 +11,19 @@ from typing import Any
 
 from hilc_cli.api.circumstances import circumstances
 from hilc_cli.errors import UsageError, suggestion
-from hilc_cli.results.comparison import ComparisonTable
+from hilc_cli.results.comparison import ComparisonTable, Value
 from hilc_cli.results.comparison_tables import csv_text, latex_text, markdown_text
-from hilc_cli.results.leaderboard import (
-    LeaderboardData,
-    entries_table,
-    laws_table,
-    settings_table,
-)
+from hilc_cli.results.leaderboard import LeaderboardData
 from hilc_cli.results.leaderboard_folder import (
     TABLES,
     check_leaderboard_folder,
     write_leaderboard_folder,
+)
+from hilc_cli.results.leaderboard_tables import (
+    entries_table,
+    laws_table,
+    settings_records,
+    settings_table,
 )
 from hilc_cli.spec.leaderboard import Leaderboard, load_leaderboard
 from hilc_cli.sweeping.contests import Contests, hold
@@ -62,6 +63,11 @@ class LawComparison:
     def settings(self) -> ComparisonTable:
         """The worst error of each law by belief and disturbance."""
         return settings_table(self.data)
+
+    @property
+    def settings_records(self) -> list[dict[str, Value]]:
+        """The same, a record for each law, belief and disturbance."""
+        return settings_records(self.data)
 
     @property
     def entries(self) -> ComparisonTable:
@@ -121,6 +127,7 @@ class LawComparison:
 
         return write_leaderboard_folder(
             Path(folder),
+            self.data,
             {kind: self.text(kind) for kind in TABLES},
             lambda: {**self.how, "command": list(command)},
             checksum=self.checksum,

@@ -78,6 +78,6 @@ def _document(result: LawComparison, folder: Path, files: Sequence[Path]) -> dic
         "folder": str(folder),
         "files": [str(file) for file in files],
         "laws": {name: table.records() for name, table in result.laws.items()},
-        "worst_max_position_error_m": result.settings.records(),
+        "worst": result.settings_records,
         "runs": result.entries.records(),
     }

@@ -1,4 +1,4 @@
-"""``hilc plot``: draw pictures of runs from their tables, one run or several together."""
+"""``hilc plot``: draw pictures of runs, of a sweep or of a leaderboard from their tables."""
 
 from __future__ import annotations
 
@@ -23,7 +23,11 @@ from hilc_cli.cli.options import (
 def plot(
     runs: Annotated[
         list[Path],
-        typer.Argument(metavar="RUN", help="Run folders, or one sweep folder.", show_default=False),
+        typer.Argument(
+            metavar="RUN",
+            help="Run folders, or the folder of one sweep or leaderboard.",
+            show_default=False,
+        ),
     ],
     kind: Annotated[
         list[PictureKind] | None,
@@ -31,8 +35,8 @@ def plot(
             "--kind",
             metavar="KIND",
             help="What to draw; repeatable. Of runs: path-change, final-path, error, wheel-speeds, "
-            "summary, learning; of a sweep: curve, map, effects, best, bands, search. "
-            "[default: all there are]",
+            "summary, learning; of a sweep: curve, map, effects, best, bands, search; a "
+            "leaderboard has one picture. [default: all there are]",
         ),
     ] = None,
     formats: Formats = None,
@@ -52,16 +56,17 @@ def plot(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """Draw pictures of runs, or of a sweep, from their tables.
+    """Draw pictures of runs, of a sweep or of a leaderboard, from their tables.
 
-    One run or sweep is drawn into its own folder; several runs are laid over each other and drawn
-    into --out, by default runs/A-vs-B. Nothing is simulated.
+    One run, sweep or leaderboard is drawn into its own folder; several runs are laid over each
+    other and drawn into --out, by default runs/A-vs-B. Nothing is simulated.
 
     \b
     Examples:
       hilc plot runs/fig3-circle --kind error --format svg
       hilc plot runs/fig7a runs/fig7b --out limit --iterations 0,1,10,100
       hilc plot runs/fig8a-sweep --format pdf
+      hilc plot runs/leaderboard --format svg --format pdf
     """
     from hilc_cli import api
     from hilc_cli.cli.ranges import parse_whole_numbers
@@ -89,13 +94,26 @@ def plot(
         )
         _tell(out or runs[0], pictures, json=json, quiet=quiet)
         return
+    # Among runs, those that a pattern such as runs/* finds, too, are left out below.
+    if all(map(api.is_leaderboard, runs)):
+        if len(runs) > 1 or iterations is not None or kinds:
+            raise UsageError("a leaderboard is drawn alone, without --iterations and --kind")
+        pictures = api.plot_leaderboard(
+            api.read_leaderboard(runs[0]),
+            out or runs[0],
+            formats=suffixes,
+            dpi=dpi,
+            may_replace=lambda file: force or out is None,
+        )
+        _tell(out or runs[0], pictures, json=json, quiet=quiet)
+        return
     wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
     if len(runs) > 1:
         runs = without_comparisons(runs) or runs
-    if len(runs) == 1 and not (runs[0] / ITERATIONS).exists():
+    elif not (runs[0] / ITERATIONS).exists():
         raise UsageError(
-            f"{runs[0]}: holds neither a run nor a sweep; "
-            "give a folder that hilc run or hilc sweep has written"
+            f"{runs[0]}: holds neither a run nor a sweep nor a leaderboard; "
+            "give a folder that hilc has written"
         )
     results = read_runs(runs)
     chosen: set[int] | None = None

@@ -38,15 +38,15 @@ def without_comparisons(folders: Sequence[Path]) -> list[Path]:
 
     What is left out is told.
     """
+    from hilc_cli.api import is_leaderboard
     from hilc_cli.cli.terminal import say
     from hilc_cli.results.comparison_tables import FILES
-    from hilc_cli.results.leaderboard_folder import is_leaderboard_folder
     from hilc_cli.results.run_folder import ITERATIONS
 
     kept = []
     for folder in folders:
         has_table = (folder / FILES["csv"]).is_file() and not (folder / ITERATIONS).exists()
-        if has_table or is_leaderboard_folder(folder):
+        if has_table or is_leaderboard(folder):
             say(f"{folder}: holds a comparison and no run, so it is left out")
         else:
             kept.append(folder)
@@ -70,11 +70,12 @@ def check_shared_folder(folder: Path) -> None:
     """Makes sure that results of several runs do not end up among those of one.
 
     Raises:
-        UsageError: The folder is that of a run or of a sweep.
+        UsageError: The folder is that of a run, of a sweep or of a leaderboard.
     """
-    from hilc_cli.api import is_sweep
+    from hilc_cli.api import is_leaderboard, is_sweep
     from hilc_cli.results.run_folder import is_run_folder
 
-    what = "run" if is_run_folder(folder) else "sweep" if is_sweep(folder) else ""
+    kinds = {"run": is_run_folder, "sweep": is_sweep, "leaderboard": is_leaderboard}
+    what = next((name for name, is_one in kinds.items() if is_one(folder)), "")
     if what:
         raise UsageError(f"--out {folder}: is the folder of one {what}; name another for several")

@@ -113,9 +113,12 @@ def note_of(table: ComparisonTable, mark: str) -> str:
 def _section(table: ComparisonTable, cells: list[list[Cell]], section: str) -> Grid:
     places = [place for place in table.printed() if table.columns[place].section in ("", section)]
     columns = [table.columns[place] for place in places]
+    units = [column.unit for column in columns if column.section]
+    shared = units[0] if len(units) > 1 and len(set(units)) == 1 else ""
+    heads = [_head(column, with_unit=not shared) for column in columns]
     return Grid(
-        title=section,
-        heads=tuple(filter(any, zip(*(_head(column) for column in columns), strict=True))),
+        title=f"{section} [{shared}]" if shared else section,
+        heads=tuple(filter(any, zip(*heads, strict=True))),
         at_right=tuple(
             not any(isinstance(row.values[place], str) for row in table.rows) for place in places
         ),
@@ -135,10 +138,12 @@ def _cells(table: ComparisonTable) -> list[list[Cell]]:
     ]
 
 
-def _head(column: Column) -> tuple[str, str, str]:
-    """Two short lines and the unit: numbers are narrower than words."""
-    words = column.heading.split(" ", 1)
-    return words[0] if len(words) == 2 else "", words[-1], f"[{column.unit}]" if column.unit else ""
+def _head(column: Column, *, with_unit: bool) -> tuple[str, ...]:
+    """Three short lines, as numbers are narrower than words; the last is for the unit, if asked."""
+    words = column.heading.split(" ", 1 if with_unit else 2)
+    if with_unit:
+        words.append(f"[{column.unit}]" if column.unit else "")
+    return ("",) * (3 - len(words)) + tuple(words)
 
 
 def _title(column: Column) -> str:

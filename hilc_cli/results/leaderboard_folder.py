@@ -1,4 +1,4 @@
-"""The folder of a leaderboard: what is in it, and when it may be replaced."""
+"""The folder of a leaderboard: what is in it, when it may be replaced, and how it is read back."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from hilc_cli.errors import UsageError
 from hilc_cli.files import write_folder
+from hilc_cli.results.leaderboard import LeaderboardData
+from hilc_cli.results.leaderboard_csv import read_entries
 from hilc_cli.results.output_folder import check_replaceable, read_manifest
 from hilc_cli.results.run_folder import MANIFEST, PICTURE_FORMATS
 
@@ -22,6 +25,7 @@ _OWN = frozenset({MANIFEST, *TABLES.values()}) | _PICTURES
 
 def write_leaderboard_folder(
     path: Path,
+    data: LeaderboardData,
     texts: Mapping[str, str],
     manifest: Callable[[], Mapping[str, Any]],
     *,
@@ -33,8 +37,9 @@ def write_leaderboard_folder(
 
     Args:
         path: The folder.
+        data: The results, of which the manifest tells what is in no row.
         texts: The tables by kind: csv, markdown, latex.
-        manifest: Gives what else is to be known, asked last; kind, checksum and files are added.
+        manifest: Gives what else is to be known of the computation, asked last.
         checksum: Of all that the results depend on.
         force: Replace the folder of another leaderboard.
         draw: Draws the picture into the folder that it is given.
@@ -54,7 +59,15 @@ def write_leaderboard_folder(
         if draw is not None:
             draw(folder)
         names[:] = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
-        document = {"kind": KIND, "checksum": checksum, **manifest(), "files": names}
+        document = {
+            "kind": KIND,
+            "name": data.name,
+            "checksum": checksum,
+            "after": list(data.after),
+            "tolerance_m": data.tolerance,
+            **manifest(),
+            "files": names,
+        }
         text = json.dumps(document, indent=2)
         (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
 
@@ -89,3 +102,24 @@ def check_leaderboard_folder(path: Path, checksum: str, *, force: bool = False) 
 def is_leaderboard_folder(path: Path) -> bool:
     """Whether a folder has been written by `write_leaderboard_folder`."""
     return bool(read_manifest(path / MANIFEST, KIND))
+
+
+def read_leaderboard_folder(path: Path) -> LeaderboardData:
+    """The results in the folder of a leaderboard, from its manifest and its table of all runs.
+
+    Raises:
+        HilcError: It is no such folder, or a file is missing or damaged.
+    """
+    manifest = read_manifest(path / MANIFEST, KIND)
+    if not manifest:
+        raise UsageError(f"{path}: is no leaderboard folder: it has no {MANIFEST} of {KIND}")
+    try:
+        name, tolerance = str(manifest["name"]), float(manifest["tolerance_m"])
+        after = tuple(int(count) for count in manifest["after"])
+        if not after:
+            raise ValueError("no number of iterations")
+    except KeyError as error:
+        raise UsageError(f"{path / MANIFEST}: is damaged: it has no {error}") from None
+    except (TypeError, ValueError, OverflowError) as error:
+        raise UsageError(f"{path / MANIFEST}: is damaged: {error}") from None
+    return LeaderboardData(name, after, tolerance, read_entries(path / TABLES["csv"], after))

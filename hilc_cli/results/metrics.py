@@ -168,3 +168,31 @@ def settled_at(errors: Floats, tolerance: float) -> int | None:
     above = np.flatnonzero(~(errors <= tolerance))
     first = int(above[-1]) + 1 if len(above) else 0
     return first if first < len(errors) else None
+
+
+def first_within(errors: Floats, tolerance: float) -> int | None:
+    """First iteration in which an error is at or below a bound, whatever comes after it.
+
+    Args:
+        errors: Error of each iteration, shape (iterations,); not-a-number is above any bound.
+        tolerance: The bound, in the same unit.
+
+    Returns:
+        The iteration, or None if there is none.
+    """
+    within = np.flatnonzero(errors <= tolerance)
+    return int(within[0]) if len(within) else None
+
+
+def share_within(errors: Floats, tolerance: float) -> float | None:
+    """Share of the iterations at or below a bound, from the first that is to the last of all.
+
+    Args:
+        errors: Error of each iteration, shape (iterations,); not-a-number is above any bound.
+        tolerance: The bound, in the same unit.
+
+    Returns:
+        The share, above 0 and at most 1; None if no iteration is within the bound.
+    """
+    first = first_within(errors, tolerance)
+    return None if first is None else float(np.mean(errors[first:] <= tolerance))

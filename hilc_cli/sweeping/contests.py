@@ -13,8 +13,9 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, HilcError
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.leaderboard import Entry
-from hilc_cli.results.metrics import measure, settled_at
+from hilc_cli.results.metrics import first_within, measure, settled_at, share_within
 from hilc_cli.results.trial import Trial
 from hilc_cli.spec.leaderboard import Contest
 from hilc_cli.sweeping.chunks import Chunk
@@ -69,15 +70,17 @@ def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
     ran = len(found.max_m)
     if ran == 0:
         raise DivergedError(0)
-    # What has diverged is worse than any bound; what stays the same is as it was.
-    rest = math.inf if found.diverged_at is not None else None
     wanted = list(after)
 
-    def told(errors: list[float]) -> tuple[float, ...]:
-        last = errors[-1] if rest is None else rest
-        return tuple(errors[number] if number < ran else last for number in wanted)
+    def whole(errors: list[float]) -> Floats:
+        """Of all iterations: what has diverged is infinite; what stays the same is as it was."""
+        last = errors[-1] if found.diverged_at is None else math.inf
+        return np.array(errors + [last] * (experiment.iterations + 1 - ran))
 
-    largest = np.array(found.max_m + [math.inf] * (found.diverged_at is not None))
+    def told(errors: list[float]) -> tuple[float, ...]:
+        return tuple(whole(errors)[wanted].tolist())
+
+    largest, path = whole(found.max_m), whole(found.whole_m)
     return Entry(
         contest.case,
         contest.belief,
@@ -86,8 +89,10 @@ def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
         told(found.max_m),
         told(found.mean_m),
         told(found.whole_m),
+        first_within(largest, tolerance),
+        share_within(largest, tolerance),
         settled_at(largest, tolerance),
-        max(found.whole_m) if rest is None else rest,
+        float(path[1:].max()) if len(path) > 1 else None,
         found.fastest,
         contest.scenario.speed_limit,
         found.diverged_at,

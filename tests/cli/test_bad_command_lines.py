@@ -247,19 +247,19 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "plot-nofolder",
         ["plot", "nosuch"],
         2,
-        "hilc: nosuch: holds neither a run nor a sweep; give a folder that hilc run or hilc sweep has written",
+        "hilc: nosuch: holds neither a run nor a sweep nor a leaderboard; give a folder that hilc has written",
     ),
     (
         "plot-nonrun",
         ["plot", "."],
         2,
-        "hilc: .: holds neither a run nor a sweep; give a folder that hilc run or hilc sweep has written",
+        "hilc: .: holds neither a run nor a sweep nor a leaderboard; give a folder that hilc has written",
     ),
     (
         "plot-file",
         ["plot", "scenario.yaml"],
         2,
-        "hilc: scenario.yaml: holds neither a run nor a sweep; give a folder that hilc run or hilc sweep has written",
+        "hilc: scenario.yaml: holds neither a run nor a sweep nor a leaderboard; give a folder that hilc has written",
     ),
     (
         "plot-iter",

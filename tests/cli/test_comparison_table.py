@@ -9,7 +9,8 @@ import pytest
 from hilc_cli.cli import comparison_table, terminal
 from hilc_cli.cli.comparison_table import print_comparison
 from hilc_cli.results.comparison import Column, ComparisonTable, Row
-from hilc_cli.results.leaderboard import Entry, LeaderboardData, entries_table, laws_table
+from hilc_cli.results.leaderboard import Entry, LeaderboardData
+from hilc_cli.results.leaderboard_tables import entries_table, laws_table
 
 LAWS = ("paper-17", "paper-21", "pid", "lateral", "feedback", "norm-optimal")
 AFTER = (1, 2, 5, 10, 100)
@@ -28,6 +29,8 @@ def leaderboard() -> LeaderboardData:
                     max_m=largest,
                     mean_m=mean,
                     whole_max_m=whole,
+                    within_at=None,
+                    within_share=None,
                     settled_at=None,
                     peak_m=9.0,
                     fastest_wheel_rad_s=180.0,

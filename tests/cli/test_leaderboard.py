@@ -64,6 +64,7 @@ def test_each_law_is_run_in_each_case(hilc: Hilc, write: Write, folder: Path) ->
         "Largest error after 3 iterations, worst [m]",
         "Mean error after 1 iteration, median [m]",
         "Belief wrong, disturbance noise [m]",
+        "First iteration within 0.2 m, median",
     ):
         assert text in outcome.out
     found = rows(folder / "runs/small")
@@ -93,6 +94,9 @@ def test_each_law_is_run_in_each_case(hilc: Hilc, write: Write, folder: Path) ->
     assert float(row["max_position_error_after_3_m"]) == pytest.approx(max(errors), rel=1e-12)
     mean = sum(errors) / len(errors)
     assert float(row["mean_position_error_after_3_m"]) == pytest.approx(mean, rel=1e-12)
+    with (folder / "one/iterations.csv").open() as file:
+        of_all = [float(row["max_position_error_m"]) for row in csv.DictReader(file)]
+    assert float(row["peak_max_position_error_m"]) == pytest.approx(max(of_all[1:]), rel=1e-12)
 
 
 def test_results_depend_on_nothing_but_the_file(hilc: Hilc, write: Write, folder: Path) -> None:
@@ -122,10 +126,18 @@ def test_tables_pictures_and_json(hilc: Hilc, write: Write, folder: Path) -> Non
     assert told["files"] == [f"runs/small/{name}" for name in names]
     assert [row["law"] for row in told["laws"]["noise"]] == ["paper", "feedback"]
     assert len(told["runs"]) == 16
+    worst = {(row["law"], row["belief"], row["disturbance"]): row for row in told["worst"]}
+    assert len(worst) == len(told["worst"]) == 8
+    assert worst["paper", "wrong", "noise"]["worst_max_position_error_after_1_m"] == max(
+        row["max_position_error_after_1_m"]
+        for row in told["runs"]
+        if (row["law"], row["belief"], row["disturbance"]) == ("paper", "wrong", "noise")
+    )
     assert set(listing(folder / "runs/small")) == set(names)
     manifest = json.loads((folder / "runs/small/manifest.json").read_text())
     assert manifest["kind"] == "hilc compare --laws"
     assert set(manifest["inputs_sha256"]) == {"leaderboard.yaml", "bend.yaml"}
+    assert (manifest["name"], manifest["after"], manifest["tolerance_m"]) == ("small", [1], 0.2)
     outcome = hilc(*RUN, "--table", "markdown", "--workers", "1")
     assert (outcome.code, outcome.err) == (0, "hilc: written to runs/small\n")
     assert outcome.out == (folder / "runs/small/leaderboard.md").read_text()

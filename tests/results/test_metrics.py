@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.results.metrics import METRIC_NAMES, IterationMetrics, MetricsTable, measure
+from hilc_cli.results.metrics import (
+    METRIC_NAMES,
+    IterationMetrics,
+    MetricsTable,
+    first_within,
+    measure,
+    share_within,
+)
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import summarise
 from hilc_cli.results.trial import Trial
@@ -175,6 +182,23 @@ def test_settled_at_is_the_iteration_from_which_the_error_stays_within(
     errors: list[float], settled: int | None
 ) -> None:
     assert table_of(errors).settled_at(1.0) == settled
+
+
+@pytest.mark.parametrize(
+    ("errors", "first", "share"),
+    [
+        ([3.0, 2.0, 1.5], None, None),
+        ([3.0, 1.0, 2.0, 1.0, 0.5], 1, 0.75),  # the bound itself is within
+        ([0.5, math.inf, math.inf, math.nan], 0, 0.25),
+        ([math.nan, 0.5], 1, 1.0),
+        ([], None, None),
+    ],
+)
+def test_first_iteration_within_a_bound_and_the_share_since(
+    errors: list[float], first: int | None, share: float | None
+) -> None:
+    assert first_within(np.array(errors), 1.0) == first
+    assert share_within(np.array(errors), 1.0) == share
 
 
 def test_share_of_limited_samples_counts_all_samples_of_all_iterations() -> None:

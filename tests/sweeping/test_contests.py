@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice
 
+import numpy as np
 import pytest
 
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import DivergedError
 from hilc_cli.results.leaderboard import Entry
+from hilc_cli.results.trial import Trial
 from hilc_cli.spec.leaderboard import Contest, load_leaderboard
 from hilc_cli.sweeping import contests
 from hilc_cli.sweeping.contests import Contests, FailedContestError, compete, hold
@@ -61,7 +68,52 @@ def test_law_that_does_not_learn_is_run_once_where_nothing_is_disturbed() -> Non
     assert contest.disturbance == "none"
     entry = compete(contest, [1, 100], 0.01)
     assert entry.max_m[0] == entry.max_m[1] < 0.01
-    assert entry.settled_at == 0
+    assert (entry.within_at, entry.within_share, entry.settled_at) == (0, 1, 0)
+    assert entry.peak_m == entry.whole_max_m[0]
+
+
+@pytest.fixture
+def made_up(monkeypatch: pytest.MonkeyPatch) -> Contest:
+    """The paper's law, whose iterations are trials on the circle so many metres outside of it."""
+    found = next(each for each in SHIPPED.contests() if each.law == "paper-17")
+    scenario = found.scenario
+    spec = scenario.spec.model_copy(update={"iterations": len(OFF) - 1})
+    reference = spec.trajectory.reference()
+
+    def simulate(experiment: Experiment) -> Iterator[Trial]:
+        wheels = np.zeros(len(reference.x) - 1)
+        for iteration, off in enumerate(OFF[: experiment.iterations + 1]):
+            if math.isinf(off):
+                raise DivergedError(iteration)
+            x = reference.x + off
+            yield Trial(iteration, x, reference.y, reference.heading, wheels, wheels)
+
+    monkeypatch.setattr(contests, "simulate", simulate)
+    return replace(found, scenario=type(scenario)(spec))
+
+
+OFF = (20.0, 3.0, 0.5, 2.0, 0.25, 0.5, math.inf, math.inf)
+"""Error of each iteration [m]."""
+
+
+def test_what_is_told_of_the_iterations(made_up: Contest, monkeypatch: pytest.MonkeyPatch) -> None:
+    lost = compete(made_up, [1, 7], 0.75)
+    assert lost.max_m == lost.whole_max_m
+    assert list(lost.max_m) == pytest.approx([3, math.inf])
+    # Of iterations 2 to 7, those numbered 2, 4 and 5 are within 0.75 m.
+    assert (lost.within_at, lost.within_share, lost.settled_at) == (2, 3 / 6, None)
+    assert (lost.peak_m, lost.diverged_at) == (math.inf, 6)
+    spec = made_up.scenario.spec
+    whole = spec.model_copy(update={"iterations": 5})
+    entry = compete(replace(made_up, scenario=type(made_up.scenario)(whole)), [0, 5], 0.75)
+    assert list(entry.max_m) == pytest.approx([20, 0.5])
+    assert (entry.within_at, entry.within_share, entry.settled_at) == (2, 3 / 4, 4)
+    assert entry.peak_m == pytest.approx(3)
+    never = compete(made_up, [7], 0.2)
+    assert (never.within_at, never.within_share, never.settled_at) == (None, None, None)
+    first = spec.model_copy(update={"iterations": 0})
+    entry = compete(replace(made_up, scenario=type(made_up.scenario)(first)), [0], 0.75)
+    assert entry.peak_m is None
 
 
 def test_run_that_cannot_be_computed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
