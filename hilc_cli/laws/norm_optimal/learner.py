@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.belief import Belief, Identification
+from hilc_cli.laws.norm_optimal.earlier_motion import EarlierMotion
 from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
 from hilc_cli.laws.norm_optimal.motion_fit import fit_motion
 from hilc_cli.laws.norm_optimal.optimal_motion import (
@@ -81,6 +82,7 @@ class NormOptimalLearner:
         self._speed_limit = min(speed_limit, 1e6)
         self._belief = Belief.at_first(model)
         self._measured: MeasuredMotion | None = None
+        self._earlier: EarlierMotion | None = None
         self._identification: Identification | None = None
         self._last: tuple[Robot, Floats] | None = None  # who was planned for, and what
 
@@ -101,7 +103,8 @@ class NormOptimalLearner:
         """
         # On the way to divergence squares overflow; an engine sees that in the next iteration.
         with np.errstate(over="ignore", invalid="ignore"):
-            fit = fit_motion(measured, applied)
+            fit = fit_motion(measured, applied, self._earlier)
+            self._earlier = fit.kept
             believed, self._identification = self._belief.updated(fit, self._sample_time)
             if self._parameters.identify:
                 self._belief = believed
