@@ -21,7 +21,9 @@ from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, Plan
+from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
+from hilc_cli.laws.norm_optimal.rectified import trajectory_inputs
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.robot import Robot, euler_step, limit_wheel_speeds, step_gains
 
@@ -203,7 +205,13 @@ def main() -> None:
             robot.half_track,
             reference.sample_time,
         )
-        print(f"{name}: the limit allows to be on the trajectory from sample {earliest} on")
+        gains = step_gains(robot.wheel_radius, robot.signed_half_track, reference.sample_time)
+        model = Model(*gains, np.zeros((reference.samples, 3)), LIMIT)
+        demand = np.abs(trajectory_inputs(target, model)).max()
+        print(
+            f"{name}: the trajectory asks for {demand:.1f} rad/s; the limit allows to be on it "
+            f"from sample {earliest} on"
+        )
     for title, parameters in SETTINGS.items():
         print(f"\n{title}: trajectory, start, belief, error [mm] after 1, 2, 5, 10 iterations,")
         print("merge sample, fastest wheel [rad/s], time of the law [s]")

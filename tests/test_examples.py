@@ -176,7 +176,6 @@ OTHER_LAWS = {
   feedback_weights: {position: 1/7, heading: 1/11}
   identify: false
   h: 2
-  start_tolerance: 1/7
   memory: 3
   b_w: 600 rpm
 """,

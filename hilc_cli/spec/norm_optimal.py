@@ -7,19 +7,21 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
+from hilc_cli.laws.compensation import has_initial_error
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.robot import Robot
-from hilc_cli.spec.controller import Controller, Setting, default_length, length_misfits
+from hilc_cli.spec.controller import DEFAULT_H, Controller, Setting, length_misfits
 from hilc_cli.spec.model import Flag, Located, Model, valid
 from hilc_cli.spec.quantities import (
     PositiveAngle,
     PositiveLength,
     PositiveWheelSpeed,
     Samples,
-    Tolerance,
 )
+
+_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 
 
 class LearningWeights(Model):
@@ -55,10 +57,7 @@ class NormOptimalController(Controller):
     )
     h: Samples | None = Field(
         None,
-        description="samples until an initial error shall be gone, 1 to n; default 200, or n",
-    )
-    start_tolerance: Tolerance = Field(
-        1e-3, description="an initial error up to this, in m and rad, counts as none"
+        description="samples until an initial error shall be gone, 1 to n; default 200, or n / 4",
     )
     memory: Samples = Field(
         4, description="iterations over which motion that the model does not explain is averaged"
@@ -88,8 +87,7 @@ class NormOptimalController(Controller):
             self.feedback_weights.position,
             self.feedback_weights.heading,
             self.identify,
-            default_length(self.h, setting.reference),
-            self.start_tolerance,
+            _within(self.h, setting.reference),
             self.memory,
         )
         return NormOptimalLaw(parameters, setting.model)
@@ -98,9 +96,25 @@ class NormOptimalController(Controller):
         """What is learned, how, and how long an initial error may last."""
         learned = "wheel speeds, wheel radius and half track" if self.identify else "wheel speeds"
         feedback = "LQR feedback" if self.feedback == "lqr" else "no feedback"
-        h = default_length(self.h, setting.reference)
+        h = _within(self.h, setting.reference)
         return f"norm-optimal learning of {learned}; {feedback}, rectified within {h} samples"
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
-        return {**super().resolved(reference), "h": default_length(self.h, reference)}
+        return {**super().resolved(reference), "h": _within(self.h, reference)}
+
+    def warnings(self, setting: Setting) -> list[str]:
+        """A way in that takes up most of the trajectory."""
+        half, h = max(setting.reference.samples // 2, 1), _within(self.h, setting.reference)
+        off = has_initial_error(setting.initial_error, setting.initial_bound, _NONE)
+        if h <= half or not off:
+            return []
+        return [
+            f"controller.h lets the initial error last for {h} of the trajectory's "
+            f"{setting.reference.samples} samples; give {half} or less to track the rest of it"
+        ]
+
+
+def _within(h: int | None, reference: Reference) -> int:
+    """Samples until an initial error shall be gone; what they are if they are left out."""
+    return min(DEFAULT_H, max(reference.samples // 4, 1)) if h is None else h

@@ -77,7 +77,7 @@ CASES = [
     (
         "norm-optimal-gains",
         law("  law: norm-optimal\n  gains: {l1: 1}\n"),
-        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal; known: b_w, feedback, feedback_weights, h, identify, law, memory, start_tolerance, weights",
+        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal; known: b_w, feedback, feedback_weights, h, identify, law, memory, weights",
     ),
     (
         "norm-optimal-values",

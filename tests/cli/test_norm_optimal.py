@@ -43,6 +43,7 @@ def test_summary_tells_what_was_identified(hilc: Hilc, folder: Path, scenario: s
     assert 0 <= told["wheel_radius_standard_error_m"] < 1e-9
     assert 0 <= told["half_track_standard_error_m"] < 1e-9
     assert told["merge_time_s"] <= 40 * 5e-3 + 1e-9
+    assert told["search_settled"] == 1
     printed = hilc("run", scenario, "--no-plots").out
     assert "Learned: wheel radius" in printed
     assert " 0.2 m, standard error " in printed
@@ -54,6 +55,7 @@ def test_what_is_not_known_yet_is_none(hilc: Hilc, folder: Path, scenario: str) 
     told = json.loads(outcome.out)["learning"]
     assert told["half_track_standard_error_m"] is None  # nothing has moved
     assert told["merge_time_s"] is None
+    assert told["search_settled"] is None
 
 
 def test_sweep_varies_its_parameters(hilc: Hilc, folder: Path, scenario: str) -> None:

@@ -103,12 +103,39 @@ def test_no_limit_is_infinite() -> None:
     assert load_scenario("scenario.yaml", overrides).experiment().speed_limit == math.inf
 
 
+@pytest.mark.parametrize(("samples", "h"), [(1, 1), (3, 1), (80, 20), (2000, 200)])
+def test_default_of_h_leaves_norm_optimal_learning_most_of_the_trajectory(
+    samples: int, h: int
+) -> None:
+    trajectory = {
+        "name": "line",
+        "sample_time": 0.1,
+        "start": {"x": 0, "y": 0, "heading": 0},
+        "segments": [{"line": {"length": 1, "duration": samples * 0.1}}],
+    }
+    overrides = {"trajectory": trajectory, "controller": {"law": "norm-optimal"}}
+    assert load_scenario("scenario.yaml", overrides).resolved()["controller"]["h"] == h
+
+
 WARNED: list[tuple[Mapping[str, object], list[str]]] = [
     ({}, []),
     ({"controller.gains.l2": 1}, []),
     ({"initial_pose.x": 1}, []),
     ({"initial_pose.x": 1, "controller.gains.l2": 1}, ["controller.gains.l2 and l3"]),
     ({"initial_pose.x": 1, "controller.gains.l3": 1}, ["controller.gains.l2 and l3"]),
+    ({"controller": {"law": "norm-optimal", "h": 2}}, []),
+    ({"controller": {"law": "norm-optimal", "h": 1}, "initial_pose.x": 1}, []),
+    (
+        {"controller": {"law": "norm-optimal", "h": 2}, "initial_pose.x": 1},
+        ["controller.h lets the initial error last for 2 of the trajectory's 3 samples"],
+    ),
+    (
+        {
+            "controller": {"law": "norm-optimal", "h": 3},
+            "disturbance.initial_pose.bound": [0, 0, 0.1],
+        },
+        ["controller.h lets the initial error last for 3 of"],
+    ),
     ({"initial_pose.heading": "170 deg"}, []),
     ({"initial_pose.heading": "-190 deg"}, ["initial_pose.heading differs by more than half"]),
 ]

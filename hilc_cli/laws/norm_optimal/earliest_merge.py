@@ -12,32 +12,60 @@ def earliest_merge(
 ) -> int | None:
     """First sample whose pose the platform can have; None if there is none.
 
-    The wheels' limit leaves |speed| + B |yaw rate| <= top speed. A pose therefore takes at least
-    the time of the distance to it and of B times the turns: from the heading at the start into
-    the line there, ahead or backwards, which every path has to take somewhere, and from it into
-    the heading there.
-
     Args:
         trajectory: Poses, shape (n + 1, 3).
         start: Pose of sample 0, shape (3,).
         top_speed: R_c b_w [m/s].
         half_track: B_c [m], > 0.
         sample_time: d_t [s].
-
-    Source:
-        Balkcom and Mason: Time optimal trajectories for bounded velocity differential drive
-        vehicles. Int. J. Robotics Research 21 (2002), 199-217.
     """
-    dx, dy = (trajectory[:, :2] - start[:2]).T
-    line = np.arctan2(dy, dx)
-    # The line may be taken in any half turn; the best is one next to either heading.
-    ends = np.stack([np.full_like(line, start[2]), trajectory[:, 2]])
-    half_turns = (ends - line) / np.pi
-    into = line + np.pi * np.concatenate([np.floor(half_turns), np.ceil(half_turns)])
-    turns = np.abs(into - start[2]) + np.abs(trajectory[:, 2] - into)
-    distance = np.hypot(dx, dy)
-    turning = np.where(distance > 0, turns.min(axis=0), np.abs(trajectory[:, 2] - start[2]))
-    least = (distance + half_track * turning) / top_speed
+    least = shortest_way(trajectory, start, half_track) / top_speed
     # A time that is met exactly counts as met.
     reached = least <= np.arange(len(trajectory)) * sample_time + 1e-12
     return int(np.flatnonzero(reached)[0]) if reached.any() else None
+
+
+def shortest_way(poses: Floats, start: Floats, half_track: float) -> Floats:
+    """Least of what the faster wheel rolls on the way to each pose [m], shape (n + 1,).
+
+    The wheels' limit leaves |speed| + B |yaw rate| <= top speed, so that a way costs its length and
+    B times its turns, whoever drives it. Let its headings fill an interval [lo, hi]. It then turns
+    at least from the start to one end, to the other and to the heading of the pose. With the
+    line to the pose, or its reverse, in the interval, its length is at least the distance d. If it
+    is not, let the headings count from the line, all between 0 and pi: the shortest way is to
+    drive ahead at one end of the interval and back at the other, and has the length
+
+        d sin((lo + hi) / 2) / sin((hi - lo) / 2).
+
+    As both ends are visited anyway, there is a way that costs no more than this, and the least
+    over all intervals is what a way costs at least. It is at an interval of which one end is the
+    start's or the pose's heading, since the sine is concave; the other end follows from the
+    derivative, by half the width w: sin(w)^2 = d sin(the end that is kept) / (4 B).
+
+    Args:
+        poses: Poses, shape (n + 1, 3).
+        start: Where the platform is, shape (3,).
+        half_track: B_c [m], > 0.
+
+    Source:
+        Balkcom and Mason: Time optimal trajectories for bounded velocity differential drive
+        vehicles. Int. J. Robotics Research 21 (2002), 199-217: straight lines and turns in place
+        suffice, zigzags ("tacking") among them.
+    """
+    dx, dy = (poses[:, :2] - start[:2]).T
+    distance, line = np.hypot(dx, dy), np.arctan2(dy, dx)
+    ends = np.stack([np.full_like(line, start[2]), poses[:, 2]]) - line
+    lowest, highest = ends.min(axis=0), ends.max(axis=0)
+    turn = highest - lowest
+    half_turns = np.pi * np.floor(lowest / np.pi)
+    lowest, highest = lowest - half_turns, highest - half_turns
+    has_line = (highest >= np.pi) | (lowest == 0) | (distance == 0)
+    # Where the interval at hand has the line, nothing is to be gained and these do not count.
+    kept = np.where(has_line, np.pi / 2, np.stack([highest, np.pi - lowest]))
+    sine = np.sqrt((distance * np.sin(kept) / (4 * half_track)).clip(0, 1))
+    half = np.arcsin(sine).clip(turn / 2, kept / 2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        length = distance * (np.sin(kept) / np.tan(half) - np.cos(kept))
+    zigzag = (length + half_track * (4 * half - turn)).min(axis=0)
+    shortest: Floats = np.where(has_line, distance + half_track * turn, zigzag)
+    return shortest

@@ -74,13 +74,15 @@ class _AtWork:
         error = np.stack([iteration.error_x, iteration.error_y, iteration.error_heading], axis=1)
         applied = np.stack([iteration.left, iteration.right], axis=1)
         said = self._learner.learn(self._poses - error, applied)
-        merged = None if self._plan is None else self._plan.merge_sample
+        plan = self._plan
+        merged = None if plan is None else plan.merge_sample
         return {
             "wheel_radius_m": said.wheel_radius,
             "wheel_radius_standard_error_m": _known(said.wheel_radius_error),
             "half_track_m": said.half_track,
             "half_track_standard_error_m": _known(said.half_track_error),
             "merge_time_s": math.nan if merged is None else merged * self._reference.sample_time,
+            "search_settled": math.nan if plan is None else float(plan.settled),
         }
 
 

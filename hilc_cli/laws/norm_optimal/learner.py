@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.robot import Robot
 
 _ANOTHER = 0.01  # relative change of wheel radius or half track that makes another platform of it
+_NO_LIMIT = 1e12  # [rad/s], since the search wants a number
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +38,8 @@ class Plan:
         believed: The platform on which the plan is made.
         merge_sample: First sample from which the rectified reference stays on the trajectory
             within a millimetre; 0 without initial error, None if it is not there at the end.
+        settled: Whether both searches ended by themselves, that of the rectified reference and
+            that of the plan; if not, there may be a better plan near this one.
     """
 
     feedforward: Floats
@@ -45,6 +48,7 @@ class Plan:
     identification: Identification | None
     believed: Robot
     merge_sample: int | None
+    settled: bool
 
 
 class NormOptimalLearner:
@@ -78,8 +82,7 @@ class NormOptimalLearner:
         self._parameters = parameters
         self._sample_time = reference.sample_time
         self._trajectory = np.stack([reference.x, reference.y, reference.heading], axis=1)
-        # The interior-point method wants a number; the paper's speeds are below 200.
-        self._speed_limit = min(speed_limit, 1e6)
+        self._speed_limit = min(speed_limit, _NO_LIMIT)
         self._belief = Belief.at_first(model)
         self._measured: MeasuredMotion | None = None
         self._earlier: EarlierMotion | None = None
@@ -133,9 +136,9 @@ class NormOptimalLearner:
                 start,
                 model,
                 self._parameters.h,
-                self._parameters.start_tolerance,
                 self._weights,
             )
+            model = replace(model, speed_limit=rectified.speed_limit)
             best = self._learned(model, rectified)
             gains = self._feedback(model, best.poses)
         self._last = self._belief.robot, best.inputs
@@ -146,6 +149,7 @@ class NormOptimalLearner:
             self._identification,
             self._belief.robot,
             rectified.merged,
+            rectified.settled and best.settled,
         )
 
     def _model(self) -> Model:

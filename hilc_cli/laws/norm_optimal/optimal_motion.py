@@ -6,6 +6,7 @@ found anew, and so on (Gauss and Newton's method, in control known as iterative 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, along_m
 from hilc_cli.laws.norm_optimal.motion import closed_loop
 from hilc_cli.reference.sampled import Floats
 
-MOST_STEPS = 30
+MOST_STEPS = 100
 _SHORTEST = 2.0**-10  # of a step along the search direction
 _SETTLED = 1e-4  # relative gain of a step at which the search ends
 _EXACT = 1e-9  # share of the cost that the bounded problem may miss
@@ -98,7 +99,7 @@ def optimal_motion(
     cost = aim.cost(inputs, poses)
     damping = 0.0
     steps = 0
-    while steps < most_steps:
+    while steps < most_steps and math.isfinite(cost):  # it is not on the way to divergence
         steps += 1
         # Damping is a cost of leaving the motion at hand; it is 0 unless a search has failed.
         found = _searched(model, aim, inputs, poses, cost, damping * aim.input_weight)
@@ -108,20 +109,38 @@ def optimal_motion(
             damping = max(10 * damping, 1.0)
             continue
         before = cost
-        inputs, poses, cost = found
+        inputs, poses, cost = found.inputs, found.poses, found.cost
         damping = 0.0 if damping < 1 else damping / 10
         if before - cost <= _SETTLED * before:
             return OptimalMotion(inputs, poses, cost, steps, settled=True)
     return OptimalMotion(inputs, poses, cost, steps, settled=False)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Step:
+    """A step of the search: the wheel speeds that it brings, and what they do.
+
+    Attributes:
+        inputs: Wheel speeds [rad/s], shape (n, 2).
+        poses: Where they bring the model, shape (n + 1, 3).
+        cost: What it costs.
+        length: Share of the way to the solution of the linear quadratic problem.
+    """
+
+    inputs: Floats
+    poses: Floats
+    cost: float
+    length: float
+
+
 def _searched(
     model: Model, aim: Aim, inputs: Floats, poses: Floats, cost: float, damping: float
-) -> tuple[Floats, Floats, float] | None:
-    """A motion that does not cost more, and its cost; None if none is found.
+) -> _Step | None:
+    """A motion that does not cost more; None if none is found.
 
-    Ever shorter steps are tried along the solution of the linear quadratic problem, each with its
-    feedback, so that the motion goes where it is expected.
+    It lies on the way to the solution of the linear quadratic problem. The motion goes there with
+    the problem's feedback, which brings it where it is expected; if that does not do for the whole
+    way, because the limit does not let it, also without.
     """
     steps, directions = along_motion(poses)
     problem = LinearQuadratic(
@@ -136,21 +155,48 @@ def _searched(
     )
     limit = model.speed_limit
     best = bounded_changes(problem, -limit - inputs, limit - inputs, _EXACT * (1 + cost))
-    moved = problem.moved(best.changes)
+    way = best.changes, problem.moved(best.changes)
+    found = _best_step(model, aim, inputs, poses, cost, *way, best.gains)
+    if found is not None and found.length == 1:
+        return found
+    other = _best_step(model, aim, inputs, poses, cost, *way, np.zeros_like(best.gains))
+    if found is None or (other is not None and other.cost < found.cost):
+        return other
+    return found
+
+
+def _best_step(
+    model: Model,
+    aim: Aim,
+    inputs: Floats,
+    poses: Floats,
+    cost: float,
+    changes: Floats,
+    moved: Floats,
+    gains: Floats,
+) -> _Step | None:
+    """The best of steps of which each is half of the one before; None if all cost more.
+
+    The first that costs less is not enough: far from what the wheels can follow, it may be hardly
+    better than none, and a fourth of it much.
+    """
+    found: _Step | None = None
     length = 1.0
     while length >= _SHORTEST:
         tried, reached = closed_loop(
             poses[0],
-            inputs + length * best.changes,
+            inputs + length * changes,
             poses + length * moved,
-            best.gains,
-            limit,
+            gains,
+            model.speed_limit,
             model.distance_gain,
             model.turn_gain,
             model.drift,
         )
         new_cost = aim.cost(tried, reached)
+        if found is not None and new_cost >= found.cost:
+            break
         if new_cost <= cost:
-            return tried, reached, new_cost
+            found = _Step(tried, reached, new_cost, length)
         length /= 2
-    return None
+    return found

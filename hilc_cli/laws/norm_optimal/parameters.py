@@ -28,7 +28,6 @@ class NormOptimalParameters:
         identify: Whether wheel radius and half track are estimated anew after each iteration.
         h: Samples within which the platform shall be on the trajectory after an initial error,
             where the speed limit allows it, >= 1.
-        start_tolerance: An initial error up to this [m and rad] counts as none.
         memory: Number of iterations over which motion that the model does not explain is
             averaged, >= 1; without identification always the last one alone.
     """
@@ -41,5 +40,4 @@ class NormOptimalParameters:
     feedback_heading: float = 0.1
     identify: bool = True
     h: int = 200
-    start_tolerance: float = 1e-3
     memory: int = 4

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import secrets
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -152,6 +153,24 @@ def test_noise_does_not_add_up_over_a_hundred_iterations(identify: bool) -> None
     assert errors[5:].max() < 0.03
 
 
+def test_noise_at_the_start_does_not_cut_corners() -> None:
+    # Readings up to 20 mm off in x and y look like an initial error; the corner comes before h.
+    reference = build_reference(
+        "corner",
+        (0.0, 0.0, 0.0),
+        [LinePlan(length=2.0, duration=0.5), LinePlan(to=(2.0, 4.0), duration=1.0)],
+        0.005,
+        corners=True,
+    )
+    parameters = NormOptimalParameters(h=200)
+    exact = Workplace(reference, (0.0, 0.0, 0.0), PLATFORM, parameters)
+    noisy = replace(exact, disturbance=Disturbance(1, output=noise((0.02, 0.02, 0.02))))
+    least = exact.position_error(exact.learn(2)[-1]).max()
+    errors = [exact.position_error(learned).max() for learned in noisy.learn(10)[1:]]
+    assert least < 0.02
+    assert max(errors) < least + 0.02 * math.sqrt(2)
+
+
 def test_platform_at_rest_changes_no_belief() -> None:
     reference = rounded(1.0)
     learner = NormOptimalLearner(NormOptimalParameters(), reference, BELIEFS["small"], LIMIT)
@@ -215,3 +234,5 @@ def test_numbers_on_the_way_to_divergence_end_without_an_error(size: float) -> N
     poses = poses_of(reference) + size * np.arange(n + 1)[:, None]
     plan = learner.next(poses, np.full((n, 2), size))
     assert plan.feedforward.shape == (n, 2)
+    if size > 1e50:
+        assert not plan.settled

@@ -98,3 +98,56 @@ def test_closed_loop_feeds_back_within_the_limit() -> None:
     )
     # 1 - 10 * 0.1, and 1 + 100 * 0.2 - 5 * 0.4 = 19, above the limit.
     assert applied[0] == pytest.approx([0, 15])
+
+
+@pytest.mark.parametrize("share", [0.35, 0.6])
+def test_search_settles_where_the_wheels_are_far_too_slow(share: float) -> None:
+    """A circle in one second, of which the wheels can roll a share; a quasi-Newton method goes on.
+
+    Its derivatives: the cost of a step is carried back through x, y and heading.
+    """
+    n, gain, ratio = 60, 1e-3, 2.0
+    turns = np.linspace(0, 2 * np.pi, n + 1)
+    target = np.stack([10 * np.sin(turns), 10 - 10 * np.cos(turns), turns], axis=1)
+    step = 2 * np.pi / n
+    own = np.tile([10 * step / (2 * gain) + step / (2 * ratio * gain)], (n, 2))
+    own[:, 1] -= step / (ratio * gain)
+    limit = share * float(own.max())
+    model = Model(gain, ratio * gain, np.zeros((n, 3)), limit)
+    aim = Aim(target, np.tile([1e8, 400.0], (n + 1, 1)), own, 0.01)
+
+    def cost(flat: Floats) -> tuple[float, Floats]:
+        inputs = flat.reshape(n, 2)
+        ahead, turn = gain * inputs.sum(axis=1), ratio * gain * (inputs[:, 0] - inputs[:, 1])
+        heading = np.concatenate([[0], np.cumsum(turn)])
+        cos, sin = np.cos(heading[:-1]), np.sin(heading[:-1])
+        x, y = np.cumsum(ahead * cos), np.cumsum(ahead * sin)
+        off = np.stack([x, y, heading[1:]], axis=1) - target[1:]
+        weighted = off * [1e8, 1e8, 400.0]
+        change = inputs - own
+        total = (weighted * off).sum() / 2 + 0.01 * np.square(change).sum() / 2
+        by_x, by_y, by_heading = np.cumsum(weighted[::-1], axis=0)[::-1].T
+        # A heading at sample k turns the steps from k on.
+        turned = np.cumsum((ahead * (cos * by_y - sin * by_x))[::-1])[::-1]
+        by_turn = by_heading + np.append(turned[1:], 0)
+        by_ahead = cos * by_x + sin * by_y
+        slope = gain * np.stack([by_ahead + ratio * by_turn, by_ahead - ratio * by_turn], axis=1)
+        return float(total), (slope + 0.01 * change).ravel()
+
+    inputs = share * own  # the circle, too slow
+    _, poses = closed_loop(
+        target[0], inputs, target, np.zeros((n, 2, 3)), limit, gain, ratio * gain, model.drift
+    )
+    found = optimal_motion(model, aim, inputs, poses)
+    assert found.settled
+    assert found.steps < 40
+    assert found.cost == pytest.approx(cost(found.inputs.ravel())[0], rel=1e-9)
+    further = minimize(
+        cost,
+        found.inputs.ravel(),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=[(-limit, limit)] * (2 * n),
+        options={"maxiter": 1000, "ftol": 1e-15, "gtol": 1e-6},
+    )
+    assert found.cost <= further.fun * (1 + 2e-3)
