@@ -34,7 +34,7 @@ _TILT = 0.25
 Between 0, all odds alike, by which standard errors of few samples are too small, and 0.5, all
 standard deviations alike, by which those without drift are three times too large.
 """
-_ROUNDS = 8  # of gain and variances in turn
+_ROUNDS = 8  # of gain and ratio in turn
 _NEGLIGIBLE = 1e-3  # a chance, compared with the largest, that is not followed up
 
 Indices = NDArray[np.intp]
@@ -102,16 +102,18 @@ def likely_noise_ratios(
     in_contrasts = (iterations - 1) * n
     freedom = iterations * n - 1 if varies else iterations * n
     repeats = np.arange(len(new)) >= len(shares)
-    # Variance of the noise of the sum over that of the contrasts.
-    ratio, gain, information = lowest.copy(), np.zeros(len(new)), np.zeros(len(new))
-    for _ in range(_ROUNDS if iterations > 1 else 1):
+    ratio, gain, information = lowest, np.zeros(len(new)), np.zeros(len(new))
+    for last in range(_ROUNDS, -1, -1):
         if varies:
             information = first[2] + second[2] / ratio
             gain = (first[1] + second[1] / ratio) / information
         left = np.maximum(_unexplained(first, gain), in_contrasts * rounding**2)
         right = np.maximum(_unexplained(second, gain), n * rounding**2)
-        if iterations > 1:
-            ratio = np.where(repeats, np.maximum(lowest, right * (iterations - 1) / left), 1.0)
+        if iterations == 1 or not last:
+            break
+        # Variance of the noise of the sum over that of the contrasts.
+        free = right * (iterations - 1) / left
+        ratio = np.where(repeats, np.maximum(lowest, free), 1.0)
     variance = (left + right / ratio) / freedom
     deviance = freedom * np.log(variance) + n * np.log(ratio) + first[3] + second[3]
     deviance -= 2 * _TILT * (np.log(shares[new]) + np.where(repeats, np.log(shares[both]), 0.0))
