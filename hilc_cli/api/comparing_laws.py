@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
-from hilc_cli.errors import ExistingResultsError, UsageError, suggestion
-from hilc_cli.files import merge_folder
+from hilc_cli.api.circumstances import circumstances
+from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.results.comparison import ComparisonTable
 from hilc_cli.results.comparison_tables import csv_text, latex_text, markdown_text
 from hilc_cli.results.leaderboard import (
@@ -15,6 +18,11 @@ from hilc_cli.results.leaderboard import (
     entries_table,
     laws_table,
     settings_table,
+)
+from hilc_cli.results.leaderboard_folder import (
+    TABLES,
+    check_leaderboard_folder,
+    write_leaderboard_folder,
 )
 from hilc_cli.spec.leaderboard import Leaderboard, load_leaderboard
 from hilc_cli.sweeping.contests import Contests, hold
@@ -28,7 +36,7 @@ __all__ = [
     "load_leaderboard",
 ]
 
-FILES = {"csv": "leaderboard.csv", "markdown": "leaderboard.md", "latex": "leaderboard.tex"}
+_LIBRARIES = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,9 +45,13 @@ class LawComparison:
 
     Attributes:
         data: All entries.
+        checksum: Of all that the results depend on.
+        how: What the manifest tells of the computation.
     """
 
     data: LeaderboardData
+    checksum: str
+    how: Mapping[str, Any]
 
     @property
     def laws(self) -> dict[str, ComparisonTable]:
@@ -67,8 +79,8 @@ class LawComparison:
         """
         if kind == "csv":
             return csv_text(self.entries)
-        if kind not in FILES:
-            raise UsageError(f"unknown kind of table '{kind}'; {suggestion(kind, FILES)}")
+        if kind not in TABLES:
+            raise UsageError(f"unknown kind of table '{kind}'; {suggestion(kind, TABLES)}")
         tables = [*self.laws.values(), self.settings]
         if kind == "latex":
             return "\n".join(map(latex_text, tables))
@@ -81,51 +93,51 @@ class LawComparison:
         force: bool = False,
         formats: Sequence[str] = ("png",),
         plots: bool = True,
+        command: Sequence[str] = (),
     ) -> list[Path]:
-        """Writes leaderboard.csv, leaderboard.md, leaderboard.tex and the picture.
+        """Writes the folder: leaderboard.csv, leaderboard.md, leaderboard.tex and the picture.
 
         Args:
-            folder: Where to put them; made if it is not there.
-            force: Replace files of the same name.
+            folder: The very folder that is written; it is there as a whole or not at all.
+            force: Replace the folder of another leaderboard.
             formats: Of the picture: png, svg, pdf.
             plots: Whether to draw it.
+            command: Command line to note in the manifest.
 
         Returns:
             The files.
 
         Raises:
-            ExistingResultsError: A file of that name stands there; nothing is written then.
-            FileAccessError: They cannot be written.
+            ExistingResultsError: The folder holds another leaderboard, or is no leaderboard
+                folder.
+            FileAccessError: It cannot be written.
             UsageError: There is no such picture format.
         """
-        names: list[str] = []
 
-        def fill(into: Path) -> None:
-            for kind, name in FILES.items():
-                (into / name).write_text(self.text(kind), encoding="utf-8", newline="")
-                names.append(name)
-            if plots:
-                from hilc_cli.figures.leaderboard import (
-                    save_leaderboard,
-                )  # Matplotlib starts slowly
+        def draw(into: Path) -> None:
+            from hilc_cli.figures.leaderboard import save_leaderboard  # Matplotlib starts slowly
 
-                names.extend(path.name for path in save_leaderboard(self.data, into, formats))
+            save_leaderboard(self.data, into, formats)
 
-        merge_folder(Path(folder), fill, lambda file: force, or_same=True)
-        return [Path(folder) / name for name in names]
+        return write_leaderboard_folder(
+            Path(folder),
+            {kind: self.text(kind) for kind in TABLES},
+            lambda: {**self.how, "command": list(command)},
+            checksum=self.checksum,
+            force=force,
+            draw=draw if plots else None,
+        )
 
 
-def check_leaderboard_output(folder: str | Path, *, force: bool = False) -> None:
+def check_leaderboard_output(
+    leaderboard: Leaderboard, folder: str | Path, *, force: bool = False
+) -> None:
     """Whether the results may be written to a folder, before minutes are spent on them.
 
     Raises:
-        ExistingResultsError: Results of another leaderboard stand there.
+        ExistingResultsError: The folder holds another leaderboard, or is no leaderboard folder.
     """
-    there = [Path(folder) / name for name in FILES.values() if (Path(folder) / name).exists()]
-    if there and not force:
-        raise ExistingResultsError(
-            f"{there[0]}: exists; choose another folder with --out, or replace it with --force"
-        )
+    check_leaderboard_folder(Path(folder), leaderboard.checksum(), force=force)
 
 
 def compare_laws(
@@ -148,7 +160,16 @@ def compare_laws(
         FailedContestError: A run cannot be computed.
         WorkersError: Processes cannot be started.
     """
+    started, clock = datetime.now(UTC), time.perf_counter()
     spec = leaderboard.spec
     contests = Contests(tuple(leaderboard.contests()), spec.after, spec.tolerance)
     entries = hold(contests, workers or available_cores(), on_runs, go_on)
-    return LawComparison(LeaderboardData(spec.name, spec.after, spec.tolerance, entries))
+    return LawComparison(
+        LeaderboardData(spec.name, spec.after, spec.tolerance, entries),
+        leaderboard.checksum(),
+        {
+            **circumstances(started, _LIBRARIES),
+            "timings_s": {"computation": time.perf_counter() - clock},
+            "inputs_sha256": dict(leaderboard.checksums),
+        },
+    )

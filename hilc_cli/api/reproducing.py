@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import platform
-import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from hilc_cli.api.circumstances import circumstances, versions
 from hilc_cli.api.running import Run, run
 from hilc_cli.errors import UsageError
 from hilc_cli.paper.claim import Claim, Finding
@@ -19,7 +17,6 @@ from hilc_cli.paper.contents import FIGURES
 from hilc_cli.paper.folder import check_reproduction_folder, write_reproduction_folder
 from hilc_cli.paper.names import with_shown
 from hilc_cli.paper.plan import ReproductionPlan
-from hilc_cli.version import __version__
 
 _LIBRARIES = ("matplotlib", "numpy", "pydantic", "pyyaml")
 DPI = 300
@@ -85,10 +82,8 @@ class Reproduction:
         def manifest() -> Mapping[str, Any]:
             timings["figures and tables"] = time.perf_counter() - clock
             return {
-                "versions": _versions(),
-                "platform": f"{sys.platform} {platform.machine()}",
+                **circumstances(self.started, _LIBRARIES),
                 "command": list(command),
-                "started": self.started.isoformat(timespec="seconds"),
                 "timings_s": {**self.timings, **timings},
             }
 
@@ -102,7 +97,7 @@ class Reproduction:
             formats=with_shown(chosen),
             dpi=dpi,
             command=_command(self.plan, chosen, dpi),
-            versions=_versions(),
+            versions=versions(_LIBRARIES),
             force=force,
             on_figure=on_step,
         )
@@ -139,14 +134,6 @@ def check_reproduction(plan: ReproductionPlan, folder: str | Path, *, force: boo
         ExistingResultsError: The folder holds something else.
     """
     check_reproduction_folder(Path(folder), plan, force=force)
-
-
-def _versions() -> dict[str, str]:
-    return {
-        "hilc": __version__,
-        "python": platform.python_version(),
-        **{library: version(library) for library in _LIBRARIES},
-    }
 
 
 def _command(plan: ReproductionPlan, formats: Sequence[str], dpi: int) -> str:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import platform
-import sys
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Protocol
 
+from hilc_cli.api.circumstances import circumstances
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, UsageError
@@ -26,7 +24,6 @@ from hilc_cli.results.trial import Trial
 from hilc_cli.spec.loading import load_scenario
 from hilc_cli.spec.settings import settings_of
 from hilc_cli.spec.valid import Scenario
-from hilc_cli.version import __version__
 
 __all__ = [
     "Run",
@@ -134,14 +131,8 @@ class Run(RunData):
             "gravity_center_m": list(self.gravity_center),
             "diverged_at": self.diverged_at,
             "seed": spec.disturbance.seed,
-            "versions": {
-                "hilc": __version__,
-                "python": platform.python_version(),
-                **{library: version(library) for library in _LIBRARIES},
-            },
-            "platform": f"{sys.platform} {platform.machine()}",
+            **circumstances(self.started, _LIBRARIES),
             "command": list(command),
-            "started": self.started.isoformat(timespec="seconds"),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
         }

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import platform
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from datetime import datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +12,9 @@ from hilc_cli.results.sweep import SweepData
 from hilc_cli.results.sweep_folder import write_sweep_folder
 from hilc_cli.results.sweep_summary import SweepSummary, summarise_sweep
 from hilc_cli.sweeping.chunks import Failure
-from hilc_cli.version import __version__
 
-_LIBRARIES = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
+LIBRARIES = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
+"""That take part in a sweep."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,19 +99,6 @@ class Sweep(SweepData):
             parquet="parquet" in formats,
             go_on=go_on,
         )
-
-
-def circumstances(started: datetime) -> dict[str, Any]:
-    """What the manifest tells of when and with what a sweep was computed."""
-    return {
-        "versions": {
-            "hilc": __version__,
-            "python": platform.python_version(),
-            **{library: version(library) for library in _LIBRARIES},
-        },
-        "platform": f"{sys.platform} {platform.machine()}",
-        "started": started.isoformat(timespec="seconds"),
-    }
 
 
 def as_fields(data: SweepData) -> dict[str, Any]:

@@ -9,8 +9,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from hilc_cli.api.circumstances import circumstances
 from hilc_cli.api.search_results import beside_cases, how_searched
-from hilc_cli.api.sweep_results import Sweep, as_fields, circumstances
+from hilc_cli.api.sweep_results import LIBRARIES, Sweep, as_fields
 from hilc_cli.errors import UsageError
 from hilc_cli.results.run_folder import SCENARIO
 from hilc_cli.spec.sweeping import plan_of
@@ -128,7 +129,7 @@ def sweep(
         scenario_yaml=plan.resolved_yaml(),
         initial_input=given and (scenario.spec.trajectory.sample_time, *given),
         how={
-            **circumstances(started),
+            **circumstances(started, LIBRARIES),
             **({} if found is None else {"search": how_searched(plan)}),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(scenario.checksums),
@@ -210,7 +211,7 @@ def merge_shards(
             checksum=header["checksum"],
             scenario_yaml=(Path(folders[0]) / SCENARIO).read_text(encoding="utf-8"),
             initial_input=initial_input,
-            how={**circumstances(started), "shards": len(stores)},
+            how={**circumstances(started, LIBRARIES), "shards": len(stores)},
         )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -187,12 +186,12 @@ def _document(feasibility: Feasibility) -> dict[str, object]:
     fastest = demand.fastest.fastest_wheel
     return {
         "feasible": feasibility.feasible,
-        "speed_limit_rad_s": _finite(limits.wheel_speed),
+        "speed_limit_rad_s": limits.wheel_speed,
         "friction": limits.friction,
-        "max_wheel_speed_rad_s": _finite(fastest),
-        "share_of_speed_limit": _finite(feasibility.share(fastest)),
-        "max_lateral_acceleration_m_s2": _finite(demand.sharpest.lateral_acceleration),
-        "needed_friction": _finite(feasibility.needed_friction),
+        "max_wheel_speed_rad_s": fastest,
+        "share_of_speed_limit": feasibility.share(fastest),
+        "max_lateral_acceleration_m_s2": demand.sharpest.lateral_acceleration,
+        "needed_friction": feasibility.needed_friction,
         "segments": [
             {
                 "name": segment.name,
@@ -201,11 +200,11 @@ def _document(feasibility: Feasibility) -> dict[str, object]:
                 "duration_s": segment.duration,
                 "length_m": segment.length,
                 "turn_rad": segment.turn,
-                "speed_m_s": _finite(segment.speed),
-                "yaw_rate_rad_s": _finite(segment.yaw_rate),
-                "max_wheel_speed_rad_s": _finite(segment.fastest_wheel),
-                "max_wheel_acceleration_rad_s2": _finite(segment.wheel_acceleration),
-                "lateral_acceleration_m_s2": _finite(segment.lateral_acceleration),
+                "speed_m_s": segment.speed,
+                "yaw_rate_rad_s": segment.yaw_rate,
+                "max_wheel_speed_rad_s": segment.fastest_wheel,
+                "max_wheel_acceleration_rad_s2": segment.wheel_acceleration,
+                "lateral_acceleration_m_s2": segment.lateral_acceleration,
                 "feasible": feasibility.keeps(segment, segment.samples),
                 "least_duration_s": _least_duration(feasibility, segment),
             }
@@ -215,11 +214,11 @@ def _document(feasibility: Feasibility) -> dict[str, object]:
             {
                 "name": joint.name,
                 "sample": joint.sample,
-                "left_jump_rad_s": _finite(joint.left_jump),
-                "right_jump_rad_s": _finite(joint.right_jump),
+                "left_jump_rad_s": joint.left_jump,
+                "right_jump_rad_s": joint.right_jump,
                 "corner_rad": joint.corner,
-                "corner_wheel_speed_rad_s": _finite(joint.corner_wheel),
-                "corner_lateral_acceleration_m_s2": _finite(joint.corner_lateral),
+                "corner_wheel_speed_rad_s": joint.corner_wheel,
+                "corner_lateral_acceleration_m_s2": joint.corner_lateral,
                 "feasible": feasibility.turns(joint),
             }
             for joint in demand.joints
@@ -230,8 +229,3 @@ def _document(feasibility: Feasibility) -> dict[str, object]:
 def _least_duration(feasibility: Feasibility, segment: SegmentDemand) -> float | None:
     samples = feasibility.least_samples(segment)
     return None if samples is None else samples * feasibility.demand.sample_time
-
-
-def _finite(number: float | None) -> float | None:
-    """A number as JSON has it, where there is no infinity."""
-    return None if number is None or not math.isfinite(number) else number

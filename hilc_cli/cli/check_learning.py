@@ -128,23 +128,20 @@ def _document(check: Check, found: Forecast) -> dict[str, object]:
     return {
         "verdict": found.outcome(check.scenario.spec.iterations).value,
         "settles": found.settles,
-        "spectral_radius": _finite(found.spectral_radius),
-        "largest_singular_value": _finite(found.singular_value.value),
+        "spectral_radius": found.spectral_radius,
+        "largest_singular_value": found.singular_value.value,
         "largest_singular_value_is_known": found.singular_value.is_known,
         "monotone": found.is_monotone,
-        "ripple_factor": _finite(found.ripple.factor),
+        "ripple_factor": found.ripple.factor,
         "ripple_period_samples": found.ripple.period,
         "predicted_iterations": transient.iterations,
-        "predicted_peak_growth": _finite(transient.peak_growth),
+        "predicted_peak_growth": transient.peak_growth,
         "predicted_peak_iteration": transient.peak_iteration,
-        "predicted_max_position_error_m": _finite(math.nan if predicted is None else predicted),
+        "predicted_max_position_error_m": predicted,
         "predicted_rough_from_iteration": transient.rough_from,
-        "predicted_max_position_error_by_iteration_m": [
-            _finite(error)
-            for error in transient.max_position_error_m[
-                : check.scenario.spec.iterations + 1
-            ].tolist()
-        ],
+        "predicted_max_position_error_by_iteration_m": transient.max_position_error_m[
+            : check.scenario.spec.iterations + 1
+        ].tolist(),
         "predicted_settled_at": {
             label: transient.settled_at(share) for label, share in RELATIVE_TOLERANCES.items()
         },
@@ -175,8 +172,3 @@ def _simulated(summary: Summary) -> dict[str, object]:
         "settled_at": summary.settled_at,
         "diverged_at": summary.diverged_at,
     }
-
-
-def _finite(number: float) -> float | None:
-    """A number as JSON has it, where there is no infinity."""
-    return number if math.isfinite(number) else None

@@ -212,10 +212,10 @@ def _document(
 ) -> dict[str, object]:
     document: dict[str, object] = {
         "theorem": found.theorem,
-        "rho_theorem_1_printed": _finite(found.theorem_1_printed.rho),
-        "rho_theorem_1_simulated": _finite(found.theorem_1_simulated.rho),
-        "rho_theorem_2_printed": _finite(found.theorem_2_printed.rho),
-        "rho_theorem_2_simulated": _finite(found.theorem_2_simulated.rho),
+        "rho_theorem_1_printed": found.theorem_1_printed.rho,
+        "rho_theorem_1_simulated": found.theorem_1_simulated.rho,
+        "rho_theorem_2_printed": found.theorem_2_printed.rho,
+        "rho_theorem_2_simulated": found.theorem_2_simulated.rho,
         "starts_on_reference": found.starts_on_reference,
         "bounds": {name: _bounds_document(theory) for name, theory in theories.items()},
     }
@@ -223,9 +223,9 @@ def _document(
         document["simulated"] = {
             name: {
                 quantity: {
-                    "last_log10": _finite(part.over_last(_LAST)),
-                    "smallest_looseness_log10": _finite(float(part.looseness.min())),
-                    "limit_looseness_log10": _finite(part.limit_looseness(_LAST)),
+                    "last_log10": part.over_last(_LAST),
+                    "smallest_looseness_log10": float(part.looseness.min()),
+                    "limit_looseness_log10": part.limit_looseness(_LAST),
                     "limit_violated": part.limit_violated(_LAST),
                     "violated_iterations": [int(position) for position in part.violated],
                 }
@@ -244,12 +244,8 @@ def _bounds_document(theory: Bounds) -> dict[str, object]:
         "A": theory.A,
         "B": theory.B,
         "has_limit": theory.has_limit,
-        "input_limit_log10": _finite(theory.input_limit),
-        "state_limit_log10": _finite(theory.state_limit),
-        "output_limit_log10": _finite(theory.output_limit),
+        # Not finite, which becomes null: no bound or, with a limit, a bound of zero.
+        "input_limit_log10": theory.input_limit,
+        "state_limit_log10": theory.state_limit,
+        "output_limit_log10": theory.output_limit,
     }
-
-
-def _finite(number: float) -> float | None:
-    """A number as JSON has it: null for no bound and, with a limit, for a bound of zero."""
-    return number if math.isfinite(number) else None

@@ -71,7 +71,8 @@ def compare(
     table. Folders of earlier comparisons are left out. Nothing is simulated.
 
     With --laws, runs each law of a leaderboard in each of its cases, and writes leaderboard.csv
-    (all runs), .md, .tex and .png to runs/NAME.
+    (all runs), .md, .tex and .png to runs/NAME. The same leaderboard replaces that folder; another
+    one does so only with --force.
 
     \b
     Examples:
@@ -152,24 +153,15 @@ def _tell(result: Comparison, folder: Path, kind: TableKind) -> None:
 
 
 def _document(result: Comparison, folder: Path, files: list[Path]) -> dict[str, object]:
-    from math import isfinite
-
     table = result.table
-    names = [column.name for column in table.columns]
     titles = [str(row.values[0]) for row in table.rows]
     return {
         "folder": str(folder),
         "files": [str(file) for file in files],
-        "runs": [
-            {
-                name: None if isinstance(value, float) and not isfinite(value) else value
-                for name, value in zip(names, row.values, strict=True)
-            }
-            for row in table.rows
-        ],
+        "runs": table.records(),
         "best": {
-            name: [titles[number] for number in sorted(table.best(place))]
-            for place, name in enumerate(names)
-            if table.columns[place].is_ranked
+            column.name: [titles[number] for number in sorted(table.best(place))]
+            for place, column in enumerate(table.columns)
+            if column.is_ranked
         },
     }

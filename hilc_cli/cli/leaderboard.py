@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,6 @@ from hilc_cli.cli.terminal import print_json, print_text, progress, say
 
 if TYPE_CHECKING:
     from hilc_cli.api import LawComparison
-    from hilc_cli.results.comparison import ComparisonTable
 
 
 def compare_laws(
@@ -36,7 +35,7 @@ def compare_laws(
         session: Of this program.
         table: terminal, csv, markdown or latex.
         out: The folder; None: runs/NAME.
-        force: Replace files of the same name.
+        force: Replace the folder of another leaderboard.
         formats: Of the picture.
         plots: Whether to draw it.
         workers: Processes; None: all cores.
@@ -45,18 +44,16 @@ def compare_laws(
         verbose: Print all runs as well.
     """
     from hilc_cli import api
-    from hilc_cli.cli.several_runs import check_shared_folder
     from hilc_cli.figures.save import check_format
 
     for name in formats:
         check_format(name)
     valid = api.load_leaderboard(leaderboard)
     folder = Path("runs") / valid.name if out is None else out
-    check_shared_folder(folder)
-    api.check_leaderboard_output(folder, force=force)
+    api.check_leaderboard_output(valid, folder, force=force)
     with progress(valid.name, valid.size, quiet=quiet) as advance:
         result = api.compare_laws(valid, workers=workers, on_runs=advance, go_on=session.go_on)
-    files = result.write(folder, force=force, formats=formats, plots=plots)
+    files = result.write(folder, force=force, formats=formats, plots=plots, command=sys.argv)
     if json:
         print_json(_document(result, folder, files))
     elif not quiet:
@@ -80,19 +77,7 @@ def _document(result: LawComparison, folder: Path, files: Sequence[Path]) -> dic
     return {
         "folder": str(folder),
         "files": [str(file) for file in files],
-        "laws": {name: _rows(table) for name, table in result.laws.items()},
-        "worst_max_position_error_m": _rows(result.settings),
-        "runs": _rows(result.entries),
+        "laws": {name: table.records() for name, table in result.laws.items()},
+        "worst_max_position_error_m": result.settings.records(),
+        "runs": result.entries.records(),
     }
-
-
-def _rows(table: ComparisonTable) -> list[dict[str, object]]:
-    """The rows by column; None for what is not finite."""
-    names = [column.name for column in table.columns]
-    return [
-        {
-            name: None if isinstance(value, float) and not isfinite(value) else value
-            for name, value in zip(names, row.values, strict=True)
-        }
-        for row in table.rows
-    ]

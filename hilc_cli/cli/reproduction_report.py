@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -46,7 +45,7 @@ def document(result: Reproduction, folder: Path, formats: Sequence[str]) -> dict
     return {
         "folder": str(folder),
         "figures": [_figure(figure, formats) for figure in result.plan.figures],
-        "runs": {name: _finite(run.metrics.row(-1)) for name, run in result.runs.items()},
+        "runs": {name: run.metrics.row(-1) for name, run in result.runs.items()},
         "claims": [_claim(claim, finding) for claim, finding in result.judged] or None,
     }
 
@@ -80,16 +79,8 @@ def _claim(claim: Claim, finding: Finding) -> dict[str, Any]:
         "criterion": claim.criterion,
         "verdict": finding.verdict.value,
         "figures": [
-            {"name": figure.name, "unit": figure.unit, **_finite({"value": figure.value})}
+            {"name": figure.name, "unit": figure.unit, "value": figure.value}
             for figure in finding.figures
         ],
         "reason": finding.reason,
-    }
-
-
-def _finite(values: dict[str, Any]) -> dict[str, Any]:
-    """Numbers with what is not finite as null, which JSON has no number for."""
-    return {
-        name: value if value is None or math.isfinite(value) else None
-        for name, value in values.items()
     }

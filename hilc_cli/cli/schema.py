@@ -15,6 +15,7 @@ class SchemaKind(StrEnum):
 
     TRAJECTORY = "trajectory"
     SCENARIO = "scenario"
+    LEADERBOARD = "leaderboard"
 
 
 def schema(
@@ -24,11 +25,13 @@ def schema(
 ) -> None:
     """Print the JSON Schema of YAML files.
 
-    Editors that know it check and complete trajectory and scenario files as they are written.
+    Editors that know it check and complete trajectory, scenario and leaderboard files as they are
+    written.
 
     \b
-    Example:
+    Examples:
       hilc schema scenario > hilc-scenario.schema.json
+      hilc schema leaderboard > hilc-leaderboard.schema.json
     """
     from hilc_cli.cli.terminal import print_json
     from hilc_cli.spec.schema import json_schema

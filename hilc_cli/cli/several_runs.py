@@ -40,11 +40,13 @@ def without_comparisons(folders: Sequence[Path]) -> list[Path]:
     """
     from hilc_cli.cli.terminal import say
     from hilc_cli.results.comparison_tables import FILES
+    from hilc_cli.results.leaderboard_folder import is_leaderboard_folder
     from hilc_cli.results.run_folder import ITERATIONS
 
     kept = []
     for folder in folders:
-        if (folder / FILES["csv"]).is_file() and not (folder / ITERATIONS).exists():
+        has_table = (folder / FILES["csv"]).is_file() and not (folder / ITERATIONS).exists()
+        if has_table or is_leaderboard_folder(folder):
             say(f"{folder}: holds a comparison and no run, so it is left out")
         else:
             kept.append(folder)

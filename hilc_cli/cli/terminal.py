@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -13,6 +14,7 @@ from hilc_cli.errors import FileAccessError
 from hilc_cli.files import reason
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
     from rich.table import Table
 
 _WIDTH_WITHOUT_TERMINAL = 500  # no line of a table is broken where grep reads it
@@ -40,11 +42,21 @@ def print_text(text: str) -> None:
 
 
 def print_json(document: Any) -> None:
-    """One JSON document to stdout; not-a-number has no place in it."""
-    print_text(json.dumps(document, indent=2, allow_nan=False))
+    """One JSON document to stdout; what is not finite, for which JSON has no number, is null."""
+    print_text(json.dumps(_with_nulls(document), indent=2, allow_nan=False))
 
 
-def print_table(table: Table) -> None:
+def _with_nulls(value: Any) -> Any:
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: _with_nulls(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_with_nulls(part) for part in value]
+    return value
+
+
+def print_table(table: RenderableType) -> None:
     """A table to stdout, with colours on a terminal only."""
     from rich.console import Console
 

@@ -38,7 +38,7 @@ from hilc_cli.engine.kernel import (
 )
 from hilc_cli.engine.kernel import FORMULAS as KERNEL_FORMULAS
 from hilc_cli.engine.lanes import Field, Noise, Words
-from hilc_cli.engine.machine_code import compiled, with_sources
+from hilc_cli.engine.machine_code import cached, compiled
 from hilc_cli.engine.noise import FORMULAS as NOISE_FORMULAS
 from hilc_cli.engine.noise import draw_output, draw_pose
 from hilc_cli.reference.sampled import Floats
@@ -254,5 +254,5 @@ def _run_iterations(
 
 
 _PARTS = (*KERNEL_FORMULAS, *NOISE_FORMULAS, follow.py_func, draw_pose.py_func)
-_CONSTANTS = (Field, Stream, IterationMetrics, is_finite, compiled)
-run_iterations = compiled(with_sources(_run_iterations, (*_PARTS, *_CONSTANTS)), cache=True)
+_CONSTANTS = (Field, Stream, IterationMetrics, is_finite)
+run_iterations = cached(_run_iterations, (*_PARTS, *_CONSTANTS))

@@ -11,15 +11,14 @@ What lane loops need to become vector code:
 
 from __future__ import annotations
 
-import hashlib
-import inspect
-import sys
 from collections.abc import Callable, Iterable
 from typing import Any
 
 import llvmlite.binding as llvm
 from numba import njit, types
 from numba.extending import intrinsic
+
+from hilc_cli import compiling
 
 LIBERTIES = frozenset({"contract", "nsz", "arcp"})
 
@@ -40,27 +39,19 @@ def formula(function: Callable[..., Any], *, liberties: frozenset[str] = LIBERTI
     return njit(function, error_model="numpy", fastmath=set(liberties), forceinline=True)
 
 
-def compiled(function: Callable[..., Any], *, cache: bool = False) -> Any:
+def compiled(function: Callable[..., Any]) -> Any:
     """A function with lane loops as machine code."""
-    options: dict[str, Any] = {"error_model": "numpy", "fastmath": set(LIBERTIES)}
-    if cache:
-        try:
-            return njit(function, cache=True, **options)
-        except RuntimeError:  # No folder for it can be written; then compiled in each process.
-            pass
-    return njit(function, **options)
+    return compiling.compiled(function, LIBERTIES)
 
 
-def with_sources(function: Callable[..., Any], others: Iterable[Callable[..., Any]]) -> Any:
-    """The function under a name that depends on the modules that it and other functions are from.
+def cached(function: Callable[..., Any], parts: Iterable[Callable[..., Any]]) -> Any:
+    """The same, kept for later processes.
 
-    The cache of compiled code looks for changes in the function's own file only; the name makes it
-    look at the others, too.
+    Args:
+        function: With lane loops.
+        parts: Functions of other files that become part of it.
     """
-    modules = sorted({function.__module__, *(other.__module__ for other in others)})
-    sources = "".join(inspect.getsource(sys.modules[name]) for name in modules)
-    function.__qualname__ += hashlib.sha256(sources.encode()).hexdigest()[:12]
-    return function
+    return compiling.cached(function, LIBERTIES, (*parts, compiled))
 
 
 def _use_widest_vectors(typing_context: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -11,7 +12,7 @@ from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.figures.error import error_figure
 from hilc_cli.figures.final_path import final_path_figure
 from hilc_cli.figures.path_change import check_iterations, path_change_figure
-from hilc_cli.figures.save import check_format, save_figure
+from hilc_cli.figures.save import save_pictures
 from hilc_cli.figures.summary import summary_figure
 from hilc_cli.figures.wheel_speeds import wheel_speeds_figure
 from hilc_cli.results.run import RunData
@@ -71,16 +72,8 @@ def save_figures(
         OSError: A file cannot be written.
     """
     _check(runs, kinds, iterations)
-    for name in formats:
-        check_format(name)
-    written = []
-    for kind in dict.fromkeys(kinds):
-        figure = draw(kind, runs, iterations)
-        for name in dict.fromkeys(formats):
-            path = folder / f"{kind}.{name}"
-            save_figure(figure, path, dpi)
-            written.append(path)
-    return written
+    drawn = {kind: partial(draw, kind, runs, iterations) for kind in kinds}
+    return save_pictures(drawn, folder, formats, dpi)
 
 
 def _check(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from matplotlib.axes import Axes
@@ -14,7 +15,7 @@ from hilc_cli.figures import labels, layout, style
 from hilc_cli.figures.error import draw_error
 from hilc_cli.figures.final_path import draw_final_path, same_path
 from hilc_cli.figures.last_errors import PITCH, draw_last_errors, last_value, room_for_names
-from hilc_cli.figures.save import check_format, save_figure
+from hilc_cli.figures.save import save_pictures
 from hilc_cli.results.run import RunData, distinct_names
 
 NAME = "comparison"
@@ -183,13 +184,7 @@ def save_comparison(
         UsageError: A format is not known, or there is no run; nothing is written then.
         OSError: A file cannot be written.
     """
-    for name in formats:
-        check_format(name)
-    figure = comparison_figure(runs)
-    written = [folder / f"{NAME}.{name}" for name in dict.fromkeys(formats)]
-    for path in written:
-        save_figure(figure, path, dpi)
-    return written
+    return save_pictures({NAME: partial(comparison_figure, runs)}, folder, formats, dpi)
 
 
 def _told_apart(runs: Sequence[RunData]) -> list[RunData]:

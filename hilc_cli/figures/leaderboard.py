@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,11 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hilc_cli.figures import labels, layout, logarithmic, style
-from hilc_cli.figures.save import check_format, save_figure
+from hilc_cli.figures.save import save_pictures
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.leaderboard import LeaderboardData
-
-NAME = "leaderboard"
+from hilc_cli.results.leaderboard_folder import LEADERBOARD_PICTURE
 
 _LEAST = 1e-6  # [m]; smaller errors are drawn here, as rounding would stretch the axis
 _WIDTH, _HEIGHT = 4.2, 3.4  # of a panel [inch]
@@ -69,13 +69,8 @@ def save_leaderboard(
         UsageError: A format is not known; nothing is written then.
         OSError: A file cannot be written.
     """
-    for name in formats:
-        check_format(name)
-    figure = leaderboard_figure(data)
-    written = [folder / f"{NAME}.{name}" for name in dict.fromkeys(formats)]
-    for path in written:
-        save_figure(figure, path, dpi)
-    return written
+    pictures = {LEADERBOARD_PICTURE: partial(leaderboard_figure, data)}
+    return save_pictures(pictures, folder, formats, dpi)
 
 
 def _draw(axes: Axes, data: LeaderboardData, disturbance: str, low: float, high: float) -> None:

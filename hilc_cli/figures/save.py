@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -81,3 +82,33 @@ def save_figure(figure: Figure, path: Path, dpi: int = 150) -> None:
         OSError: The file cannot be written.
     """
     path.write_bytes(render(figure, path.suffix.removeprefix("."), dpi))
+
+
+def save_pictures(
+    pictures: Mapping[str, Callable[[], Figure]], folder: Path, formats: Sequence[str], dpi: int
+) -> list[Path]:
+    """Draws pictures and writes each to ``NAME.FORMAT``.
+
+    Args:
+        pictures: What draws each, by name.
+        folder: Where the files go; it must exist.
+        formats: Some of ``FORMATS``.
+        dpi: Dots per inch of PNG files.
+
+    Returns:
+        The files, in the order of pictures and formats.
+
+    Raises:
+        UsageError: A format is not known; nothing is drawn then.
+        OSError: A file cannot be written.
+    """
+    for suffix in formats:
+        check_format(suffix)
+    written = []
+    for name, draw in pictures.items():
+        figure = draw()
+        for suffix in dict.fromkeys(formats):
+            path = folder / f"{name}.{suffix}"
+            save_figure(figure, path, dpi)
+            written.append(path)
+    return written

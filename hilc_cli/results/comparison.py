@@ -101,6 +101,11 @@ class ComparisonTable:
         place = names.index(name)
         return [row.values[place] for row in self.rows]
 
+    def records(self) -> list[dict[str, Value]]:
+        """The rows, each with its values by the names of the columns."""
+        names = [column.name for column in self.columns]
+        return [dict(zip(names, row.values, strict=True)) for row in self.rows]
+
     def printed(self) -> list[int]:
         """Places of the columns that are printed."""
         return [

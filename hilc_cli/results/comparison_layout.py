@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 from hilc_cli.errors import printable
 from hilc_cli.results.comparison import Column, ComparisonTable
@@ -35,12 +36,24 @@ class Grid:
         heads: What stands above the columns, line by line.
         at_right: Whether each column holds numbers, which stand at the right.
         rows: The cells, row by row.
+        names: So many columns at the left say what a row is of.
     """
 
     title: str
     heads: tuple[tuple[str, ...], ...]
     at_right: tuple[bool, ...]
     rows: tuple[tuple[Cell, ...], ...]
+    names: int = 1
+
+    def part(self, first: int, last: int) -> Grid:
+        """The columns from one to before another, with those that name the rows."""
+        places = [*range(self.names), *range(max(first, self.names), last)]
+        return replace(
+            self,
+            heads=tuple(tuple(line[place] for place in places) for line in self.heads),
+            at_right=tuple(self.at_right[place] for place in places),
+            rows=tuple(tuple(row[place] for place in places) for row in self.rows),
+        )
 
 
 def for_page(table: ComparisonTable) -> list[Grid]:
@@ -73,6 +86,18 @@ def below_each_other(table: ComparisonTable) -> list[Grid]:
     return [_section(table, cells, section) for section in sections if section]
 
 
+def in_parts(grid: Grid, fits: Callable[[Grid], bool]) -> list[Grid]:
+    """The fewest parts of about as many columns that fit; a column each where nothing else does."""
+    others = len(grid.at_right) - grid.names
+    for count in range(1, others + 1):
+        size = -(-others // count)
+        starts = range(grid.names, grid.names + others, size)
+        parts = [grid.part(start, min(start + size, grid.names + others)) for start in starts]
+        if count == others or all(map(fits, parts)):
+            return parts
+    return [grid]
+
+
 def note_of(table: ComparisonTable, mark: str) -> str:
     """What a reader must know.
 
@@ -95,6 +120,7 @@ def _section(table: ComparisonTable, cells: list[list[Cell]], section: str) -> G
             not any(isinstance(row.values[place], str) for row in table.rows) for place in places
         ),
         rows=tuple(tuple(row[place] for place in places) for row in cells),
+        names=sum(not column.section for column in columns),
     )
 
 

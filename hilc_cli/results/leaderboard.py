@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
 from hilc_cli.results.comparison import Column, ComparisonTable, Row, Value
 
-_ERRORS, _REST = "Errors of the second half", "Runs, speed and time"
+_LARGEST, _MEAN = "Largest errors of the second half", "Mean errors of the second half"
+_WHOLE, _REST = "Largest errors of the whole path", "Runs, speed and time"
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,12 +100,14 @@ def entries_table(data: LeaderboardData) -> ComparisonTable:
     """All entries, a row each."""
     columns = [
         *(Column(name, name.capitalize(), name.capitalize()) for name in _NAMES),
-        *_error_columns(data.after, "max_position_error", "Largest error", "Max."),
-        *_error_columns(data.after, "mean_position_error", "Mean error", "Mean"),
-        *_error_columns(data.after, "whole_path_max_error", "Largest error, whole path", "Whole"),
+        *_error_columns(data.after, "max_position_error", "Largest error", "Max.", _LARGEST),
+        *_error_columns(data.after, "mean_position_error", "Mean error", "Mean", _MEAN),
+        *_error_columns(
+            data.after, "whole_path_max_error", "Largest error, whole path", "Whole", _WHOLE
+        ),
         Column(
             "iterations_to_tolerance", f"Iterations to {data.tolerance:g} m", "To tolerance",
-            absent="never", section=_ERRORS, is_ranked=True,
+            absent="never", section=_REST, is_ranked=True,
         ),
         Column(
             "peak_max_position_error_m", "Peak error", "Peak error", "m", section=_REST,
@@ -139,7 +142,10 @@ def entries_table(data: LeaderboardData) -> ComparisonTable:
         )
         for entry in data.entries
     )
-    note = "Max. and Mean are over the second half of the trajectory, Whole over all of it."
+    note = (
+        "Max. and Mean are over the second half of the trajectory, Whole over all of it, after so "
+        "many iterations."
+    )
     title = f"All runs of {data.name}"
     return ComparisonTable(title, tuple(columns), rows, note, "the best law in that case")
 
@@ -147,15 +153,16 @@ def entries_table(data: LeaderboardData) -> ComparisonTable:
 def laws_table(data: LeaderboardData, disturbance: str) -> ComparisonTable:
     """The laws, a row each, over all cases and beliefs with a disturbance."""
     columns = [Column("law", "Law", "Law")]
-    for kind, word in (("median", "Median"), ("worst", "Worst")):
-        columns += [
-            Column(
-                f"{kind}_max_position_error_after_{count}_m",
-                f"{word} error after {counted(count)}", f"{word} {count}", "m", digits=3,
-                section=_ERRORS, is_ranked=True,
-            )
-            for count in data.after
-        ]  # fmt: skip
+    for what, word, section in (("max", "Largest", _LARGEST), ("mean", "Mean", _MEAN)):
+        for kind in ("median", "worst"):
+            columns += [
+                Column(
+                    f"{kind}_{what}_position_error_after_{count}_m",
+                    f"{word} error after {counted(count)}, {kind}", f"{kind.capitalize()} {count}",
+                    "m", digits=3, section=section, is_ranked=True,
+                )
+                for count in data.after
+            ]  # fmt: skip
     within = f"{data.tolerance:g} m"
     columns += [
         Column("runs", "Runs", "Runs", section=_REST),
@@ -171,12 +178,10 @@ def laws_table(data: LeaderboardData, disturbance: str) -> ComparisonTable:
         Column("median_time_per_iteration_s", "Time per iteration, median", "Time", "ms",
                digits=3, scale=1e3, section=_REST),
     ]  # fmt: skip
-    rows = tuple(
-        Row(_law_values(law, data.of(law, disturbance), len(data.after))) for law in data.laws
-    )
+    rows = tuple(Row(_law_values(law, data.of(law, disturbance))) for law in data.laws)
     note = (
-        "Errors are the largest position errors over the second half of the trajectory; "
-        "median and worst are over the runs."
+        "Errors are the largest and the mean position errors over the second half of the "
+        "trajectory, after so many iterations; median and worst are over the runs."
     )
     title = f"{data.name}, disturbance {disturbance}"
     return ComparisonTable(title, tuple(columns), rows, note, "the best law")
@@ -211,25 +216,29 @@ def counted(iterations: int) -> str:
 _NAMES = ("case", "belief", "disturbance", "law")
 
 
-def _error_columns(after: Sequence[int], name: str, title: str, short: str) -> list[Column]:
+def _error_columns(
+    after: Sequence[int], name: str, title: str, short: str, section: str
+) -> list[Column]:
     return [
         Column(
             f"{name}_after_{count}_m", f"{title} after {counted(count)}", f"{short} {count}", "m",
-            section=_ERRORS, is_ranked=True,
+            section=section, is_ranked=True,
         )
         for count in after
     ]  # fmt: skip
 
 
-def _law_values(law: str, entries: Sequence[Entry], counts: int) -> tuple[Value, ...]:
-    def over(what: Callable[[Iterable[float]], float]) -> list[float]:
-        return [what([entry.max_m[place] for entry in entries]) for place in range(counts)]
+def _law_values(law: str, entries: Sequence[Entry]) -> tuple[Value, ...]:
+    largest = list(zip(*(entry.max_m for entry in entries), strict=True))
+    mean = list(zip(*(entry.mean_m for entry in entries), strict=True))
 
     reached = [entry.settled_at for entry in entries if entry.settled_at is not None]
     return (
         law,
-        *over(median),
-        *over(max),
+        *map(median, largest),
+        *map(max, largest),
+        *map(median, mean),
+        *map(max, mean),
         len(entries),
         len(reached),
         float(median(reached)) if reached else None,

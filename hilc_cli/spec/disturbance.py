@@ -64,6 +64,12 @@ class DisturbanceSpec(Model):
         BoundedSpec(), description="added to the initial pose of each iteration"
     )
 
+    @property
+    def active(self) -> bool:
+        """Whether anything is disturbed."""
+        sources = (self.state, self.output, self.initial_pose)
+        return any(source.bounded().active for source in sources)
+
     def disturbance(self) -> Disturbance:
         """The disturbances for the engines."""
         return Disturbance(

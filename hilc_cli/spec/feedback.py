@@ -23,7 +23,7 @@ class FeedbackGains(Model):
     """
 
     k_x: GainPerSecond = Field(10.0, description="of the error ahead [1/s]")
-    k_y: CurvatureGain = Field(64.0, description="of the error to the left [rad/m^2]")
+    k_y: CurvatureGain = Field(8.0, description="of the error to the left [rad/m^2]")
     k_theta: LateralGain | None = Field(
         None,
         description="of the heading's error [rad/m]; default 2 sqrt(k_y), critically damped: "

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -104,10 +106,12 @@ class Leaderboard:
     Attributes:
         spec: What its author wrote, with defaults filled in.
         cases: Its scenarios by name.
+        checksums: SHA-256 of each file that was read.
     """
 
     spec: LeaderboardSpec
-    cases: dict[str, Scenario]
+    cases: Mapping[str, Scenario]
+    checksums: Mapping[str, str]
 
     @property
     def name(self) -> str:
@@ -119,6 +123,19 @@ class Leaderboard:
         """Number of runs."""
         spec = self.spec
         return len(spec.cases) * len(spec.beliefs) * len(spec.disturbances) * len(spec.laws)
+
+    def resolved(self) -> dict[str, Any]:
+        """All that the results depend on as plain data, but for this program."""
+        data = self.spec.model_dump(mode="json", exclude={"description"})
+        parts = ("trajectory", "robot", "initial_pose")
+        for name, scenario in self.cases.items():
+            resolved = scenario.resolved()
+            data["cases"][name] = {part: resolved[part] for part in parts}
+        return data
+
+    def checksum(self) -> str:
+        """SHA-256 of what tells this leaderboard from others."""
+        return hashlib.sha256(json.dumps(self.resolved()).encode()).hexdigest()
 
     def contests(self) -> Iterator[Contest]:
         """All runs: cases in their order; of each the beliefs, the disturbances, and the laws."""
@@ -173,7 +190,10 @@ def load_leaderboard(path: str | Path) -> Leaderboard:
     problems = _misfits(spec, cases, tree)
     if problems:
         raise InvalidInputError(problems)
-    return Leaderboard(spec, cases)
+    checksums = dict(inputs.checksums)
+    for scenario in cases.values():
+        checksums.update(scenario.checksums)
+    return Leaderboard(spec, cases, checksums)
 
 
 def _cases(spec: LeaderboardSpec, tree: Node) -> dict[str, Scenario]:

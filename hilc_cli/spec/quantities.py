@@ -148,7 +148,7 @@ PositiveNumber = Annotated[float, Quantity(PLAIN, "0.8", above=0, most=_LARGEST)
 Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, most=1e12)]
 GainPerSecond = Annotated[float, Quantity(Unit(time=-1), "0.5", least=0, most=1e12)]
 CurvatureGain = Annotated[
-    float, Quantity(Unit(angle=1, length=-2), "64 or 64 rad/m/m", least=0, most=_LARGEST)
+    float, Quantity(Unit(angle=1, length=-2), "8 or 8 rad/m/m", least=0, most=_LARGEST)
 ]
 Duration = Annotated[float, Quantity(_TIME, "0.5 or 500 ms", least=0, most=_LARGEST)]
 Frequency = Annotated[float, Quantity(Unit(time=-1), "20 or 20 Hz", above=0, most=_LARGEST)]

@@ -119,8 +119,7 @@ class Scenario:
         if law.learns:
             return []
         found = []
-        sources = (spec.disturbance.state, spec.disturbance.output, spec.disturbance.initial_pose)
-        if spec.iterations > 1 and not any(source.bounded().active for source in sources):
+        if spec.iterations > 1 and not spec.disturbance.active:
             found.append(
                 f"all iterations will be the same: law {law.law} does not learn, and nothing is "
                 "disturbed; set 'iterations: 0' for one"

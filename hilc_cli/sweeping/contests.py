@@ -61,8 +61,7 @@ def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
     """
     experiment = contest.scenario.experiment()
     law, disturbance = contest.scenario.spec.controller, contest.scenario.spec.disturbance
-    sources = (disturbance.state, disturbance.output, disturbance.initial_pose)
-    same = not law.learns and not any(source.bounded().active for source in sources)
+    same = not law.learns and not disturbance.active
     _warm_up(experiment)
     start = time.process_time()
     found = _errors(replace(experiment, iterations=0) if same else experiment)

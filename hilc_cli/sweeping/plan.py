@@ -14,6 +14,7 @@ from hilc_cli.results.sweep import SEED_KEY
 from hilc_cli.spec.axis import axis_text
 from hilc_cli.spec.dump import to_yaml
 from hilc_cli.spec.sweep import SweepSpec
+from hilc_cli.spec.valid import Scenario
 from hilc_cli.spec.varied import TRAJECTORY, WITHOUT_EFFECT, Varied
 from hilc_cli.variation.axes import Axis, axis_to_data
 from hilc_cli.variation.cases import Cases
@@ -73,18 +74,25 @@ class Plan:
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        found = self.varied.scenario.warnings()
-        disturbance = self.varied.scenario.spec.disturbance
-        sources = (disturbance.state, disturbance.output, disturbance.initial_pose)
-        disturbed = any(source.bounded().active for source in sources)
-        bounds = [key for key in self.axes if key.startswith("disturbance.") and key != SEED_KEY]
-        if SEED_KEY in self.axes and not disturbed and not bounds:
+        scenario, fullest = self.varied.scenario, self._fullest()
+        # Of a law that does not learn it is warned if there is nothing to see in any case.
+        found = (scenario if scenario.spec.controller.learns else fullest).warnings()
+        if SEED_KEY in self.axes and not fullest.spec.disturbance.active:
             found.append("disturbance.seed varies, but there is no disturbance: all bounds are 0")
         if SEED_KEY in self.axes and self.searches:
             found.append(
                 "disturbance.seed varies: the search will find lucky disturbances, not good values"
             )
         return found
+
+    def _fullest(self) -> Scenario:
+        """The scenario with the most iterations and the largest disturbances of any case."""
+        largest = {
+            key: axis.ends[-1]
+            for key, axis in self.axes.items()
+            if key == "iterations" or (key.startswith("disturbance.") and ".bound." in key)
+        }
+        return self.varied.case(largest)
 
     def resolved(self) -> dict[str, Any]:
         """The scenario with its sweep and its files as plain data.

@@ -295,13 +295,13 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "schema",
         ["schema", "foo"],
         2,
-        "hilc: invalid value for 'kind': 'foo' is not one of 'trajectory', 'scenario'; see 'hilc schema --help'",
+        "hilc: invalid value for 'kind': 'foo' is not one of 'trajectory', 'scenario', 'leaderboard'; see 'hilc schema --help'",
     ),
     (
         "schema-missing",
         ["schema"],
         2,
-        "hilc: missing argument 'kind'. Choose from: trajectory, scenario; see 'hilc schema --help'",
+        "hilc: missing argument 'kind'. Choose from: trajectory, scenario, leaderboard; see 'hilc schema --help'",
     ),
     (
         "examples-extra",

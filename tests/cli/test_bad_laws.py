@@ -70,7 +70,7 @@ CASES = [
         law("  law: feedback\n  gains: {k_x: -1, k_y: 64/m, k_tehta: 1}\n"),
         (
             "scenario.yaml:7:16: controller.gains.k_x: must be at least 0, got -1; give a number from 0 up, such as 0.5\n"
-            "scenario.yaml:7:25: controller.gains.k_y: has the wrong unit, got '64/m'; give a number from 0 up, such as 64 or 64 rad/m/m\n"
+            "scenario.yaml:7:25: controller.gains.k_y: has the wrong unit, got '64/m'; give a number from 0 up, such as 8 or 8 rad/m/m\n"
             "scenario.yaml:7:31: controller.gains.k_tehta: is an unknown key of law feedback; did you mean 'k_theta'?"
         ),
     ),

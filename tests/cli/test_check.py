@@ -652,7 +652,7 @@ def test_check_imports_neither_pictures_nor_compilers(tmp_path: Path) -> None:
         ("pid-figure-eight", "PID-type learning; kp 0.1, ki 0 1/s, kd 0.3 s, cut-off 2 Hz"),
         (
             "feedback-circle",
-            "feedback without learning; k_x 10 1/s, k_y 64 rad/m^2, k_theta 16 rad/m",
+            "feedback without learning; k_x 10 1/s, k_y 8 rad/m^2, k_theta 5.65685 rad/m",
         ),
         (
             "norm-optimal-arc-and-line",

@@ -60,7 +60,11 @@ def test_each_law_is_run_in_each_case(hilc: Hilc, write: Write, folder: Path) ->
     assert outcome.out.startswith("small, disturbance none\n")
     assert "small, disturbance noise\n" in outcome.out
     assert outcome.out.endswith("Written to runs/small\n")
-    for text in ("Worst error after 3 iterations [m]", "Belief wrong, disturbance noise [m]"):
+    for text in (
+        "Largest error after 3 iterations, worst [m]",
+        "Mean error after 1 iteration, median [m]",
+        "Belief wrong, disturbance noise [m]",
+    ):
         assert text in outcome.out
     found = rows(folder / "runs/small")
     names = [(row["case"], row["belief"], row["disturbance"], row["law"]) for row in found]
@@ -113,23 +117,61 @@ def test_tables_pictures_and_json(hilc: Hilc, write: Write, folder: Path) -> Non
     )
     assert (outcome.code, outcome.err) == (0, "")
     told = json.loads(outcome.out)
-    names = ("leaderboard.csv", "leaderboard.md", "leaderboard.tex", "leaderboard.svg")
+    tables = ("leaderboard.csv", "leaderboard.md", "leaderboard.svg", "leaderboard.tex")
+    names = (*tables, "manifest.json")
     assert told["files"] == [f"runs/small/{name}" for name in names]
     assert [row["law"] for row in told["laws"]["noise"]] == ["paper", "feedback"]
     assert len(told["runs"]) == 16
     assert set(listing(folder / "runs/small")) == set(names)
-    again = hilc(*RUN)
-    assert again == Outcome(
-        1,
-        "",
-        "hilc: runs/small/leaderboard.csv: exists; choose another folder with --out, "
-        "or replace it with --force\n",
-    )
-    markdown = ("--force", "--table", "markdown", "--workers", "1")
-    outcome = hilc(*RUN, *markdown)
+    manifest = json.loads((folder / "runs/small/manifest.json").read_text())
+    assert manifest["kind"] == "hilc compare --laws"
+    assert set(manifest["inputs_sha256"]) == {"leaderboard.yaml", "bend.yaml"}
+    outcome = hilc(*RUN, "--table", "markdown", "--workers", "1")
     assert (outcome.code, outcome.err) == (0, "hilc: written to runs/small\n")
     assert outcome.out == (folder / "runs/small/leaderboard.md").read_text()
     assert "| paper | feedback |" in outcome.out
+
+
+def test_folder_is_replaced_by_the_same_leaderboard_only(
+    hilc: Hilc, write: Write, folder: Path
+) -> None:
+    quick = LEADERBOARD.replace(", off: off.yaml", "").replace("[1, 3]", "[1]")
+    write({**FILES, "leaderboard.yaml": quick})
+    again = (*RUN, "-q", "--workers", "1")
+    assert hilc(*again) == Outcome(0, "", "")
+    (folder / "runs/small/leaderboard.png").touch()  # of an earlier time with a picture
+    (folder / "runs/small/notes.txt").write_text("mine")
+    assert hilc(*again) == Outcome(0, "", "")  # other times, other words, the same experiments
+    write({"leaderboard.yaml": quick.replace("b_w: 180", "b_w: 9 * 20\ndescription: words")})
+    assert hilc(*again) == Outcome(0, "", "")
+    files = ("leaderboard.csv", "leaderboard.md", "leaderboard.tex", "manifest.json", "notes.txt")
+    assert sorted(listing(folder / "runs/small")) == list(files)
+    before = listing(folder / "runs/small")
+    in_the_way = (
+        "hilc: runs/small: holds the results of another leaderboard; choose another folder with "
+        "--out, or replace it with --force\n"
+    )
+    others = [
+        {"leaderboard.yaml": quick.replace("b_w: 180", "b_w: 181")},
+        {"leaderboard.yaml": quick.replace("l1: 1", "l1: 2")},
+        {"leaderboard.yaml": quick, "bend.yaml": BEND.replace("radius: 2 m", "radius: 3 m")},
+    ]
+    for other in others:
+        write(other)
+        assert hilc(*again) == Outcome(1, "", in_the_way)
+    assert listing(folder / "runs/small") == before
+    assert hilc(*again, "--force") == Outcome(0, "", "")
+    no_board = (
+        "hilc: mine: exists and is no leaderboard folder, so it is left as it is; "
+        "choose another with --out\n"
+    )
+    (folder / "mine").mkdir()
+    (folder / "mine/notes.txt").touch()
+    assert hilc(*again, "--out", "mine", "--force") == Outcome(1, "", no_board)
+    two = ("compare", "runs/small", "mine")
+    left_out = "hilc: runs/small: holds a comparison and no run, so it is left out\n"
+    one = "hilc: mine: is only one run; give at least two to compare\n"
+    assert hilc(*two) == Outcome(2, "", left_out + one)
 
 
 def test_runs_that_diverge_are_last(hilc: Hilc, write: Write, folder: Path) -> None:
@@ -156,5 +198,8 @@ def test_signal_leaves_nothing_behind(write: Write, folder: Path) -> None:
         process.send_signal(signal.SIGINT)
         outcome = outcome_of(process)
     assert outcome == Outcome(130, "", "hilc: interrupted; nothing was left half written\n")
-    assert not any(Path(f"/proc/{worker}").exists() for worker in workers)
+    # One that was being started ends by itself, soon after its owner.
+    while any(Path(f"/proc/{worker}").exists() for worker in workers):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
     assert not (folder / "runs").exists()

@@ -3,13 +3,9 @@
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
-import pytest
-
 from hilc_cli.api import load_scenario
-from hilc_cli.engine import machine_code
 from hilc_cli.engine.batch import simulate_batch
 from hilc_cli.engine.compilation import is_compiled
 from tests.cli.processes import uncovered
@@ -48,16 +44,3 @@ def test_code_in_the_process_counts_as_compiled() -> None:
     experiments = [load_scenario("example:fig6a", {"iterations": 1}).experiment()]
     simulate_batch(experiments)
     assert is_compiled(experiments)
-
-
-def test_engine_compiles_without_a_folder_for_its_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    def njit(function: Callable[..., float], *, cache: bool = False, **options: object) -> object:
-        if cache:
-            raise RuntimeError("cannot cache function: no locator available")
-        return function
-
-    def double(value: float) -> float:
-        return 2 * value
-
-    monkeypatch.setattr(machine_code, "njit", njit)
-    assert machine_code.compiled(double, cache=True) is double

@@ -55,15 +55,26 @@ def test_limit_is_kept_up_to_its_very_value() -> None:
 def test_laws_are_told_by_median_and_worst_of_their_runs() -> None:
     runs = [
         ENTRY,
-        replace(ENTRY, case="circle", max_m=(7.0, 0.1), peak_m=6.0, settled_at=4),
+        replace(
+            ENTRY, case="circle", max_m=(7.0, 0.1), mean_m=(1.0, 0.05), peak_m=6.0, settled_at=4
+        ),
         replace(ENTRY, case="line", max_m=(5.0, 0.2), fastest_wheel_rad_s=181.0, settled_at=8),
-        replace(FAST, max_m=(math.inf, math.inf), diverged_at=3, settled_at=None),
+        replace(
+            FAST,
+            max_m=(math.inf, math.inf),
+            mean_m=(0.5, math.inf),
+            diverged_at=3,
+            settled_at=None,
+        ),
     ]
     noisy = [replace(run, disturbance="noise", peak_m=99.0) for run in runs]
     table = laws_table(data(*runs, *noisy), "none")
     assert table.values("law") == ["slow", "fast"]
     assert table.values("median_max_position_error_after_1_m") == [5.0, math.inf]
     assert table.values("worst_max_position_error_after_8_m") == [0.5, math.inf]
+    assert table.values("median_mean_position_error_after_1_m") == [2.0, 0.5]
+    assert table.values("median_mean_position_error_after_8_m") == [0.25, math.inf]
+    assert table.values("worst_mean_position_error_after_1_m") == [2.0, 0.5]
     assert table.values("reached") == [2, 0]
     assert table.values("median_iterations_to_tolerance") == [6.0, None]
     assert table.values("worst_peak_m") == [6.0, 5.0]

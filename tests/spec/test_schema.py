@@ -9,16 +9,17 @@ from typing import Any
 
 import pytest
 
-from hilc_cli.shipped_files import examples
+from hilc_cli.shipped_files import LEADERBOARDS, examples
 from hilc_cli.spec.nodes import Source, to_data
 from hilc_cli.spec.schema import json_schema
 from hilc_cli.spec.yaml_tree import parse_yaml
 from tests.conftest import Hilc
 
-KINDS = ["trajectory", "scenario"]
+KINDS = ["trajectory", "scenario", "leaderboard"]
 FILES = [
     *(pytest.param("scenario", path, id=path.name) for path in examples()),
     *(pytest.param("trajectory", path, id=path.name) for path in examples("trajectories")),
+    *(pytest.param("leaderboard", path, id=path.name) for path in examples(LEADERBOARDS)),
 ]
 _TYPES: dict[str, Any] = {
     "object": dict,
@@ -32,7 +33,7 @@ _CHECKED = {
     *("$ref", "anyOf", "oneOf", "type", "enum", "const", "properties", "required", "items"),
     *("additionalProperties", "prefixItems", "minItems", "maxItems", "minimum", "maximum"),
     *("exclusiveMinimum", "pattern", "maxLength", "maxProperties", "propertyNames"),
-    "patternProperties",
+    *("patternProperties", "minProperties"),
 }
 _DESCRIBING = {"$schema", "$defs", "title", "description", "default"}
 
@@ -72,8 +73,9 @@ def fits(data: object, schema: dict[str, Any], root: dict[str, Any]) -> bool:
         properties = schema.get("properties", {})
         closed = schema.get("additionalProperties") is False
         by_pattern = schema.get("patternProperties", {}).items()
+        matched = {key for key in data for pattern, _ in by_pattern if re.search(pattern, key)}
         return (
-            len(data) <= schema.get("maxProperties", len(data))
+            schema.get("minProperties", 0) <= len(data) <= schema.get("maxProperties", len(data))
             and all(fits(key, schema.get("propertyNames", {}), root) for key in data)
             and all(
                 fits(value, each, root)
@@ -82,7 +84,7 @@ def fits(data: object, schema: dict[str, Any], root: dict[str, Any]) -> bool:
                 if re.search(pattern, key)
             )
             and set(schema.get("required", [])) <= set(data)
-            and not (closed and set(data) - set(properties))
+            and not (closed and set(data) - set(properties) - matched)
             and all(fits(value, properties.get(key, {}), root) for key, value in data.items())
         )
     return True
@@ -155,6 +157,34 @@ BREAKAGES = [
 def test_wrong_scenario_is_not_valid(key: str, value: object) -> None:
     schema = json_schema("scenario")
     data = data_of(next(path for path in examples() if path.stem == "fig3-circle"))
+    assert fits(data, schema, schema)
+    data[key] = value
+    assert not fits(data, schema, schema)
+
+
+LEADERBOARD_BREAKAGES: list[tuple[str, object]] = [
+    ("name", None),
+    ("lawss", {}),
+    ("laws", {}),
+    ("laws", {"my law": {"law": "feedback"}}),
+    ("laws", {"paper": {"gains": {"l1": 1, "l5": 1}}}),
+    ("laws", {"paper": {"law": "feedbak"}}),
+    ("laws", {"pid": {"law": "pid", "gains": {"kp": -1}}}),
+    ("cases", {"circle": 3}),
+    ("beliefs", {"wrong": {"wheel_radius": 0}}),
+    ("beliefs", {"wrong": {"radius": 1}}),
+    ("disturbances", {"noise": {"output": {"bound": [1, 1]}}}),
+    ("initial_input", "input.csv"),
+    ("after", []),
+    ("tolerance", 0),
+]
+
+
+@pytest.mark.parametrize(("key", "value"), LEADERBOARD_BREAKAGES)
+def test_wrong_leaderboard_is_not_valid(key: str, value: object) -> None:
+    schema = json_schema("leaderboard")
+    (path,) = examples(LEADERBOARDS)
+    data = data_of(path)
     assert fits(data, schema, schema)
     data[key] = value
     assert not fits(data, schema, schema)

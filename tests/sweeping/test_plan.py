@@ -77,6 +77,38 @@ def test_checksum_is_of_what_the_results_depend_on() -> None:
     assert len(checksums) == len(others) + 1
 
 
+FEEDBACK = {"controller": {"law": "feedback", "gains": {"k_x": 5, "k_y": 4}}, "iterations": 3}
+NOISE = "disturbance.output.bound"
+SAME = ["all iterations will be the same: law feedback does not learn"]
+SEEDS = ["disturbance.seed varies, but there is no disturbance"]
+
+
+@pytest.mark.parametrize(
+    ("vary", "changes", "starts"),
+    [
+        ({"controller.gains.k_y": [1, 2]}, {}, SAME),
+        ({"controller.gains.k_y": [1, 2]}, {NOISE: [0, 0, 1]}, []),
+        ({f"{NOISE}.0": "0:0.1:3"}, {}, []),
+        ({f"{NOISE}.2": [0.1, 0]}, {}, []),
+        ({f"{NOISE}.0": [0], f"{NOISE}.1": [0]}, {}, SAME),
+        ({f"{NOISE}.0": [0]}, {NOISE: [0.1, 0, 0]}, SAME),
+        ({"disturbance.initial_pose.bound.1": "0:1:2", "iterations": [0, 5]}, {}, []),
+        ({"iterations": [0, 1]}, {}, []),
+        ({"iterations": [0, 2]}, {"iterations": 0}, SAME),
+        ({"disturbance.seed": "1..3"}, {"iterations": 0}, SEEDS),
+        ({"disturbance.seed": "1..3", "disturbance.output.repeat": [True]}, {}, SAME + SEEDS),
+        ({"disturbance.seed": "1..3", f"{NOISE}.0": "0:0.1:3"}, {}, []),
+    ],
+)  # fmt: skip
+def test_warnings_are_of_what_the_cases_are(
+    vary: Mapping[str, object], changes: Mapping[str, object], starts: list[str]
+) -> None:
+    warnings = plan(vary, {**FEEDBACK, **changes}).warnings()
+    assert len(warnings) == len(starts)
+    for warning, start in zip(warnings, starts, strict=True):
+        assert warning.startswith(start)
+
+
 def test_worker_gets_the_whole_plan() -> None:
     here = plan({"trajectory": ["path.yaml"], **VARY})
     there: Plan = pickle.loads(pickle.dumps(here))

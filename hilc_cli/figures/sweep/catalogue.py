@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from hilc_cli.errors import UsageError, suggestion
-from hilc_cli.figures.save import check_format, save_figure
+from hilc_cli.figures.save import save_pictures
 from hilc_cli.figures.sweep.bands import bands_figure
 from hilc_cli.figures.sweep.best import best_figure
 from hilc_cli.figures.sweep.curve import curve_figure, curve_keys
@@ -92,16 +93,8 @@ def save_sweep_figures(
     chosen = dict.fromkeys(kinds or kinds_for(data))
     for kind in chosen:
         _check(kind, data)
-    for name in formats:
-        check_format(name)
-    written = []
-    for kind in chosen:
-        figure = draw_sweep(kind, data)
-        for name in dict.fromkeys(formats):
-            path = folder / f"{kind}.{name}"
-            save_figure(figure, path, dpi)
-            written.append(path)
-    return written
+    drawn = {kind: partial(draw_sweep, kind, data) for kind in chosen}
+    return save_pictures(drawn, folder, formats, dpi)
 
 
 def _check(kind: str, data: SweepData) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.riccati import (
+    Linearised,
     factorised,
     input_derivatives,
     linear_motion,
@@ -20,20 +21,14 @@ class LinearQuadratic:
     """The problem that the text of `riccati` states, in its letters.
 
     Attributes:
-        steps: dx, dy [m], shape (n, 2).
-        directions: Cosine and sine of the heading, shape (n, 2).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
+        motion: What A and B consist of.
         pose_weights: w and w_h, shape (n + 1, 2).
         input_weights: Diagonal of V, > 0, shape (n, 2).
         pose_slopes: s, shape (n + 1, 3).
         input_slopes: v, shape (n, 2).
     """
 
-    steps: Floats
-    directions: Floats
-    distance_gain: float
-    turn_gain: float
+    motion: Linearised
     pose_weights: Floats
     input_weights: Floats
     pose_slopes: Floats
@@ -42,12 +37,8 @@ class LinearQuadratic:
 
     def __post_init__(self) -> None:
         """Makes room for the factors of the solution."""
-        n = len(self.steps)
+        n = len(self.input_weights)
         object.__setattr__(self, "_factors", (np.empty((n, 2, 3)), np.empty((n, 3))))
-
-    @property
-    def _motion(self) -> tuple[Floats, Floats, float, float]:
-        return self.steps, self.directions, self.distance_gain, self.turn_gain
 
     def solution(self, input_weights: Floats, input_slopes: Floats) -> tuple[Floats, Floats]:
         """The best c, shape (n, 2), and the gains K, shape (n, 2, 3).
@@ -58,7 +49,7 @@ class LinearQuadratic:
             input_weights: In place of the problem's own.
             input_slopes: Likewise.
         """
-        factorised(*self._motion, self.pose_weights, input_weights, *self._factors)
+        factorised(self.motion, self.pose_weights, input_weights, *self._factors)
         return self.solution_again(input_slopes), self._factors[0]
 
     def solution_again(self, input_slopes: Floats) -> Floats:
@@ -68,7 +59,7 @@ class LinearQuadratic:
             input_slopes: In place of the problem's own.
         """
         changes = np.empty_like(self.input_slopes)
-        solved(*self._motion, *self._factors, self.pose_slopes, input_slopes, changes)
+        solved(self.motion, *self._factors, self.pose_slopes, input_slopes, changes)
         return changes
 
     def slope(self, changes: Floats) -> Floats:
@@ -80,7 +71,7 @@ class LinearQuadratic:
         moved = self.moved(changes)
         pose_slopes = self.pose_slopes + self.pose_weights[:, [0, 0, 1]] * moved
         slopes: Floats = self.input_slopes + self.input_weights * changes
-        return slopes + input_derivatives(*self._motion, pose_slopes)  # type: ignore[no-any-return]
+        return slopes + input_derivatives(self.motion, pose_slopes)  # type: ignore[no-any-return]
 
     def moved(self, changes: Floats) -> Floats:
         """How c changes the motion, d, shape (n + 1, 3).
@@ -88,7 +79,7 @@ class LinearQuadratic:
         Args:
             changes: c, shape (n, 2).
         """
-        return linear_motion(*self._motion, changes)  # type: ignore[no-any-return]
+        return linear_motion(self.motion, changes)  # type: ignore[no-any-return]
 
 
 def feedback_gains(
@@ -112,13 +103,19 @@ def feedback_gains(
     """
     n = len(poses) - 1
     gains, inverses = np.empty((n, 2, 3)), np.empty((n, 3))
-    steps, directions = along_motion(poses)
-    weights = np.full((n, 2), input_weight)
-    factorised(steps, directions, distance_gain, turn_gain, pose_weights, weights, gains, inverses)
+    motion = linearised(poses, distance_gain, turn_gain)
+    factorised(motion, pose_weights, np.full((n, 2), input_weight), gains, inverses)
     return gains
 
 
-def along_motion(poses: Floats) -> tuple[Floats, Floats]:
-    """Steps and directions of a motion, shape (n, 2) each."""
-    headings = poses[:-1, 2]
-    return np.diff(poses[:, :2], axis=0), np.stack([np.cos(headings), np.sin(headings)], axis=1)
+def linearised(poses: Floats, distance_gain: float, turn_gain: float) -> Linearised:
+    """What small changes make of a motion.
+
+    Args:
+        poses: The motion, shape (n + 1, 3).
+        distance_gain: a = d_k R / 2 [m s].
+        turn_gain: b = d_k R / (2 B) [s].
+    """
+    steps, headings = np.diff(poses[:, :2], axis=0), poses[:-1, 2]
+    directions = np.stack([np.cos(headings), np.sin(headings)], axis=1)
+    return Linearised(steps, directions, distance_gain, turn_gain)

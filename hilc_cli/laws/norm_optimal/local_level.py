@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.compiling import compiled
+from hilc_cli.compiling import cached
 from hilc_cli.reference.sampled import Floats
 
 MOST_ODDS = 1e4
@@ -89,8 +89,8 @@ def _smoothed(rest: Floats, share: float) -> tuple[Floats, Floats]:
     return level, variance
 
 
-filtered = compiled(_filtered)
-smoothed = compiled(_smoothed)
+filtered = cached(_filtered)
+smoothed = cached(_smoothed)
 
 
 def possible_shares(n: int) -> Floats:

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.compiling import compiled
+from hilc_cli.compiling import cached
 from hilc_cli.reference.sampled import Floats
 
 
@@ -63,4 +63,4 @@ def _closed_loop(
     return applied, poses
 
 
-closed_loop = compiled(_closed_loop)
+closed_loop = cached(_closed_loop)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.interior_point import bounded_changes
-from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, along_motion
+from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, linearised
 from hilc_cli.laws.norm_optimal.motion import closed_loop
 from hilc_cli.reference.sampled import Floats
 
@@ -142,12 +142,8 @@ def _searched(
     the problem's feedback, which brings it where it is expected; if that does not do for the whole
     way, because the limit does not let it, also without.
     """
-    steps, directions = along_motion(poses)
     problem = LinearQuadratic(
-        steps,
-        directions,
-        model.distance_gain,
-        model.turn_gain,
+        linearised(poses, model.distance_gain, model.turn_gain),
         aim.pose_weights,
         np.full_like(inputs, aim.input_weight + damping),
         aim.pose_weights[:, [0, 0, 1]] * (poses - aim.poses),

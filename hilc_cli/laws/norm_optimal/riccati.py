@@ -15,17 +15,32 @@ d at the samples 1 to n and c at 0 to n - 1, with W = diag(w, w, w_h) and V diag
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.compiling import compiled
+from hilc_cli.compiling import cached
 from hilc_cli.reference.sampled import Floats
 
 
+class Linearised(NamedTuple):
+    """What A and B consist of: a tuple, since the compiler knows those.
+
+    Attributes:
+        steps: dx, dy [m], shape (n, 2).
+        directions: Cosine and sine of the heading, shape (n, 2).
+        distance_gain: a = d_k R / 2 [m s].
+        turn_gain: b = d_k R / (2 B) [s].
+    """
+
+    steps: Floats
+    directions: Floats
+    distance_gain: float
+    turn_gain: float
+
+
 def _factorised(
-    steps: Floats,
-    directions: Floats,
-    distance_gain: float,
-    turn_gain: float,
+    motion: Linearised,
     pose_weights: Floats,
     input_weights: Floats,
     gains: Floats,
@@ -34,10 +49,7 @@ def _factorised(
     """The part of the solution that does not depend on the linear terms, from the last sample back.
 
     Args:
-        steps: dx, dy [m], shape (n, 2).
-        directions: Cosine and sine of the heading, shape (n, 2).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
+        motion: The motion.
         pose_weights: w and w_h, shape (n + 1, 2).
         input_weights: Diagonal of V, > 0, shape (n, 2).
         gains: Gets K with c = -K d + (what the linear terms ask for), shape (n, 2, 3).
@@ -46,12 +58,12 @@ def _factorised(
     Source:
         Amann, Owens and Rogers 1996: the Riccati equation of norm-optimal learning.
     """
+    steps, directions, a, b = motion
     n = len(steps)
     # P, the cost of a change from sample k + 1 on: symmetric, entries of its upper half.
     xx, xy, xh = pose_weights[n, 0], 0.0, 0.0
     yy, yh = pose_weights[n, 0], 0.0
     hh = pose_weights[n, 1]
-    a, b = distance_gain, turn_gain
     for k in range(n - 1, -1, -1):
         dx, dy = steps[k, 0], steps[k, 1]
         cos, sin = directions[k, 0], directions[k, 1]
@@ -88,10 +100,7 @@ def _factorised(
 
 
 def _solved(
-    steps: Floats,
-    directions: Floats,
-    distance_gain: float,
-    turn_gain: float,
+    motion: Linearised,
     gains: Floats,
     inverses: Floats,
     pose_slopes: Floats,
@@ -101,10 +110,7 @@ def _solved(
     """The best change of the wheel speeds, from what `factorised` has found.
 
     Args:
-        steps: dx, dy [m], shape (n, 2).
-        directions: Cosine and sine of the heading, shape (n, 2).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
+        motion: The motion.
         gains: K, shape (n, 2, 3).
         inverses: (V + B' P B)^-1, shape (n, 3).
         pose_slopes: s, shape (n + 1, 3).
@@ -114,8 +120,8 @@ def _solved(
     Source:
         Amann, Owens and Rogers 1996: the costate of norm-optimal learning.
     """
+    steps, directions, a, b = motion
     n = len(steps)
-    a, b = distance_gain, turn_gain
     px, py, ph = pose_slopes[n, 0], pose_slopes[n, 1], pose_slopes[n, 2]
     for k in range(n - 1, -1, -1):
         along = a * (px * directions[k, 0] + py * directions[k, 1])
@@ -138,68 +144,52 @@ def _solved(
         dh += b * (changes[k, 0] - changes[k, 1])
 
 
-def _linear_motion(
-    steps: Floats,
-    directions: Floats,
-    distance_gain: float,
-    turn_gain: float,
-    changes: Floats,
-) -> Floats:
+def _linear_motion(motion: Linearised, changes: Floats) -> Floats:
     """How a change of the wheel speeds changes the motion, to first order.
 
     Args:
-        steps: dx, dy [m], shape (n, 2).
-        directions: Cosine and sine of the heading, shape (n, 2).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
+        motion: The motion.
         changes: c [rad/s], shape (n, 2).
 
     Returns:
         d, shape (n + 1, 3).
     """
+    steps, directions, a, b = motion
     n = len(steps)
     moved = np.zeros((n + 1, 3))
     for k in range(n):
-        along = distance_gain * (changes[k, 0] + changes[k, 1])
+        along = a * (changes[k, 0] + changes[k, 1])
         moved[k + 1, 0] = moved[k, 0] + along * directions[k, 0] - moved[k, 2] * steps[k, 1]
         moved[k + 1, 1] = moved[k, 1] + along * directions[k, 1] + moved[k, 2] * steps[k, 0]
-        moved[k + 1, 2] = moved[k, 2] + turn_gain * (changes[k, 0] - changes[k, 1])
+        moved[k + 1, 2] = moved[k, 2] + b * (changes[k, 0] - changes[k, 1])
     return moved
 
 
-def _input_derivatives(
-    steps: Floats,
-    directions: Floats,
-    distance_gain: float,
-    turn_gain: float,
-    pose_slopes: Floats,
-) -> Floats:
+def _input_derivatives(motion: Linearised, pose_slopes: Floats) -> Floats:
     """Derivatives with respect to the wheel speeds, from those with respect to the poses.
 
     Args:
-        steps: dx, dy [m], shape (n, 2).
-        directions: Cosine and sine of the heading, shape (n, 2).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
+        motion: The motion.
         pose_slopes: Derivatives with respect to the poses, shape (n + 1, 3).
 
     Returns:
         Derivatives with respect to the wheel speeds [s/rad], shape (n, 2).
     """
+    steps, directions, a, b = motion
     n = len(steps)
     derivatives = np.empty((n, 2))
     px, py, ph = pose_slopes[n, 0], pose_slopes[n, 1], pose_slopes[n, 2]
     for k in range(n - 1, -1, -1):
-        along = distance_gain * (px * directions[k, 0] + py * directions[k, 1])
-        derivatives[k, 0] = along + turn_gain * ph
-        derivatives[k, 1] = along - turn_gain * ph
+        along = a * (px * directions[k, 0] + py * directions[k, 1])
+        derivatives[k, 0] = along + b * ph
+        derivatives[k, 1] = along - b * ph
         ph += pose_slopes[k, 2] + py * steps[k, 0] - px * steps[k, 1]
         px += pose_slopes[k, 0]
         py += pose_slopes[k, 1]
     return derivatives
 
 
-factorised = compiled(_factorised)
-solved = compiled(_solved)
-linear_motion = compiled(_linear_motion)
-input_derivatives = compiled(_input_derivatives)
+factorised = cached(_factorised)
+solved = cached(_solved)
+linear_motion = cached(_linear_motion)
+input_derivatives = cached(_input_derivatives)

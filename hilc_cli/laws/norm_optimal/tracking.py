@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.compiling import compiled
+from hilc_cli.compiling import cached
 from hilc_cli.reference.sampled import Floats
 
 
@@ -74,4 +74,4 @@ def _tracked(
     return applied, poses
 
 
-tracked = compiled(_tracked)
+tracked = cached(_tracked)

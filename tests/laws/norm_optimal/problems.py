@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, along_motion
+from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, linearised
 from hilc_cli.reference.sampled import Floats
 from tests.laws.norm_optimal.dense import diagonal, lifted
 
@@ -27,9 +27,7 @@ def random_problem(random: np.random.Generator, n: int) -> tuple[LinearQuadratic
     poses = random_motion(random, n)
     pose_weights = random.uniform([1e3, 1.0], [1e5, 1e2], (n + 1, 2))
     problem = LinearQuadratic(
-        *along_motion(poses),
-        DISTANCE_GAIN,
-        TURN_GAIN,
+        linearised(poses, DISTANCE_GAIN, TURN_GAIN),
         pose_weights,
         random.uniform(1e-3, 1e-1, (n, 2)),
         pose_weights[:, [0, 0, 1]] * random.normal(0, 0.1, (n + 1, 3)),

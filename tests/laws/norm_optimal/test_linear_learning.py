@@ -7,7 +7,7 @@ import pytest
 
 from hilc_cli.laws.norm_optimal.interior_point import bounded_changes
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner
-from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, along_motion
+from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, linearised
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.robot import Robot
@@ -20,9 +20,7 @@ N = 12
 def update(poses: Floats, pose_weights: Floats, input_weight: float, error: Floats) -> Floats:
     """u_{i+1} - u_i for a measured error e_i of the samples 0 to n, by the law's own code."""
     problem = LinearQuadratic(
-        *along_motion(poses),
-        DISTANCE_GAIN,
-        TURN_GAIN,
+        linearised(poses, DISTANCE_GAIN, TURN_GAIN),
         pose_weights,
         np.full((N, 2), input_weight),
         -pose_weights[:, [0, 0, 1]] * error,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
-from hilc_cli.laws.norm_optimal.linear_quadratic import along_motion, feedback_gains
+from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains, linearised
 from hilc_cli.reference.sampled import Floats
 from tests.laws.norm_optimal.dense import diagonal, lifted
 from tests.laws.norm_optimal.problems import (
@@ -89,6 +89,7 @@ def test_standing_platform_has_no_gain_on_what_is_beside_it() -> None:
 
 
 def test_motion_is_taken_apart_into_steps_and_directions() -> None:
-    steps, directions = along_motion(np.array([[0, 0, 0], [1, 2, np.pi / 2], [4, 6, 0.0]]))
-    assert steps.tolist() == [[1, 2], [3, 4]]
-    assert directions == pytest.approx(np.array([[1, 0], [0, 1]]), abs=1e-15)
+    motion = linearised(np.array([[0, 0, 0], [1, 2, np.pi / 2], [4, 6, 0.0]]), 3.0, 5.0)
+    assert motion.steps.tolist() == [[1, 2], [3, 4]]
+    assert motion.directions == pytest.approx(np.array([[1, 0], [0, 1]]), abs=1e-15)
+    assert (motion.distance_gain, motion.turn_gain) == (3, 5)
