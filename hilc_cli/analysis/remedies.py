@@ -32,6 +32,20 @@ def feasibility_findings(feasibility: Feasibility) -> Findings:
     return Findings(tuple(failures), tuple(warnings))
 
 
+def beyond_wheels(feasibility: Feasibility) -> list[str]:
+    """A line before a simulation, in which wheels have limits and tyres have none."""
+    demand, limits = feasibility.demand, feasibility.limits
+    needed = [feasibility.needs(segment, segment.samples)[0] for segment in demand.segments]
+    needed += [joint.corner_wheel for joint in demand.joints]
+    if all(map(limits.allow_wheel, needed)):
+        return []
+    most, there = _told_apart(max(needed), limits.wheel_speed)
+    return [
+        f"the trajectory needs wheel speeds up to {most} rad/s, above b_w of {there} rad/s: the "
+        "platform cannot follow it, whatever the law; see 'hilc check'"
+    ]
+
+
 def _segment_offence(feasibility: Feasibility, segment: SegmentDemand) -> str:
     excess = _excess(feasibility, *feasibility.needs(segment, segment.samples))
     return f"trajectory.{segment.name} needs {excess}; {_longer(feasibility, segment)}"

@@ -12,8 +12,7 @@ import numpy as np
 from hilc_cli.analysis.advice import advice
 from hilc_cli.analysis.bounds import Bounds
 from hilc_cli.analysis.conditions import Conditions, conditions
-from hilc_cli.analysis.demand import demand_of
-from hilc_cli.analysis.feasibility import Feasibility, Limits
+from hilc_cli.analysis.feasibility import Feasibility
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.forecast import Forecast, forecast, forecast_findings, rest_error
 from hilc_cli.analysis.measured import Comparison
@@ -166,14 +165,9 @@ def check(
         on_iteration: Told of each completed iteration of that run.
     """
     experiment = scenario.experiment()
-    names = scenario.spec.trajectory.segment_names
     # Where numbers leave the range of floating point, they end as infinite: above any limit.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        feasibility = Feasibility(
-            demand_of(experiment.reference, experiment.robot, names),
-            experiment.robot,
-            Limits(experiment.speed_limit, scenario.spec.robot.friction),
-        )
+        feasibility = scenario.feasibility()
         findings = {
             "settings": Findings(warnings=(*scenario.warnings(), *advice(experiment))),
             "feasibility": feasibility_findings(feasibility),

@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
+from hilc_cli.analysis.remedies import beyond_wheels
 from hilc_cli.api.circumstances import circumstances
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
@@ -24,6 +25,7 @@ from hilc_cli.results.trial import Trial
 from hilc_cli.spec.loading import load_scenario
 from hilc_cli.spec.settings import settings_of
 from hilc_cli.spec.valid import Scenario
+from hilc_cli.spec.yardsticks import yardsticks_of
 
 __all__ = [
     "Run",
@@ -31,6 +33,7 @@ __all__ = [
     "Scenario",
     "Summary",
     "check_folder",
+    "forewarnings",
     "load_scenario",
     "plot",
     "read_run",
@@ -128,6 +131,7 @@ class Run(RunData):
             "compensation": self.scenario.compensates,
             "speed_limit_rad_s": self.speed_limit,
             "settings": dict(self.settings),
+            "yardsticks": {name: dict(values) for name, values in self.yardsticks.items()},
             "gravity_center_m": list(self.gravity_center),
             "diverged_at": self.diverged_at,
             "seed": spec.disturbance.seed,
@@ -136,6 +140,11 @@ class Run(RunData):
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
         }
+
+
+def forewarnings(scenario: Scenario) -> list[str]:
+    """What is legal but probably not meant, and what no law can do, to be told before a run."""
+    return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
 
 
 def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
@@ -181,6 +190,7 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
         diverged_at=diverged_at,
         learning=learning,
         settings=settings_of(scenario),
+        yardsticks=yardsticks_of(scenario),
         scenario=scenario,
         started=started,
         timings={"simulation": time.perf_counter() - clock},
@@ -228,7 +238,8 @@ def plot(
     Args:
         runs: From `read_run` or `run`.
         folder: Where to put KIND.FORMAT; made if it is not there.
-        kinds: path-change, final-path, error, wheel-speeds, summary; all by default.
+        kinds: path-change, final-path, error, wheel-speeds, summary, learning; all that there are
+            of these runs by default.
         formats: png, svg, pdf.
         dpi: Resolution of png.
         iterations: Recorded iterations to draw; all by default.
@@ -238,11 +249,12 @@ def plot(
         The pictures written.
 
     Raises:
-        UsageError: There is no such kind, format or recorded iteration.
+        UsageError: There is no such kind, format or recorded iteration, or no such picture of
+            these runs.
         ExistingResultsError: A picture stands there that may not be replaced.
         FileAccessError: They cannot be written.
     """
-    from hilc_cli.figures.catalogue import KINDS, save_figures  # Matplotlib starts slowly
+    from hilc_cli.figures.catalogue import save_figures  # Matplotlib starts slowly
 
     if not 1 <= dpi <= 10_000:
         raise UsageError(f"dpi must be from 1 to 10000, got {dpi}")
@@ -250,7 +262,7 @@ def plot(
 
     def draw(into: Path) -> None:
         drawn = save_figures(
-            runs, into, kinds=kinds or KINDS, formats=formats, dpi=dpi, iterations=iterations
+            runs, into, kinds=kinds, formats=formats, dpi=dpi, iterations=iterations
         )
         names.extend(path.name for path in drawn)
 

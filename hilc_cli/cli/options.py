@@ -28,6 +28,7 @@ class PictureKind(StrEnum):
     ERROR = "error"
     WHEEL_SPEEDS = "wheel-speeds"
     SUMMARY = "summary"
+    LEARNING = "learning"
     CURVE = "curve"
     MAP = "map"
     EFFECTS = "effects"

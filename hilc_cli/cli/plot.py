@@ -31,7 +31,8 @@ def plot(
             "--kind",
             metavar="KIND",
             help="What to draw; repeatable. Of runs: path-change, final-path, error, wheel-speeds, "
-            "summary; of a sweep: curve, map, effects, best, bands, search. [default: all]",
+            "summary, learning; of a sweep: curve, map, effects, best, bands, search. "
+            "[default: all there are]",
         ),
     ] = None,
     formats: Formats = None,

@@ -1,4 +1,4 @@
-"""``--require 'METRIC<=VALUE'``: what the last iteration must have reached."""
+"""``--require 'METRIC<=VALUE'``: what the last iteration must have reached, or the law learned."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _UNITS = {
     "_rad_s": Unit(angle=1, time=-1),
     "_rad": Unit(angle=1),
     "_m": Unit(length=1),
-    "_samples": PLAIN,
+    "_s": Unit(time=1),
 }
-"""Of a metric by the ending of its name."""
+"""Of a metric by the ending of its name; others are plain numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,29 +42,33 @@ class Requirement:
         return _RELATIONS[self.relation](metrics[self.metric], self.bound)
 
 
-def parse_requirements(texts: Sequence[str]) -> list[Requirement]:
+def parse_requirements(texts: Sequence[str], figures: Sequence[str] = ()) -> list[Requirement]:
     """The requirements that a command line states.
+
+    Args:
+        texts: As they stand there.
+        figures: What the law tells of an iteration: metrics as well.
 
     Raises:
         UsageError: One has another form, an unknown metric, or a bound that is no number.
     """
-    return [_parse(text) for text in texts]
+    return [_parse(text, (*METRIC_NAMES, *figures)) for text in texts]
 
 
-def _parse(text: str) -> Requirement:
+def _parse(text: str, known: Sequence[str]) -> Requirement:
     label = f"--require {text}"
     match = _FORM.fullmatch(text)
     if match is None:
         raise UsageError(f"{label}: must read METRIC<=VALUE, such as max_position_error_m<=0.01")
     metric, relation, value = match.groups()
-    if metric not in METRIC_NAMES:
-        raise UsageError(f"{label}: '{metric}' is no metric; {suggestion(metric, METRIC_NAMES)}")
+    if metric not in known:
+        raise UsageError(f"{label}: '{metric}' is no metric; {suggestion(metric, known)}")
     try:
         result = evaluate(value)
     except ExpressionError as error:
         raise UsageError(f"{label}: the bound {error}; give a number such as 0.01") from None
     bound = result.number.constant
-    unit = next(unit for ending, unit in _UNITS.items() if metric.endswith(ending))
+    unit = next((unit for ending, unit in _UNITS.items() if metric.endswith(ending)), PLAIN)
     if result.unit not in (PLAIN, unit):
         raise UsageError(f"{label}: the bound has the wrong unit; give a number such as 0.01")
     if not math.isfinite(bound):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from dataclasses import asdict
 from pathlib import Path
@@ -41,7 +42,8 @@ def run(
         list[str] | None,
         typer.Option(
             metavar="'METRIC<=VALUE'",
-            help="Exit with 3 unless a metric of the last iteration keeps a bound; repeatable.",
+            help="Exit with 3 unless a metric of the last iteration, or a figure that its law "
+            "tells, keeps a bound; repeatable.",
             show_default=False,
         ),
     ] = None,
@@ -66,12 +68,13 @@ def run(
     from hilc_cli.cli.requirements import parse_requirements
     from hilc_cli.cli.terminal import print_json, print_table, print_text, progress, say
 
-    requirements = parse_requirements(require or [])
     valid = api.load_scenario(scenario, set_ or [])
+    requirements = parse_requirements(require or [], valid.spec.controller.figures())
     folder = Path("runs") / valid.name if out is None else out
     api.check_folder(valid, folder, force=force)
+    warnings = api.forewarnings(valid)
     if not quiet:
-        for warning in valid.warnings():
+        for warning in warnings:
             say(f"warning: {warning}")
     session: Session = context.obj
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet) as advance:
@@ -89,9 +92,10 @@ def run(
         command=sys.argv,
     )
     summary = result.summary()
-    unmet = [requirement for requirement in requirements if not requirement.met(summary.final)]
+    reached = summary.reached
+    unmet = [requirement for requirement in requirements if not requirement.met(reached)]
     if json:
-        print_json(_document(result, summary, folder, requirements))
+        print_json(_document(result, summary, folder, requirements, warnings))
     elif not quiet:
         from hilc_cli.cli.summary_table import summary_table
 
@@ -106,13 +110,18 @@ def run(
             f"the iterations before it are in {folder}"
         )
     for requirement in unmet:
-        say(f"not met: {requirement.text}, got {summary.final[requirement.metric]:.6g}")
+        figure = reached[requirement.metric]
+        say(f"not met: {requirement.text}, got {'none' if math.isnan(figure) else f'{figure:.6g}'}")
     if unmet or summary.diverged_at is not None:
         raise typer.Exit(NOT_MET)
 
 
 def _document(
-    result: Run, summary: Summary, folder: Path, requirements: list[Requirement]
+    result: Run,
+    summary: Summary,
+    folder: Path,
+    requirements: list[Requirement],
+    warnings: list[str],
 ) -> dict[str, object]:
     last = result.last.iteration
     gravity_x, gravity_y, heading = result.gravity_center_path(last)
@@ -128,9 +137,9 @@ def _document(
             "y_m": float(gravity_y[-1]),
             "heading_rad": float(heading[-1]),
         },
-        "warnings": result.scenario.warnings(),
+        "warnings": warnings,
         "requirements": [
-            {"text": requirement.text, "met": requirement.met(summary.final)}
+            {"text": requirement.text, "met": requirement.met(summary.reached)}
             for requirement in requirements
         ],
     }

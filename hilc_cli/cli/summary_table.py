@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from hilc_cli.cli.terminal import two_columns
+from hilc_cli.results.quantities import quantities
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from hilc_cli.results.summary import Summary
 
-_UNITS = {"_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad", "_m": "m", "_s": "s", "_percent": "%"}
-_STANDARD_ERROR = "_standard_error"
+_FEWEST, _MOST = 4, 6  # significant digits of an estimate
 
 
 def summary_table(summary: Summary, speed_limit: float | None) -> Table:
@@ -55,25 +56,28 @@ def summary_table(summary: Summary, speed_limit: float | None) -> Table:
     return two_columns(title, rows)
 
 
-def _learned(figures: Mapping[str, float | None]) -> list[tuple[str, str]]:
-    """What the law tells of the last iteration, an estimate with its standard error."""
+def _learned(figures: Mapping[str, float]) -> list[tuple[str, str]]:
+    """What the law has learned by the last iteration, estimates with their standard errors."""
     rows = []
-    for column, figure in figures.items():
-        name, unit = _name_and_unit(column)
-        if name.endswith(_STANDARD_ERROR):
+    for quantity in quantities(figures):
+        series, unit = quantity.best, quantity.unit
+        value = figures[series.value]
+        if series.error is not None:
+            text = _estimate(value, figures[series.error], unit)
+        elif math.isnan(value):
             continue
-        suffix = column.removeprefix(name)
-        error = figures.get(f"{name}{_STANDARD_ERROR}{suffix}")
-        text = "none" if figure is None else f"{figure:.6g} {unit}".rstrip()
-        if error is not None:
-            text += f", standard error {error:.2g} {unit}".rstrip()
-        rows.append((f"Learned: {name.replace('_', ' ')}", text))
+        else:
+            late = math.isinf(value) and unit == "s"
+            text = "not by the end" if late else f"{value:.6g} {unit}".rstrip()
+        rows.append((f"Learned: {quantity.name}", text))
     return rows
 
 
-def _name_and_unit(column: str) -> tuple[str, str]:
-    """Name of a figure, and its unit, which stands at the end of the column's name."""
-    for suffix, unit in _UNITS.items():
-        if column.endswith(suffix):
-            return column.removesuffix(suffix), unit
-    return column, ""
+def _estimate(value: float, error: float, unit: str) -> str:
+    """An estimate, with about as many digits as its standard error leaves."""
+    if math.isnan(error):
+        return "not measured"
+    size = math.floor(math.log10(abs(value))) if value else 0
+    sure = size - math.floor(math.log10(error)) + 2 if error else _MOST
+    places = max(0, min(max(sure, _FEWEST), _MOST) - 1 - size)
+    return f"{value:.{places}f} {unit}, standard error {error:.2g} {unit}"

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.figures.error import error_figure
 from hilc_cli.figures.final_path import final_path_figure
+from hilc_cli.figures.learning import learning_figure, quantities_to_draw
 from hilc_cli.figures.path_change import check_iterations, path_change_figure
 from hilc_cli.figures.save import save_pictures
 from hilc_cli.figures.summary import summary_figure
@@ -26,9 +27,15 @@ _DRAWERS: Mapping[str, Drawer] = {
     "error": lambda runs, iterations: error_figure(runs),
     "wheel-speeds": lambda runs, iterations: wheel_speeds_figure(runs),
     "summary": summary_figure,
+    "learning": lambda runs, iterations: learning_figure(runs),
 }
 KINDS = PICTURE_KINDS
 assert set(KINDS) == set(_DRAWERS)
+
+
+def kinds_of(runs: Sequence[RunData]) -> list[str]:
+    """The kinds of picture that there are of runs: one of learning only if a law tells of it."""
+    return [kind for kind in KINDS if kind != "learning" or quantities_to_draw(runs)]
 
 
 def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None = None) -> Figure:
@@ -40,7 +47,8 @@ def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None 
         iterations: The iterations whose paths are shown; None for all that are recorded.
 
     Raises:
-        UsageError: There is no such kind, no run, or no such iteration in any of the runs.
+        UsageError: There is no such kind, no run, or no such iteration in any of the runs; or
+            there is no such picture of these runs.
     """
     _check(runs, [kind], iterations)
     return _DRAWERS[kind](runs, iterations)
@@ -49,7 +57,7 @@ def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None 
 def save_figures(
     runs: Sequence[RunData],
     folder: Path,
-    kinds: Sequence[str] = KINDS,
+    kinds: Sequence[str] = (),
     formats: Sequence[str] = ("png",),
     dpi: int = 150,
     iterations: Collection[int] | None = None,
@@ -59,7 +67,7 @@ def save_figures(
     Args:
         runs: The run, or several to lay over each other.
         folder: Where the files go; it must exist.
-        kinds: Some of ``KINDS``.
+        kinds: Some of ``KINDS``; all that there are of these runs by default.
         formats: Some of ``FORMATS``.
         dpi: Dots per inch of PNG files.
         iterations: The iterations whose paths are shown; None for all that are recorded.
@@ -68,11 +76,12 @@ def save_figures(
         The files, in the order of kinds and formats.
 
     Raises:
-        UsageError: A kind, a format or an iteration is not known; nothing is written then.
+        UsageError: A kind, a format or an iteration is not known, or there is no such picture of
+            these runs; nothing is written then.
         OSError: A file cannot be written.
     """
     _check(runs, kinds, iterations)
-    drawn = {kind: partial(draw, kind, runs, iterations) for kind in kinds}
+    drawn = {kind: partial(draw, kind, runs, iterations) for kind in kinds or kinds_of(runs)}
     return save_pictures(drawn, folder, formats, dpi)
 
 

@@ -19,10 +19,11 @@ STRIP_LABEL = "Samples at speed limit (0 to 100 %)"
 SEVERAL_STRIPS = ", colours of the runs"
 MOST_DETAILED = 5
 """Of so many runs mean errors and shares at the limit are drawn; those of more hide the lines."""
+MARKED_UP_TO = 30
+"""So many iterations are marked one by one."""
 
 # A logarithmic axis of double precision ends a little inside of what its numbers can hold.
 _SMALLEST, _LARGEST = 1e-300, 1e300
-_MARKED_UP_TO = 30  # iterations that are marked one by one
 _STRIP, _STRIPS = 0.05, 0.2  # height of a strip, and of all of them, of the panel's
 _HEADROOM = 0.06  # free space above and below the lines, of the panel's height
 _SINGLE = (
@@ -84,7 +85,7 @@ def draw_error(
             lines.append(errors)
             count = len(errors)
             marker = style.run_marker(index, len(runs)) or "o"
-            marked = place == 0 if several else count <= _MARKED_UP_TO
+            marked = place == 0 if several else count <= MARKED_UP_TO
             axes.plot(
                 np.arange(count),
                 errors,
@@ -93,7 +94,7 @@ def draw_error(
                 linewidth=style.THIN if several and place else style.PATH_WIDTH,
                 marker=marker if marked else "",
                 markersize=style.MARKER_SIZE - (0 if several else 1),
-                markevery=style.sparse(count, index, runs) if count > _MARKED_UP_TO else None,
+                markevery=style.sparse(count, index, runs) if count > MARKED_UP_TO else None,
                 label=label,
             )
         at_zero = np.flatnonzero(run.metrics["max_position_error_m"] < _SMALLEST)
@@ -119,7 +120,7 @@ def draw_error(
                 label="_diverged",
             )
     _legend_proxies(axes, several=several, means=detailed, zeros=zeros)
-    _scale_iterations(axes, runs)
+    scale_iterations(axes, runs)
     _scale_errors(axes, lines, strips)
     if detailed:
         _draw_strips(axes, runs, strip)
@@ -150,7 +151,8 @@ def _legend_proxies(axes: Axes, *, several: bool, means: bool, zeros: bool) -> N
         )
 
 
-def _scale_iterations(axes: Axes, runs: Sequence[RunData]) -> None:
+def scale_iterations(axes: Axes, runs: Sequence[RunData]) -> None:
+    """Sets up the axis of iterations, from the first to the last of all runs."""
     last = max(
         max(len(run.metrics) - 1, 0 if run.diverged_at is None else run.diverged_at) for run in runs
     )

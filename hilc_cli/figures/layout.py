@@ -87,6 +87,27 @@ def legend_below(
     return _height(entries, columns)
 
 
+def legend_below_all(panels: Sequence[Axes], width: float, first: Collection[str] = ()) -> float:
+    """Puts one legend of all panels, each label once, below the last of them.
+
+    Args:
+        panels: From top to bottom.
+        width: Room for the legend [inch].
+        first: Labels that come before all others.
+
+    Returns:
+        Height of the legend [inch].
+    """
+    found = {label: handle for axes in panels for label, handle in _entries(axes).items()}
+    if not found:
+        return 0.0
+    entries = {label: found[label] for label in sorted(found, key=lambda name: name not in first)}
+    columns = _columns(entries, width + RIGHT)
+    offset = ScaledTranslation(0, -BOTTOM, root_figure(panels[-1]).dpi_scale_trans)
+    _draw_legend(panels[-1], entries, (0, 0), panels[-1].transAxes + offset, columns)
+    return _height(entries, columns)
+
+
 def shared_legend(
     axes: Axes, only: Collection[str], left: float, top: float, width: float
 ) -> float:

@@ -47,12 +47,9 @@ class LearningTable:
         """
         return np.array(self._columns[name], dtype=np.float64)
 
-    def last(self) -> dict[str, float | None]:
-        """Figures of the last iteration by name; None where there is none that is finite."""
-        return {
-            name: column[-1] if math.isfinite(column[-1]) else None
-            for name, column in self._columns.items()
-        }
+    def last(self) -> dict[str, float]:
+        """Figures of the last iteration by name; not-a-number where there is no such figure."""
+        return {name: column[-1] for name, column in self._columns.items()}
 
     def rows(self) -> Iterator[tuple[float, ...]]:
         """All rows in order."""

@@ -29,6 +29,8 @@ class RunData:
         learning: What the law tells of each completed iteration; most laws tell nothing.
         settings: What tells the run from others, in words: law, gains, compensation,
             start_offset; what is not known is left out.
+        yardsticks: Values to hold what the law tells against, by column of ``learning.csv`` and
+            by name, such as ``true`` and ``believed``; what is not known is left out.
     """
 
     name: str
@@ -40,6 +42,7 @@ class RunData:
     diverged_at: int | None = None
     learning: LearningTable = field(default_factory=LearningTable)
     settings: Mapping[str, str] = field(default_factory=dict)
+    yardsticks: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property
     def last(self) -> Trial:

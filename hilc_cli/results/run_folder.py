@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -37,7 +38,7 @@ TABLES = frozenset(
     {SCENARIO, MANIFEST, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
 )
 
-PICTURE_KINDS = ("path-change", "final-path", "error", "wheel-speeds", "summary")
+PICTURE_KINDS = ("path-change", "final-path", "error", "wheel-speeds", "summary", "learning")
 PICTURE_FORMATS = ("png", "svg", "pdf")
 PICTURES = frozenset(f"{kind}.{suffix}" for kind in PICTURE_KINDS for suffix in PICTURE_FORMATS)
 
@@ -133,7 +134,7 @@ def is_run_folder(path: Path) -> bool:
 def read_run_folder(path: Path) -> RunData:
     """The results in a run folder, from its tables.
 
-    The manifest adds the names, the speed limit and the settings, if it is there.
+    The manifest adds the names, the speed limit, the settings and the yardsticks, if it is there.
 
     Raises:
         HilcError: There is no such folder, or a table is missing or damaged.
@@ -161,6 +162,7 @@ def read_run_folder(path: Path) -> RunData:
         diverged_at=diverged_at if isinstance(diverged_at, int) else None,
         learning=read_learning(path / LEARNING),
         settings=_texts(manifest.get("settings")),
+        yardsticks=_numbers(manifest.get("yardsticks")),
     )
 
 
@@ -176,6 +178,20 @@ def _texts(value: object) -> dict[str, str]:
     if not isinstance(value, dict):
         return {}
     return {key: text for key, text in value.items() if isinstance(text, str)}
+
+
+def _numbers(value: object) -> dict[str, dict[str, float]]:
+    if not isinstance(value, dict):
+        return {}
+    return {
+        column: {name: float(number) for name, number in named.items() if _is_number(number)}
+        for column, named in value.items()
+        if isinstance(named, dict)
+    }
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
 
 
 def _same_scenario(

@@ -27,7 +27,7 @@ class Summary:
         saturated_share: Share of all samples of all iterations at which the speed limit acted.
         diverged_at: The iteration that left the finite numbers; None if none did.
         learning: What the law tells of the last completed iteration, by column of
-            ``learning.csv``; None where it has none that is finite.
+            ``learning.csv``; not-a-number where there is no such figure.
     """
 
     name: str
@@ -40,7 +40,12 @@ class Summary:
     peak_iteration: int
     saturated_share: float
     diverged_at: int | None
-    learning: dict[str, float | None]
+    learning: dict[str, float]
+
+    @property
+    def reached(self) -> dict[str, float]:
+        """Metrics of the last completed iteration, and what the law tells of it."""
+        return {**self.final, **self.learning}
 
 
 def summarise(run: RunData) -> Summary:

@@ -99,6 +99,14 @@ class Controller(Model):
         """Whether the run compensates an initial error by Eq. 21."""
         return False
 
+    def figures(self) -> tuple[str, ...]:
+        """Columns of ``learning.csv`` that the law fills; most laws have nothing to tell."""
+        return ()
+
+    def yardsticks(self, setting: Setting) -> dict[str, dict[str, float]]:
+        """Values of the law's own to hold some of them against, each with a name."""
+        return {}
+
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
         return self.model_dump(mode="json")

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from hilc_cli.laws.compensation import has_initial_error
-from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
+from hilc_cli.laws.norm_optimal.law import MERGE_TIME, NormOptimalLaw, figures_told
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.robot import Robot
@@ -91,6 +91,17 @@ class NormOptimalController(Controller):
             self.memory,
         )
         return NormOptimalLaw(parameters, setting.model)
+
+    def figures(self) -> tuple[str, ...]:
+        """What is identified, if anything is, and what there is to tell of the plan."""
+        return figures_told(identify=self.identify)
+
+    def yardsticks(self, setting: Setting) -> dict[str, dict[str, float]]:
+        """When the plan is to be on the trajectory, if the platform does not start there."""
+        if not has_initial_error(setting.initial_error, setting.initial_bound, _NONE):
+            return {}
+        h = _within(self.h, setting.reference)
+        return {MERGE_TIME: {"h": h * setting.reference.sample_time}}
 
     def in_words(self, setting: Setting) -> str:
         """What is learned, how, and how long an initial error may last."""

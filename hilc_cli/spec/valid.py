@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from hilc_cli.analysis.demand import demand_of
+from hilc_cli.analysis.feasibility import Feasibility, Limits
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.reference.sampled import Floats, Reference
@@ -55,12 +57,12 @@ class Scenario:
     @property
     def compensates(self) -> bool:
         """The position of Fig. 2's switch: whether the run compensates an initial error."""
-        return self.spec.controller.compensates(self._setting())
+        return self.spec.controller.compensates(self.setting)
 
     @property
     def law_in_words(self) -> str:
         """The law and its gains, in one line."""
-        return self.spec.controller.in_words(self._setting())
+        return self.spec.controller.in_words(self.setting)
 
     @property
     def speed_limit(self) -> float | None:
@@ -75,7 +77,7 @@ class Scenario:
         return Experiment(
             reference=reference,
             robot=spec.robot.robot(),
-            law=spec.controller.law_for(self._setting()),
+            law=spec.controller.law_for(self.setting),
             initial_pose=spec.start_pose,
             initial_left=left,
             initial_right=right,
@@ -85,7 +87,9 @@ class Scenario:
             disturbance=spec.disturbance.disturbance(),
         )
 
-    def _setting(self) -> Setting:
+    @property
+    def setting(self) -> Setting:
+        """What the law may depend on beside its own parameters."""
         spec = self.spec
         return Setting(
             spec.trajectory.reference(),
@@ -104,7 +108,7 @@ class Scenario:
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        found = self.spec.controller.warnings(self._setting())
+        found = self.spec.controller.warnings(self.setting)
         found += self._without_learning()
         if abs(self.spec.initial_error[2]) > math.pi:
             found.append(
@@ -130,6 +134,17 @@ class Scenario:
                 "set 'initial_trial: open-loop' to see it in iteration 0"
             )
         return found
+
+    def feasibility(self) -> Feasibility:
+        """What the trajectory demands of wheels and tyres, beside what they can do.
+
+        Where numbers leave the range of floating point, they end as infinite: above any limit.
+        """
+        spec, robot = self.spec, self.spec.robot.robot()
+        limit = math.inf if self.speed_limit is None else self.speed_limit
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            demand = demand_of(spec.trajectory.reference(), robot, spec.trajectory.segment_names)
+        return Feasibility(demand, robot, Limits(limit, spec.robot.friction))
 
     def resolved(self) -> dict[str, Any]:
         """The scenario as plain data with every default, file and relation filled in."""

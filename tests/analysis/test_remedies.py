@@ -11,7 +11,7 @@ import pytest
 from hilc_cli.analysis.demand import demand_of
 from hilc_cli.analysis.feasibility import Feasibility, Limits
 from hilc_cli.analysis.findings import Findings
-from hilc_cli.analysis.remedies import feasibility_findings
+from hilc_cli.analysis.remedies import beyond_wheels, feasibility_findings
 from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.robot import Robot
 
@@ -49,6 +49,31 @@ def test_sharp_arc_is_to_take_longer() -> None:
         "4.903 m/s^2 that a friction of 0.5 holds; "
         "give it at least 2.007 s (at most 3.13063 m/s) instead of 1 s",
     )
+
+
+@pytest.mark.parametrize(
+    ("plans", "limits", "told"),
+    [
+        ([AHEAD], Limits(37.5), []),
+        ([AHEAD], Limits(), []),
+        ([HALF_TURN], Limits(friction=0.01), []),  # no matter to wheels
+        ([HALF_TURN], Limits(37.0), ["39.27"]),  # (2 pi + 0.5 pi) / 0.2
+        # The last millisecond of 7.5 m/s turns by 3 pi / 4: (7.5 + 0.5 * 750 pi) / 0.2.
+        ([AHEAD, BACK], Limits(18.0), ["5928"]),
+    ],
+)
+def test_before_a_run_the_fastest_wheel_is_told(
+    plans: Sequence[SegmentPlan], limits: Limits, told: Sequence[str]
+) -> None:
+    reference = build_reference("path", (0, 0, 0), plans, 0.001, corners=True)
+    names = [f"segments.{index}.piece" for index in range(len(plans))]
+    demand = demand_of(reference, PLATFORM, names)
+    assert beyond_wheels(Feasibility(demand, PLATFORM, limits)) == [
+        f"the trajectory needs wheel speeds up to {speed} rad/s, above b_w of "
+        f"{limits.wheel_speed:g} rad/s: the platform cannot follow it, whatever the law; see "
+        "'hilc check'"
+        for speed in told
+    ]
 
 
 def test_both_limits_are_told_together() -> None:

@@ -241,7 +241,7 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "plot-kind",
         ["plot", ".", "--kind", "err"],
         2,
-        "hilc: invalid value for '--kind': 'err' is not one of 'path-change', 'final-path', 'error', 'wheel-speeds', 'summary', 'curve', 'map', 'effects', 'best', 'bands', 'search'; see 'hilc plot --help'",
+        "hilc: invalid value for '--kind': 'err' is not one of 'path-change', 'final-path', 'error', 'wheel-speeds', 'summary', 'learning', 'curve', 'map', 'effects', 'best', 'bands', 'search'; see 'hilc plot --help'",
     ),
     (
         "plot-nofolder",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
-from tests.conftest import Hilc, Write
+import hilc_cli as hilc_api
+from tests.conftest import Hilc, Outcome, Write
 
 # The platform believes in wheels of 0.7 times their radius, and in 1.3 times the true half track.
 SCENARIO = """\
@@ -42,20 +44,124 @@ def test_summary_tells_what_was_identified(hilc: Hilc, folder: Path, scenario: s
     assert told["half_track_m"] == pytest.approx(0.5, rel=1e-9)
     assert 0 <= told["wheel_radius_standard_error_m"] < 1e-9
     assert 0 <= told["half_track_standard_error_m"] < 1e-9
+    assert told["model_wheel_radius_m"] == pytest.approx(0.2, rel=1e-9)
+    assert told["model_half_track_m"] == pytest.approx(0.5, rel=1e-9)
     assert told["merge_time_s"] <= 40 * 5e-3 + 1e-9
     assert told["search_settled"] == 1
-    printed = hilc("run", scenario, "--no-plots").out
-    assert "Learned: wheel radius" in printed
-    assert " 0.2 m, standard error " in printed
-    assert "Learned: merge time" in printed
+    rows = learned(hilc("run", scenario, "--no-plots").out)
+    assert rows["wheel radius"].startswith("0.200000 m, standard error ")
+    assert rows["half track"].startswith("0.500000 m, standard error ")
+    assert rows["merge time"] == f"{told['merge_time_s']:.6g} s"
 
 
-def test_what_is_not_known_yet_is_none(hilc: Hilc, folder: Path, scenario: str) -> None:
-    outcome = hilc("run", scenario, "--no-plots", "--json", "--set", "iterations=0")
-    told = json.loads(outcome.out)["learning"]
-    assert told["half_track_standard_error_m"] is None  # nothing has moved
-    assert told["merge_time_s"] is None
-    assert told["search_settled"] is None
+def learned(out: str) -> dict[str, str]:
+    """What the summary says of what was learned."""
+    found = re.findall(r"^ *Learned: (\w+ \w+) +(.*)$", out, re.MULTILINE)
+    return dict(found)
+
+
+def test_what_was_not_measured_is_not_told_as_learned(
+    hilc: Hilc, folder: Path, scenario: str
+) -> None:
+    only_first = ("--no-plots", "--set", "iterations=0", "--force")
+    told = json.loads(hilc("run", scenario, *only_first, "--json").out)["learning"]
+    # Nothing has moved: what the model is made of is what was believed.
+    known = {name: value for name, value in told.items() if value is not None}
+    assert known == {"model_wheel_radius_m": 0.14, "model_half_track_m": 0.65}
+    rows = learned(hilc("run", scenario, *only_first).out)
+    assert rows == {"wheel radius": "not measured", "half track": "not measured"}
+
+
+def test_without_identification_nothing_is_told_of_it(
+    hilc: Hilc, folder: Path, scenario: str
+) -> None:
+    without = ("--no-plots", "--set", "controller.identify=false", "--force")
+    assert set(json.loads(hilc("run", scenario, *without, "--json").out)["learning"]) == {
+        "merge_time_s",
+        "search_settled",
+    }
+    assert set(learned(hilc("run", scenario, *without).out)) == {"merge time", "search settled"}
+    outcome = hilc("run", scenario, *without, "--require", "half_track_m<=1")
+    assert outcome.code == 2
+    assert "'half_track_m' is no metric; " in outcome.err
+
+
+def test_digits_are_those_that_the_standard_error_leaves(
+    hilc: Hilc, folder: Path, scenario: str
+) -> None:
+    noise = "disturbance.state.bound=[5 mm, 5 mm, 0.01]"
+    out = hilc("run", scenario, "--no-plots", "--set", noise).out
+    for row in list(learned(out).values())[:2]:
+        value, error = re.fullmatch(r"(.*) m, standard error (.*) m", row).groups()  # type: ignore[union-attr]
+        last = 10.0 ** -len(value.partition(".")[2])
+        assert 0.01 * float(error) <= last <= float(error)
+
+
+def test_what_the_law_tells_may_be_required(hilc: Hilc, folder: Path, scenario: str) -> None:
+    met = ["half_track_m<=51 cm", "model_wheel_radius_standard_error_m<1 mm", "merge_time_s<1 s"]
+    run = ("run", scenario, "--no-plots", "-q")
+    assert hilc(*run, *(f"--require={text}" for text in met)) == Outcome(0, "", "")
+    outcome = hilc(*run, "--require", "half_track_m>60 cm")
+    assert outcome == Outcome(3, "", "hilc: not met: half_track_m>60 cm, got 0.5\n")
+    at_rest = ("--set", "iterations=0", "--force")
+    outcome = hilc(*run, *at_rest, "--require", "half_track_m<1", "--require", "merge_time_s<1")
+    assert outcome == Outcome(
+        3, "", "hilc: not met: half_track_m<1, got none\nhilc: not met: merge_time_s<1, got none\n"
+    )
+
+
+def test_unknown_metric_is_told_beside_what_the_law_tells(
+    hilc: Hilc, folder: Path, scenario: str
+) -> None:
+    outcome = hilc("run", scenario, "--require", "qqq<1")
+    assert outcome.code == 2
+    assert "merge_time_s, model_half_track_m, " in outcome.err
+    outcome = hilc("run", scenario, "--require", "half_trak_m<1")
+    assert outcome.err.endswith("'half_trak_m' is no metric; did you mean 'half_track_m'?\n")
+
+
+def test_limit_that_is_too_low_is_told_before_the_run(
+    hilc: Hilc, folder: Path, scenario: str
+) -> None:
+    # The arc takes (2 m + 0.5 m) * 60 deg / 0.3 s / 0.2 m, its chords less by their share of it.
+    low = ("run", scenario, "--no-plots", "--set", "controller.b_w=30", "--force")
+    outcome = hilc(*low)
+    (line,) = outcome.err.splitlines()
+    assert line == (
+        "hilc: warning: the trajectory needs wheel speeds up to 43.63 rad/s, above b_w of "
+        "30 rad/s: the platform cannot follow it, whatever the law; see 'hilc check'"
+    )
+    assert outcome.code == 0
+    assert learned(outcome.out)["merge time"] == "not by the end"
+    told = json.loads(hilc(*low, "--json").out)
+    assert f"hilc: warning: {told['warnings'][0]}" == line
+    assert told["learning"]["merge_time_s"] is None
+    assert hilc(*low, "-q").err == ""
+    assert "above b_w of 30 rad/s" in hilc("check", *low[1:2], *low[3:5]).out
+
+
+def test_picture_of_learning(hilc: Hilc, folder: Path, scenario: str) -> None:
+    run = ("run", scenario, "--no-plots", "-q")
+    assert hilc(*run, "--out", "a").code == 0
+    outcome = hilc("plot", "a", "--kind", "learning")
+    assert outcome == Outcome(0, "a/learning.png\n", "")
+    assert hilc_api.read_run("a").yardsticks == {
+        "wheel_radius_m": {"true": 0.2, "believed": 0.14},
+        "half_track_m": {"true": 0.5, "believed": 0.65},
+        "merge_time_s": {"h": pytest.approx(0.2)},
+    }
+    other = ("--set", "controller={gains: {l1: 0.5}}")
+    assert hilc(*run, *other, "--out", "b").code == 0
+    outcome = hilc("plot", "b", "--kind", "learning")
+    assert outcome == Outcome(
+        2,
+        "",
+        "hilc: there is no picture 'learning' of test: nothing is told of what was learned; "
+        "law norm-optimal with 'identify: true' tells wheel radius and half track\n",
+    )
+    assert not (folder / "b/learning.png").exists()
+    outcome = hilc("plot", "a", "b", "--kind", "learning", "--out", "both")
+    assert outcome == Outcome(0, "both/learning.png\n", "")
 
 
 def test_sweep_varies_its_parameters(hilc: Hilc, folder: Path, scenario: str) -> None:

@@ -1,17 +1,19 @@
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pytest
 
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 
 MakeRun = Callable[..., RunData]
 SAMPLES = 80
+YARDSTICKS = {"wheel_radius_m": {"true": 0.2, "believed": 0.14}, "merge_time_s": {"h": 0.2}}
 
 
 def circle(radius: float = 10.0, samples: int = SAMPLES) -> Reference:
@@ -40,6 +42,17 @@ def trial_beside(reference: Reference, iteration: int, factor: float, saturated:
     )
 
 
+def told(values: Sequence[tuple[float, ...]], merge_times: Sequence[float] = ()) -> LearningTable:
+    """What a law tells: a wheel radius alone and of all so far, with standard errors [mm]."""
+    table = LearningTable()
+    names = ("wheel_radius_m", "wheel_radius_standard_error_m")
+    for place, row in enumerate(values):
+        columns = dict(zip((*names, *(f"model_{name}" for name in names)), row, strict=False))
+        merge = {"merge_time_s": merge_times[place]} if merge_times else {}
+        table.append({name: value / 1000 for name, value in columns.items()} | merge)
+    return table
+
+
 @pytest.fixture
 def make_run() -> MakeRun:
     def make(
@@ -50,6 +63,8 @@ def make_run() -> MakeRun:
         speed_limit: float | None = 180.0,
         saturated: int = 0,
         diverged_at: int | None = None,
+        learning: LearningTable | None = None,
+        yardsticks: Mapping[str, Mapping[str, float]] = YARDSTICKS,
     ) -> RunData:
         """A run whose iteration i is the reference, blown up by ``factors[i]`` about its start."""
         reference = circle() if reference is None else reference
@@ -60,6 +75,17 @@ def make_run() -> MakeRun:
             if recorded is None or iteration in recorded:
                 trials[iteration] = trial
             before = trial
-        return RunData(name, reference, metrics, trials, speed_limit, (0.0, 0.0), diverged_at)
+        if learning is None:
+            learning = told([(201, 3, 200, 2)] * len(factors), [0.3] * len(factors))
+        return RunData(
+            name,
+            reference,
+            metrics,
+            trials,
+            speed_limit,
+            diverged_at=diverged_at,
+            learning=learning,
+            yardsticks=yardsticks,
+        )
 
     return make

@@ -10,9 +10,10 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from hilc_cli.errors import UsageError
-from hilc_cli.figures.catalogue import KINDS, draw, save_figures
+from hilc_cli.figures.catalogue import KINDS, draw, kinds_of, save_figures
 from hilc_cli.figures.save import FORMATS
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.learning import LearningTable
 from tests.figures.conftest import MakeRun, circle, straight
 from tests.figures.reading import legend, overlaps
 
@@ -22,7 +23,9 @@ def test_unknown_kind_is_named_with_the_nearest_or_all(make_run: MakeRun) -> Non
         UsageError, match="unknown kind of picture 'sumary'; did you mean 'summary'"
     ):
         draw("sumary", [make_run()])
-    with pytest.raises(UsageError, match="known: error, final-path, path-change, summary, wheel"):
+    with pytest.raises(
+        UsageError, match="known: error, final-path, learning, path-change, summary"
+    ):
         draw("xyz", [make_run()])
 
 
@@ -40,6 +43,19 @@ def test_saves_each_kind_in_each_format(make_run: MakeRun, tmp_path: Path) -> No
     assert paths == [tmp_path / f"{kind}.{name}" for kind in KINDS for name in FORMATS]
     starts = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
     assert all(path.read_bytes().startswith(starts[path.suffix]) for path in paths)
+
+
+def test_there_is_no_picture_of_what_is_not_told(make_run: MakeRun, tmp_path: Path) -> None:
+    silent = make_run("silent", learning=LearningTable())
+    others = [kind for kind in KINDS if kind != "learning"]
+
+    assert kinds_of([silent]) == others
+    assert kinds_of([silent, make_run()]) == list(KINDS)
+    assert [path.stem for path in save_figures([silent], tmp_path, dpi=30)] == others
+    with pytest.raises(UsageError, match="there is no picture 'learning' of silent: nothing is"):
+        draw("learning", [silent])
+    with pytest.raises(UsageError, match="of these 2 runs: nothing is told of what was learned"):
+        draw("learning", [silent, silent])
 
 
 def test_nothing_is_written_if_anything_is_unknown(make_run: MakeRun, tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ def test_numbers_read_back_exactly(tmp_path: Path) -> None:
     assert len(again) == 3
     for name in again.names:
         np.testing.assert_array_equal(again[name], table[name])
-    assert again.last() == {"first_m": None, "second_rad": 1 / 3}
+    assert again.last() == {"first_m": math.inf, "second_rad": 1 / 3}
 
 
 def test_nothing_told_is_an_empty_table(tmp_path: Path) -> None:

@@ -93,6 +93,23 @@ def test_nothing_of_the_manifest_is_in_the_tables(done: Path) -> None:
         assert hilc_api.__version__ not in text.partition("\n")[0]
 
 
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [
+        ({"a_m": {"true": 1, "h": 0.5}}, {"a_m": {"true": 1.0, "h": 0.5}}),
+        ({"a_m": {"true": "x", "h": None}, "b_m": 3}, {"a_m": {}}),
+        ([1], {}),
+        (None, {}),
+    ],
+)
+def test_yardsticks_of_the_manifest_are_read_as_far_as_they_are_numbers(
+    done: Path, written: object, read: object
+) -> None:
+    manifest = json.loads((done / "manifest.json").read_text())
+    (done / "manifest.json").write_text(json.dumps(manifest | {"yardsticks": written}))
+    assert hilc_api.read_run(done).yardsticks == read
+
+
 def test_second_run_gives_the_same_bytes(hilc: Hilc, done: Path) -> None:
     before = {name: (done / name).read_bytes() for name in (*TABLES, "scenario.yaml")}
     assert hilc("run", "scenario.yaml", *QUIET) == Outcome(0, "", "")

@@ -13,7 +13,10 @@ from hilc_cli.robot import Robot, step_gains
 
 _PRIOR = 0.5  # relative standard deviation of what the user believes at first
 _WEAR = 1e-4  # relative change of the platform from one iteration to the next that is allowed for
-_VAGUE = 0.2  # a gain with a larger relative standard error counts as not measured
+_VAGUE = 0.2  # what has a larger relative standard error counts as not measured
+_OF_BOTH = np.array([[1.0, 1.0], [1.0, 2.0]])
+"""Covariance of R and R / B, as shares, for independent errors of one in R and in B."""
+_QUOTIENT = np.array([1.0, -1.0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +42,8 @@ class Belief:
 
     Attributes:
         robot: The platform.
-        covariance: Of the errors of the logarithms of wheel radius and half track, shape (2, 2).
+        covariance: Of the errors of both gains, each as a share of the gain believed: of
+            R, to which the distance gain is proportional, and of R / B, shape (2, 2).
     """
 
     robot: Robot
@@ -48,41 +52,54 @@ class Belief:
     @classmethod
     def at_first(cls, robot: Robot) -> Belief:
         """What the user says, which may be off by half."""
-        return cls(robot, np.diag([_PRIOR**2, _PRIOR**2]))
+        return cls(robot, _PRIOR**2 * _OF_BOTH)
 
     def gains(self, sample_time: float) -> tuple[float, float]:
         """Gains of the wheels: a = d_k R / 2 [m s] and b = d_k R / (2 B) [s]."""
         return step_gains(self.robot.wheel_radius, self.robot.signed_half_track, sample_time)
+
+    @property
+    def wheel_radius_error(self) -> float:
+        """Standard error of R [m]; infinity as long as it has not been measured."""
+        return self.robot.wheel_radius * _measured(float(self.covariance[0, 0]))
+
+    @property
+    def half_track_error(self) -> float:
+        """Standard error of B [m]; infinity as long as it has not been measured."""
+        # B is the quotient of both gains.
+        return self.robot.half_track * _measured(float(_QUOTIENT @ self.covariance @ _QUOTIENT))
 
     def updated(self, fit: MotionFit, sample_time: float) -> tuple[Belief, Identification]:
         """The belief after an iteration, and what that iteration alone says.
 
         Each measured gain counts by its standard error (a Kalman filter over the iterations): an
         iteration in which the platform stood still or drove straight leaves alone what it does not
-        tell.
+        tell. The gains themselves are averaged, not R and B or their logarithms, of which noise
+        shifts the mean; and standard errors are taken as they are, not as a share of the gain
+        beside them, by which iterations that tell too large a gain would count more.
 
         Args:
             fit: The gains that were measured.
             sample_time: d_t [s].
         """
         robot = self.robot
-        # log a = log R + constant, log |b| = log R - log |B| + constant.
-        state = np.log([robot.wheel_radius, robot.half_track])
-        covariance = self.covariance + np.diag([_WEAR**2, _WEAR**2])
-        distance_known, turn_known = _known(fit, robot)
-        if distance_known:
-            measured = math.log(2 * fit.distance_gain / sample_time)
-            spread = fit.distance_error / fit.distance_gain
-            state, covariance = _filtered(state, covariance, np.array([1.0, 0.0]), measured, spread)
-        if turn_known:
-            measured = math.log(2 * abs(fit.turn_gain) / sample_time)
-            spread = fit.turn_error / abs(fit.turn_gain)
-            state, covariance = _filtered(
-                state, covariance, np.array([1.0, -1.0]), measured, spread
-            )
-        radius, half_track = np.exp(state).tolist()
-        believed = Belief(replace(robot, wheel_radius=radius, half_track=half_track), covariance)
-        return believed, self._identification(fit, sample_time, distance_known, turn_known)
+        believed = np.abs(self.gains(sample_time))
+        changes = np.zeros(2)  # of the gains, as shares of those believed
+        covariance = self.covariance + _WEAR**2 * _OF_BOTH
+        known = _known(fit, robot)
+        measured = (fit.distance_gain, fit.distance_error), (abs(fit.turn_gain), fit.turn_error)
+        for which, (gain, error) in enumerate(measured):
+            if known[which]:
+                share, spread = gain / believed[which] - 1, error / believed[which]
+                changes, covariance = _filtered(changes, covariance, which, share, spread)
+        distance, turn = (1 + changes).tolist()
+        found = replace(
+            robot,
+            wheel_radius=robot.wheel_radius * distance,
+            half_track=robot.half_track * distance / turn,
+        )
+        covariance = covariance / np.outer(1 + changes, 1 + changes)
+        return Belief(found, covariance), self._identification(fit, sample_time, *known)
 
     def _identification(
         self, fit: MotionFit, sample_time: float, distance_known: bool, turn_known: bool
@@ -110,10 +127,23 @@ def _known(fit: MotionFit, robot: Robot) -> tuple[bool, bool]:
 
 
 def _filtered(
-    state: Floats, covariance: Floats, row: Floats, measured: float, spread: float
+    state: Floats, covariance: Floats, which: int, measured: float, spread: float
 ) -> tuple[Floats, Floats]:
-    """State and covariance after one measured number row . state + noise (Kalman filter)."""
-    column = covariance @ row
-    variance = float(row @ column) + spread**2
-    gain = column / variance
-    return state + gain * (measured - row @ state), covariance - np.outer(gain, column)
+    """Both numbers of a state after one of them was measured with noise (Kalman filter).
+
+    No difference is taken of numbers that are nearly the same: an exact measurement leaves the
+    tiny variance that it has.
+    """
+    other = 1 - which
+    variance = covariance[which, which] + spread**2
+    gain = covariance[:, which] / variance
+    left = covariance * (spread**2 / variance)
+    determinant = covariance[0, 0] * covariance[1, 1] - covariance[0, 1] ** 2
+    left[other, other] += determinant / variance
+    return state + gain * (measured - state[which]), left
+
+
+def _measured(variance: float) -> float:
+    """A relative standard error; infinity where it is that of the first belief."""
+    error = math.sqrt(max(variance, 0.0))
+    return error if error < _VAGUE else math.inf

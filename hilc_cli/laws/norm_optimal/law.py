@@ -13,7 +13,19 @@ from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.robot import Robot
 
 if TYPE_CHECKING:
+    from hilc_cli.laws.norm_optimal.belief import Belief, Identification
     from hilc_cli.laws.norm_optimal.learner import Plan
+
+MERGE_TIME = "merge_time_s"
+"""Column of the time from which the plan stays on the trajectory."""
+
+_IDENTIFIED = (
+    "wheel_radius_m", "wheel_radius_standard_error_m",
+    "half_track_m", "half_track_standard_error_m",
+    "model_wheel_radius_m", "model_wheel_radius_standard_error_m",
+    "model_half_track_m", "model_half_track_standard_error_m",
+)  # fmt: skip
+"""Columns of what each iteration alone tells, and of what the model takes from all so far."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,18 +86,45 @@ class _AtWork:
         error = np.stack([iteration.error_x, iteration.error_y, iteration.error_heading], axis=1)
         applied = np.stack([iteration.left, iteration.right], axis=1)
         said = self._learner.learn(self._poses - error, applied)
-        plan = self._plan
-        merged = None if plan is None else plan.merge_sample
-        return {
-            "wheel_radius_m": said.wheel_radius,
-            "wheel_radius_standard_error_m": _known(said.wheel_radius_error),
-            "half_track_m": said.half_track,
-            "half_track_standard_error_m": _known(said.half_track_error),
-            "merge_time_s": math.nan if merged is None else merged * self._reference.sample_time,
-            "search_settled": math.nan if plan is None else float(plan.settled),
-        }
+        told = [] if said is None else [*_alone(said), *_together(self._learner.belief)]
+        names = figures_told(identify=said is not None)
+        return dict(zip(names, [*told, *self._of_plan()], strict=True))
+
+    def _of_plan(self) -> tuple[float, float]:
+        """When the iteration's plan was on the trajectory [s], infinity if not by the end.
+
+        And whether the search for it settled, 0 or 1; not-a-number where no plan was run.
+        """
+        if self._plan is None:
+            return math.nan, math.nan
+        merged = self._plan.merge_sample
+        time = math.inf if merged is None else merged * self._reference.sample_time
+        return time, float(self._plan.settled)
 
 
-def _known(error: float) -> float:
-    """A standard error; not-a-number where the iteration told nothing."""
-    return error if math.isfinite(error) else math.nan
+def figures_told(*, identify: bool) -> tuple[str, ...]:
+    """Columns of ``learning.csv`` that the law fills, with and without identification."""
+    return (*(_IDENTIFIED if identify else ()), MERGE_TIME, "search_settled")
+
+
+def _alone(said: Identification) -> tuple[float, ...]:
+    """What one iteration says; not-a-number where it says nothing."""
+    return (
+        *_if_told(said.wheel_radius, said.wheel_radius_error),
+        *_if_told(said.half_track, said.half_track_error),
+    )
+
+
+def _together(belief: Belief) -> tuple[float, ...]:
+    """What the model takes from all iterations; without standard errors while it only believes."""
+    robot = belief.robot
+    return (
+        robot.wheel_radius,
+        _if_told(robot.wheel_radius, belief.wheel_radius_error)[1],
+        robot.half_track,
+        _if_told(robot.half_track, belief.half_track_error)[1],
+    )
+
+
+def _if_told(value: float, error: float) -> tuple[float, float]:
+    return (value, error) if math.isfinite(error) else (math.nan, math.nan)

@@ -34,7 +34,8 @@ class Plan:
         feedforward: Wheel speeds, left and right [rad/s], within the limit, shape (n, 2).
         gains: Feedback of the pose error, shape (n, 2, 3); all 0 without feedback.
         desired: The poses that the model foresees, shape (n + 1, 3).
-        identification: What the last iteration alone said of the platform; None before the first.
+        identification: What the last iteration alone said of the platform; None before the first,
+            and without identification.
         believed: The platform on which the plan is made.
         merge_sample: First sample from which the rectified reference stays on the trajectory
             within a millimetre; 0 without initial error, None if it is not there at the end.
@@ -94,7 +95,12 @@ class NormOptimalLearner:
         self.learn(measured, applied)
         return self.plan()
 
-    def learn(self, measured: Floats, applied: Floats) -> Identification:
+    @property
+    def belief(self) -> Belief:
+        """Wheel radius and half track as all iterations so far tell them."""
+        return self._belief
+
+    def learn(self, measured: Floats, applied: Floats) -> Identification | None:
         """Takes in an iteration that is over.
 
         Args:
@@ -102,15 +108,14 @@ class NormOptimalLearner:
             applied: Wheel speeds that the platform got in it, after the limit, shape (n, 2).
 
         Returns:
-            What it alone says of the platform.
+            What it alone says of the platform; None without identification.
         """
         # On the way to divergence squares overflow; an engine sees that in the next iteration.
         with np.errstate(over="ignore", invalid="ignore"):
             fit = fit_motion(measured, applied, self._earlier)
             self._earlier = fit.kept
-            believed, self._identification = self._belief.updated(fit, self._sample_time)
             if self._parameters.identify:
-                self._belief = believed
+                self._belief, self._identification = self._belief.updated(fit, self._sample_time)
             latest = MeasuredMotion.of(fit.poses, applied)
             if self._measured is None:
                 self._measured = latest

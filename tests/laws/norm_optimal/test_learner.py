@@ -153,6 +153,53 @@ def test_noise_does_not_add_up_over_a_hundred_iterations(identify: bool) -> None
     assert errors[5:].max() < 0.03
 
 
+def test_all_iterations_together_are_as_sure_as_they_say() -> None:
+    # Noises that few samples can hardly tell apart: if each iteration judged them by itself, those
+    # that judge too well of themselves would count most, and the mean be 1.5 standard errors off.
+    reference = build_reference(
+        "bend",
+        (0.0, 0.0, 0.0),
+        [ArcPlan(2.0, "left", radius=3.0, duration=0.7), LinePlan(length=2.0, duration=0.3)],
+        0.01,
+    )
+    seeds, iterations = 40, 12
+    off = np.empty((seeds, 2))
+    for seed in range(seeds):
+        noises = noise((1e-3, 1e-3, 1e-3)), noise((5e-3, 5e-3, 5e-3), "truncated-normal")
+        disturbance = Disturbance(seed, *noises)
+        parameters = NormOptimalParameters(h=20)
+        workplace = Workplace(
+            reference, (0.0, 0.0, 0.0), BELIEFS["small"], parameters, disturbance=disturbance
+        )
+        learner = NormOptimalLearner(parameters, reference, BELIEFS["small"], LIMIT)
+        done = workplace.run(0, None)
+        for iteration in range(1, iterations + 1):
+            alpha = disturbance.of_output(iteration - 1, reference.samples + 1)
+            assert alpha is not None
+            plan = learner.next(done.poses + alpha, done.applied)
+            done = workplace.run(iteration, plan)
+        belief = learner.belief
+        off[seed] = (
+            (belief.robot.wheel_radius - PLATFORM.wheel_radius) / belief.wheel_radius_error,
+            (belief.robot.half_track - PLATFORM.half_track) / belief.half_track_error,
+        )
+    assert np.all(np.mean(np.abs(off) < 3, axis=0) >= 0.95)
+    # Known to 0.11 from 40 seeds.
+    spread = np.sqrt(np.mean(off**2, axis=0))
+    assert np.all((spread > 0.7) & (spread < 1.3))
+
+
+def test_without_identification_nothing_is_identified() -> None:
+    reference = rounded(1.0)
+    parameters = NormOptimalParameters(identify=False)
+    learner = NormOptimalLearner(parameters, reference, BELIEFS["small"], LIMIT)
+    applied = np.full((reference.samples, 2), 10.0)
+    plan = learner.next(poses_of(reference), applied)
+    assert plan.identification is None
+    assert learner.belief.robot == BELIEFS["small"]
+    assert learner.belief.wheel_radius_error == math.inf
+
+
 def test_noise_at_the_start_does_not_cut_corners() -> None:
     # Readings up to 20 mm off in x and y look like an initial error; the corner comes before h.
     reference = build_reference(

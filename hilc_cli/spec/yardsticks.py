@@ -1,0 +1,24 @@
+"""What a scenario knows of the quantities that its law tells of."""
+
+from __future__ import annotations
+
+from hilc_cli.results.quantities import BELIEVED, TRUE
+from hilc_cli.spec.valid import Scenario
+
+
+def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
+    """Values to hold the law's figures against.
+
+    Returns:
+        By column of ``learning.csv``, and then by name: ``true``, as the robot is, ``believed``,
+        as the law takes it to be at first, and what the law has of its own, such as ``h``.
+    """
+    controller, setting = scenario.spec.controller, scenario.setting
+    robot, model = scenario.spec.robot.robot(), setting.model
+    known = {
+        "wheel_radius_m": {TRUE: robot.wheel_radius, BELIEVED: model.wheel_radius},
+        "half_track_m": {TRUE: robot.half_track, BELIEVED: model.half_track},
+        **controller.yardsticks(setting),
+    }
+    told = controller.figures()
+    return {column: values for column, values in known.items() if column in told}
