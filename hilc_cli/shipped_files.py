@@ -31,6 +31,11 @@ def examples(kind: str = SCENARIOS) -> Iterator[Path]:
     return (file for file in files if (file.stem in _BESIDE_SCENARIOS) == (kind == LEADERBOARDS))
 
 
+def is_example(text: str, kind: str) -> bool:
+    """Whether a text is ``example:NAME`` with the name of an example of one kind."""
+    return text.startswith(PREFIX) and _name(text) in {path.stem for path in examples(kind)}
+
+
 def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
     """The file behind ``example:NAME``; any other text is a path as it is.
 
@@ -39,7 +44,7 @@ def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
     """
     if not text.startswith(PREFIX):
         return Path(text)
-    name = text.removeprefix(PREFIX).removesuffix(".yaml")
+    name = _name(text)
     known = {path.stem: path for path in examples(kind)}
     if name not in known:
         # Its last character may be the wrong one.
@@ -49,6 +54,10 @@ def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
         hint = suggestion(name, begun or known)
         raise UsageError(f"{text}: there is no such example; {hint}")
     return known[name]
+
+
+def _name(text: str) -> str:
+    return text.removeprefix(PREFIX).removesuffix(".yaml")
 
 
 def copy_examples(folder: Path, *, force: bool = False) -> list[Path]:

@@ -11,6 +11,7 @@ from hilc_cli.analysis.loop_gain import loop_gains
 from hilc_cli.disturbance.streams import Bounded
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.pid import PidLaw
 from hilc_cli.reference.path import POSITION_TOLERANCE
 
 _FACTOR = 10.0  # a gain matrix that is off by more hardly is so on purpose
@@ -22,13 +23,14 @@ def advice(experiment: Experiment) -> list[str]:
     """What is legal but unwise, in sentences that name keys of the scenario.
 
     Args:
-        experiment: Any; what concerns gains is told of the hybrid law only.
+        experiment: Any; what concerns gains is told of the laws hybrid and pid only.
     """
     found = [*_iterations(experiment), *_path(experiment), *_disturbances(experiment)]
     law = experiment.law
+    if isinstance(law, HybridLaw | PidLaw):
+        found += [*_strength(experiment, law), *_first_trial(experiment, law)]
     if isinstance(law, HybridLaw):
-        for part in (_strength, _feedback, _first_trial, _compensation):
-            found += part(experiment, law)
+        found += [*_feedback(experiment, law), *_compensation(experiment, law)]
     return found
 
 
@@ -122,7 +124,7 @@ def _deviations(noise: Bounded) -> list[float]:
     return found
 
 
-def _strength(experiment: Experiment, law: HybridLaw) -> list[str]:
+def _strength(experiment: Experiment, law: HybridLaw | PidLaw) -> list[str]:
     """How strongly the gain matrix acts on the true platform."""
     strength = np.abs(_loop_gains(experiment, law))
     weakest, strongest = float(strength.min()), float(strength.max())
@@ -158,9 +160,12 @@ def _feedback(experiment: Experiment, law: HybridLaw) -> list[str]:
     ]
 
 
-def _first_trial(experiment: Experiment, law: HybridLaw) -> list[str]:
-    feedback = not law.compensation and (law.l2 > 0 or law.l3 > 0)
-    if not experiment.learn_in_first or feedback:
+def _first_trial(experiment: Experiment, law: HybridLaw | PidLaw) -> list[str]:
+    if isinstance(law, HybridLaw):
+        has_effect = not law.compensation and (law.l2 > 0 or law.l3 > 0)
+    else:
+        has_effect = law.cutoff is not None  # it smooths the first input
+    if not experiment.learn_in_first or has_effect:
         return []
     return ["initial_trial 'feedback' has no effect: the law has no feedback within an iteration"]
 
@@ -187,5 +192,5 @@ def _compensation(experiment: Experiment, law: HybridLaw) -> list[str]:
     return found
 
 
-def _loop_gains(experiment: Experiment, law: HybridLaw) -> NDArray[np.complex128]:
+def _loop_gains(experiment: Experiment, law: HybridLaw | PidLaw) -> NDArray[np.complex128]:
     return loop_gains(law.matrix, experiment.robot, experiment.reference.heading[:-1])

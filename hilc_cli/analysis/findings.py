@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 
@@ -16,3 +17,12 @@ class Findings:
 
     failures: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+
+
+def joined(parts: Iterable[Findings]) -> Findings:
+    """The findings of several parts, in their order."""
+    found = list(parts)
+    return Findings(
+        tuple(text for part in found for text in part.failures),
+        tuple(text for part in found for text in part.warnings),
+    )

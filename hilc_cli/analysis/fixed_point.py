@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.analysis.matrices import hybrid_law
+from hilc_cli.analysis.matrices import learning_law
+from hilc_cli.analysis.resting import resting
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.compensation import compensation_gain
 from hilc_cli.laws.gain_matrix import Coefficients, wheel_correction
-from hilc_cli.laws.hybrid import HybridLaw, compensated_error, learned_error
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.robot import euler_step, step_gains
 
@@ -62,14 +61,14 @@ class FixedPoint:
 
 
 def fixed_point(experiment: Experiment) -> FixedPoint | None:
-    """The fixed point of Eq. 17 or 21: at each sample the correction is zero.
+    """The fixed point of Eq. 17 or 21, or of law pid: at each sample the correction is zero.
 
     From sample to sample this is a linear equation for the two wheel speeds, since the pose at
     sample k is known: nothing is linearised. The law sees the two components G_k e of an error. In
     those Eq. 17 rests where l1 e(k+1) + l2 e(k) + l3 e(k-1) = 0, which grows from sample to sample
     unless the roots of l1 z^2 + l2 z + l3 are inside the unit circle, and Eq. 21 where
     e(k+1) = -w(k) e(0), with w the weight of the compensation. The third component is what the
-    plant makes of it.
+    plant makes of it. Law pid rests where its weighted error and what it forgets cancel.
 
     Whether learning gets there is another question: in the end if the spectral radius of
     `LiftedIteration` is below 1, but perhaps not in any number of iterations that one would run.
@@ -80,11 +79,12 @@ def fixed_point(experiment: Experiment) -> FixedPoint | None:
     Returns:
         The fixed point; None if there is none, or more than one: nothing is learned from the
         previous iteration, or the gain matrix is blind to a motion of the platform at some sample.
+        None as well if the law has a Q-filter, with which samples depend on later ones.
 
     Raises:
-        UsageError: The experiment has another law than the hybrid law.
+        UsageError: The experiment's law is neither the hybrid law nor law pid.
     """
-    law, reference, robot = hybrid_law(experiment), experiment.reference, experiment.robot
+    law, reference, robot = learning_law(experiment), experiment.reference, experiment.robot
     steps = reference.samples
     distance_gain, turn_gain = step_gains(
         robot.wheel_radius, robot.signed_half_track, reference.sample_time
@@ -92,13 +92,14 @@ def fixed_point(experiment: Experiment) -> FixedPoint | None:
     desired = np.column_stack([reference.x, reference.y, reference.heading]).tolist()
     errors, inputs = np.full((steps + 1, 3), math.inf), np.full((steps, 2), math.inf)
     pose = experiment.initial_pose
-    start = now = _less(desired[0], pose)
-    before = (0.0, 0.0, 0.0)  # e(-1) = 0
-    errors[0] = start
+    errors[0] = now = _less(desired[0], pose)
+    at_sample = resting(law, now, steps, reference.sample_time)
+    if at_sample is None:
+        return None
+    first = np.column_stack([experiment.initial_left, experiment.initial_right]).tolist()
+    gain, forgotten = at_sample.next_gain, at_sample.forgotten
     for k in range(steps):
-        weight = compensation_gain(k, law.h, reference.sample_time)
-        ahead = _less(desired[k + 1], pose)  # e(k+1), were the wheels at rest
-        past = _weighed(law, ahead, now, before, weight, start)
+        past = at_sample.weighed(k, _less(desired[k + 1], pose), now)  # were the wheels at rest
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
         gain_heading = desired[k][2] if law.gain_heading == "reference" else pose[2]
         speeds = _speeds_at_rest(
@@ -106,38 +107,30 @@ def fixed_point(experiment: Experiment) -> FixedPoint | None:
             math.cos(gain_heading),
             math.sin(gain_heading),
             past,
-            (law.l1 * distance_gain * cos, law.l1 * distance_gain * sin, law.l1 * turn_gain),
+            (gain * distance_gain * cos, gain * distance_gain * sin, gain * turn_gain),
+            forgotten,
+            first[k],
         )
         if speeds is None:
             return None
         pose = euler_step(*pose, cos, sin, *speeds, distance_gain, turn_gain)
         if not all(math.isfinite(value) for value in (*pose, *speeds)):
             break
-        before, now = now, _less(desired[k + 1], pose)
+        now = _less(desired[k + 1], pose)
         errors[k + 1], inputs[k] = now, speeds
     return FixedPoint(errors, inputs)
 
 
-def _weighed(
-    law: HybridLaw, ahead: Triple, now: Triple, before: Triple, weight: float, start: Triple
-) -> Triple:
-    """The errors that the law multiplies by its matrix, summed with their gains."""
-    if law.compensation:
-        x, y, heading = (
-            compensated_error(law.l1, a, weight, s) for a, s in zip(ahead, start, strict=True)
-        )
-    else:
-        x, y, heading = (
-            learned_error(law.l1, a, law.l2, n, law.l3, b)
-            for a, n, b in zip(ahead, now, before, strict=True)
-        )
-    return x, y, heading
-
-
 def _speeds_at_rest(
-    coefficients: Coefficients, cos: float, sin: float, error: Triple, motion: Triple
+    coefficients: Coefficients,
+    cos: float,
+    sin: float,
+    error: Triple,
+    motion: Triple,
+    forgotten: float,
+    first: tuple[float, float],
 ) -> tuple[float, float] | None:
-    """The wheel speeds (left, right) that take away what the gain matrix sees of an error.
+    """The wheel speeds (left, right) of which the law changes nothing.
 
     Args:
         coefficients: Of the gain matrix.
@@ -145,15 +138,19 @@ def _speeds_at_rest(
         sin: Sine of that heading.
         error: An error [m, m, rad], times gains.
         motion: What 1 rad/s of the left wheel takes from it; the right wheel turns the other way.
+        forgotten: gamma.
+        first: u_0 [rad/s].
 
     Returns:
         The speeds [rad/s]; None if the matrix does not tell the two wheels apart.
     """
     along_x, along_y, turn = motion
-    # G (error - motion_left left - motion_right right) = 0 by Cramer's rule.
+    # G (error - motion_left left - motion_right right) = gamma (u - u_0) by Cramer's rule.
     a, c = wheel_correction(coefficients, cos, sin, along_x, along_y, turn)
     b, d = wheel_correction(coefficients, cos, sin, along_x, along_y, -turn)
     e, f = wheel_correction(coefficients, cos, sin, *error)
+    a, d = a + forgotten, d + forgotten
+    e, f = e + forgotten * first[0], f + forgotten * first[1]
     determinant = a * d - b * c
     if abs(determinant) <= ROUNDING * (abs(a * d) + abs(b * c)):
         return None

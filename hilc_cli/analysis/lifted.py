@@ -8,13 +8,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hilc_cli.analysis.learning_update import LearningUpdate, times, update_of
 from hilc_cli.analysis.linearisation import Linearisation, linearise
-from hilc_cli.analysis.matrices import GainParts, hybrid_law
+from hilc_cli.analysis.matrices import GainParts, learning_law
 from hilc_cli.analysis.recursion import DriftRecursion, ErrorRecursion
 from hilc_cli.analysis.singular_value import SingularValue, largest_singular_value
+from hilc_cli.analysis.spectral_radius import SpectralRadius, estimated_radius
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.compensation import compensation_gain
-from hilc_cli.laws.hybrid import compensated_error
+from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.reference.sampled import Floats
 
 
@@ -38,16 +39,16 @@ class LiftedIteration:
     speed limit and the disturbances are left out. f holds what does not change with the iteration:
     the initial error, and what the feedforward leaves of each step.
 
-    T is square, of 2 n rows, and block lower triangular, since a law with feedback in the iteration
-    looks back only. It is never formed: to apply it costs O(n).
+    T is square, of 2 n rows, and block lower triangular unless the law has a Q-filter, since an
+    error depends on what was before it, and a law with feedback in the iteration looks back only.
+    It is never formed: to apply it costs O(n), with a filter O(n log n).
 
     Attributes:
         plant: The linearised plant.
         gains: G_k, the gain matrix along the reference, shape (n, 2, 3).
-        l1: Gain of e_i(k+1).
-        l2: Gain of e_{i+1}(k); 0 with compensation.
-        l3: Gain of e_{i+1}(k-1); 0 with compensation.
-        weights: What the law adds of e_i(0) at each sample, shape (n,): `compensation_gain` or 0.
+        update: What is learned from the iteration before.
+        l2: Gain of e_{i+1}(k); 0 with compensation, and in law pid.
+        l3: Gain of e_{i+1}(k-1), likewise.
         start: e_i(0), the initial error of every iteration [m, m, rad], shape (3,).
 
     Source:
@@ -56,10 +57,9 @@ class LiftedIteration:
 
     plant: Linearisation
     gains: Floats
-    l1: float
+    update: LearningUpdate
     l2: float
     l3: float
-    weights: Floats
     start: Floats
 
     def __init__(self, experiment: Experiment) -> None:
@@ -69,20 +69,15 @@ class LiftedIteration:
             experiment: The experiment.
 
         Raises:
-            UsageError: It has another law than the hybrid law.
+            UsageError: Its law is neither the hybrid law nor law pid.
         """
-        law, reference = hybrid_law(experiment), experiment.reference
-        steps = reference.samples
+        law, reference = learning_law(experiment), experiment.reference
         self.plant = linearise(experiment)
         self.gains = np.asfortranarray(GainParts.of(law.matrix).at(reference.heading[:-1]))
-        self.l1 = law.l1
-        self.l2, self.l3 = (0.0, 0.0) if law.compensation else (law.l2, law.l3)
-        self.weights = np.zeros(steps)
-        self._compensates = law.compensation
-        if law.compensation:
-            self.weights[:] = [
-                compensation_gain(k, law.h, reference.sample_time) for k in range(steps)
-            ]
+        self.update = update_of(law, self.gains, reference.sample_time)
+        self.l2, self.l3 = 0.0, 0.0
+        if isinstance(law, HybridLaw) and not law.compensation:
+            self.l2, self.l3 = law.l2, law.l3
         self.start = np.array(
             [
                 reference.x[0] - experiment.initial_pose[0],
@@ -92,6 +87,7 @@ class LiftedIteration:
         )
         initial = np.array([experiment.initial_left, experiment.initial_right]).T
         self._first_input = initial - self.plant.feedforward
+        self._added = self.update.constant(self._first_input, self.plant.feedforward)
         self._learn_in_first = experiment.learn_in_first
         self._constant = np.asfortranarray(np.vstack([self.start, self.plant.residual]))
         self._undriven = np.zeros_like(self._constant)
@@ -122,8 +118,7 @@ class LiftedIteration:
             Shape (n, 2) [rad/s].
         """
         errors = self._open.solve(self._driven(self._undriven, inputs))
-        learned = inputs + _times(self.gains, self.l1 * errors[1:])
-        return self._fed_back(learned, self._undriven).inputs
+        return self._fed_back(self.update.learned(inputs, errors), self._undriven).inputs
 
     def adjoint(self, inputs: Floats) -> Floats:
         """The transpose of T times an input.
@@ -134,22 +129,21 @@ class LiftedIteration:
         Returns:
             Shape (n, 2) [rad/s].
         """
-        gains, plant = self.gains.transpose(0, 2, 1), self.plant.inputs.transpose(0, 2, 1)
+        plant = self.plant.inputs.transpose(0, 2, 1)
         if self._has_feedback:
-            errors = _times(gains, inputs)
+            errors = times(self.gains.transpose(0, 2, 1), inputs)
             weighted = np.zeros_like(self._constant)
             weighted[:-1] = self.l2 * errors
             weighted[:-2] += self.l3 * errors[1:]
-            inputs = inputs - _times(plant, self._closed.solve_transposed(weighted)[1:])
-        learned = np.zeros_like(self._constant)
-        learned[1:] = self.l1 * _times(gains, inputs)
-        result: Floats = inputs - _times(plant, self._open.solve_transposed(learned)[1:])
+            inputs = inputs - times(plant, self._closed.solve_transposed(weighted)[1:])
+        learned, errors = self.update.transposed(inputs)
+        result: Floats = learned - times(plant, self._open.solve_transposed(errors)[1:])
         return result
 
     def first(self) -> LinearPass:
         """Iteration 0: the initial input as it is, or with the law's feedback."""
         if self._learn_in_first:
-            return self._fed_back(self._first_input, self._constant)
+            return self.next(LinearPass(self._first_input, self._undriven))
         errors = self._open.solve(self._driven(self._constant, self._first_input))
         return LinearPass(self._first_input, errors)
 
@@ -159,39 +153,43 @@ class LiftedIteration:
         Args:
             previous: The iteration that is learned from.
         """
-        errors = previous.errors
-        if self._compensates:
-            past = np.array(
-                [
-                    compensated_error(self.l1, errors[1:, axis], self.weights, errors[0, axis])
-                    for axis in range(3)
-                ]
-            ).T
-        else:
-            past = self.l1 * errors[1:]
-        return self._fed_back(previous.inputs + _times(self.gains, past), self._constant)
+        learned = self.update.learned(previous.inputs, previous.errors)
+        if self._added is not None:
+            learned = learned + self._added
+        return self._fed_back(learned, self._constant)
 
     def spectral_radius(self) -> float:
+        """The value of `spectral_radius_found`."""
+        return self.spectral_radius_found().value
+
+    def spectral_radius_found(self) -> SpectralRadius:
         """The largest absolute eigenvalue of T: below 1 the iteration converges in the end.
 
-        T is block lower triangular with the blocks I - l1 d G_k B_k, whatever the feedback.
+        T is block lower triangular with the blocks kept I - c d G_k B_k, c the gain of e(k+1),
+        whatever the feedback. With a Q-filter it is not, and the radius is estimated.
         """
+        if self.update.smooths:
+            return estimated_radius(self.apply, (self.samples, 2))
         gains = self._loop_gains()
-        return math.inf if gains is None else float(np.abs(1 - gains).max())
+        if gains is None:
+            return SpectralRadius(math.inf)
+        return SpectralRadius(float(np.abs(self.update.kept - gains).max()))
 
     def contraction(self) -> float:
         """1 less the spectral radius, above 0 where the iteration converges in the end.
 
-        It is exact to rounding of its own size, where the spectral radius itself cannot be told
-        from 1; minus infinity where the blocks of T leave the finite numbers.
+        Without a Q-filter it is exact to rounding of its own size, where the spectral radius
+        itself cannot be told from 1; minus infinity where the blocks of T leave the finite numbers.
         """
-        gains = self._loop_gains()
+        if self.update.smooths:
+            return 1 - self.spectral_radius()
+        gains, kept = self._loop_gains(), self.update.kept
         if gains is None:
             return -math.inf
-        # 1 - |1 - g| = (1 - |1 - g|^2) / (1 + |1 - g|) = (2 Re g - |g|^2) / (1 + |1 - g|)
-        both = 1 + np.abs(1 - gains)
-        less = gains.real * ((2 - gains.real) / both) - gains.imag * (gains.imag / both)
-        return float(less.min())
+        # 1 - |a - g| = (1 - |a - g|^2) / (1 + |a - g|) = (1 - a^2 + 2 a Re g - |g|^2) / (...)
+        both = 1 + np.abs(kept - gains)
+        less = gains.real * ((2 * kept - gains.real) / both) - gains.imag * (gains.imag / both)
+        return float(((1 - kept) * (1 + kept) / both + less).min())
 
     def largest_singular_value(self) -> float:
         """The value of `largest_singular_value_found`."""
@@ -209,9 +207,9 @@ class LiftedIteration:
         return largest_singular_value(self.apply, self.adjoint, (self.samples, 2))
 
     def _loop_gains(self) -> NDArray[np.complex128] | None:
-        """The eigenvalues of l1 d G_k B_k, shape (n, 2); None beyond the finite numbers."""
+        """The eigenvalues of c d G_k B_k, shape (n, 2); None beyond the finite numbers."""
         with np.errstate(over="ignore", invalid="ignore"):
-            products = self.l1 * (self.gains @ self.plant.inputs)
+            products = self.update.next_gain * (self.gains @ self.plant.inputs)
         if not np.isfinite(products).all():
             return None
         return np.linalg.eigvals(products).astype(np.complex128)
@@ -219,7 +217,7 @@ class LiftedIteration:
     def _driven(self, constant: Floats, inputs: Floats) -> Floats:
         """The right side of the error's recursion for a given input."""
         right = constant.copy(order="K")
-        right[1:] -= _times(self.plant.inputs, inputs)
+        right[1:] -= times(self.plant.inputs, inputs)
         return right
 
     def _fed_back(self, learned: Floats, constant: Floats) -> LinearPass:
@@ -231,10 +229,4 @@ class LiftedIteration:
         before = np.zeros_like(now)
         before[1:] = errors[:-2]
         fed = self.l2 * now + self.l3 * before  # Eq. 17, the terms of the running iteration
-        return LinearPass(learned + _times(self.gains, fed), errors)
-
-
-def _times(matrices: Floats, vectors: Floats) -> Floats:
-    """Each matrix times its vector: shapes (n, a, b) and (n, b) to (n, a)."""
-    product: Floats = np.einsum("kab,kb->ka", matrices, vectors)
-    return product
+        return LinearPass(learned + times(self.gains, fed), errors)

@@ -164,7 +164,7 @@ def predict_transient(experiment: Experiment, iterations: int | None = None) -> 
         iterations: How far to look; `horizon` if not given.
 
     Raises:
-        UsageError: The experiment has another law than the hybrid law.
+        UsageError: The experiment's law is neither the hybrid law nor law pid.
     """
     last = horizon(experiment) if iterations is None else iterations
     lifted = LiftedIteration(experiment)

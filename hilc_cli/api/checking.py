@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -14,41 +13,18 @@ from hilc_cli.analysis.bounds import Bounds
 from hilc_cli.analysis.conditions import Conditions, conditions
 from hilc_cli.analysis.feasibility import Feasibility
 from hilc_cli.analysis.findings import Findings
-from hilc_cli.analysis.forecast import Forecast, forecast, forecast_findings, rest_error
-from hilc_cli.analysis.measured import Comparison
-from hilc_cli.analysis.measured import compare as beside
+from hilc_cli.analysis.forecast import Forecast
+from hilc_cli.analysis.law_theory import LawTheory, law_theory
+from hilc_cli.analysis.matrices import is_hybrid
 from hilc_cli.analysis.remedies import feasibility_findings
-from hilc_cli.analysis.theories import CORRECTED, WITHIN_LIMIT, theories
-from hilc_cli.api.running import OnIteration, RunData, Summary, measured_trials
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.errors import DivergedError
+from hilc_cli.analysis.theories import theories
+from hilc_cli.api.check_simulation import Simulated, simulated, theory_findings
+from hilc_cli.api.running import OnIteration
 from hilc_cli.files import merge_folder
-from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.results.metrics import MetricsTable
-from hilc_cli.results.summary import summarise
 from hilc_cli.results.transient_table import TRANSIENT_FILE, write_transient
-from hilc_cli.results.trial import Trial
 from hilc_cli.spec.hybrid import HybridController
+from hilc_cli.spec.pid import PidController
 from hilc_cli.spec.valid import Scenario
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Simulated:
-    """A simulation beside what theory says of it.
-
-    Attributes:
-        run: The run.
-        comparisons: The bounds of each theory beside the run, by the theory's name; empty if the
-            law is another one than the hybrid law.
-    """
-
-    run: RunData
-    comparisons: Mapping[str, Comparison]
-
-    @property
-    def summary(self) -> Summary:
-        """The run in a few figures."""
-        return summarise(self.run)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,11 +34,9 @@ class Check:
     Attributes:
         scenario: What was checked.
         feasibility: What its trajectory demands of wheels and tyres, beside what they can do.
-        forecast: What learning is expected to do; None for another law than the hybrid law.
-        rest_error_m: Largest position error where learning rests, after the start or, with a
-            compensation, after sample h; None if it rests at no finite motion.
-        conditions: Those of the paper's theorems; None for another law.
-        theories: Bounds of the paper's theory, by name; None for another law.
+        law: What theory says of its law.
+        conditions: Those of the paper's theorems; None for a law of which it does not speak.
+        theories: Bounds of the paper's theory, by name; None likewise.
         simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
             ``learning``, ``simulation``, ``theory``.
@@ -70,12 +44,16 @@ class Check:
 
     scenario: Scenario
     feasibility: Feasibility
-    forecast: Forecast | None
-    rest_error_m: float | None
+    law: LawTheory
     conditions: Conditions | None
     theories: Mapping[str, Bounds] | None
     simulated: Simulated | None
     findings: Mapping[str, Findings]
+
+    @property
+    def forecast(self) -> Forecast | None:
+        """What learning is expected to do; None for a law of which that is not known."""
+        return self.law.forecast
 
     @property
     def failures(self) -> tuple[str, ...]:
@@ -104,7 +82,7 @@ class Check:
             may_replace: Whether a file of that name that stands there may be replaced.
 
         Returns:
-            The pictures, and the table last; none if nothing is predicted of the law.
+            The pictures, and the table last; none if no errors are predicted of the law.
 
         Raises:
             UsageError: There is no such format.
@@ -147,7 +125,10 @@ class Check:
 def _law_text(scenario: Scenario) -> str:
     """The law and its gains in a few words."""
     controller = scenario.spec.controller
-    assert isinstance(controller, HybridController)  # nothing is predicted of another one
+    if isinstance(controller, PidController):
+        return controller.in_short()
+    if not isinstance(controller, HybridController):
+        return scenario.law_in_words
     gains = controller.gains
     equation = "Eq. 21" if scenario.compensates else "Eq. 17"
     lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
@@ -172,82 +153,15 @@ def check(
             "settings": Findings(warnings=(*scenario.warnings(), *advice(experiment))),
             "feasibility": feasibility_findings(feasibility),
         }
-        expected, rest, premises, bounds = None, None, None, None
-        if isinstance(experiment.law, HybridLaw):
-            expected = forecast(experiment)
-            if expected.rest is not None and expected.rest.is_finite:
-                rest = rest_error(experiment, expected.rest)
+        theory = law_theory(experiment)
+        findings["learning"] = theory.findings
+        premises, bounds = None, None
+        if is_hybrid(experiment.law):
             premises, bounds = conditions(experiment), theories(experiment)
-            findings["learning"] = forecast_findings(experiment, expected)
-        simulated = None
+        beside = None
         if simulate:
-            findings["simulation"], simulated = _simulated(
+            findings["simulation"], beside = simulated(
                 scenario, experiment, bounds or {}, on_iteration
             )
-        findings["theory"] = _theory_findings(simulated)
-    return Check(scenario, feasibility, expected, rest, premises, bounds, simulated, findings)
-
-
-def _simulated(
-    scenario: Scenario,
-    experiment: Experiment,
-    bounds: Mapping[str, Bounds],
-    on_iteration: OnIteration | None,
-) -> tuple[Findings, Simulated | None]:
-    """One run, of which each iteration is measured as it comes, and only the last is kept."""
-    metrics = MetricsTable()
-    last: dict[int, Trial] = {}
-    diverged_at: int | None = None
-
-    def completed() -> Iterator[Trial]:
-        nonlocal diverged_at
-        try:
-            for trial in measured_trials(experiment, metrics):
-                last.clear()
-                last[trial.iteration] = trial
-                if on_iteration is not None:
-                    on_iteration(trial.iteration)
-                yield trial
-        except DivergedError as error:
-            diverged_at = error.iteration
-
-    trials = completed()
-    first = next(trials, None)
-    comparisons = {} if first is None else beside(experiment, bounds, chain([first], trials))
-    findings = Findings()
-    if diverged_at is not None:
-        findings = Findings(
-            failures=(
-                f"the simulation diverged to non-finite values in iteration {diverged_at}; "
-                "lower the gains, or set controller.b_w",
-            )
-        )
-    if first is None:
-        return findings, None
-    run = RunData(
-        name=scenario.name,
-        reference=experiment.reference,
-        metrics=metrics,
-        trials=last,
-        speed_limit=scenario.speed_limit,
-        gravity_center=experiment.robot.gravity_center,
-        diverged_at=diverged_at,
-    )
-    return findings, Simulated(run, comparisons)
-
-
-def _theory_findings(simulated: Simulated | None) -> Findings:
-    """Bounds that should hold, and do not: a violated one is a defect of the theory's code."""
-    if simulated is None:
-        return Findings()
-    found = []
-    for name in (CORRECTED, WITHIN_LIMIT):
-        for quantity, part in (
-            simulated.comparisons[name].parts if name in simulated.comparisons else {}
-        ).items():
-            if len(part.violated):
-                found.append(
-                    f"the bound of the {quantity} error, {name}, is violated in "
-                    f"{len(part.violated)} iterations, which should not be; please report it"
-                )
-    return Findings(warnings=tuple(found))
+        findings["theory"] = theory_findings(beside)
+    return Check(scenario, feasibility, theory, premises, bounds, beside, findings)

@@ -28,7 +28,7 @@ def beside_cases(plan: Plan, data: SweepData, metric: float) -> dict[str, Any]:
     """
     own = plan.varied.scenario.resolved()
     values = {key: _value_at(own, key) for key in plan.axes}
-    return {"as_it_is": AsItIs(values, metric), "best_yaml": _best_yaml(plan, data)}
+    return {"as_it_is": AsItIs(values, metric), "best_yaml": _best_yaml(plan, data, metric)}
 
 
 def how_searched(plan: Plan) -> dict[str, Any]:
@@ -41,7 +41,7 @@ def how_searched(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _best_yaml(plan: Plan, data: SweepData) -> str | None:
+def _best_yaml(plan: Plan, data: SweepData, as_it_is: float) -> str | None:
     """The scenario of the best case as a file, if any case has the metric."""
     best = next(iter(data.ranked()), None)
     if best is None:
@@ -50,7 +50,10 @@ def _best_yaml(plan: Plan, data: SweepData) -> str | None:
     scenario["name"] = plan.name[: _LONGEST_NAME - len(_SUFFIX)] + _SUFFIX
     metric = float(data.columns[data.metric][best])
     title = f"# Case {best} of a search with hilc sweep, the best of {len(data)}: "
-    return f"{title}{data.metric} {metric!r}\n{to_yaml(scenario)}"
+    title += f"{data.metric} {metric!r}\n"
+    if metric >= as_it_is:
+        title += f"# No better than the scenario as it is, which has {as_it_is!r}.\n"
+    return f"{title}{to_yaml(scenario)}"
 
 
 def _value_at(data: Any, key: str) -> Value:

@@ -11,7 +11,7 @@ from hilc_cli.results.summary import RELATIVE_TOLERANCES
 if TYPE_CHECKING:
     from hilc_cli.analysis.transient import Transient
     from hilc_cli.api import Check
-    from hilc_cli.api.checking import Simulated
+    from hilc_cli.api.check_simulation import Simulated
 
 
 def errors_grid(check: Check) -> Grid | None:

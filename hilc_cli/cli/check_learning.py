@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from hilc_cli.analysis.findings import Findings
+from hilc_cli.analysis.findings import Findings, joined
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
 from hilc_cli.cli.check_errors import errors_grid
+from hilc_cli.cli.check_other_laws import feedback_law, other_law, step_gain_document, step_gain_row
 from hilc_cli.cli.section import Section, counted
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
@@ -17,31 +18,32 @@ if TYPE_CHECKING:
     from hilc_cli.api import Check
     from hilc_cli.results.summary import Summary
 
+WHERE = "along the reference, without limit and disturbances"
 _ROUNDING = 1e-12  # of the path's size
 
 
 def learning_section(check: Check) -> Section:
-    """The linear theory's figures; of a law that it does not know, that it does not."""
-    title = "Does learning converge?"
-    found, document = check.forecast, {}
-    rows = [("Theory", "none is known of this law")]
+    """The theory's figures; of a law that it does not know, that it does not."""
+    title, found, notes = "Does learning converge?", check.forecast, []
     if found is not None:
-        title += " (along the reference, without limit and disturbances)"
+        title += f" ({WHERE})"
         rows, document = _rows(check, found), _document(check, found)
+    elif check.law.tracking is not None:
+        title, notes = "What does the feedback reach?", [f"{WHERE.capitalize()}."]
+        rows, document = feedback_law(check.law.tracking)
+    else:
+        rows, document = other_law(check.law)
     if check.simulated is not None:
         document["simulated"] = _simulated(check.simulated.summary)
     errors = errors_grid(check)
     grids = [] if errors is None else [errors]
-    return Section("learning", title, rows, grids, _findings(check), document)
+    return Section("learning", title, rows, grids, _findings(check), document, notes)
 
 
 def _findings(check: Check) -> Findings:
     """Those of learning, and of the simulation beside it."""
-    parts = [check.findings[key] for key in ("learning", "simulation") if key in check.findings]
-    return Findings(
-        tuple(text for part in parts for text in part.failures),
-        tuple(text for part in parts for text in part.warnings),
-    )
+    keys = ("learning", "simulation")
+    return joined(check.findings[key] for key in keys if key in check.findings)
 
 
 def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
@@ -66,8 +68,11 @@ def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
         if math.isfinite(found.ripple.factor)
         else "leaves the range of floating point"
     )
+    shown = f"{radius:.6g}" if found.radius.is_exact else f"about {radius:.3g}"
+    step = [] if found.step_gain is None else [step_gain_row(found.step_gain)]
     return [
-        ("Spectral radius", f"{radius:.6g}, {settles}"),
+        *step,
+        ("Spectral radius", f"{shown}, {settles}"),
         ("Largest singular value", f"{least}{found.singular_value.value:.4g}, {monotone}"),
         (f"Worst ripple up to {LONGEST_PERIOD} samples", ripple),
         *_rest(check, found),
@@ -102,15 +107,17 @@ def _rest(check: Check, found: Forecast) -> list[tuple[str, str]]:
     name, rest = "Learning rests", found.rest
     if not found.settles:
         return [(name, "nowhere")]
+    if found.smooths:
+        return [(name, "not evaluated with a Q-filter; see the predicted errors")]
     if rest is None:
         return [(name, "at no single motion")]
     if not rest.is_finite:
         return [(name, "at no finite motion")]
     size = found.transient.path_size_m
     error = f"at a position error of up to {_metres(rest.max_position_error_m, size)}"
-    after = "sample h" if check.scenario.compensates else "the start"
-    if check.rest_error_m is not None and check.rest_error_m < rest.max_position_error_m:
-        error += f", {_metres(check.rest_error_m, size)} after {after}"
+    after, settled = "sample h" if found.rest_from > 1 else "the start", check.law.rest_error_m
+    if settled is not None and settled < rest.max_position_error_m:
+        error += f", {_metres(settled, size)} after {after}"
     more = (
         f"{_metres(rest.end_position_error_m, size)} at the end, with wheels of up to "
         f"{rest.max_wheel_speed_rad_s:.4g} rad/s"
@@ -127,8 +134,10 @@ def _document(check: Check, found: Forecast) -> dict[str, object]:
     predicted = transient.at(check.scenario.spec.iterations)
     return {
         "verdict": found.outcome(check.scenario.spec.iterations).value,
+        **({} if found.step_gain is None else step_gain_document(found.step_gain)),
         "settles": found.settles,
         "spectral_radius": found.spectral_radius,
+        "spectral_radius_is_exact": found.radius.is_exact,
         "largest_singular_value": found.singular_value.value,
         "largest_singular_value_is_known": found.singular_value.is_known,
         "monotone": found.is_monotone,
@@ -156,7 +165,7 @@ def _document(check: Check, found: Forecast) -> dict[str, object]:
         if rest is None or not rest.is_finite
         else {
             "max_position_error_m": rest.max_position_error_m,
-            "max_position_error_after_start_m": check.rest_error_m,
+            "max_position_error_after_start_m": check.law.rest_error_m,
             "end_position_error_m": rest.end_position_error_m,
             "max_wheel_speed_rad_s": rest.max_wheel_speed_rad_s,
         },

@@ -1,4 +1,4 @@
-"""``hilc examples``: list and copy the scenarios and trajectories that travel with hilc."""
+"""``hilc examples``: list and copy the files that travel with hilc."""
 
 from __future__ import annotations
 

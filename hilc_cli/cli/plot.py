@@ -72,6 +72,7 @@ def plot(
         without_comparisons,
     )
     from hilc_cli.errors import UsageError
+    from hilc_cli.results.run_folder import ITERATIONS
 
     kinds = [choice.value for choice in kind or []]
     suffixes = [choice.value for choice in formats or [PictureFormat.PNG]]
@@ -91,6 +92,11 @@ def plot(
     wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
     if len(runs) > 1:
         runs = without_comparisons(runs) or runs
+    if len(runs) == 1 and not (runs[0] / ITERATIONS).exists():
+        raise UsageError(
+            f"{runs[0]}: holds neither a run nor a sweep; "
+            "give a folder that hilc run or hilc sweep has written"
+        )
     results = read_runs(runs)
     chosen: set[int] | None = None
     if wanted is not None:

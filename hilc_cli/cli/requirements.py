@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from hilc_cli.errors import UsageError, suggestion
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRIC_NAMES
 from hilc_cli.spec.expressions import PLAIN, ExpressionError, Unit, evaluate
 
 _RELATIONS: Mapping[str, Callable[[float, float], bool]] = {
@@ -41,6 +41,17 @@ class Requirement:
         """Whether the metrics of an iteration keep the bound; not-a-number keeps none."""
         return _RELATIONS[self.relation](metrics[self.metric], self.bound)
 
+    def hint(self, initial_error: float) -> str:
+        """Why it could not be met, if that is because of the initial position error [m]."""
+        if self.metric != MAX_ERROR or self.relation not in ("<=", "<") or not initial_error:
+            return ""
+        if _RELATIONS[self.relation](initial_error, self.bound):
+            return ""
+        return (
+            f"; the initial error alone is {initial_error:.6g} m, which "
+            f"{MAX_ERROR_SECOND_HALF} leaves out"
+        )
+
 
 def parse_requirements(texts: Sequence[str], figures: Sequence[str] = ()) -> list[Requirement]:
     """The requirements that a command line states.
@@ -66,7 +77,9 @@ def _parse(text: str, known: Sequence[str]) -> Requirement:
     try:
         result = evaluate(value)
     except ExpressionError as error:
-        raise UsageError(f"{label}: the bound {error}; give a number such as 0.01") from None
+        problem, _, remedy = str(error).partition("; ")
+        remedy = remedy or "give a number such as 0.01"
+        raise UsageError(f"{label}: the bound {problem}; {remedy}") from None
     bound = result.number.constant
     unit = next((unit for ending, unit in _UNITS.items() if metric.endswith(ending)), PLAIN)
     if result.unit not in (PLAIN, unit):

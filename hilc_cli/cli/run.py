@@ -109,9 +109,11 @@ def run(
             f"the simulation diverged to non-finite values in iteration {summary.diverged_at}; "
             f"the iterations before it are in {folder}"
         )
+    initial_error = float(result.position_error(result.last.iteration)[0])
     for requirement in unmet:
         figure = reached[requirement.metric]
-        say(f"not met: {requirement.text}, got {'none' if math.isnan(figure) else f'{figure:.6g}'}")
+        got = "none" if math.isnan(figure) else f"{figure:.6g}"
+        say(f"not met: {requirement.text}, got {got}{requirement.hint(initial_error)}")
     if unmet or summary.diverged_at is not None:
         raise typer.Exit(NOT_MET)
 

@@ -8,17 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hilc_cli.results.search import BEST
-from hilc_cli.variation.axes import Range
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from hilc_cli.api import SweepData, SweepSummary
+    from hilc_cli.api import SweepSummary
     from hilc_cli.results.search import AsItIs
     from hilc_cli.results.sweep_summary import BestCase
 
 _NOTHING = "-"
-_NEAR = 0.01  # of the range
 
 
 def search_table(summary: SweepSummary, as_it_is: AsItIs) -> Table:
@@ -54,36 +52,10 @@ def search_document(summary: SweepSummary, as_it_is: AsItIs, folder: Path) -> di
     }
 
 
-def search_notes(data: SweepData) -> list[str]:
-    """What the user of a search might overlook."""
-    if data.as_it_is is None:
-        return []
-    best = next(iter(data.ranked()), None)
-    if best is None:
-        return [f"no case has a value of {data.metric}, so there is no {BEST}"]
-    if data.columns[data.metric][best] >= data.as_it_is.metric:
-        return ["no case is better than the scenario as it is"]
-    values = data.case(best)
-    return [
-        f"{key} of the best case is at the end of its range: a wider one may hold a better value"
-        for key, axis in data.axes.items()
-        if isinstance(axis, Range) and _is_at_end(axis, values[key])
-    ]
-
-
-def _is_at_end(axis: Range, value: object) -> bool:
-    """Whether a value is hardly farther from an end of the range than a search can tell."""
-    assert isinstance(value, int | float)  # of a range
-    low, number, high = axis.low, float(value), axis.high
-    if axis.spacing == "log":
-        low, number, high = math.log(low), math.log(number), math.log(high)
-    return min(number - low, high - number) < _NEAR * (high - low)
-
-
 def shown(value: object) -> str:
     """A value of a key as a table shows it."""
-    if value is None:
-        return "null"
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

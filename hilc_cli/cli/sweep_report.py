@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from hilc_cli.cli.search_report import search_document, search_notes, search_table, shown
+from hilc_cli.cli.search_report import search_document, search_table, shown
+from hilc_cli.cli.sweep_notes import found_better, sweep_notes
 from hilc_cli.cli.terminal import print_json, print_table, print_text, progress, say, two_columns
 from hilc_cli.results.search import BEST
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 SOME_FAILED = NOTHING_FOUND = 3
 AGAIN = "the same command with --resume tries these cases again"
 SHARDS_AGAIN = "--resume of their shards tries these cases again"
+_NO_BETTER = "Best case tried, no better than the scenario as it is"
 _MOST_FAILURES = 10
 """So many are named one by one."""
 
@@ -123,8 +125,9 @@ class SweepReport:
                 print_table(search_table(summary, as_it_is))
             print_text(f"Written to {folder}")
             if as_it_is is not None and summary.best:
-                print_text(f"Best scenario: {folder / BEST}")
-        for note in search_notes(data):
+                label = "Best scenario" if found_better(data) else _NO_BETTER
+                print_text(f"{label}: {folder / BEST}")
+        for note in sweep_notes(data, summary):
             self.say(note)
 
     def shard(

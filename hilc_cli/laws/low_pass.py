@@ -40,8 +40,12 @@ class LowPass:
         from scipy import fft  # few laws need it
 
         samples = signals.shape[-1]
-        ratio = np.tan(np.pi / 2 * np.arange(samples) / samples) / self._cutoff
-        with np.errstate(over="ignore"):  # of a tiny cut-off; the factor is then 0
-            factors = 1 / (1 + ratio**4)
+        factors = self.factors(np.pi * np.arange(samples) / samples)
         filtered: Floats = fft.idct(factors * fft.dct(signals, norm="ortho"), norm="ortho")
         return filtered
+
+    def factors(self, frequencies: Floats) -> Floats:
+        """What it multiplies frequencies by, in radians per sample from 0 to pi."""
+        with np.errstate(over="ignore"):  # of a tiny cut-off; the factor is then 0
+            factors: Floats = 1 / (1 + (np.tan(frequencies / 2) / self._cutoff) ** 4)
+        return factors

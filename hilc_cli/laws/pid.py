@@ -18,6 +18,35 @@ from hilc_cli.reference.sampled import Floats
 Smoothing = Callable[[Floats], Floats]
 
 
+def weighted_error(
+    gains: tuple[float, float, float], error: Floats, pulse: Floats | None, sample_time: float
+) -> Floats:
+    """One component of w(k) = kp e(k+1) + ki d_t sum e + kd [(e(k+1) - e(k)) / d_t + pulse e(0)].
+
+    Args:
+        gains: kp, ki [1/s] and kd [s].
+        error: e, shape (n + 1,).
+        pulse: `rectifying_pulse` [1/s], shape (n,); None for none.
+        sample_time: d_t [s].
+
+    Returns:
+        w, shape (n,).
+    """
+    kp, ki, kd = gains
+    # Terms without a gain are left out: what they would be made of may overflow.
+    total = sample_time * np.cumsum(error)[1:] if ki else 0.0
+    rate: Floats | float = 0.0
+    if kd:
+        rate = np.diff(error) / sample_time + (0.0 if pulse is None else pulse * error[0])
+    return kp * error[1:] + ki * total + kd * rate
+
+
+def next_error_gain(gains: tuple[float, float, float], sample_time: float) -> float:
+    """What `weighted_error` multiplies e(k+1) by in w(k): kp + ki d_t + kd / d_t."""
+    kp, ki, kd = gains
+    return kp + ki * sample_time + kd / sample_time
+
+
 @dataclass(frozen=True, slots=True)
 class PidLaw:
     """Learning from the error, its sum and its derivative.
@@ -53,6 +82,17 @@ class PidLaw:
     cutoff: float | None = None
     rectifying: int | None = None
 
+    @property
+    def gains(self) -> tuple[float, float, float]:
+        """kp, ki [1/s] and kd [s]."""
+        return self.kp, self.ki, self.kd
+
+    def pulse(self, steps: int, sample_time: float) -> Floats | None:
+        """The rectifying pulse [1/s] over n samples, shape (n,); None for none."""
+        if self.rectifying is None:
+            return None
+        return rectifying_pulse(self.rectifying, steps, sample_time)
+
     def learner(self, task: Task) -> Learner:
         """The law at the start of an experiment."""
         smoothed: Smoothing | None = None
@@ -86,15 +126,7 @@ class PidLaw:
         return (1 - self.forgetting) * learned + self.forgetting * initial
 
     def _weighted(self, previous: Iteration, steps: int, sample_time: float) -> PastErrors:
-        kp, ki, kd = self.kp, self.ki, self.kd
-        pulse: Floats | float = 0.0
-        if self.rectifying is not None:
-            pulse = rectifying_pulse(self.rectifying, steps, sample_time)
-
-        def weighted(error: Floats) -> Floats:
-            # Terms without a gain are left out: what they would be made of may overflow.
-            total = sample_time * np.cumsum(error)[1:] if ki else 0.0
-            rate = np.diff(error) / sample_time + pulse * error[0] if kd else 0.0
-            return kp * error[1:] + ki * total + kd * rate
-
-        return per_component(weighted, previous)
+        pulse = self.pulse(steps, sample_time)
+        return per_component(
+            lambda error: weighted_error(self.gains, error, pulse, sample_time), previous
+        )

@@ -57,6 +57,7 @@ class IterationMetrics:
     mean_position_error_second_half_m: float
 
 
+MAX_ERROR, MAX_ERROR_SECOND_HALF = "max_position_error_m", "max_position_error_second_half_m"
 METRIC_NAMES: tuple[str, ...] = tuple(IterationMetrics.__dataclass_fields__)
 INTEGER_METRICS = frozenset({"saturated_samples"})
 

@@ -60,6 +60,6 @@ def require_parquet() -> tuple[Any, Any]:
         from pyarrow import parquet
     except ImportError:
         raise UsageError(
-            "--format parquet needs the package pyarrow; install hilc-cli[parquet]"
+            "--format parquet needs the package pyarrow; pip install 'hilc-cli[parquet]'"
         ) from None
     return pyarrow, parquet

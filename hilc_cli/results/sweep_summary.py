@@ -5,9 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.results.sweep import ITERATIONS_TO_TOLERANCE, SweepData
 from hilc_cli.variation.axes import Value
+
+Integers = NDArray[np.int64]
+
+_SAME = 1e-6
+"""Of a metric: what differs less looks the same in a table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +42,7 @@ class SweepSummary:
         failed: And so many could not be simulated.
         metric: What the cases are ranked by.
         ranked: So many cases have it: they completed, and reached what it counts to.
+        tied: So many of these share its smallest value, to the digits that are shown.
         median: Its median over these; None if there are none.
         worst: Its largest value over these.
         tolerance: Bound of the maximum error [m], if one was given.
@@ -49,6 +56,7 @@ class SweepSummary:
     failed: int
     metric: str
     ranked: int
+    tied: int
     median: float | None
     worst: float | None
     tolerance: float | None
@@ -73,9 +81,23 @@ def summarise_sweep(data: SweepData, best: int = 5) -> SweepSummary:
         failed=int(data.failed.sum()),
         metric=data.metric,
         ranked=len(order),
+        tied=len(tied(data)),
         median=float(np.median(column[order])) if order else None,
         worst=float(column[order[-1]]) if order else None,
         tolerance=data.tolerance,
         within_tolerance=None if data.tolerance is None else within,
         best=[BestCase(case, data.case(case), float(column[case])) for case in order[:best]],
     )
+
+
+def tied(data: SweepData) -> Integers:
+    """Numbers of the cases that share the smallest metric, in order; none if none has it.
+
+    Values count as the same if they are so to six digits, which is what tables show.
+    """
+    column = np.where(data.diverged, np.nan, data.columns[data.metric])
+    column[np.isinf(column)] = np.nan
+    if np.isnan(column).all():
+        return np.empty(0, dtype=np.int64)
+    smallest = np.nanmin(column)
+    return np.flatnonzero(column <= smallest + _SAME * abs(smallest))

@@ -14,6 +14,7 @@ from typing import Annotated, Any, TypeVar
 
 from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 
+from hilc_cli.results.sweep_tables import value_text
 from hilc_cli.spec.expressions import ExpressionError, evaluate
 from hilc_cli.spec.model import wrong
 from hilc_cli.spec.scalars import resolve_plain
@@ -57,7 +58,7 @@ def axis_text(axis: Axis) -> str | list[Value]:
 def shown_axis(axis: Axis) -> str:
     """An axis as messages show it: as short as people write it."""
     if isinstance(axis, Choices):
-        return ",".join(map(str, axis.values))
+        return ",".join(map(value_text, axis.values))
     if axis.written is None:
         return str(axis_text(axis))
     low, high = axis.written

@@ -57,9 +57,9 @@ class Controller(Model):
         return name
 
     @classmethod
-    def owner(cls) -> str:
-        """The law; of the default law nothing is said."""
-        return "" if cls.name() == DEFAULT_LAW else f"law {cls.name()}"
+    def chosen_by(cls) -> tuple[str, str]:
+        """The law."""
+        return "law", cls.name()
 
     @classmethod
     def is_meant(cls, data: object) -> bool:

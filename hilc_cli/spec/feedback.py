@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -12,7 +12,13 @@ from hilc_cli.laws.feedforward import reference_twist
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.spec.controller import Controller, Setting
 from hilc_cli.spec.model import Model
-from hilc_cli.spec.quantities import CurvatureGain, GainPerSecond, LateralGain, PositiveWheelSpeed
+from hilc_cli.spec.quantities import (
+    CurvatureGain,
+    GainPerSecond,
+    LateralGain,
+    PositiveWheelSpeed,
+    such_as,
+)
 
 
 class FeedbackGains(Model):
@@ -22,9 +28,11 @@ class FeedbackGains(Model):
     e'' + k_theta e' + k_y e = 0.
     """
 
-    k_x: GainPerSecond = Field(10.0, description="of the error ahead [1/s]")
+    k_x: Annotated[float, such_as(GainPerSecond, "10 or 10/s")] = Field(
+        10.0, description="of the error ahead [1/s]"
+    )
     k_y: CurvatureGain = Field(8.0, description="of the error to the left [rad/m^2]")
-    k_theta: LateralGain | None = Field(
+    k_theta: Annotated[float, such_as(LateralGain, "6 or 6 rad/m")] | None = Field(
         None,
         description="of the heading's error [rad/m]; default 2 sqrt(k_y), critically damped: "
         "a sideways error is gone after some 1 / sqrt(k_y) of the path",

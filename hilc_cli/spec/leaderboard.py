@@ -16,6 +16,7 @@ from hilc_cli.robot import Robot
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
 from hilc_cli.spec.controllers import ControllerSpec
 from hilc_cli.spec.disturbance import DisturbanceSpec
+from hilc_cli.spec.kinds import mistaken
 from hilc_cli.spec.loading import load_scenario
 from hilc_cli.spec.model import Located, Model, Name, Text
 from hilc_cli.spec.nodes import MapNode, Node, describe, nearest, to_data
@@ -25,6 +26,7 @@ from hilc_cli.spec.quantities import (
     PositiveLength,
     PositiveNumber,
     PositiveWheelSpeed,
+    such_as,
 )
 from hilc_cli.spec.reading import Inputs
 from hilc_cli.spec.record import RecordSpec
@@ -74,7 +76,7 @@ class LeaderboardSpec(Model):
     after: Annotated[tuple[Iterations, ...], Field(min_length=1, max_length=20)] = Field(
         (1, 2, 5, 10, 100), description="iterations whose errors are told; the last one ends a run"
     )
-    tolerance: PositiveLength = Field(
+    tolerance: Annotated[float, such_as(PositiveLength, "0.01 or 1 cm")] = Field(
         0.01, description="maximum error [m] over the second half that counts as reached"
     )
 
@@ -176,9 +178,9 @@ def load_leaderboard(path: str | Path) -> Leaderboard:
     if not isinstance(tree, MapNode):
         message = f"is no leaderboard, got {describe(tree)}; write a mapping of keys and values"
         raise InvalidInputError([Problem(str(tree.place), "", message)])
-    if "controller" in tree.entries:
-        message = "is a scenario, not a leaderboard; name it under 'cases:' in a leaderboard"
-        raise InvalidInputError([Problem(str(tree.place), "", message)])
+    other = mistaken(tree.entries, LEADERBOARDS)
+    if other is not None:
+        raise InvalidInputError([Problem(str(tree.place), "", other)])
     try:
         spec = LeaderboardSpec.model_validate(to_data(tree))
     except ValidationError as error:

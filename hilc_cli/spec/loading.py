@@ -10,10 +10,13 @@ from pydantic import ValidationError
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.tables import MAX_CSV_BYTES, read_input
+from hilc_cli.shipped_files import SCENARIOS
+from hilc_cli.spec.kinds import mistaken
 from hilc_cli.spec.model import Model
+from hilc_cli.spec.model_paths import model_in
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
 from hilc_cli.spec.overrides import apply_override, data_override, parse_override
-from hilc_cli.spec.problems import model_in, problems_of
+from hilc_cli.spec.problems import problems_of
 from hilc_cli.spec.reading import Inputs
 from hilc_cli.spec.scenario import ScenarioSpec
 from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
@@ -82,13 +85,13 @@ def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
 
 
 def _check_kind(tree: Node) -> None:
-    if not isinstance(tree, MapNode):
-        message = f"is no scenario, got {describe(tree)}; write a mapping of keys and values"
-    elif "segments" in tree.entries and "controller" not in tree.entries:
-        message = "is a trajectory, not a scenario; name it under 'trajectory:' in a scenario"
-    else:
-        return
-    raise InvalidInputError([Problem(str(tree.place), "", message)])
+    message: str | None = (
+        f"is no scenario, got {describe(tree)}; write a mapping of keys and values"
+    )
+    if isinstance(tree, MapNode):
+        message = mistaken(tree.entries, SCENARIOS)
+    if message is not None:
+        raise InvalidInputError([Problem(str(tree.place), "", message)])
 
 
 def _validated(

@@ -39,9 +39,9 @@ class Model(BaseModel):
     """Groups of keys of which each must have exactly one."""
 
     @classmethod
-    def owner(cls) -> str:
-        """Whose the keys are, for messages, where there could be others in their place."""
-        return ""
+    def chosen_by(cls) -> tuple[str, str] | None:
+        """The key, and its value, by which this model is chosen where there are several."""
+        return None
 
     @classmethod
     def is_meant(cls, data: object) -> bool:

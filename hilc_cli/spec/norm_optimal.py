@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -19,6 +19,7 @@ from hilc_cli.spec.quantities import (
     PositiveLength,
     PositiveWheelSpeed,
     Samples,
+    such_as,
 )
 
 _NONE = 1e-9  # an initial error up to this [m and rad] is rounding
@@ -27,9 +28,13 @@ _NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 class LearningWeights(Model):
     """What counts as one in the sum of squares that learning minimises."""
 
-    position: PositiveLength = Field(1e-3, description="an error of the position [m]")
-    heading: PositiveAngle = Field(0.05, description="an error of the heading [rad]")
-    input_change: PositiveWheelSpeed = Field(
+    position: Annotated[float, such_as(PositiveLength, "0.001 or 1 mm")] = Field(
+        1e-3, description="an error of the position [m]"
+    )
+    heading: Annotated[float, such_as(PositiveAngle, "0.05 or 3 deg")] = Field(
+        0.05, description="an error of the heading [rad]"
+    )
+    input_change: Annotated[float, such_as(PositiveWheelSpeed, "10 or 100 rpm")] = Field(
         10.0, description="a change of a wheel speed from iteration to iteration [rad/s]"
     )
 
@@ -37,8 +42,12 @@ class LearningWeights(Model):
 class FeedbackWeights(Model):
     """What counts as much as weights.input_change in the feedback; smaller ones make it stiffer."""
 
-    position: PositiveLength = Field(1e-2, description="an error of the position [m]")
-    heading: PositiveAngle = Field(0.1, description="an error of the heading [rad]")
+    position: Annotated[float, such_as(PositiveLength, "0.01 or 1 cm")] = Field(
+        1e-2, description="an error of the position [m]"
+    )
+    heading: Annotated[float, such_as(PositiveAngle, "0.1 or 6 deg")] = Field(
+        0.1, description="an error of the heading [rad]"
+    )
 
 
 class NormOptimalController(Controller):
@@ -59,7 +68,7 @@ class NormOptimalController(Controller):
         None,
         description="samples until an initial error shall be gone, 1 to n; default 200, or n / 4",
     )
-    memory: Samples = Field(
+    memory: Annotated[int, such_as(Samples, "4")] = Field(
         4, description="iterations over which motion that the model does not explain is averaged"
     )
     b_w: PositiveWheelSpeed | None = Field(

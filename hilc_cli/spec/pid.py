@@ -88,6 +88,18 @@ class PidController(Controller):
             default_length(self.h, setting.reference) if self.rectifying == "on" else None,
         )
 
+    def in_short(self) -> str:
+        """What is not 0, for a title."""
+        gains = self.gains
+        parts = [
+            (gains.kp, f"kp {gains.kp:g}"),
+            (gains.ki, f"ki {gains.ki:g} 1/s"),
+            (gains.kd, f"kd {gains.kd:g} s"),
+            (self.forgetting, f"forgetting {self.forgetting:g}"),
+            (self.cutoff, f"cut-off {self.cutoff:g} Hz" if self.cutoff else ""),
+        ]
+        return ", ".join(["pid", *(text for value, text in parts if value)])
+
     def in_words(self, setting: Setting) -> str:
         """All gains, and what else shapes the learning."""
         gains = self.gains

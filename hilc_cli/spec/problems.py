@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Any, get_args, get_origin
+from typing import Any
 
 from pydantic import ValidationError
-from pydantic.fields import FieldInfo
 
 from hilc_cli.errors import Problem, near_word, suggestion
-from hilc_cli.spec.model import NAME_PATTERN, Model
+from hilc_cli.spec.model import NAME_PATTERN, Model, listed
+from hilc_cli.spec.model_paths import steps_to
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
 
 # What is wrong and what is allowed, by Pydantic's name of the error.
@@ -43,7 +43,15 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         model: The model that it was validated against.
     """
     found: list[tuple[Place, Problem]] = []
-    for details in error.errors(include_url=False):
+    every = error.errors(include_url=False)
+    unknown = {
+        details["loc"]: _unknown(tree, details["loc"], model)
+        for details in every
+        if details["type"] == "extra_forbidden"
+    }
+    # With the choice that has been forgotten there, what is missing may well not be.
+    unchosen = {above for _, above in unknown.values() if above is not None}
+    for details in every:
         context: Mapping[str, Any] = details.get("ctx", {})
         keys: PathKeys = details["loc"]
         if keys and keys[-1] == "[key]":  # what is wrong is the key itself
@@ -59,10 +67,13 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
                 # A list that is said not to be one is shown; one that does not fit is not.
                 show_all = problem.startswith("must be")
                 found.append(_located(tree, (*keys, *at), problem, remedy, show_all=show_all))
+        elif details["type"] == "too_short" and _has_enough(tree, keys, context):
+            continue  # what is wrong with its entries is told
         elif details["type"] == "missing":
-            found.append(_at(tree, keys, f"is missing; {_how_to_give(tree, keys, model)}"))
+            if not any(keys[: len(above)] == above for above in unchosen):
+                found.append(_at(tree, keys, f"is missing; {_how_to_give(tree, keys, model)}"))
         elif details["type"] == "extra_forbidden":
-            found.append(_at(tree, keys, _unknown(tree, keys, model), point_at_key=True))
+            found.append(_at(tree, keys, unknown[keys][0], point_at_key=True))
         elif details["type"] == "literal_error":
             remedy = _choice(str(context["expected"]), nearest(tree, keys)[0])
             found.append(_located(tree, keys, "is not one of the choices", remedy))
@@ -92,6 +103,12 @@ def _located(
     return _at(tree, keys, f"{problem}{shown}; {remedy}")
 
 
+def _has_enough(tree: Node, keys: PathKeys, context: Mapping[str, Any]) -> bool:
+    """Whether a list or mapping is too short only without its wrong entries."""
+    data = to_data(nearest(tree, keys)[0])
+    return isinstance(data, list | dict) and len(data) >= context["min_length"]
+
+
 def _choice(expected: str, given: Node) -> str:
     """What to give instead: of many choices the one that was probably meant."""
     choices = re.findall("'([^']*)'", expected)
@@ -114,43 +131,30 @@ def _at(
 def _how_to_give(tree: Node, keys: PathKeys, model: type[Model]) -> str:
     if isinstance(keys[-1], int):
         return "the list has too few entries"
-    description = _fields(_models_to(tree, keys[:-1], model)[-1])[keys[-1]].description
+    description = steps_to(tree, keys[:-1], model)[-1].fields[keys[-1]].description
     return f"give it ({description})" if description else "give it"
 
 
-def _unknown(tree: Node, keys: PathKeys, model: type[Model]) -> str:
-    models = _models_to(tree, keys[:-1], model)
-    owners = [part.owner() for part in models if part is not None and part.owner()]
-    whose = f" of {owners[-1]}" if owners else ""
-    return f"is an unknown key{whose}; {suggestion(str(keys[-1]), _fields(models[-1]))}"
+def _unknown(tree: Node, keys: PathKeys, model: type[Model]) -> tuple[str, PathKeys | None]:
+    """What is wrong with an unknown key.
 
-
-def _fields(model: type[Model] | None) -> Mapping[str, FieldInfo]:
-    return {} if model is None else model.model_fields
-
-
-def _models_to(tree: Node, keys: PathKeys, model: type[Model]) -> list[type[Model] | None]:
-    """The models that the mappings on the way to a path are validated against, its own last."""
-    found: list[type[Model] | None] = [model]
-    named: object = None  # what the names in a mapping of names stand for
-    for depth, key in enumerate(keys, 1):
-        if not isinstance(key, str):
-            continue
-        field = _fields(found[-1]).get(key)
-        annotation = named or (None if field is None else field.annotation)
-        named = get_args(annotation)[1] if get_origin(annotation) is dict else None
-        part = to_data(nearest(tree, keys[:depth])[0])
-        found.append(None if annotation is None or named else model_in(annotation, part))
-    return found
-
-
-def model_in(annotation: object, data: object = None) -> type[Model] | None:
-    """The model within an optional or a list of it; of several the one that data is meant for."""
-    models = _models_in(annotation)
-    return next((model for model in models if model.is_meant(data)), models[0] if models else None)
-
-
-def _models_in(annotation: object) -> list[type[Model]]:
-    if isinstance(annotation, type) and issubclass(annotation, Model):
-        return [annotation]
-    return [model for part in get_args(annotation) for model in _models_in(part)]
+    Returns:
+        The message; and, where the key would be known if another model had been chosen but none
+        has been, the path of what has made no choice.
+    """
+    *above, last = steps_to(tree, keys[:-1], model)
+    known = suggestion(str(keys[-1]), last.fields)
+    step = next((step for step in (last, *reversed(above)) if step.choice), None)
+    if step is None or step.choice is None:
+        return f"is an unknown key; {known}", None
+    chooser, chosen = step.choice
+    problem = f"is an unknown key of {chooser} {chosen}"
+    others = [choice[1] for choice in step.choices_with(keys)]
+    if not others:
+        return f"{problem}; {known}", None
+    whose = f"{chooser} {others[0]}" if len(others) == 1 else f"{chooser}s {listed(others)}"
+    problem += f", but one of {whose}"
+    data = to_data(nearest(tree, step.keys)[0])
+    if isinstance(data, dict) and data.get(chooser) is not None:
+        return f"{problem}; {known}", None
+    return f"{problem}; add " + " or ".join(f"'{chooser}: {other}'" for other in others), step.keys

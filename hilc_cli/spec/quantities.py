@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -16,6 +16,8 @@ from hilc_cli.spec.scalars import LONGEST_NUMBER
 
 MOST_CASES = 100_000_000
 _LARGEST = 1e9  # keeps squares and products far from overflow; nothing real is larger
+_FAR = 1e6
+"""Bounds from here on only keep out what nobody means: they are told to whoever passes them."""
 
 
 @dataclass(frozen=True)
@@ -54,12 +56,17 @@ class Quantity:
     @property
     def remedy(self) -> str:
         """What is allowed, as a sentence."""
+        return self._allowed(self.most if self.most is not None and self.most < _FAR else None)
+
+    def _allowed(self, most: float | None) -> str:
         kind = "a whole number" if self.whole else "a number"
         bound = ""
         if self.above is not None:
             bound = f" above {_shown(self.above)}"
-        elif self.least is not None and self.least > -_LARGEST:
-            bound = f" from {_shown(self.least)} up"
+            bound += "" if most is None else f" and up to {_shown(most)}"
+        elif self.least is not None and (self.least > -_FAR or most is not None):
+            bound = f" from {_shown(self.least)}"
+            bound += " up" if most is None else f" to {_shown(most)}"
         return f"give {kind}{bound}, such as {self.example}"
 
     def _number(self, value: object) -> float:
@@ -75,7 +82,8 @@ class Quantity:
             except ExpressionError as error:
                 raise wrong(str(error).partition("; ")[0], _remedy(error, self.remedy)) from None
             if result.unit not in (PLAIN, self.unit):
-                raise wrong("has the wrong unit", self.remedy)
+                problem = "must have no unit" if self.unit == PLAIN else "has the wrong unit"
+                raise wrong(problem, self.remedy)
             number = result.number.constant
         else:
             try:
@@ -92,7 +100,7 @@ class Quantity:
         if self.least is not None and not number >= self.least:
             raise wrong(f"must be at least {_shown(self.least)}", self.remedy)
         if self.most is not None and not number <= self.most:
-            raise wrong(f"must be at most {_shown(self.most)}", self.remedy)
+            raise wrong(f"must be at most {_shown(self.most)}", self._allowed(self.most))
         return number
 
     def __get_pydantic_core_schema__(
@@ -118,6 +126,18 @@ class Quantity:
                 {"type": "string", "description": f"an expression, such as {self.example}"},
             ]
         }
+
+
+def such_as(kind: Any, example: str) -> Quantity:
+    """A kind of quantity for a key to which another example fits.
+
+    Args:
+        kind: The annotated type, such as `PositiveLength`.
+        example: What to write.
+    """
+    (quantity,) = kind.__metadata__
+    assert isinstance(quantity, Quantity)
+    return replace(quantity, example=example)
 
 
 def _shown(bound: float) -> str:
@@ -156,7 +176,7 @@ Share = Annotated[float, Quantity(PLAIN, "0.1", least=0, most=1)]
 LateralGain = Annotated[
     float, Quantity(Unit(angle=1, length=-1), "0.3 or 0.3 rad/m", least=0, most=_LARGEST)
 ]
-Tolerance = Annotated[float, Quantity(PLAIN, "1e-9", least=0, most=_LARGEST)]
+Tolerance = Annotated[float, Quantity(PLAIN, "1e-9, in m and rad", least=0, most=_LARGEST)]
 Iterations = Annotated[int, Quantity(PLAIN, "100", least=0, most=10_000_000, whole=True)]
 Samples = Annotated[int, Quantity(PLAIN, "200", least=1, most=1_000_000, whole=True)]
 CaseCount = Annotated[int, Quantity(PLAIN, "1000", least=1, most=MOST_CASES, whole=True)]

@@ -11,6 +11,7 @@ from pathlib import Path
 from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
 from hilc_cli.files import read_file, reason
 from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, resolve_example
+from hilc_cli.spec.kinds import mistaken, mistaken_example
 from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, describe, with_entry
 from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
 
@@ -53,7 +54,7 @@ class Inputs:
             content = _read_stdin()
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
             return parse_yaml(content, Source("<stdin>", Path()), self.problems)
-        path = resolve_example(name, kind)
+        path = _example_or_path(name, kind)
         content = self.file(path, MAX_BYTES)
         return parse_yaml(content, Source(str(path), path.parent), self.problems)
 
@@ -76,18 +77,27 @@ class Inputs:
             trajectory = self._trajectory_tree(node.value, node.place.source.folder)
         except (UsageError, FileAccessError) as error:
             raise InvalidInputError([Problem(str(node.place), "trajectory", str(error))]) from None
-        if isinstance(trajectory, MapNode) and "controller" in trajectory.entries:
-            message = f"is a scenario, not a trajectory, got {node.value}; name a trajectory file"
-            raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
+        if isinstance(trajectory, MapNode):
+            other = mistaken(trajectory.entries, TRAJECTORIES, node.value)
+            if other is not None:
+                raise InvalidInputError([Problem(str(node.place), "trajectory", other)])
         return with_entry(tree, "trajectory", trajectory, trajectory.place)
 
     def _trajectory_tree(self, name: str, folder: Path) -> Node:
         if name.startswith(PREFIX):
-            path = resolve_example(name, TRAJECTORIES)
+            path = _example_or_path(name, TRAJECTORIES)
         else:
             path = _short(folder / name)
         content = self.file(path, MAX_BYTES)
         return parse_yaml(content, Source(str(path), path.parent), self.problems)
+
+
+def _example_or_path(name: str, kind: str) -> Path:
+    """The file that a text stands for."""
+    other = mistaken_example(name, kind)
+    if other is not None:
+        raise UsageError(f"{name}: {other}")
+    return resolve_example(name, kind)
 
 
 def _read_stdin() -> bytes:

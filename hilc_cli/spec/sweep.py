@@ -10,7 +10,7 @@ from pydantic.types import StringConstraints
 from hilc_cli.results.sweep import CASE_METRICS, ITERATIONS_TO_TOLERANCE
 from hilc_cli.spec.axis import AxisSpec, read_axis
 from hilc_cli.spec.model import Flag, Located, Model
-from hilc_cli.spec.quantities import CaseCount, PositiveLength, Seed
+from hilc_cli.spec.quantities import CaseCount, PositiveLength, Seed, such_as
 from hilc_cli.variation.axes import Choices
 from hilc_cli.variation.cases import Sampling
 
@@ -33,7 +33,7 @@ class SweepSpec(Model):
     )
     cases: CaseCount | None = Field(None, description="number of points to draw, or to search")
     seed: Seed = Field(0, description="of the drawing, or of the search")
-    tolerance: PositiveLength | None = Field(
+    tolerance: Annotated[float, such_as(PositiveLength, "0.05 or 5 cm")] | None = Field(
         None, description="maximum error [m] for iterations_to_tolerance"
     )
     bands: Flag = Field(False, description="write quantiles of the error over the cases")

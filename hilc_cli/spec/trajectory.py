@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -27,6 +27,7 @@ from hilc_cli.spec.quantities import (
     PositiveLength,
     PositiveSpeed,
     PositiveTime,
+    such_as,
 )
 
 Point = tuple[Coordinate, Coordinate]
@@ -53,7 +54,7 @@ class SemicircleSpec(_Timed):
     """An arc of 180 degrees."""
 
     center: Point | None = Field(None, description="m, in the world frame")
-    radius: PositiveLength | None = Field(
+    radius: Annotated[float, such_as(PositiveLength, "5 or 5 m")] | None = Field(
         None, description="m; without a center it lies perpendicular to the running heading"
     )
     turn: Turn = Field(description="left is counterclockwise")
@@ -85,7 +86,9 @@ class LineSpec(_Timed):
     exactly_one = (("duration", "speed"), ("to", "length"))
 
     to: Point | None = Field(None, description="m, in the world frame")
-    length: PositiveLength | None = Field(None, description="m, along the running heading")
+    length: Annotated[float, such_as(PositiveLength, "5 or 5 m")] | None = Field(
+        None, description="m, along the running heading"
+    )
 
     def plan(self) -> SegmentPlan:
         """The segment for the path builder."""
@@ -120,7 +123,7 @@ class TrajectorySpec(Model):
 
     name: Name
     description: Text = ""
-    sample_time: PositiveTime = Field(description="s")
+    sample_time: Annotated[float, such_as(PositiveTime, "0.001 or 1 ms")] = Field(description="s")
     start: PoseSpec
     segments: list[SegmentSpec] = Field(min_length=1, max_length=4_000)
     closed: Flag = Field(False, description="the path must end where it starts")

@@ -49,7 +49,7 @@ class DaskCrew:
             import distributed
         except ImportError:
             raise UsageError(
-                "--scheduler needs the package distributed; install hilc-cli[dask]"
+                "--scheduler needs the package distributed; pip install 'hilc-cli[dask]'"
             ) from None
         self._distributed = distributed
         _silence()

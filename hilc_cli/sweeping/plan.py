@@ -16,6 +16,7 @@ from hilc_cli.spec.dump import to_yaml
 from hilc_cli.spec.sweep import SweepSpec
 from hilc_cli.spec.valid import Scenario
 from hilc_cli.spec.varied import TRAJECTORY, WITHOUT_EFFECT, Varied
+from hilc_cli.sweeping.initial_error import hidden_by_initial_error
 from hilc_cli.variation.axes import Axis, axis_to_data
 from hilc_cli.variation.cases import Cases
 from hilc_cli.version import __version__
@@ -83,7 +84,7 @@ class Plan:
             found.append(
                 "disturbance.seed varies: the search will find lucky disturbances, not good values"
             )
-        return found
+        return found + hidden_by_initial_error(self.varied, self.spec)
 
     def _fullest(self) -> Scenario:
         """The scenario with the most iterations and the largest disturbances of any case."""

@@ -131,7 +131,9 @@ def require_optuna() -> Any:
     try:
         import optuna
     except ImportError:
-        raise UsageError("--minimise needs the package optuna; install hilc-cli[tune]") from None
+        raise UsageError(
+            "--minimise needs the package optuna; pip install 'hilc-cli[tune]'"
+        ) from None
     return optuna
 
 

@@ -16,6 +16,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import model_gain
+from hilc_cli.laws.pid import PidLaw
 from hilc_cli.reference.path import ArcPlan, build_reference
 from hilc_cli.robot import Robot
 from tests.analysis.straight import DT, errors, line
@@ -95,6 +96,18 @@ def test_first_trial_needs_feedback(
     ] * advised
     first = next(iter(simulate(experiment)))
     assert (not first.x.any()) is advised
+
+
+def test_law_pid_is_advised_of_units_and_of_a_first_trial_without_effect() -> None:
+    law = PidLaw(0.0, 0.0, 1.0, 0.0, model_gain(Robot(200.0, 518.0)), "measured")
+    experiment = replace(experiment_of(line(3, 1e-4), law_of(0.0), learn_in_first=True), law=law)
+    assert [text.partition(" of ")[0] for text in advice(experiment)] == [
+        "controller.gain_matrix acts on the true robot with 0.001 to 1 times the strength",
+        "initial_trial 'feedback' has no effect: the law has no feedback within an iteration",
+    ]
+    # A filter smooths the first input.
+    smooth = replace(law, matrix=model_gain(PLATFORM), cutoff=1.0)
+    assert advice(replace(experiment, law=smooth)) == []
 
 
 @pytest.mark.parametrize(("h", "advised"), [(5, False), (6, True), (10, True)])

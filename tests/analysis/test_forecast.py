@@ -11,7 +11,8 @@ import pytest
 
 from hilc_cli.analysis import transient
 from hilc_cli.analysis.findings import Findings
-from hilc_cli.analysis.forecast import forecast, forecast_findings, rest_error
+from hilc_cli.analysis.forecast import forecast, rest_error
+from hilc_cli.analysis.forecast_findings import forecast_findings
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.gain_matrix import Affine, GainMatrix, model_gain

@@ -198,7 +198,7 @@ def test_law_of_another_kind_is_refused() -> None:
             raise NotImplementedError
 
     experiment = replace(experiment_of(winding(12), law_of(1.0)), law=Other())
-    with pytest.raises(UsageError, match="the hybrid law only"):
+    with pytest.raises(UsageError, match="laws hybrid and pid only"):
         LiftedIteration(experiment)
 
 

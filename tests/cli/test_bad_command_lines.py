@@ -65,7 +65,7 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "set-unknown-nested",
         ["run", "scenario.yaml", "--set", "controller.gain.l1=3"],
         2,
-        "--set controller.gain.l1=3: controller.gain: is an unknown key; did you mean 'gains'?",
+        "--set controller.gain.l1=3: controller.gain: is an unknown key of law hybrid; did you mean 'gains'?",
     ),
     (
         "set-yaml",
@@ -247,19 +247,19 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "plot-nofolder",
         ["plot", "nosuch"],
         2,
-        "hilc: nosuch: is no run folder; give a folder that hilc run has written",
+        "hilc: nosuch: holds neither a run nor a sweep; give a folder that hilc run or hilc sweep has written",
     ),
     (
         "plot-nonrun",
         ["plot", "."],
         2,
-        "hilc: .: is no run folder; give a folder that hilc run has written",
+        "hilc: .: holds neither a run nor a sweep; give a folder that hilc run or hilc sweep has written",
     ),
     (
         "plot-file",
         ["plot", "scenario.yaml"],
         2,
-        "hilc: scenario.yaml: is no run folder; give a folder that hilc run has written",
+        "hilc: scenario.yaml: holds neither a run nor a sweep; give a folder that hilc run or hilc sweep has written",
     ),
     (
         "plot-iter",

@@ -18,12 +18,34 @@ CASES = [
     (
         "hybrid-key-of-pid",
         law("  gains: {l1: 1}\n  cutoff: 5 Hz\n"),
-        "scenario.yaml:7:3: controller.cutoff: is an unknown key; known: b_w, compensation, gain_heading, gain_matrix, gains, h, law, switch_tolerance",
+        "scenario.yaml:7:3: controller.cutoff: is an unknown key of law hybrid, but one of law pid; add 'law: pid'",
+    ),
+    (
+        "pid-without-its-name",
+        law("  gains: {kp: 1, kd: 0.5}\n  cutoff: 2 Hz\n"),
+        (
+            "scenario.yaml:6:11: controller.gains.kp: is an unknown key of law hybrid, but one of law pid; add 'law: pid'\n"
+            "scenario.yaml:6:18: controller.gains.kd: is an unknown key of law hybrid, but one of law pid; add 'law: pid'\n"
+            "scenario.yaml:7:3: controller.cutoff: is an unknown key of law hybrid, but one of law pid; add 'law: pid'"
+        ),
+    ),
+    (
+        "norm-optimal-without-its-name",
+        law("  weights: {position: 1 mm}\n"),
+        "scenario.yaml:6:3: controller.weights: is an unknown key of law hybrid, but one of law norm-optimal; add 'law: norm-optimal'",
+    ),
+    (
+        "hybrid-by-its-name",
+        law("  law: hybrid\n  gains: {kp: 1}\n"),
+        (
+            "scenario.yaml:7:3: controller.gains.l1: is missing; give it (of the previous iteration's error, e_i(k+1))\n"
+            "scenario.yaml:7:11: controller.gains.kp: is an unknown key of law hybrid, but one of law pid; known: l1, l2, l3, lateral"
+        ),
     ),
     (
         "pid-gain-of-hybrid",
         law("  law: pid\n  gains: {l1: 1}\n"),
-        "scenario.yaml:7:11: controller.gains.l1: is an unknown key of law pid; known: kd, ki, kp",
+        "scenario.yaml:7:11: controller.gains.l1: is an unknown key of law pid, but one of law hybrid; known: kd, ki, kp",
     ),
     (
         "pid-misspelt",
@@ -53,7 +75,7 @@ CASES = [
     (
         "pid-forgetting",
         law("  law: pid\n  gains: {kp: 1}\n  forgetting: 1.1\n"),
-        "scenario.yaml:8:15: controller.forgetting: must be at most 1, got 1.1; give a number from 0 up, such as 0.1",
+        "scenario.yaml:8:15: controller.forgetting: must be at most 1, got 1.1; give a number from 0 to 1, such as 0.1",
     ),
     (
         "pid-matrix",
@@ -63,13 +85,13 @@ CASES = [
     (
         "feedback-matrix",
         law("  law: feedback\n  gain_matrix: unit\n"),
-        "scenario.yaml:7:3: controller.gain_matrix: is an unknown key of law feedback; known: b_w, gains, law",
+        "scenario.yaml:7:3: controller.gain_matrix: is an unknown key of law feedback, but one of laws hybrid and pid; known: b_w, gains, law",
     ),
     (
         "feedback-gains",
         law("  law: feedback\n  gains: {k_x: -1, k_y: 64/m, k_tehta: 1}\n"),
         (
-            "scenario.yaml:7:16: controller.gains.k_x: must be at least 0, got -1; give a number from 0 up, such as 0.5\n"
+            "scenario.yaml:7:16: controller.gains.k_x: must be at least 0, got -1; give a number from 0 up, such as 10 or 10/s\n"
             "scenario.yaml:7:25: controller.gains.k_y: has the wrong unit, got '64/m'; give a number from 0 up, such as 8 or 8 rad/m/m\n"
             "scenario.yaml:7:31: controller.gains.k_tehta: is an unknown key of law feedback; did you mean 'k_theta'?"
         ),
@@ -77,7 +99,7 @@ CASES = [
     (
         "norm-optimal-gains",
         law("  law: norm-optimal\n  gains: {l1: 1}\n"),
-        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal; known: b_w, feedback, feedback_weights, h, identify, law, memory, weights",
+        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal, but one of laws hybrid, pid and feedback; known: b_w, feedback, feedback_weights, h, identify, law, memory, weights",
     ),
     (
         "norm-optimal-values",
@@ -86,11 +108,26 @@ CASES = [
             "  feedback: pid\n  h: 4\n  memory: 0\n"
         ),
         (
-            "scenario.yaml:7:23: controller.weights.position: has the wrong unit, got '1 s'; give a number above 0, such as 0.2 or 20 cm\n"
+            "scenario.yaml:7:23: controller.weights.position: has the wrong unit, got '1 s'; give a number above 0, such as 0.001 or 1 mm\n"
             "scenario.yaml:7:28: controller.weights.hading: is an unknown key of law norm-optimal; did you mean 'heading'?\n"
             "scenario.yaml:8:13: controller.feedback: is not one of the choices, got 'pid'; give lqr or none\n"
             "scenario.yaml:9:6: controller.h: must be at most the trajectory's 3 samples, got 4; give a whole number from 1 to 3\n"
-            "scenario.yaml:10:11: controller.memory: must be at least 1, got 0; give a whole number from 1 up, such as 200"
+            "scenario.yaml:10:11: controller.memory: must be at least 1, got 0; give a whole number from 1 up, such as 4"
+        ),
+    ),
+    (
+        "norm-optimal-numbers",
+        law(
+            "  law: norm-optimal\n  memory: 2 s\n"
+            "  weights: {input_change: 0, heading: 1 m}\n"
+            "  feedback_weights: {position: 0, heading: 0}\n"
+        ),
+        (
+            "scenario.yaml:7:11: controller.memory: must have no unit, got '2 s'; give a whole number from 1 up, such as 4\n"
+            "scenario.yaml:8:27: controller.weights.input_change: must be above 0, got 0; give a number above 0, such as 10 or 100 rpm\n"
+            "scenario.yaml:8:39: controller.weights.heading: has the wrong unit, got '1 m'; give a number above 0, such as 0.05 or 3 deg\n"
+            "scenario.yaml:9:32: controller.feedback_weights.position: must be above 0, got 0; give a number above 0, such as 0.01 or 1 cm\n"
+            "scenario.yaml:9:44: controller.feedback_weights.heading: must be above 0, got 0; give a number above 0, such as 0.1 or 6 deg"
         ),
     ),
     (
@@ -117,8 +154,8 @@ def test_other_law_on_the_command_line_is_told_what_does_not_belong_to_it(
     outcome = hilc("run", "scenario.yaml", "--set", "controller.law=pid")
     assert outcome.code == 2
     assert [line.partition(";")[0] for line in outcome.err.splitlines()] == [
-        "scenario.yaml:6:11: controller.gains.l1: is an unknown key of law pid",
-        "scenario.yaml:7:3: controller.compensation: is an unknown key of law pid",
+        "scenario.yaml:6:11: controller.gains.l1: is an unknown key of law pid, but one of law hybrid",
+        "scenario.yaml:7:3: controller.compensation: is an unknown key of law pid, but one of law hybrid",
     ]
 
 
@@ -146,7 +183,7 @@ PID = "  law: pid\n  gains: {kp: 1, kd: 1}\n"
         ),
         (
             "controller.gains.l1=1,2",
-            "controller.gains.l1: is an unknown key of law pid; known: kd, ki, kp",
+            "controller.gains.l1: is an unknown key of law pid, but one of law hybrid; known: kd, ki, kp",
         ),
         (
             "controller.cutoff=1,7",

@@ -78,7 +78,7 @@ CASES = [
     (
         "unknown-gain",
         scenario("{l1: 0.5}", "{l1: 0.5, l4: 1}"),
-        "scenario.yaml:6:20: controller.gains.l4: is an unknown key; known: l1, l2, l3, lateral",
+        "scenario.yaml:6:20: controller.gains.l4: is an unknown key of law hybrid; known: l1, l2, l3, lateral",
     ),
     (
         "unknown-record",
@@ -203,12 +203,12 @@ CASES = [
     (
         "radius-huge",
         scenario("wheel_radius: 0.2", "wheel_radius: 1e10"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be at most 1e+09, got 1e10; give a number above 0, such as 0.2 or 20 cm",
+        "scenario.yaml:3:23: robot.wheel_radius: must be at most 1e+09, got 1e10; give a number above 0 and up to 1e+09, such as 0.2 or 20 cm",
     ),
     (
         "radius-bignum",
         scenario("wheel_radius: 0.2", "wheel_radius: 1" + "0" * 60),
-        "scenario.yaml:3:23: robot.wheel_radius: must be at most 1e+09, got 1000000000000000000000000000000000000000...; give a number above 0, such as 0.2 or 20 cm",
+        "scenario.yaml:3:23: robot.wheel_radius: must be at most 1e+09, got 1000000000000000000000000000000000000000...; give a number above 0 and up to 1e+09, such as 0.2 or 20 cm",
     ),
     (
         "radius-5000",
@@ -388,12 +388,12 @@ CASES = [
     (
         "iterations-huge",
         scenario("iterations: 2", "iterations: 10000001"),
-        "scenario.yaml:4:13: iterations: must be at most 10000000, got 10000001; give a whole number from 0 up, such as 100",
+        "scenario.yaml:4:13: iterations: must be at most 10000000, got 10000001; give a whole number from 0 to 10000000, such as 100",
     ),
     (
         "iterations-unit",
         scenario("iterations: 2", "iterations: 2 s"),
-        "scenario.yaml:4:13: iterations: has the wrong unit, got '2 s'; give a whole number from 0 up, such as 100",
+        "scenario.yaml:4:13: iterations: must have no unit, got '2 s'; give a whole number from 0 up, such as 100",
     ),
     (
         "iterations-expr",
@@ -418,7 +418,7 @@ CASES = [
     (
         "gain-unit",
         scenario("{l1: 0.5}", "{l1: 0.5 m}"),
-        "scenario.yaml:6:15: controller.gains.l1: has the wrong unit, got '0.5 m'; give a number from 0 up, such as 0.5",
+        "scenario.yaml:6:15: controller.gains.l1: must have no unit, got '0.5 m'; give a number from 0 up, such as 0.5",
     ),
     (
         "gain-inf",
@@ -443,7 +443,7 @@ CASES = [
     (
         "h-ms",
         scenario("b_w: 180", "h: 200 ms"),
-        "scenario.yaml:7:6: controller.h: has the wrong unit, got '200 ms'; give a whole number from 1 up, such as 200",
+        "scenario.yaml:7:6: controller.h: must have no unit, got '200 ms'; give a whole number from 1 up, such as 200",
     ),
     (
         "bw-zero",
@@ -510,7 +510,7 @@ CASES = [
     (
         "tolerance",
         scenario("b_w: 180", "switch_tolerance: -1"),
-        "scenario.yaml:7:21: controller.switch_tolerance: must be at least 0, got -1; give a number from 0 up, such as 1e-9",
+        "scenario.yaml:7:21: controller.switch_tolerance: must be at least 0, got -1; give a number from 0 up, such as 1e-9, in m and rad",
     ),
     (
         "turn-convention",
@@ -535,7 +535,7 @@ CASES = [
     (
         "friction-unit",
         scenario("wheel_radius: 0.2", "wheel_radius: 0.2, friction: 8 m"),
-        "scenario.yaml:3:38: robot.friction: has the wrong unit, got '8 m'; give a number above 0, such as 0.8",
+        "scenario.yaml:3:38: robot.friction: must have no unit, got '8 m'; give a number above 0, such as 0.8",
     ),
     (
         "friction-infinite",
@@ -663,7 +663,7 @@ CASES = [
     (
         "seed-big",
         plus("disturbance: {seed: 18446744073709551616}\n"),
-        "scenario.yaml:8:21: disturbance.seed: must be at most 18446744073709551615, got 18446744073709551616; give a whole number from 0 up, such as 0",
+        "scenario.yaml:8:21: disturbance.seed: must be at most 18446744073709551615, got 18446744073709551616; give a whole number from 0 to 18446744073709551615, such as 0",
     ),
     (
         "seed-fraction",
@@ -943,6 +943,16 @@ CASES = [
         "is-trajectory",
         TRAJECTORY,
         "scenario.yaml:1:1: is a trajectory, not a scenario; name it under 'trajectory:' in a scenario",
+    ),
+    (
+        "is-leaderboard",
+        "name: board\ncases: {path: path.yaml}\nlaws: {paper: {gains: {l1: 1}}}\n",
+        "scenario.yaml:1:1: is a leaderboard, not a scenario; give it to hilc compare --laws",
+    ),
+    (
+        "traj-is-example-of-scenario",
+        scenario("path.yaml", "example:fig3-circle"),
+        "scenario.yaml:2:13: trajectory: example:fig3-circle: is a scenario, not a trajectory; name a trajectory file",
     ),
     (
         "traj-is-itself",

@@ -192,7 +192,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gain.l1=0.1,0.2"],
         2,
-        "--vary controller.gain.l1=0.1,0.2: controller.gain: is an unknown key; did you mean 'gains'?",
+        "--vary controller.gain.l1=0.1,0.2: controller.gain: is an unknown key of law hybrid; did you mean 'gains'?",
     ),
     (
         ["--vary", "controllr.gains.l1=0.1,0.2"],
@@ -202,7 +202,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l4=0.1,0.2"],
         2,
-        "--vary controller.gains.l4=0.1,0.2: controller.gains.l4: is an unknown key; known: l1, l2, l3, lateral",
+        "--vary controller.gains.l4=0.1,0.2: controller.gains.l4: is an unknown key of law hybrid; known: l1, l2, l3, lateral",
     ),
     (
         ["--vary", "controller.gains=0.1,0.2"],
@@ -336,7 +336,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.switch_tolerance=-1,1"],
         2,
-        "--vary controller.switch_tolerance=-1,1: controller.switch_tolerance: must be at least 0, got -1; give a number from 0 up, such as 1e-9",
+        "--vary controller.switch_tolerance=-1,1: controller.switch_tolerance: must be at least 0, got -1; give a number from 0 up, such as 1e-9, in m and rad",
     ),
     (
         ["--vary", "iterations=-1,2"],
@@ -356,7 +356,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "iterations=20 s,2"],
         2,
-        "--vary iterations=20 s,2: iterations: has the wrong unit, got '20 s'; give a whole number from 0 up, such as 100",
+        "--vary iterations=20 s,2: iterations: must have no unit, got '20 s'; give a whole number from 0 up, such as 100",
     ),
     (
         ["--vary", "robot.wheel_radius=20 cm,30 deg"],
@@ -568,7 +568,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "trajectory.segments.0.line.length=-1,2"],
         2,
-        "--vary trajectory.segments.0.line.length=-1,2: trajectory.segments.0.line.length: must be above 0, got -1; give a number above 0, such as 0.2 or 20 cm",
+        "--vary trajectory.segments.0.line.length=-1,2: trajectory.segments.0.line.length: must be above 0, got -1; give a number above 0, such as 5 or 5 m",
     ),
     (
         ["--vary", "trajectory.segments.1.line.length=1,2"],
@@ -688,7 +688,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l1=0:1", "--sample", "random", "--cases", "1000000000"],
         2,
-        "--cases 1000000000: cases: must be at most 100000000, got 1000000000; give a whole number from 1 up, such as 1000",
+        "--cases 1000000000: cases: must be at most 100000000, got 1000000000; give a whole number from 1 to 100000000, such as 1000",
     ),
     (
         ["--vary", "controller.gains.l1=0:1", "--sample", "foo", "--cases", "3"],
@@ -712,27 +712,27 @@ CASES: list[tuple[list[str], int, str]] = [
             "18446744073709551616",
         ],
         2,
-        "--seed 18446744073709551616: seed: must be at most 18446744073709551615, got 18446744073709551616; give a whole number from 0 up, such as 0",
+        "--seed 18446744073709551616: seed: must be at most 18446744073709551615, got 18446744073709551616; give a whole number from 0 to 18446744073709551615, such as 0",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--tolerance", "0"],
         2,
-        "--tolerance 0: tolerance: must be above 0, got '0'; give a number above 0, such as 0.2 or 20 cm",
+        "--tolerance 0: tolerance: must be above 0, got '0'; give a number above 0, such as 0.05 or 5 cm",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--tolerance", "x"],
         2,
-        "--tolerance x: tolerance: has the unknown name 'x', got 'x'; give a number above 0, such as 0.2 or 20 cm",
+        "--tolerance x: tolerance: has the unknown name 'x', got 'x'; give a number above 0, such as 0.05 or 5 cm",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--tolerance", "3s"],
         2,
-        "--tolerance 3s: tolerance: has the wrong unit, got '3s'; give a number above 0, such as 0.2 or 20 cm",
+        "--tolerance 3s: tolerance: has the wrong unit, got '3s'; give a number above 0, such as 0.05 or 5 cm",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--tolerance", "-1"],
         2,
-        "--tolerance -1: tolerance: must be above 0, got '-1'; give a number above 0, such as 0.2 or 20 cm",
+        "--tolerance -1: tolerance: must be above 0, got '-1'; give a number above 0, such as 0.05 or 5 cm",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--metric", "foo"],
@@ -844,7 +844,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l1=1 m"],
         2,
-        "--vary controller.gains.l1=1 m: controller.gains.l1: has the wrong unit, got '1 m'; give a number from 0 up, such as 0.5",
+        "--vary controller.gains.l1=1 m: controller.gains.l1: must have no unit, got '1 m'; give a number from 0 up, such as 0.5",
     ),
     (
         ["--vary", "controller.gains.l1=0.1;0.2"],
@@ -1162,7 +1162,7 @@ SECTIONS: list[tuple[str, str]] = [
     ),
     (
         "sweep: {vary: {controller.gains.l9: [1]}}",
-        "scenario.yaml:8:37: controller.gains.l9: is an unknown key; known: l1, l2, l3, lateral",
+        "scenario.yaml:8:37: controller.gains.l9: is an unknown key of law hybrid; known: l1, l2, l3, lateral",
     ),
     (
         "sweep: {vary: {a..b: [1]}}",
@@ -1210,11 +1210,11 @@ SECTIONS: list[tuple[str, str]] = [
     ),
     (
         "sweep: {vary: {controller.gains.l1: 0:1:3}, tolerance: 0}",
-        "scenario.yaml:8:56: sweep.tolerance: must be above 0, got 0; give a number above 0, such as 0.2 or 20 cm",
+        "scenario.yaml:8:56: sweep.tolerance: must be above 0, got 0; give a number above 0, such as 0.05 or 5 cm",
     ),
     (
         "sweep: {vary: {controller.gains.l1: 0:1:3}, tolerance: 3 s}",
-        "scenario.yaml:8:56: sweep.tolerance: has the wrong unit, got '3 s'; give a number above 0, such as 0.2 or 20 cm",
+        "scenario.yaml:8:56: sweep.tolerance: has the wrong unit, got '3 s'; give a number above 0, such as 0.05 or 5 cm",
     ),
     (
         "sweep: {vary: {controller.gains.l1: 0:1:3}, bands: 1}",

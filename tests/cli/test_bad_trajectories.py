@@ -107,7 +107,7 @@ CASES = [
     (
         "zero-length",
         trajectory("length: 1", "length: 0"),
-        "path.yaml:5:20: trajectory.segments.0.line.length: must be above 0, got 0; give a number above 0, such as 0.2 or 20 cm",
+        "path.yaml:5:20: trajectory.segments.0.line.length: must be above 0, got 0; give a number above 0, such as 5 or 5 m",
     ),
     (
         "to-here",
@@ -157,17 +157,17 @@ CASES = [
     (
         "sample-time-zero",
         trajectory("100 ms", "0"),
-        "path.yaml:2:14: trajectory.sample_time: must be above 0, got 0; give a number above 0, such as 0.5 or 500 ms",
+        "path.yaml:2:14: trajectory.sample_time: must be above 0, got 0; give a number above 0, such as 0.001 or 1 ms",
     ),
     (
         "sample-time-negative",
         trajectory("100 ms", "-1 ms"),
-        "path.yaml:2:14: trajectory.sample_time: must be above 0, got '-1 ms'; give a number above 0, such as 0.5 or 500 ms",
+        "path.yaml:2:14: trajectory.sample_time: must be above 0, got '-1 ms'; give a number above 0, such as 0.001 or 1 ms",
     ),
     (
         "sample-time-hz",
         trajectory("100 ms", "10 Hz"),
-        "path.yaml:2:14: trajectory.sample_time: has the wrong unit, got '10 Hz'; give a number above 0, such as 0.5 or 500 ms",
+        "path.yaml:2:14: trajectory.sample_time: has the wrong unit, got '10 Hz'; give a number above 0, such as 0.001 or 1 ms",
     ),
     (
         "corner",
@@ -232,7 +232,7 @@ CASES = [
     (
         "arc-radius-negative",
         TRAJECTORY + "  - arc: {radius: -1, sweep: pi, turn: left, duration: 0.1}\n",
-        "path.yaml:6:19: trajectory.segments.1.arc.radius: must be above 0, got -1; give a number above 0, such as 0.2 or 20 cm",
+        "path.yaml:6:19: trajectory.segments.1.arc.radius: must be above 0, got -1; give a number above 0, such as 5 or 5 m",
     ),
     (
         "semicircle-sweep",
@@ -282,8 +282,8 @@ CASES = [
         "two-wrong",
         trajectory("100 ms", "0").replace("length: 1", "length: -1"),
         (
-            "path.yaml:2:14: trajectory.sample_time: must be above 0, got 0; give a number above 0, such as 0.5 or 500 ms\n"
-            "path.yaml:5:20: trajectory.segments.0.line.length: must be above 0, got -1; give a number above 0, such as 0.2 or 20 cm"
+            "path.yaml:2:14: trajectory.sample_time: must be above 0, got 0; give a number above 0, such as 0.001 or 1 ms\n"
+            "path.yaml:5:20: trajectory.segments.0.line.length: must be above 0, got -1; give a number above 0, such as 5 or 5 m"
         ),
     ),
     (
@@ -294,7 +294,7 @@ CASES = [
     (
         "start-huge",
         trajectory("x: 0", "x: 1e30"),
-        "path.yaml:3:12: trajectory.start.x: must be at most 1e+09, got 1e30; give a number, such as 1.5 or 20 cm",
+        "path.yaml:3:12: trajectory.start.x: must be at most 1e+09, got 1e30; give a number from -1e+09 to 1e+09, such as 1.5 or 20 cm",
     ),
 ]
 
@@ -316,7 +316,7 @@ TOGETHER = [
         "values",
         scenario("wheel_radius: 0.2", "wheel_radius: -1"),
         trajectory("100 ms", "0"),
-        "path.yaml:2:14: trajectory.sample_time: must be above 0, got 0; give a number above 0, such as 0.5 or 500 ms\n"
+        "path.yaml:2:14: trajectory.sample_time: must be above 0, got 0; give a number above 0, such as 0.001 or 1 ms\n"
         "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got -1; give a number above 0, such as 0.2 or 20 cm",
     ),
     (
@@ -324,7 +324,7 @@ TOGETHER = [
         scenario("b_w: 180", "h: 99\n  foo: 1"),
         TRAJECTORY + "closed: true\n",
         "path.yaml:5:5: trajectory.segments.0.line: ends 1 m from the start of the path, which is said to be closed; close the gap or set 'closed: false'\n"
-        "scenario.yaml:8:3: controller.foo: is an unknown key; known: b_w, compensation, gain_heading, gain_matrix, gains, h, law, switch_tolerance",
+        "scenario.yaml:8:3: controller.foo: is an unknown key of law hybrid; known: b_w, compensation, gain_heading, gain_matrix, gains, h, law, switch_tolerance",
     ),
     (
         "broken trajectory",

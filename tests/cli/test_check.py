@@ -469,7 +469,7 @@ def test_document_of_a_shipped_scenario_is_strict(
 ) -> None:
     monkeypatch.setattr(transient, "ITERATIONS", 20)
     changes = ["--set", "iterations=3"]
-    if name not in ("figure-eight", "rounded-square"):
+    if name not in ("figure-eight", "rounded-square", "feedback-circle"):  # too coarse for these
         changes += ["--set", "trajectory.sample_time=10 ms"]
     outcome = hilc("check", f"example:{name}", "--json", "--simulate", *changes)
     assert outcome.code == 0
@@ -492,6 +492,7 @@ LEARNING_KEYS = {
     "verdict": str,
     "settles": bool,
     "spectral_radius": float,
+    "spectral_radius_is_exact": bool,
     "largest_singular_value": float,
     "largest_singular_value_is_known": bool,
     "monotone": bool,
@@ -665,8 +666,7 @@ def test_every_law_is_told_in_words(hilc: Hilc, folder: Path, name: str, law: st
     outcome = hilc("check", f"example:{name}", "--set", "iterations=1")
     assert outcome.code == 0
     assert f"  {law}\n" in outcome.out
-    unknown = "none is known of this law" in outcome.out
-    assert unknown == (name != "lateral-circle")
+    assert "none is known of this law" not in outcome.out
 
 
 def test_law_that_does_not_learn_needs_no_iterations(hilc: Hilc, folder: Path) -> None:

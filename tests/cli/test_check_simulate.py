@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.analysis import transient
+from hilc_cli.analysis import law_theory, transient
 from hilc_cli.api import checking
 from tests.cli.inputs import TRAJECTORY, trajectory
 from tests.conftest import Hilc, Outcome, Write
@@ -151,7 +151,9 @@ def test_simulation_without_a_single_iteration_leaves_the_rest(hilc: Hilc, write
 def test_law_without_a_theory_is_simulated_and_no_more(
     hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(checking, "HybridLaw", ArithmeticError)  # so the scenario's is another one
+    # So the scenario's is another one.
+    monkeypatch.setattr(law_theory, "HybridLaw", ArithmeticError)
+    monkeypatch.setattr(checking, "is_hybrid", lambda law: False)
     write()
     outcome = hilc("check", "scenario.yaml", "--simulate", "--plot")
     assert (outcome.code, outcome.err) == (

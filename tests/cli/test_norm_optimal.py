@@ -182,9 +182,12 @@ def test_check_tells_feasibility_and_simulates(hilc: Hilc, folder: Path, scenari
     # At the start it is 0.1 m off, whatever it learns.
     assert simulated["max_position_error_m"] == pytest.approx(0.1, abs=0.01)
     printed = hilc("check", scenario, "--simulate").out
-    assert "none is known of this law" in printed
     assert "0.1" in printed.partition("Simulated")[2]
-    assert json.loads(hilc("check", scenario, "--json").out)["learning"] == {}
+    # 0.1 m to the side, and the merge that a run tells.
+    plain = json.loads(hilc("check", scenario, "--json").out)["learning"]
+    assert plain == {key: value for key, value in told["learning"].items() if key != "simulated"}
+    run = json.loads(hilc("run", scenario, "--no-plots", "--json").out)["learning"]
+    assert plain["merge_sample"] * 5e-3 == pytest.approx(run["merge_time_s"])
 
 
 def test_compare_beside_another_law(hilc: Hilc, folder: Path, scenario: str) -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilc_cli.spec.axis import axis_text, read_axis
+from hilc_cli.spec.axis import axis_text, read_axis, shown_axis
 from hilc_cli.spec.sweeping import plan_of
 from hilc_cli.spec.valid import Scenario
 from hilc_cli.variation.axes import Axis, Choices, Range, Spacing, axis_from_data, axis_to_data
@@ -107,6 +107,13 @@ def test_text_of_an_axis_reads_back(axis: Axis) -> None:
     text = axis_text(axis)
     assert read_axis(json.loads(json.dumps(text))) == axis
     assert axis_from_data(json.loads(json.dumps(axis_to_data(axis)))) == axis
+
+
+@pytest.mark.parametrize(
+    "written", ["true,false,null,180", "0.1,1", "a,b", "0.1:10:3:log", "20 cm:50 cm:4", "1..30"]
+)
+def test_messages_show_values_as_they_are_written(written: str) -> None:
+    assert shown_axis(read_axis(written)) == written
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from hilc_cli.figures import labels, layout, style
 from hilc_cli.figures.sweep.curve import WHOLE_METRICS
 from hilc_cli.figures.sweep.effects import effects_of
 from hilc_cli.figures.sweep.key_axis import KeyAxis, key_axis
+from hilc_cli.figures.sweep.key_names import key_labels_in_lines, with_unit
 from hilc_cli.figures.sweep.metric_axis import metric_scale
 from hilc_cli.figures.sweep.picking import (
     Combinations,
@@ -23,13 +24,7 @@ from hilc_cli.figures.sweep.picking import (
     varies_seed,
 )
 from hilc_cli.figures.sweep.sheet import heading_of
-from hilc_cli.figures.sweep.words import (
-    key_label_in_lines,
-    metric_name,
-    metric_unit,
-    value_text,
-    with_unit,
-)
+from hilc_cli.figures.sweep.words import metric_name, metric_unit, value_text
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.sweep import SweepData
 
@@ -79,8 +74,10 @@ def best_figure(data: SweepData) -> Figure:
         for axes in panels:
             _draw_rows(axes, rows)
         _draw_metric(panels[0], data, best)
+        names = key_labels_in_lines([where.key for where in keys], _LETTERS)
         for axes, where in zip(panels[1:], keys, strict=True):
             draw_key(axes, data, where, best.cases)
+            axes.set_title(names[where.key], fontsize=style.SMALL_SIZE, pad=3)
         _draw_title(figure, data, best, left_out)
         return figure
 
@@ -109,7 +106,6 @@ def draw_key(axes: Axes, data: SweepData, where: KeyAxis, cases: Sequence[int] |
     places = [] if where.words else np.unique(ends).tolist()
     axes.set_xticks(places, [value_text(place, 3) for place in places])
     axes.set_xticks([], minor=True)
-    axes.set_title(key_label_in_lines(where.key, _LETTERS), fontsize=style.SMALL_SIZE, pad=3)
 
 
 def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:

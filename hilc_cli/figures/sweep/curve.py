@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from hilc_cli.figures import labels, layout, style
 from hilc_cli.figures.sweep.key_axis import KeyAxis, key_axis
+from hilc_cli.figures.sweep.key_names import key_label, short_names
 from hilc_cli.figures.sweep.metric_axis import (
     draw_edge_marks,
     draw_zeros,
@@ -38,11 +39,9 @@ from hilc_cli.figures.sweep.spread import (
 )
 from hilc_cli.figures.sweep.words import (
     LONGEST_WORD,
-    key_label,
     metric_label,
     metric_text,
     metric_unit,
-    short_names,
     shortened_words,
 )
 from hilc_cli.reference.sampled import Floats
@@ -53,6 +52,8 @@ MOST_CURVES = 8
 _WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
 _MARKED_UP_TO = 60  # points of a curve that are marked one by one
 _MOST_BANDS = 4  # more on each other cannot be told apart
+_SHARE, _ASIDE = 0.8, 0.12  # of the room of a word: for all curves, and from one to the next
+_LEAST_ASIDE = 0.1  # from one to the next, if there is room [inch]
 _FEW_DOTS = 200  # up to here drawn points need no summary
 
 WHOLE_METRICS = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE}
@@ -112,6 +113,9 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
     assert keys is not None  # checked by the catalogue
     where = key_axis(data, keys[0])
     series = None if keys[1] is None else key_axis(data, keys[1])
+    side_by_side = series is not None and bool(where.words)
+    if series is not None and side_by_side:
+        where = _side_by_side(where, series)
     results = results_of(data)
     curves = _curves(data, where, series, results)
     every = np.arange(len(data))
@@ -144,10 +148,19 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
     if where.key == SEED_KEY:
         title = _draw_all_seeds(axes, data, results)
     else:
-        title = draw_best(axes, data, combinations, columns, style.BEST_COLOR)
+        color = "white" if side_by_side else style.BEST_COLOR
+        title = draw_best(axes, data, combinations, columns, color, behind=side_by_side)
     axes.set_xlabel(key_label(where.key))
     axes.set_ylabel(metric_label(data, _HEIGHT), labelpad=2)
     labels.set_title(axes, labels.wrapped(title, _WIDTH), scale.notes(metric_unit(data)))
+
+
+def _side_by_side(where: KeyAxis, series: KeyAxis) -> KeyAxis:
+    """The axis of words with the cases of each curve a little aside, so that none hides another."""
+    count = len(series.words)
+    step = min(_SHARE / count, max(_ASIDE, _LEAST_ASIDE * len(where.words) / _WIDTH))
+    aside = (series.positions - (count - 1) / 2) * step
+    return replace(where, positions=where.positions + aside)
 
 
 def _curves(

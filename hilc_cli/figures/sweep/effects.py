@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from hilc_cli.figures import labels, layout, style
 from hilc_cli.figures.sweep.curve import WHOLE_METRICS
 from hilc_cli.figures.sweep.key_axis import KeyAxis, key_axis
+from hilc_cli.figures.sweep.key_names import key_labels_in_lines
 from hilc_cli.figures.sweep.metric_axis import (
     MetricScale,
     draw_edge_marks,
@@ -29,7 +30,7 @@ from hilc_cli.figures.sweep.picking import (
 )
 from hilc_cli.figures.sweep.sheet import heading_of
 from hilc_cli.figures.sweep.spread import MOST_VALUES, Spread, draw_spread, spread_along
-from hilc_cli.figures.sweep.words import key_label_in_lines, metric_label, metric_unit
+from hilc_cli.figures.sweep.words import metric_label, metric_unit
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.sweep import SweepData
 
@@ -100,13 +101,14 @@ def effects_figure(data: SweepData) -> Figure:
         width = layout.LEFT + columns * (_WIDTH + _GUTTER) + layout.RIGHT - _GUTTER
         figure = layout.new_sheet(width, top + rows * row_height - _GUTTER, heading_of(data))
         cases = thinned(np.arange(len(data)))
+        names = key_labels_in_lines([effect.where.key for effect in shown], _LETTERS)
         panels = []
         for index, effect in enumerate(shown):
             row, column = divmod(index, columns)
             left = layout.LEFT + column * (_WIDTH + _GUTTER)
             axes = layout.add_panel(figure, left, top + row * row_height, _WIDTH, _HEIGHT)
             draw_effect(axes, effect, results, scale, cases)
-            axes.set_xlabel(key_label_in_lines(effect.where.key, _LETTERS))
+            axes.set_xlabel(names[effect.where.key])
             if column:
                 axes.tick_params(axis="y", labelleft=False)
             else:

@@ -13,6 +13,7 @@ from hilc_cli.figures import labels, layout, logarithmic, style
 from hilc_cli.figures.sweep.cells import Cells, cells_of
 from hilc_cli.figures.sweep.curve import WHOLE_METRICS
 from hilc_cli.figures.sweep.key_axis import KeyAxis, key_axis
+from hilc_cli.figures.sweep.key_names import key_label
 from hilc_cli.figures.sweep.metric_axis import MetricScale, metric_scale, outcome_label
 from hilc_cli.figures.sweep.picking import (
     Outcome,
@@ -23,7 +24,7 @@ from hilc_cli.figures.sweep.picking import (
     varied_keys,
 )
 from hilc_cli.figures.sweep.sheet import draw_best, heading_of
-from hilc_cli.figures.sweep.words import key_label, metric_label, metric_unit
+from hilc_cli.figures.sweep.words import metric_label, metric_unit
 from hilc_cli.results.sweep import SweepData
 
 _WIDTH, _HEIGHT = 5.0, 4.4  # of the panel [inch]
@@ -162,9 +163,9 @@ def _add_color_bar(axes: Axes, scale: MetricScale, norm: Normalize, label: str) 
     assert norm.vmin is not None
     assert norm.vmax is not None
     if scale.is_logarithmic:
-        major, texts, minor = logarithmic.narrow_ticks(norm.vmin, norm.vmax, 10)
+        major, texts, minor = logarithmic.narrow_ticks(norm.vmin, norm.vmax, 10, 3)
         drawn.set_ticks(major, labels=texts)
-        drawn.set_ticks(minor, minor=True)
+        drawn.set_ticks(minor, labels=[""] * len(minor), minor=True)
     elif scale.low == scale.high:
         drawn.set_ticks([scale.low], labels=[labels.number_text(scale.low, 4)])
     else:

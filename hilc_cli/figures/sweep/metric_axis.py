@@ -21,6 +21,7 @@ ZERO_HEIGHT = (ROW + HEADROOM) / 2  # where zeros are marked, of the panel's hei
 
 _SMALLEST = 1e-300  # what is below it is drawn as zero
 _WIDE = 30  # largest by smallest value from which on a scale is logarithmic
+_CROWDED_FROM, _CROWDED = 5, 0.25  # so wide, with half of the values in less of a linear one, too
 _TOO_WIDE, _FAR = 1e12, 1e6  # a scale this wide ends so many medians up
 _MOST_MARKS = 300  # a row cannot show more
 _NAMES = {
@@ -86,7 +87,7 @@ def metric_scale(
     if low < 0 or not len(positive) or (whole and zeros):
         return MetricScale(low, high)
     least = float(positive.min())
-    if high / least < _WIDE and not always_logarithmic:
+    if not (always_logarithmic or high / least >= _WIDE or _is_crowded(finite, low, high)):
         return MetricScale(low, high)
     beyond = 0
     if high / least > _TOO_WIDE:
@@ -95,6 +96,13 @@ def metric_scale(
         beyond = int(np.count_nonzero(finite > far))
         high = min(high, far)
     return MetricScale(least, high, True, zeros, beyond)
+
+
+def _is_crowded(values: Floats, low: float, high: float) -> bool:
+    """Whether a few large values would leave the better half hardly any of a linear scale."""
+    if low <= 0 or high / low < _CROWDED_FROM:
+        return False
+    return float(np.median(values)) - low < _CROWDED * (high - low)
 
 
 def show_metric(axes: Axes, scale: MetricScale, rows: int, height: float) -> None:

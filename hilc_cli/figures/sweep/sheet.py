@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 
 from hilc_cli.figures import labels, style
 from hilc_cli.figures.sweep.key_axis import KeyAxis
+from hilc_cli.figures.sweep.key_names import short_names
 from hilc_cli.figures.sweep.metric_axis import ZERO_HEIGHT
 from hilc_cli.figures.sweep.picking import Combinations
-from hilc_cli.figures.sweep.words import metric_text, short_names, value_text
+from hilc_cli.figures.sweep.words import metric_text, value_text
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.sweep import SweepData
 
@@ -28,6 +29,8 @@ def draw_best(
     columns: Sequence[KeyAxis],
     color: str,
     y: Floats | None = None,
+    *,
+    behind: bool = False,
 ) -> str:
     """Marks the best case, or the best median over the seeds, with a star.
 
@@ -38,6 +41,7 @@ def draw_best(
         columns: The keys; the first is along x.
         color: Of the star.
         y: Of all cases if it is not the metric that is along y.
+        behind: Draw it larger and behind the mark of the case, which tells its curve.
 
     Returns:
         What it is, in words.
@@ -54,11 +58,11 @@ def draw_best(
         transform=axes.get_xaxis_transform() if at_zero else axes.transData,
         linestyle="none",
         marker="*",
-        markersize=12,
+        markersize=17 if behind else 12,
         markerfacecolor=color,
         markeredgecolor="black",
         markeredgewidth=style.THIN,
-        zorder=5,
+        zorder=1.5 if behind else 5,
         label="Best",
     )
     names = short_names([column.key for column in columns])

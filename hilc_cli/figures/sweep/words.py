@@ -1,4 +1,4 @@
-"""What pictures of sweeps call keys, values and metrics, with their units."""
+"""What pictures of sweeps call values and metrics, with their units."""
 
 from __future__ import annotations
 
@@ -7,36 +7,11 @@ from collections.abc import Sequence
 from itertools import takewhile
 
 from hilc_cli.figures import labels
+from hilc_cli.figures.sweep.key_names import with_unit
 from hilc_cli.results.sweep import ITERATIONS_TO_TOLERANCE, PEAK, SweepData
 from hilc_cli.variation.axes import Value
 
-LONGEST_KEY = 60
-LONGEST_NAME = 32
 LONGEST_WORD = 24
-
-_UNITS_BY_LAST_NAME = {
-    "b_w": "rad/s",
-    "duration": "s",
-    "gravity_center": "m",
-    "h": "samples",
-    "half_track": "m",
-    "heading": "rad",
-    "length": "m",
-    "radius": "m",
-    "sample_time": "s",
-    "speed": "m/s",
-    "wheel_radius": "m",
-    "wheel_separation": "m",
-    "x": "m",
-    "y": "m",
-}
-_UNITS_BY_PLACE = {
-    "bound": ("m", "m", "rad"),
-    "standard_deviation": ("m", "m", "rad"),
-    "center": ("m", "m"),
-    "gravity_center": ("m", "m"),
-    "to": ("m", "m"),
-}
 
 # Each with what it is measured in, and when.
 _METRICS = {
@@ -62,53 +37,6 @@ _METRICS = {
     ),
     PEAK: ("largest position error", "m", "of all iterations"),
 }
-
-
-def unit_of(key: str) -> str:
-    """The unit of a varied key; empty if it has none or none is known."""
-    *above, last = key.split(".")
-    if last.isdigit() and above:
-        places = _UNITS_BY_PLACE.get(above[-1], ())
-        return places[int(last)] if int(last) < len(places) else ""
-    # The sweep of an arc is an angle; what is below the key 'sweep' is not.
-    if last == "sweep" and len(above) > 1:
-        return "rad"
-    return _UNITS_BY_LAST_NAME.get(last, "")
-
-
-def key_label(key: str, longest: int = LONGEST_KEY) -> str:
-    """A key with its unit, as an axis names it; very long keys keep both ends."""
-    return with_unit(labels.shortened(key, longest), unit_of(key))
-
-
-def with_unit(text: str, unit: str) -> str:
-    """A text with a unit behind it, if there is one."""
-    return f"{text} [{unit}]" if unit else text
-
-
-def key_label_in_lines(key: str, longest: int) -> str:
-    """A key with its unit in at most two lines of so many characters, broken at a dot."""
-    label = key_label(key, 2 * longest - 10)
-    if len(label) <= longest:
-        return label
-    breaks = [place + 1 for place, letter in enumerate(label) if letter == "."]
-    fitting = [b for b in breaks if b <= longest and len(label) - b <= longest]
-    place = min(fitting, key=lambda b: abs(2 * b - len(label)), default=longest)
-    return f"{label[:place]}\n{label[place:]}"
-
-
-def short_names(keys: Sequence[str]) -> dict[str, str]:
-    """Of each key the last part, or as many as tell it apart from the others."""
-    names: dict[str, str] = {}
-    for key in keys:
-        parts = key.split(".")
-        endings = (".".join(parts[-count:]) for count in range(1, len(parts) + 1))
-        others = [f".{other}" for other in keys if other != key]
-        name = next(
-            (e for e in endings if not any(other.endswith(f".{e}") for other in others)), key
-        )
-        names[key] = labels.shortened(name, LONGEST_NAME)
-    return names
 
 
 def value_text(value: Value, digits: int = 4, longest: int = LONGEST_WORD) -> str:

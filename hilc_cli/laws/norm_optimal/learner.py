@@ -136,13 +136,7 @@ class NormOptimalLearner:
             start = self._trajectory[0] if self._measured is None else self._measured.start
         with np.errstate(over="ignore", invalid="ignore"):
             model = self._model()
-            rectified = rectified_reference(
-                self._trajectory,
-                start,
-                model,
-                self._parameters.h,
-                self._weights,
-            )
+            rectified = _rectified(self._parameters, self._trajectory, start, model)
             model = replace(model, speed_limit=rectified.speed_limit)
             best = self._learned(model, rectified)
             gains = self._feedback(model, best.poses)
@@ -166,15 +160,9 @@ class NormOptimalLearner:
             drift = self._measured.drift(distance_gain, turn_gain)
         return Model(distance_gain, turn_gain, drift, self._speed_limit)
 
-    @property
-    def _weights(self) -> tuple[float, float, float]:
-        """Of a squared position error, heading error and wheel speed."""
-        parameters = self._parameters
-        return parameters.position**-2, parameters.heading**-2, parameters.input_change**-2
-
     def _learned(self, model: Model, rectified: RectifiedReference) -> OptimalMotion:
         """The minimum of ||e_{i+1}||_Q^2 + ||u_{i+1} - u_i||_R^2 within the limit."""
-        position, heading, wheel = self._weights
+        position, heading, wheel = self._parameters.squared_weights
         pose_weights = np.tile([position, heading], (len(self._trajectory), 1))
         last = rectified.inputs
         if self._last is not None and _same(self._last[0], self._belief.robot):
@@ -195,6 +183,42 @@ class NormOptimalLearner:
             np.tile(weights, (len(desired), 1)),
             parameters.input_change**-2,
         )
+
+
+def rectified_for(
+    parameters: NormOptimalParameters,
+    trajectory: Floats,
+    start: Floats,
+    distance_gain: float,
+    turn_gain: float,
+    speed_limit: float,
+) -> RectifiedReference:
+    """What the law makes of a start if it knows the platform.
+
+    Args:
+        parameters: The law's parameters.
+        trajectory: The trajectory's poses, shape (n + 1, 3).
+        start: Pose from which the platform starts, shape (3,).
+        distance_gain: a = d_k R / 2 [m s].
+        turn_gain: b = d_k R / (2 B) [s].
+        speed_limit: b_w [rad/s]; infinity for none.
+    """
+    drift = np.zeros((len(trajectory) - 1, 3))
+    model = Model(distance_gain, turn_gain, drift, min(speed_limit, _NO_LIMIT))
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _rectified(parameters, trajectory, start, model)
+
+
+def _rectified(
+    parameters: NormOptimalParameters, trajectory: Floats, start: Floats, model: Model
+) -> RectifiedReference:
+    return rectified_reference(
+        trajectory,
+        start,
+        model,
+        parameters.h,
+        parameters.squared_weights,
+    )
 
 
 def _same(one: Robot, other: Robot) -> bool:

@@ -41,3 +41,8 @@ class NormOptimalParameters:
     identify: bool = True
     h: int = 200
     memory: int = 4
+
+    @property
+    def squared_weights(self) -> tuple[float, float, float]:
+        """Of a squared position error, heading error and wheel speed in learning."""
+        return self.position**-2, self.heading**-2, self.input_change**-2

@@ -182,3 +182,28 @@ def test_best_is_in_view_also_beside_bands() -> None:
     axes = curve(sweep({L1: Range(0.0, 1.0, "linear", 3000)}, metric))
     assert axes.get_ylim()[0] < 1e-9
     assert np.asarray(line(axes, "Best").get_xydata())[0, 1] == 1e-9
+
+
+def test_points_of_words_lie_side_by_side_and_on_the_star() -> None:
+    words, curves = Choices(("on", "off", "auto")), Choices((True, False))
+    axes = curve(sweep({HEADING: words, SPEED: curves}, np.array([1.0, 1, 2, 2, 3, 3])))
+    true, false, best = (line(axes, name) for name in ("b_w = true", "b_w = false", "Best"))
+    places = [np.asarray(each.get_xdata(), float) for each in (true, false)]
+    np.testing.assert_allclose(places[0] + places[1], [0, 2, 4])
+    shown = axes.transData.transform(np.column_stack([np.concatenate(places), np.ones(6)]))[:, 0]
+    gap = (shown[3:] - shown[:3]) / axes.figure.dpi * 72
+    assert (gap > 1.5 * true.get_markersize()).all()
+    np.testing.assert_array_equal(best.get_xydata(), [[places[0][0], 1]])
+    assert best.get_zorder() < true.get_zorder()
+    assert best.get_markersize() > 2 * true.get_markersize()
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["on", "off", "auto"]
+    np.testing.assert_array_equal(axes.get_xticks(), [0, 1, 2])
+
+
+def test_many_points_of_many_words_stay_with_their_word() -> None:
+    words = Choices(tuple(f"word-{number}" for number in range(30)))
+    curves = Choices(tuple("abcdefgh"))
+    axes = curve(sweep({HEADING: words, SPEED: curves}, np.arange(240.0)))
+    for name in "abcdefgh":
+        places = np.asarray(line(axes, f"b_w = {name}").get_xdata(), float)
+        assert np.abs(places - np.arange(30)).max() < 0.5

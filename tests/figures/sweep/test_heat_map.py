@@ -55,7 +55,7 @@ def test_scales_are_logarithmic_where_the_numbers_are() -> None:
     assert isinstance(mesh(figure).norm, LogNorm)
     edges = np.log10(np.asarray(mesh(figure).get_coordinates())[0, :, 0])
     np.testing.assert_allclose(edges, np.linspace(-1.25, 1.25, 6))
-    narrow = draw_sweep("map", sweep({L1: RATES, L2: STEPS}, lambda case: number(case[L1]) + 1))
+    narrow = draw_sweep("map", sweep({L1: RATES, L2: STEPS}, lambda case: number(case[L1]) + 5))
     assert not isinstance(mesh(narrow).norm, LogNorm)
 
 
@@ -127,3 +127,12 @@ def test_zero_on_a_logarithmic_scale_is_told_of() -> None:
     figure = draw_sweep("map", sweep({L1: RATES, L2: STEPS}, np.r_[0.0, np.geomspace(1, 1e4, 24)]))
     assert "1 exactly zero" in texts(figure)
     assert np.asarray(mesh(figure).get_array()).min() == 1
+
+
+def test_colour_bar_of_less_than_a_decade_has_plain_numbers() -> None:
+    figure = draw_sweep("map", sweep({L1: RATES, L2: STEPS}, lambda case: number(case[L1]) + 1.2))
+    assert isinstance(mesh(figure).norm, LogNorm)
+    bar = figure.axes[1].yaxis
+    assert all(text.get_text() == "" for text in bar.get_minorticklabels())
+    assert all(float(text.get_text()) > 0 for text in bar.get_majorticklabels())
+    assert len(bar.get_majorticklabels()) >= 3

@@ -3,63 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hilc_cli.figures.sweep.words import (
-    key_label,
-    key_label_in_lines,
-    metric_label,
-    metric_text,
-    short_names,
-    shortened_words,
-    unit_of,
-    value_text,
-)
+from hilc_cli.figures.sweep.words import metric_label, metric_text, shortened_words, value_text
 from hilc_cli.results.sweep import CASE_METRICS, ITERATIONS_TO_TOLERANCE
 from hilc_cli.variation.axes import Value
 from tests.figures.sweep.conftest import L1, RATES, bowl, sweep
-
-
-@pytest.mark.parametrize(
-    ("key", "unit"),
-    [
-        ("controller.b_w", "rad/s"),
-        ("controller.gains.l1", ""),
-        ("controller.gain_heading", ""),
-        ("controller.h", "samples"),
-        ("robot.wheel_radius", "m"),
-        ("initial_pose.heading", "rad"),
-        ("trajectory.start.y", "m"),
-        ("trajectory.segments.0.arc.sweep", "rad"),
-        ("trajectory.segments.0.arc.center.1", "m"),
-        ("disturbance.state.bound.1", "m"),
-        ("disturbance.state.bound.2", "rad"),
-        ("disturbance.state.bound.7", ""),
-        ("sweep.seed", ""),
-        ("iterations", ""),
-        ("0", ""),
-    ],
-)
-def test_units_of_keys(key: str, unit: str) -> None:
-    assert unit_of(key) == unit
-    assert key_label(key) == (f"{key} [{unit}]" if unit else key)
-
-
-def test_long_keys_keep_their_ends_and_their_unit() -> None:
-    label = key_label("a" * 100 + ".wheel_radius")
-    assert label.startswith("aaa")
-    assert label.endswith(".wheel_radius [m]")
-    assert len(label) < 70
-    lines = key_label_in_lines("controller.somewhere.wheel_radius", 24).split("\n")
-    assert lines == ["controller.somewhere.", "wheel_radius [m]"]
-    assert max(map(len, key_label_in_lines("x" * 200, 18).split("\n"))) <= 18
-
-
-def test_names_are_as_short_as_they_are_different() -> None:
-    assert short_names(["robot.wheel_radius", "model.wheel_radius", "controller.h"]) == {
-        "robot.wheel_radius": "robot.wheel_radius",
-        "model.wheel_radius": "model.wheel_radius",
-        "controller.h": "h",
-    }
-    assert short_names(["x", "initial_pose.x"]) == {"x": "x", "initial_pose.x": "initial_pose.x"}
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,160 @@
+"""What ``hilc check`` says of learning by the laws pid, norm-optimal and feedback."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from hilc_cli.analysis.law_theory import LawTheory
+    from hilc_cli.analysis.merging import Merging
+    from hilc_cli.analysis.model_mismatch import ModelMismatch
+    from hilc_cli.analysis.step_gain import StepGain
+    from hilc_cli.analysis.tracking_loop import TrackingLoop
+
+Rows = list[tuple[str, str]]
+
+
+def other_law(theory: LawTheory) -> tuple[Rows, dict[str, object]]:
+    """Rows and JSON of a law of which no errors are predicted."""
+    if theory.merging is not None:
+        rows = [*_way_in(theory.merging), *_learning(theory, theory.merging)]
+        return rows, _norm_optimal(theory.merging, theory.mismatch)
+    return [("Theory", "none is known of this law")], {}
+
+
+def feedback_law(found: TrackingLoop) -> tuple[Rows, dict[str, object]]:
+    """Rows and JSON of law feedback."""
+    return _loop(found), _feedback(found)
+
+
+def step_gain_row(found: StepGain) -> tuple[str, str]:
+    """The condition of law pid."""
+    low, high = found.bounds
+    needed = f"{low:.4g} < s < {high:.4g}"
+    if found.along is not None and found.turning is not None:
+        text = f"{found.along:.4g} along the path, {found.turning:.4g} in turning"
+    else:
+        sizes = np.abs(found.time * found.loop)
+        text = f"of absolute value {sizes.min():.4g} to {sizes.max():.4g}"
+        needed = f"|{found.kept:.4g} - s| < 1"
+    violated = "" if found.left < 1 else ", violated"
+    return "Step gain s", f"{text}; needed: {needed}{violated}"
+
+
+def step_gain_document(found: StepGain) -> dict[str, object]:
+    """The condition of law pid as JSON."""
+    low, high = found.bounds
+    return {
+        "step_gain_along": found.along,
+        "step_gain_turning": found.turning,
+        "step_gain_above": low,
+        "step_gain_below": high,
+        "step_gain_leaves": found.left,
+        "condition_holds": found.left < 1,
+    }
+
+
+def _way_in(found: Merging) -> Rows:
+    off = f"{found.position_error:.4g} m, {found.heading_error:.4g} rad"
+    if not found.is_off:
+        return [("Initial error", f"{off}: the trajectory itself is the reference")]
+    earliest = _sample(found, found.earliest, "at no sample")
+    if math.isinf(found.speed_limit):
+        earliest = "at once: there is no speed limit"
+    planned = _sample(found, found.planned, "not before the end")
+    return [
+        ("Initial error", off),
+        ("Earliest merge of any law", earliest),
+        ("Merge of this law", f"{planned}; h is {found.h}"),
+    ]
+
+
+def _learning(theory: LawTheory, found: Merging) -> Rows:
+    rows, mismatch = [], theory.mismatch
+    if math.isfinite(found.speed_limit) and found.is_possible and not found.is_believed_possible:
+        rows.append(
+            (
+                "Believed robot",
+                f"would need {found.fastest_believed:.4g} rad/s, above b_w: the law plans to lag "
+                "at first",
+            )
+        )
+    if mismatch is None:
+        why = (
+            "wheel radius and half track are identified"
+            if theory.identifies
+            else "the feedback makes up for a wrong model"
+        )
+        return [*rows, ("Theory", f"no condition is evaluated: {why}")]
+    strongest = f"{mismatch.along:.4g} along the path, {mismatch.turning:.4g} in turning"
+    return [
+        *rows,
+        ("Correction, times the right one", f"{strongest}; must be below 2"),
+        ("An iteration leaves", f"{mismatch.left:.3g} of small errors that weigh much"),
+    ]
+
+
+def _loop(found: TrackingLoop) -> Rows:
+    falls = "errors fall" if found.growth < 1 else "errors do not fall"
+    ahead, aside = "stays: k_x is 0", "stays: k_y is 0"
+    if math.isfinite(found.time_ahead):
+        ahead = f"falls to 1/e in {found.time_ahead:.4g} s"
+    if math.isfinite(found.length_aside):
+        aside = (
+            f"falls over a length of {found.length_aside:.4g} m, damping {found.damping:.3g} "
+            "(1 is critical)"
+        )
+    rest = "ever further off" if math.isinf(found.rest) else f"up to {found.rest:.4g} m off"
+    if not found.is_stable:
+        rest = "nowhere"
+    elif not found.stays:
+        rest = f"nowhere: it turns away further than {found.most_ahead:.4g} m ahead"
+    elif math.isfinite(found.rest) and found.lag and not found.model_is_right:
+        side = "behind" if found.lag > 0 else "ahead"
+        rest += f", {abs(found.lag):.4g} m {side}, about v (R_b / R - 1) / k_x"
+    return [
+        ("Largest eigenvalue", f"{found.growth:.6g} from sample to sample, {falls}"),
+        ("Error ahead", ahead),
+        ("Error to the side", aside),
+        ("Platform rests", rest),
+    ]
+
+
+def _sample(found: Merging, sample: int | None, none: str) -> str:
+    return none if sample is None else f"sample {sample} ({sample * found.sample_time:.6g} s)"
+
+
+def _norm_optimal(found: Merging, mismatch: ModelMismatch | None) -> dict[str, object]:
+    document: dict[str, object] = {
+        "initial_position_error_m": found.position_error,
+        "initial_heading_error_rad": found.heading_error,
+        "h_samples": found.h,
+        "earliest_merge_sample": found.earliest,
+        "merge_sample": found.planned,
+        "believed_max_wheel_speed_rad_s": found.fastest_believed,
+    }
+    if mismatch is not None:
+        document |= {
+            "correction_along": mismatch.along,
+            "correction_turning": mismatch.turning,
+            "correction_strongest": mismatch.strongest,
+            "iteration_leaves": mismatch.left,
+            "converges": mismatch.converges,
+        }
+    return document
+
+
+def _feedback(found: TrackingLoop) -> dict[str, object]:
+    return {
+        "largest_eigenvalue": found.growth,
+        "stable": found.is_stable,
+        "time_ahead_s": found.time_ahead,
+        "length_aside_m": found.length_aside,
+        "damping": found.damping,
+        "lag_m": found.lag,
+        "rest_max_position_error_m": found.rest,
+        "stays_at_rest": found.stays,
+    }

@@ -1,0 +1,50 @@
+"""What kind of file has been given in the place of another."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from hilc_cli.shipped_files import KINDS, LEADERBOARDS, SCENARIOS, TRAJECTORIES, is_example
+
+# The keys without which a file is none of its kind; the first that fits.
+_KEYS = {
+    SCENARIOS: {"controller"},
+    LEADERBOARDS: {"cases", "laws"},
+    TRAJECTORIES: {"segments"},
+}
+_ONE = {SCENARIOS: "scenario", LEADERBOARDS: "leaderboard", TRAJECTORIES: "trajectory"}
+_INSTEAD = {
+    (LEADERBOARDS, SCENARIOS): "give it to hilc compare --laws",
+    (TRAJECTORIES, SCENARIOS): "name it under 'trajectory:' in a scenario",
+    (SCENARIOS, LEADERBOARDS): "name it under 'cases:' in a leaderboard",
+    (TRAJECTORIES, LEADERBOARDS): "give a leaderboard, such as example:leaderboard",
+    (SCENARIOS, TRAJECTORIES): "name a trajectory file",
+    (LEADERBOARDS, TRAJECTORIES): "name a trajectory file",
+}
+
+
+def mistaken(keys: Collection[str], wanted: str, shown: str = "") -> str | None:
+    """What is wrong with a file of another kind, and where it belongs.
+
+    Args:
+        keys: Of its outermost mapping.
+        wanted: The kind that is needed, of `KINDS`.
+        shown: What to show of it, if its place does not tell.
+
+    Returns:
+        The message; None if it is of that kind, or of none that is known.
+    """
+    given = next((kind for kind, needed in _KEYS.items() if needed <= set(keys)), wanted)
+    return None if given == wanted else _not_but(given, wanted, shown)
+
+
+def mistaken_example(text: str, wanted: str) -> str | None:
+    """The same for ``example:NAME``; None also for any other text."""
+    if is_example(text, wanted):
+        return None
+    return next((_not_but(kind, wanted, "") for kind in KINDS if is_example(text, kind)), None)
+
+
+def _not_but(given: str, wanted: str, shown: str) -> str:
+    got = f", got {shown}" if shown else ""
+    return f"is a {_ONE[given]}, not a {_ONE[wanted]}{got}; {_INSTEAD[given, wanted]}"
