@@ -30,7 +30,7 @@ def test_the_shell_examples_run_one_after_the_other(tmp_path: Path) -> None:
         env={"PATH": path, "HOME": str(tmp_path)},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
     )
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "runs" / "fig3-circle" / "summary.png").stat().st_size > 0
