@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.belief import Belief, Identification
+from hilc_cli.laws.norm_optimal.earlier_motion import EarlierMotion
 from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
-from hilc_cli.laws.norm_optimal.motion_fit import NO_EVIDENCE, fit_motion
+from hilc_cli.laws.norm_optimal.motion_fit import fit_motion
 from hilc_cli.laws.norm_optimal.optimal_motion import (
     Aim,
     Model,
@@ -84,8 +85,8 @@ class NormOptimalLearner:
         self._trajectory = np.stack([reference.x, reference.y, reference.heading], axis=1)
         self._speed_limit = min(speed_limit, _NO_LIMIT)
         self._belief = Belief.at_first(model)
-        self._evidence = NO_EVIDENCE
         self._measured: MeasuredMotion | None = None
+        self._earlier: EarlierMotion | None = None
         self._identification: Identification | None = None
         self._last: tuple[Robot, Floats] | None = None  # who was planned for, and what
 
@@ -111,8 +112,8 @@ class NormOptimalLearner:
         """
         # On the way to divergence squares overflow; an engine sees that in the next iteration.
         with np.errstate(over="ignore", invalid="ignore"):
-            fit = fit_motion(measured, applied, self._evidence)
-            self._evidence = fit.evidence
+            fit = fit_motion(measured, applied, self._earlier)
+            self._earlier = fit.kept
             if self._parameters.identify:
                 self._belief, self._identification = self._belief.updated(fit, self._sample_time)
             latest = MeasuredMotion.of(fit.poses, applied)

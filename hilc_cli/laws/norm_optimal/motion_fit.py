@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.local_level import fit_level, smoothed
+from hilc_cli.laws.norm_optimal.earlier_motion import (
+    EarlierMotion,
+    SeenMotion,
+    summed,
+    with_latest,
+)
+from hilc_cli.laws.norm_optimal.level_fit import LevelFit, fit_level
+from hilc_cli.laws.norm_optimal.local_level import smoothed
 from hilc_cli.reference.sampled import Floats
 
 _ROUNDING = 1e-14  # relative, of a sum of some thousand numbers
 _SMOOTH = 1e-3  # share of drift that smooths over 1 / sqrt(1e-3), some 30, samples to each side
 _SMALLEST = 1e-9  # [m and rad]; smaller motions have the rounding of this
-
-
-Evidence = tuple[Floats | None, Floats | None, Floats | None, Floats | None]
-"""``deviances`` of the fits of heading, distance, x and y."""
-
-NO_EVIDENCE: Evidence = (None, None, None, None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,11 +28,11 @@ class MotionFit:
 
     Attributes:
         distance_gain: a = d_k R / 2 [m s].
-        distance_error: Standard error of a [m s]; infinity if the platform was not driven ahead.
+        distance_error: Standard error of a [m s]; infinity if the iteration does not tell.
         turn_gain: b = d_k R / (2 B) [s], signed as B is.
-        turn_error: Standard error of b [s]; infinity if it was not turned.
+        turn_error: Standard error of b [s]; infinity if the iteration does not tell.
         poses: The likeliest poses, shape (n + 1, 3).
-        evidence: What all iterations so far say of the noises.
+        kept: What is kept for the fit of the next iteration; None: nothing has moved yet.
     """
 
     distance_gain: float
@@ -38,56 +40,105 @@ class MotionFit:
     turn_gain: float
     turn_error: float
     poses: Floats
-    evidence: Evidence = NO_EVIDENCE
+    kept: EarlierMotion | None = None
 
 
-def fit_motion(measured: Floats, applied: Floats, evidence: Evidence = NO_EVIDENCE) -> MotionFit:
+def fit_motion(
+    measured: Floats, applied: Floats, earlier: EarlierMotion | None = None
+) -> MotionFit:
     """The gains behind a measured motion.
 
     The heading is fitted first, since it needs nothing else: it is b times the sum of the wheel
     speeds' differences, with drift and noise. Then each measured step is looked at along a
     direction near the heading: what lies along it is a times the wheel speeds' sum, as far as that
-    lies along it. Of the heading's error only its square matters there, and is allowed for. The
-    direction changes smoothly, since from one to another the noise of a reading does not cancel.
+    lies along it. Of the heading's error little but its square matters there, and is allowed for.
+    The direction changes smoothly, since from one to another the noise of a reading does not
+    cancel. The mean of the iterations before is looked at along the same direction.
 
     Args:
         measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
         applied: Wheel speeds that the platform got, after the limit [rad/s], shape (n, 2).
-        evidence: What earlier iterations say of the noises, which are taken to be of one kind. A
-            platform at rest adds nothing to it: its wheels do not slip.
+        earlier: What was kept of the iterations before; None: there were none.
 
     Source:
         Qiao et al. 2021, Eqs. 8 and 11: beta is the drift and alpha the noise of the readings.
     """
-    nothing = np.zeros(len(measured))
     largest = np.abs(measured).max(axis=0) + _SMALLEST
     rounding, heading_rounding = _ROUNDING * largest[:2].max(), _ROUNDING * largest[2]
-    turned = _summed(applied[:, 0] - applied[:, 1])
-    heading = fit_level(measured[:, 2], turned, heading_rounding, evidence[0])
-    level = heading.level[:-1]
-    direction = smoothed(heading.level, _SMOOTH)[0][:-1]
-    step_x, step_y = np.diff(measured[:, 0]), np.diff(measured[:, 1])
-    went = _summed(step_x * np.cos(direction) + step_y * np.sin(direction))
-    driven = applied[:, 0] + applied[:, 1]
+    turned = summed(applied[:, 0] - applied[:, 1])
+    heading = fit_level(
+        measured[:, 2], turned, heading_rounding, None if earlier is None else earlier.turning()
+    )
+    along = _direction(heading.level)
+    wheels, level = applied[:, 0] + applied[:, 1], heading.level[:-1]
     # The mean of the cosine of a normal error.
-    shortened = np.exp(-heading.variance[:-1] / 2)
-    along = _summed(driven * shortened * np.cos(level - direction))
-    distance = fit_level(went, along, rounding, evidence[1])
-    ahead = distance.gain * driven
-    known_x, known_y = _summed(ahead * np.cos(level)), _summed(ahead * np.sin(level))
-    x = fit_level(measured[:, 0] - known_x, nothing, rounding, evidence[2])
-    y = fit_level(measured[:, 1] - known_y, nothing, rounding, evidence[3])
-    added = heading.deviances, distance.deviances, x.deviances, y.deviances
+    shortened = wheels * np.exp(-heading.variance[:-1] / 2)
+    driven = np.stack([shortened * np.cos(level), shortened * np.sin(level)], axis=1)
+    seen = SeenMotion(measured[:, 2], turned, np.diff(measured[:, :2], axis=0), driven)
+    distance = fit_level(
+        summed(np.sum(seen.steps * along, axis=1)),
+        summed(np.sum(driven * along, axis=1)),
+        rounding,
+        None if earlier is None else earlier.ahead(along),
+    )
+    slack = _slack(seen, along, heading, distance.foretold, earlier)
+    ahead = distance.overall * wheels
+    known_x, known_y = summed(ahead * np.cos(level)), summed(ahead * np.sin(level))
+    nothing = np.zeros(len(measured))
+    x = fit_level(measured[:, 0] - known_x, nothing, rounding).level + known_x
+    y = fit_level(measured[:, 1] - known_y, nothing, rounding).level + known_y
+    moved = applied.any() and bool(np.isfinite(measured).all())
     return MotionFit(
         distance.gain,
-        distance.standard_error,
+        math.hypot(distance.standard_error, slack * distance.overall),
         heading.gain,
         heading.standard_error,
-        np.stack([x.level + known_x, y.level + known_y, heading.level], axis=1),
-        added if applied.any() else evidence,
+        np.stack([x, y, heading.level], axis=1),
+        with_latest(earlier, seen, heading, distance) if moved else earlier,
     )
 
 
-def _summed(steps: Floats) -> Floats:
-    """The sums of all steps before each sample."""
-    return np.concatenate([[0.0], np.cumsum(steps)])
+def _direction(heading: Floats) -> Floats:
+    """Unit vectors near the heading that change smoothly, shape (n, 2).
+
+    Smoothed, and what that takes away smoothed once more (Tukey's twicing), so that they keep up
+    with a turn.
+    """
+    once = smoothed(heading, _SMOOTH)[0]
+    twice = (once + smoothed(heading - once, _SMOOTH)[0])[:-1]
+    return np.stack([np.cos(twice), np.sin(twice)], axis=1)
+
+
+def _slack(
+    seen: SeenMotion,
+    along: Floats,
+    heading: LevelFit,
+    foretold: float,
+    earlier: EarlierMotion | None,
+) -> float:
+    """By what share of it the distance gain may be wrong through the heading's error.
+
+    To first order what was driven aside of the direction counts, to second order what was driven
+    along it, as far as the mean square of the error is not known. All errors are taken to work
+    together, which is more than they do.
+
+    Args:
+        seen: The last iteration.
+        along: Unit vectors along which it was looked at, shape (n, 2).
+        heading: Fit of its heading.
+        foretold: Share of the mean of earlier iterations that was taken away from it.
+        earlier: The iterations before.
+    """
+    first, second = np.sqrt(heading.variance[:-1]), np.sqrt(heading.doubt[:-1])
+
+    def errors(driven: Floats) -> tuple[Floats, Floats]:
+        aside = driven[:, 1] * along[:, 0] - driven[:, 0] * along[:, 1]
+        ahead = np.sum(driven * along, axis=1)
+        return ahead, np.abs(aside) * first + np.abs(ahead) * second
+
+    ahead, error = errors(seen.driven)
+    if earlier is not None:
+        ahead_before, error_before = errors(earlier.mean.driven)
+        ahead, error = ahead - foretold * ahead_before, error + foretold * error_before
+    squares = float(ahead @ ahead)
+    return float(error @ np.abs(ahead)) / squares if squares > 0 else 0.0

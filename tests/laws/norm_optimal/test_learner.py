@@ -218,6 +218,25 @@ def test_noise_at_the_start_does_not_cut_corners() -> None:
     assert max(errors) < least + 0.02 * math.sqrt(2)
 
 
+def test_repeated_disturbance_leaves_the_identified_platform_right() -> None:
+    # Steps of 3 to 5 cm; what is learned against a disturbance of 1 cm depends on all of it.
+    repeated = replace(noise((1e-2, 1e-2, 5e-3)), repeat=True)
+    workplace = Workplace(
+        rounded(1.0), (1.0, -2.0, 0.4), BELIEFS["large"], disturbance=Disturbance(3, repeated)
+    )
+    done = workplace.learn(5)
+    for learned in done[2:]:
+        plan = learned.plan
+        assert plan is not None
+        assert plan.identification is not None
+        said = plan.identification
+        assert abs(said.wheel_radius - PLATFORM.wheel_radius) < 3 * said.wheel_radius_error
+        assert abs(said.half_track - PLATFORM.half_track) < 3 * said.half_track_error
+        if learned is not done[2]:  # from the difference between the first two that moved on
+            assert plan.believed.wheel_radius == pytest.approx(PLATFORM.wheel_radius, rel=1e-3)
+            assert plan.believed.half_track == pytest.approx(PLATFORM.half_track, rel=1e-3)
+
+
 def test_platform_at_rest_changes_no_belief() -> None:
     reference = rounded(1.0)
     learner = NormOptimalLearner(NormOptimalParameters(), reference, BELIEFS["small"], LIMIT)
@@ -283,3 +302,28 @@ def test_numbers_on_the_way_to_divergence_end_without_an_error(size: float) -> N
     assert plan.feedforward.shape == (n, 2)
     if size > 1e50:
         assert not plan.settled
+
+
+def without_identification(radius: float, quotient: float, iterations: int) -> Floats:
+    """Largest position errors where R and R / B are so many times those believed [m]."""
+    model = Robot(PLATFORM.wheel_radius / radius, PLATFORM.half_track * quotient / radius)
+    parameters = NormOptimalParameters(identify=False)
+    workplace = Workplace(rounded(1.0), (1.0, -2.0, 0.4), model, parameters)
+    done = workplace.learn(iterations)
+    assert_within_limit(done)
+    return np.array([workplace.position_error(learned).max() for learned in done])
+
+
+@pytest.mark.parametrize("radius", [1 / 3, 1.5])
+@pytest.mark.parametrize("quotient", [0.4, 2.0])
+def test_learning_is_indifferent_to_a_wrong_model_within_the_documented_range(
+    radius: float, quotient: float
+) -> None:
+    errors = without_identification(radius, quotient, 30)
+    assert errors[30] < 1e-3
+    assert errors[20:].max() < errors[5] < errors[2]
+
+
+def test_errors_grow_beyond_that_range() -> None:
+    errors = without_identification(1.0, 0.2, 20)
+    assert errors[10:].min() > 2 * errors[2]
