@@ -8,7 +8,12 @@ from hilc_cli.analysis.findings import Findings, joined
 from hilc_cli.analysis.forecast import Forecast, forecast, rest_error
 from hilc_cli.analysis.forecast_findings import forecast_findings
 from hilc_cli.analysis.merging import Merging, merging, merging_findings
-from hilc_cli.analysis.model_mismatch import ModelMismatch, mismatch_findings, model_mismatch
+from hilc_cli.analysis.model_mismatch import (
+    ModelMismatch,
+    mismatch_findings,
+    model_mismatch,
+    untried_findings,
+)
 from hilc_cli.analysis.tracking_loop import TrackingLoop, tracking_findings, tracking_loop
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedback import FeedbackLaw
@@ -54,7 +59,7 @@ def law_theory(experiment: Experiment) -> LawTheory:
         )
     if isinstance(law, NormOptimalLaw):
         way, mismatch = merging(experiment, law), model_mismatch(experiment, law)
-        found = [merging_findings(way)]
+        found = [merging_findings(way), untried_findings(experiment, law)]
         if mismatch is not None:
             found.append(mismatch_findings(mismatch))
         return LawTheory(

@@ -26,6 +26,8 @@ from hilc_cli.robot import step_gains
 
 _STEPS = 60
 _ENOUGH = 1e-6  # relative change of the estimate at which the search ends
+_TRIED_ALONG, _TRIED_TURNING = (1 / 3, 1.5), (0.4, 2.0)
+"""Where learning with feedback fell from iteration to iteration; docs/laws/norm-optimal.md."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,12 +62,35 @@ def model_mismatch(experiment: Experiment, law: NormOptimalLaw) -> ModelMismatch
         None where no theory is evaluated: R and B are identified, or a feedback in the iteration
         makes up for what is wrong with them.
     """
-    parameters, robot, model = law.parameters, experiment.robot, law.model
-    if parameters.identify or parameters.feedback != "none":
+    if law.parameters.identify or law.parameters.feedback != "none":
         return None
-    along = robot.wheel_radius / model.wheel_radius
-    turning = along * model.signed_half_track / robot.signed_half_track
+    along, turning = _shares(experiment, law)
     return ModelMismatch(along, turning, _strongest(experiment, law, along, turning))
+
+
+def untried_findings(experiment: Experiment, law: NormOptimalLaw) -> Findings:
+    """Whether feedback is asked to make up for more than it has been seen to."""
+    if law.parameters.identify or law.parameters.feedback == "none":
+        return Findings()
+    shares = _shares(experiment, law)
+    tried = (_TRIED_ALONG, _TRIED_TURNING)
+    if all(low <= share <= high for share, (low, high) in zip(shares, tried, strict=True)):
+        return Findings()
+    return Findings(
+        warnings=(
+            f"with R / R_b of {shares[0]:.3g} and R B_b / (R_b B) of {shares[1]:.3g} errors may "
+            "grow from iteration to iteration: learning without identification has been tried from "
+            "1/3 to 1.5 of the one and 0.4 to 2 of the other; correct model, or set "
+            "controller.identify: true",
+        )
+    )
+
+
+def _shares(experiment: Experiment, law: NormOptimalLaw) -> tuple[float, float]:
+    """R / R_b and R B_b / (R_b B)."""
+    robot, model = experiment.robot, law.model
+    along = robot.wheel_radius / model.wheel_radius
+    return along, along * model.signed_half_track / robot.signed_half_track
 
 
 def mismatch_findings(found: ModelMismatch) -> Findings:

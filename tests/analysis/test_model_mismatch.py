@@ -8,7 +8,11 @@ import numpy as np
 import pytest
 
 from hilc_cli.analysis.findings import Findings
-from hilc_cli.analysis.model_mismatch import mismatch_findings, model_mismatch
+from hilc_cli.analysis.model_mismatch import (
+    mismatch_findings,
+    model_mismatch,
+    untried_findings,
+)
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
@@ -101,3 +105,21 @@ def test_turn_gain_is_told_where_it_is_the_worse_one() -> None:
 def test_nothing_is_evaluated_where_the_model_is_made_up_for(change: dict[str, object]) -> None:
     parameters = replace(ALONE, **change)  # type: ignore[arg-type]
     assert model_mismatch(on_the_line(PLATFORM), law(PLATFORM, parameters)) is None
+
+
+@pytest.mark.parametrize(
+    ("model", "is_tried"),
+    [
+        (PLATFORM, True),
+        (Robot(0.3, 0.35), True),
+        (Robot(0.6, 1.554), True),  # three times the platform: it drives a third, and turns alike
+        (Robot(0.4, 0.259), False),  # turns a quarter of what is believed
+        (Robot(0.12, 0.518), False),
+    ],
+)
+def test_feedback_is_not_asked_for_more_than_was_tried(model: Robot, is_tried: bool) -> None:
+    parameters = NormOptimalParameters(identify=False)
+    found = untried_findings(on_the_line(model), law(model, parameters))
+    assert (found == Findings()) is is_tried
+    for other in (ALONE, NormOptimalParameters()):
+        assert untried_findings(on_the_line(model), law(model, other)) == Findings()
