@@ -66,11 +66,9 @@ def _learned(figures: Mapping[str, float]) -> list[tuple[str, str]]:
             text = _estimate(value, figures[series.error], unit)
         elif math.isnan(value):
             continue
-        elif not unit:  # a condition
-            text = "yes" if value else "no"
         else:
             late = math.isinf(value) and unit == "s"
-            text = "not by the end" if late else f"{value:.6g} {unit}"
+            text = "not by the end" if late else f"{value:.6g} {unit}".rstrip()
         rows.append((f"Learned: {quantity.name}", text))
     return rows
 
