@@ -74,7 +74,7 @@ class TrackingLoop:
     @property
     def stays(self) -> bool:
         """Whether the platform stays at its points of rest."""
-        return self.is_stable and -self.lag < self.most_ahead
+        return self.is_stable and math.isfinite(self.rest) and -self.lag < self.most_ahead
 
 
 def tracking_loop(experiment: Experiment, law: FeedbackLaw) -> TrackingLoop:
@@ -113,17 +113,26 @@ def tracking_findings(found: TrackingLoop) -> Findings:
             f"the feedback is unstable: an error grows to {found.growth:.4g} times its size from "
             "sample to sample; lower controller.gains, or shorten sample_time"
         )
+    elif math.isinf(found.rest):
+        cause = "the sampling" if found.model_is_right else "the wrong model"
+        warnings.append(
+            f"{cause} leaves the platform ever further off the reference, since nothing brings it "
+            "back; raise those of controller.gains that are 0"
+        )
     elif not found.stays:
         warnings.append(
             f"the wrong model drives the platform up to {-found.lag:.3g} m ahead of the reference, "
             f"and beyond k_theta / k_y, {found.most_ahead:.3g} m, it turns away from it: correct "
             "model, or raise controller.gains.k_x"
         )
-    elif not found.model_is_right and found.rest > _FAR * found.path_size:
-        far = f"up to {found.rest:.3g} m off" if math.isfinite(found.rest) else "ever further off"
+    elif found.growth >= 1 - _MARGIN and math.inf in (found.time_ahead, found.length_aside):
         warnings.append(
-            f"the wrong model leaves the platform {far} the reference, in each iteration again; "
-            "correct model, raise controller.gains, or take a law that learns"
+            "there are errors that do not fall: raise those of controller.gains that are 0"
+        )
+    elif not found.model_is_right and found.rest > _FAR * found.path_size:
+        warnings.append(
+            f"the wrong model leaves the platform up to {found.rest:.3g} m off the reference, in "
+            "each iteration again; correct model, raise controller.gains, or take a law that learns"
         )
     return Findings(tuple(failures), tuple(warnings))
 
@@ -152,10 +161,18 @@ def _loop(
 def _at_rest(matrices: Floats, offsets: Floats) -> tuple[Floats, Floats]:
     """Error ahead and distance from the reference at the points of rest, shape (m,) each.
 
-    Where there is no single one, both are 0 if nothing drives the loop, and infinite if it is.
+    Of several the nearest, as from a start without error; where there is none both are infinite.
     """
     returns = np.eye(3) - matrices
     regular = np.linalg.cond(returns) < _SINGULAR
-    points = np.where(np.abs(offsets).max(axis=1) > 0, math.inf, 0.0)[:, None] * np.ones(3)
+    points = np.full((len(offsets), 3), math.inf)
     points[regular] = np.linalg.solve(returns[regular], offsets[regular][..., None])[..., 0]
+    for which in np.flatnonzero(~regular):
+        free = returns[which].copy()
+        if np.abs(free[2]).max() <= _MARGIN:
+            free[:, 2] = 0.0  # the heading is not steered: it stays as it is at the start
+        nearest = np.linalg.lstsq(free, offsets[which], rcond=1 / _SINGULAR)[0]
+        left = np.abs(returns[which] @ nearest - offsets[which]).max()
+        if left <= _MARGIN * np.abs(offsets[which]).max():
+            points[which] = nearest
     return points[:, 0], np.hypot(points[:, 0], points[:, 1])

@@ -54,8 +54,16 @@ def errors_grid(check: Check) -> Grid | None:
     rows = [list(row) for row in zip(names, *columns.values(), strict=True)]
     if not iterations:
         del rows[1]  # the same again
+    if check.simulated is not None and check.simulated.summary.diverged_at is None:
+        later = check.simulated.summary.final["max_position_error_second_half_m"]
+        blank = ["-"] * (len(columns) - 1)
+        rows.insert(len(rows) - _BELOW_LAST, ["  in its second half", *blank, _length(later)])
     header = [("Maximum position error", ""), *columns]
     return Grid(header, rows, " ".join(notes))
+
+
+# Rows below that of the last iteration.
+_BELOW_LAST = 3 + len(RELATIVE_TOLERANCES)
 
 
 def _predicted(transient: Transient, iterations: int) -> list[str]:

@@ -162,7 +162,7 @@ def _document(check: Check, found: Forecast) -> dict[str, object]:
             for label, share in RELATIVE_TOLERANCES.items()
         },
         "rest": None
-        if rest is None or not rest.is_finite
+        if rest is None or not rest.is_finite or not found.settles
         else {
             "max_position_error_m": rest.max_position_error_m,
             "max_position_error_after_start_m": check.law.rest_error_m,
@@ -176,6 +176,7 @@ def _simulated(summary: Summary) -> dict[str, object]:
     return {
         "iterations": summary.iterations,
         "max_position_error_m": summary.final["max_position_error_m"],
+        "max_position_error_second_half_m": summary.final["max_position_error_second_half_m"],
         "peak_max_position_error_m": summary.peak_max_position_error_m,
         "peak_iteration": summary.peak_iteration,
         "settled_at": summary.settled_at,

@@ -110,7 +110,7 @@ def _loop(found: TrackingLoop) -> Rows:
     rest = "ever further off" if math.isinf(found.rest) else f"up to {found.rest:.4g} m off"
     if not found.is_stable:
         rest = "nowhere"
-    elif not found.stays:
+    elif not found.stays and math.isfinite(found.rest):
         rest = f"nowhere: it turns away further than {found.most_ahead:.4g} m ahead"
     elif math.isfinite(found.rest) and found.lag and not found.model_is_right:
         side = "behind" if found.lag > 0 else "ahead"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 
@@ -50,10 +49,13 @@ class Entry:
     seconds_per_iteration: float
 
     @property
-    def keeps_limit(self) -> bool:
-        """Whether no wheel was faster than the limit in any sample of any iteration."""
-        limit = math.inf if self.speed_limit_rad_s is None else self.speed_limit_rad_s
-        return self.fastest_wheel_rad_s <= limit
+    def keeps_limit(self) -> bool | None:
+        """Whether no wheel was faster than the limit in any sample of any iteration.
+
+        None if there is no limit.
+        """
+        limit = self.speed_limit_rad_s
+        return None if limit is None else self.fastest_wheel_rad_s <= limit
 
 
 @dataclass(frozen=True, slots=True, eq=False)

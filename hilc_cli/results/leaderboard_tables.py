@@ -12,9 +12,9 @@ NAMES = ("case", "belief", "disturbance", "law")
 """Columns that say what a run is of."""
 
 ERRORS = {
-    "max_m": "max_position_error",
-    "mean_m": "mean_position_error",
-    "whole_max_m": "whole_path_max_error",
+    "max_m": "max_position_error_second_half",
+    "mean_m": "mean_position_error_second_half",
+    "whole_max_m": "max_position_error",
 }
 """What the columns of the errors after each number of iterations begin with, by their attribute."""
 
@@ -74,7 +74,8 @@ def entries_table(data: LeaderboardData) -> ComparisonTable:
                section=_REST),
         Column(OTHERS["speed_limit_rad_s"], "Speed limit", "Speed limit", "rad/s", absent="none",
                section=_REST),
-        Column(OTHERS["keeps_limit"], "Speed limit kept", "Limit kept", section=_REST),
+        Column(OTHERS["keeps_limit"], "Speed limit kept", "Limit kept", absent="-",
+               section=_REST),
         Column(OTHERS["diverged_at"], "Diverged in iteration", "Diverged", absent="no",
                section=_REST),
         Column(OTHERS["seconds_per_iteration"], "Time per iteration", "Time", "ms", digits=3,
@@ -112,7 +113,7 @@ def laws_table(data: LeaderboardData, disturbance: str) -> ComparisonTable:
         for kind in ("median", "worst"):
             columns += [
                 Column(
-                    f"{kind}_{what}_position_error_after_{count}_m",
+                    f"{kind}_{what}_position_error_second_half_after_{count}_m",
                     f"{word} error after {counted(count)}, {kind}",
                     f"{kind.capitalize()} after {count}",
                     "m", digits=3, section=section, is_ranked=True,
@@ -133,7 +134,8 @@ def laws_table(data: LeaderboardData, disturbance: str) -> ComparisonTable:
         ),
         Column("worst_peak_m", "Worst peak error, whole path", "Peak", "m", digits=3, absent="-",
                section=_REST, is_ranked=True),
-        Column("limit_kept", "Runs that keep the speed limit", "Limit kept", section=_REST),
+        Column("limit_kept", "Runs that keep the speed limit", "Limit kept", absent="-",
+               section=_REST),
         Column("diverged", "Runs that diverge", "Diverged", section=_REST),
         Column("median_time_per_iteration_s", "Time per iteration, median", "Time", "ms",
                digits=3, scale=1e3, section=_REST),
@@ -242,10 +244,16 @@ def _law_values(law: str, entries: Sequence[Entry]) -> tuple[Value, ...]:
         _whole_if_it_is(median(reached)) if reached else None,
         median(shares) if shares else None,
         max(peaks, default=None),
-        sum(entry.keeps_limit for entry in entries),
+        _number_that_keep(entries),
         sum(entry.diverged_at is not None for entry in entries),
         median(entry.seconds_per_iteration for entry in entries),
     )
+
+
+def _number_that_keep(entries: Sequence[Entry]) -> int | None:
+    """How many keep their limit; None if none has any."""
+    kept = [entry.keeps_limit for entry in entries if entry.keeps_limit is not None]
+    return sum(kept) if kept else None
 
 
 def _whole_if_it_is(number: float) -> int | float:

@@ -166,3 +166,17 @@ def test_without_gains_an_error_stays() -> None:
     assert lost.rest == math.inf
     (text,) = tracking_findings(lost).warnings
     assert "leaves the platform ever further off the reference" in text
+
+
+def test_without_a_gain_of_heading_and_side_an_error_of_the_heading_stays() -> None:
+    found = found_of(CIRCLE, gains=(5.0, 0.0, 0.0))
+    assert found.growth == pytest.approx(1, abs=1e-12)
+    assert found.is_stable
+    (text,) = tracking_findings(found).warnings
+    assert text.startswith("there are errors that do not fall")
+    # The heading is right in each sample. Ahead and aside, in steps of s that turn by a, rest is
+    # where e = T(-a) (diag(1 - k_x d, 1) e + (0, s a / 2)).
+    a, d, s = 3e-3, 0.002, 6e-3
+    turned = np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]])
+    rest = np.linalg.solve(np.eye(2) - turned @ np.diag([1 - 5 * d, 1]), turned @ [0, s * a / 2])
+    assert found.rest == pytest.approx(np.hypot(*rest), rel=1e-3)

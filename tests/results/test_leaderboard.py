@@ -27,4 +27,4 @@ FAST = replace(ENTRY, law="fast", max_m=(0.5, 0.004), within_at=2, within_share=
 def test_limit_is_kept_up_to_its_very_value() -> None:
     assert ENTRY.keeps_limit
     assert not replace(ENTRY, fastest_wheel_rad_s=math.nextafter(180, 181)).keeps_limit
-    assert replace(ENTRY, speed_limit_rad_s=None).keeps_limit
+    assert replace(ENTRY, speed_limit_rad_s=None).keeps_limit is None
