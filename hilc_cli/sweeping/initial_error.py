@@ -47,9 +47,4 @@ def hidden_by_initial_error(varied: Varied, spec: SweepSpec) -> list[str]:
             f"{spec.metric} is at least the initial error of {least:.3g} m in every case, however "
             f"good it is; {option} {MAX_ERROR_SECOND_HALF} tells cases apart"
         )
-    if spec.bands:
-        found.append(
-            f"bands are of {MAX_ERROR}, which is at least the initial error of {least:.3g} m in "
-            "every case and iteration"
-        )
     return found

@@ -88,11 +88,6 @@ def test_nothing_is_said_where_the_start_may_vary(key: str) -> None:
         ({"metric": "mean_position_error_m"}, [], ""),
         ({"metric": "max_position_error_second_half_m"}, [], ""),
         (
-            {"metric": "mean_position_error_m", "bands": True},
-            ["bands are of max_position_error_m, which is at least the initial error of 0.5 m"],
-            "",
-        ),
-        (
             {"metric": "rms_position_error_m", "tolerance": 0.4},
             ["no case can settle within the tolerance of 0.4 m"],
             "",
