@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from hilc_cli.api.check_simulation import Simulated
 
 
+_BELOW_LAST = 3 + len(RELATIVE_TOLERANCES)  # rows below that of the last iteration
+
+
 def errors_grid(check: Check) -> Grid | None:
     """The maximum position error of the iterations in a few rows.
 
@@ -60,10 +63,6 @@ def errors_grid(check: Check) -> Grid | None:
         rows.insert(len(rows) - _BELOW_LAST, ["  in its second half", *blank, _length(later)])
     header = [("Maximum position error", ""), *columns]
     return Grid(header, rows, " ".join(notes))
-
-
-# Rows below that of the last iteration.
-_BELOW_LAST = 3 + len(RELATIVE_TOLERANCES)
 
 
 def _predicted(transient: Transient, iterations: int) -> list[str]:
