@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.findings import Findings, joined
 from hilc_cli.analysis.forecast import Forecast, forecast, rest_error
 from hilc_cli.analysis.forecast_findings import forecast_findings
@@ -34,6 +35,7 @@ class LawTheory:
         mismatch: What a wrong model does to its learning, if it can make up for it by nothing.
         identifies: Whether that identifies the platform.
         tracking: The closed loop of law feedback.
+        expected: How large the error of the last iteration will be; None if that is not known.
         findings: What all this means.
     """
 
@@ -43,6 +45,7 @@ class LawTheory:
     mismatch: ModelMismatch | None = None
     identifies: bool = False
     tracking: TrackingLoop | None = None
+    expected: ExpectedError | None = None
     findings: Findings = field(default_factory=Findings)
 
 

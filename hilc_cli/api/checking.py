@@ -11,6 +11,7 @@ import numpy as np
 from hilc_cli.analysis.advice import advice
 from hilc_cli.analysis.bounds import Bounds
 from hilc_cli.analysis.conditions import Conditions, conditions
+from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.feasibility import Feasibility
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.forecast import Forecast
@@ -54,6 +55,11 @@ class Check:
     def forecast(self) -> Forecast | None:
         """What learning is expected to do; None for a law of which that is not known."""
         return self.law.forecast
+
+    @property
+    def expected(self) -> ExpectedError | None:
+        """How large the error of the last iteration will be; None if theory does not tell."""
+        return self.law.expected
 
     @property
     def failures(self) -> tuple[str, ...]:
