@@ -16,6 +16,8 @@ from hilc_cli.analysis.model_mismatch import (
     untried_findings,
 )
 from hilc_cli.analysis.tracking_loop import TrackingLoop, tracking_findings, tracking_loop
+from hilc_cli.analysis.tracking_response import TrackingResponse, tracking_response
+from hilc_cli.analysis.wheel_noise import WheelNoise, wheel_findings
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.hybrid import HybridLaw
@@ -35,6 +37,8 @@ class LawTheory:
         mismatch: What a wrong model does to its learning, if it can make up for it by nothing.
         identifies: Whether that identifies the platform.
         tracking: The closed loop of law feedback.
+        response: What it does along the path.
+        wheels: What disturbances make of the wheel speeds.
         expected: How large the error of the last iteration will be; None if that is not known.
         findings: What all this means.
     """
@@ -45,6 +49,8 @@ class LawTheory:
     mismatch: ModelMismatch | None = None
     identifies: bool = False
     tracking: TrackingLoop | None = None
+    response: TrackingResponse | None = None
+    wheels: WheelNoise | None = None
     expected: ExpectedError | None = None
     findings: Findings = field(default_factory=Findings)
 
@@ -72,6 +78,16 @@ def law_theory(experiment: Experiment) -> LawTheory:
             findings=joined(found),
         )
     if isinstance(law, FeedbackLaw):
-        loop = tracking_loop(experiment, law)
-        return LawTheory(tracking=loop, findings=tracking_findings(loop))
+        loop, response = tracking_loop(experiment, law), tracking_response(experiment, law)
+        found = [
+            tracking_findings(loop, response),
+            wheel_findings(response.wheels, "lower controller.gains.k_y and k_theta"),
+        ]
+        return LawTheory(
+            tracking=loop,
+            response=response,
+            wheels=response.wheels,
+            expected=response.expected,
+            findings=joined(found),
+        )
     return LawTheory()

@@ -9,7 +9,14 @@ from hilc_cli.analysis.findings import Findings, joined
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
 from hilc_cli.cli.check_errors import errors_grid
-from hilc_cli.cli.check_other_laws import feedback_law, other_law, step_gain_document, step_gain_row
+from hilc_cli.cli.check_other_laws import (
+    feedback_law,
+    other_law,
+    step_gain_document,
+    step_gain_row,
+    wheel_document,
+    wheel_rows,
+)
 from hilc_cli.cli.section import Section, counted
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
@@ -24,20 +31,23 @@ _ROUNDING = 1e-12  # of the path's size
 
 def learning_section(check: Check) -> Section:
     """The theory's figures; of a law that it does not know, that it does not."""
-    title, found, notes = "Does learning converge?", check.forecast, []
+    title, found = "Does learning converge?", check.forecast
     if found is not None:
         title += f" ({WHERE})"
         rows, document = _rows(check, found), _document(check, found)
     elif check.law.tracking is not None:
-        title, notes = "What does the feedback reach?", [f"{WHERE.capitalize()}."]
-        rows, document = feedback_law(check.law.tracking)
+        title = "What does the feedback reach?"
+        rows, document = feedback_law(check.law)
     else:
         rows, document = other_law(check.law)
+    rows, document = [*rows, *wheel_rows(check.law.wheels)], {
+        **document, **wheel_document(check.law.wheels)
+    }  # fmt: skip
     if check.simulated is not None:
         document["simulated"] = _simulated(check.simulated.summary)
     errors = errors_grid(check)
     grids = [] if errors is None else [errors]
-    return Section("learning", title, rows, grids, _findings(check), document, notes)
+    return Section("learning", title, rows, grids, _findings(check), document)
 
 
 def _findings(check: Check) -> Findings:
