@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from hilc_cli.analysis.findings import Findings, joined
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
-from hilc_cli.cli.check_errors import errors_grid
+from hilc_cli.cli.check_errors import errors_grid, errors_in_brief
 from hilc_cli.cli.check_other_laws import (
     feedback_law,
     other_law,
+    response_rows,
     step_gain_document,
     step_gain_row,
     wheel_document,
@@ -32,28 +32,34 @@ _ROUNDING = 1e-12  # of the path's size
 def learning_section(check: Check) -> Section:
     """The theory's figures; of a law that it does not know, that it does not."""
     title, found = "Does learning converge?", check.forecast
+    brief, noise = None, check.law.wheels
     if found is not None:
         title += f" ({WHERE})"
         rows, document = _rows(check, found), _document(check, found)
+        brief = _brief(check, found)
     elif check.law.tracking is not None:
         title = "What does the feedback reach?"
         rows, document = feedback_law(check.law)
+        brief = [*response_rows(check.law), *wheel_rows(noise)]
     else:
         rows, document = other_law(check.law)
-    rows, document = [*rows, *wheel_rows(check.law.wheels)], {
-        **document, **wheel_document(check.law.wheels)
-    }  # fmt: skip
+    document |= wheel_document(noise)
     if check.simulated is not None:
         document["simulated"] = _simulated(check.simulated.summary)
     errors = errors_grid(check)
     grids = [] if errors is None else [errors]
-    return Section("learning", title, rows, grids, _findings(check), document)
+    return Section("learning", title, [*rows, *wheel_rows(noise)], grids, document, (), brief)
 
 
-def _findings(check: Check) -> Findings:
-    """Those of learning, and of the simulation beside it."""
-    keys = ("learning", "simulation")
-    return joined(check.findings[key] for key in keys if key in check.findings)
+def _brief(check: Check, found: Forecast) -> list[tuple[str, str]]:
+    """What learning does, for the report of one screen."""
+    last = check.scenario.spec.iterations
+    return [
+        ("Learning", _verdict(found, last)),
+        *errors_in_brief(found, last),
+        *_rest(check, found),
+        *wheel_rows(check.law.wheels),
+    ]
 
 
 def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
@@ -85,8 +91,6 @@ def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
         ("Spectral radius", f"{shown}, {settles}"),
         ("Largest singular value", f"{least}{found.singular_value.value:.4g}, {monotone}"),
         (f"Worst ripple up to {LONGEST_PERIOD} samples", ripple),
-        *_rest(check, found),
-        ("Verdict", _verdict(found, last)),
     ]
 
 

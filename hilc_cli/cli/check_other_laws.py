@@ -31,7 +31,7 @@ def feedback_law(theory: LawTheory) -> tuple[Rows, dict[str, object]]:
     """Rows and JSON of law feedback."""
     found, response = theory.tracking, theory.response
     assert found is not None and response is not None  # of this law
-    return [*_along(response), *_loop(found)], _feedback(found, response)
+    return [*response_rows(theory), *_loop(found)], _feedback(found, response)
 
 
 def wheel_rows(found: WheelNoise | None) -> Rows:
@@ -126,7 +126,10 @@ def _learning(theory: LawTheory, found: Merging) -> Rows:
     ]
 
 
-def _along(found: TrackingResponse) -> Rows:
+def response_rows(theory: LawTheory) -> Rows:
+    """What law feedback does along the path."""
+    found = theory.response
+    assert found is not None  # of this law
     error = f"up to {found.error_m:.4g} m from the trajectory's start"
     if found.at_limit:
         error += f"; at the limit in {found.at_limit:.1%} of the samples"
