@@ -15,6 +15,7 @@ from hilc_cli.analysis.model_mismatch import (
     model_mismatch,
     untried_findings,
 )
+from hilc_cli.analysis.planned_noise import planned_noise
 from hilc_cli.analysis.tracking_loop import TrackingLoop, tracking_findings, tracking_loop
 from hilc_cli.analysis.tracking_response import TrackingResponse, tracking_response
 from hilc_cli.analysis.wheel_noise import WheelNoise, wheel_findings
@@ -68,12 +69,18 @@ def law_theory(experiment: Experiment) -> LawTheory:
         )
     if isinstance(law, NormOptimalLaw):
         way, mismatch = merging(experiment, law), model_mismatch(experiment, law)
-        found = [merging_findings(way), untried_findings(experiment, law)]
+        wheels = planned_noise(experiment, law)
+        found = [
+            merging_findings(way),
+            untried_findings(experiment, law),
+            wheel_findings(wheels, "raise controller.feedback_weights, or set 'feedback: none'"),
+        ]
         if mismatch is not None:
             found.append(mismatch_findings(mismatch))
         return LawTheory(
             merging=way,
             mismatch=mismatch,
+            wheels=wheels,
             identifies=law.parameters.identify,
             findings=joined(found),
         )
