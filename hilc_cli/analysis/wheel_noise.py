@@ -4,9 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.many_passes import Passes
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.results.trial import Trial
 
+_ROUNDING = 1e-9  # relative: within it a wheel is at its limit
+_NONE = 1e-9  # [m and rad]; of a start that differs by less, by rounding only
 _OFTEN = 0.05  # of the samples: more is warned of
 
 
@@ -33,6 +40,37 @@ class WheelNoise:
             float(disturbed.at_limit.mean()),
             float(quiet.at_limit.mean()),
         )
+
+
+def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
+    """The same as it has happened, beside the wheel speeds that the trajectory asks for.
+
+    From an initial pose that is off the trajectory, the second half is looked at: before that the
+    wheels may be at their limit to get there.
+
+    Args:
+        trial: The last iteration.
+        experiment: What was simulated.
+
+    Returns:
+        None if nothing is disturbed.
+    """
+    reference, source = experiment.reference, experiment.disturbance
+    if not (source.state.active or source.output.active or source.initial_pose.active):
+        return None
+    start = reference.x[0], reference.y[0], reference.heading[0]
+    is_off = np.abs(np.subtract(start, experiment.initial_pose)).max() > _NONE
+    looked_at = slice(reference.samples // 2 if is_off else 0, None)
+    needed = np.stack(feedforward(reference, experiment.robot))[:, looked_at]
+    driven = np.stack([trial.left, trial.right])[:, looked_at]
+    changes = np.diff(driven - needed)
+    limit = experiment.speed_limit * (1 - _ROUNDING)
+    needs = np.abs(needed).max(axis=0) >= limit
+    return WheelNoise(
+        float(np.sqrt((changes**2).mean())) if changes.size else 0.0,
+        float(((np.abs(driven).max(axis=0) >= limit) | needs).mean()),
+        float(needs.mean()),
+    )
 
 
 def wheel_findings(found: WheelNoise | None, remedy: str) -> Findings:
