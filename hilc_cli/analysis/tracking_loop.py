@@ -135,7 +135,7 @@ def tracking_findings(found: TrackingLoop, response: TrackingResponse) -> Findin
         warnings.append(
             "there are errors that do not fall: raise those of controller.gains that are 0"
         )
-    elif response.aside_left > _SOFT:
+    elif found.stays and response.aside_left > _SOFT:
         warnings.append(
             f"controller.gains.k_y is too soft for this path: of an error to the side at the start "
             f"{100 * response.aside_left:.0f} % is left at its end, since it falls over a length "

@@ -14,6 +14,7 @@ from hilc_cli.results.trial import Trial
 
 _ROUNDING = 1e-9  # relative: within it a wheel is at its limit
 _NONE = 1e-9  # [m and rad]; of a start that differs by less, by rounding only
+_TO_RMS = 1.4826  # the median of a normal's absolute value, times this, is its RMS
 _OFTEN = 0.05  # of the samples: more is warned of
 
 
@@ -46,7 +47,8 @@ def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
     """The same as it has happened, beside the wheel speeds that the trajectory asks for.
 
     From an initial pose that is off the trajectory, the second half is looked at: before that the
-    wheels may be at their limit to get there.
+    wheels may be at their limit to get there. The change is that of most samples (by the median),
+    so that jumps which answer the path's own do not count.
 
     Args:
         trial: The last iteration.
@@ -67,7 +69,7 @@ def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
     limit = experiment.speed_limit * (1 - _ROUNDING)
     needs = np.abs(needed).max(axis=0) >= limit
     return WheelNoise(
-        float(np.sqrt((changes**2).mean())) if changes.size else 0.0,
+        _TO_RMS * float(np.median(np.abs(changes))) if changes.size else 0.0,
         float(((np.abs(driven).max(axis=0) >= limit) | needs).mean()),
         float(needs.mean()),
     )
