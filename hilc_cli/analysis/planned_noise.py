@@ -24,11 +24,12 @@ def planned_noise(experiment: Experiment, law: NormOptimalLaw) -> WheelNoise | N
         law: The law.
 
     Returns:
-        What disturbances make of the wheels; None without any, or without a pass of the law.
+        What disturbances make of the wheels; None without any, or without a pass of the law with
+        feedback.
     """
     source, opens = experiment.disturbance, not experiment.learn_in_first
     active = source.state.active or source.output.active or source.initial_pose.active
-    if not active or (opens and not experiment.iterations):
+    if not active or law.parameters.feedback == "none" or (opens and not experiment.iterations):
         return None
     from hilc_cli.laws.norm_optimal.learner import (
         rectified_for,

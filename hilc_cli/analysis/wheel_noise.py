@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 
@@ -76,19 +77,45 @@ def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
 
 
 def wheel_findings(found: WheelNoise | None, remedy: str) -> Findings:
-    """What that means for the experiment.
+    """What it means for the experiment that this is foretold.
 
     Args:
         found: None if nothing is disturbed.
         remedy: What makes it less.
     """
-    if found is None or not found.at_limit - found.undisturbed > _OFTEN:
+    if not _is_often(found):
         return Findings()
-    without = f", {100 * found.undisturbed:.2g} % without it" if found.undisturbed else ""
+    without = f", {_percent(found.undisturbed)} without it" if found.undisturbed else ""
     return Findings(
         warnings=(
-            f"noise drives the wheels to their limit in {100 * found.at_limit:.2g} % of the "
+            f"noise drives the wheels to their limit in {_percent(found.at_limit)} of the "
             f"samples{without}, and changes their speed by {found.change_rad_s:.2g} rad/s (RMS) "
             f"from sample to sample: {remedy}",
         )
     )
+
+
+def seen_warnings(found: WheelNoise | None) -> list[str]:
+    """What has happened, and what it may come from.
+
+    Args:
+        found: Of `seen_in`.
+    """
+    if not _is_often(found):
+        return []
+    needed = f", {_percent(found.undisturbed)} of which the trajectory itself needs"
+    return [
+        f"in the last iteration the wheels are at their limit in {_percent(found.at_limit)} of the "
+        f"samples{needed if found.undisturbed else ''}, and their speed jumps by about "
+        f"{found.change_rad_s:.2g} rad/s (RMS) from sample to sample: 'hilc check' tells how much "
+        "of that is noise; lower the gains that act on it, or smooth it"
+    ]
+
+
+def _is_often(found: WheelNoise | None) -> TypeGuard[WheelNoise]:
+    """Whether disturbances are to blame for more than a few samples at the limit."""
+    return found is not None and found.at_limit - found.undisturbed > _OFTEN
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"
