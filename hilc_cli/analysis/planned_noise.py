@@ -50,6 +50,5 @@ def planned_noise(experiment: Experiment, law: NormOptimalLaw) -> WheelNoise | N
     ) -> tuple[Floats, Floats]:
         return planned_wheels(rows[k], error_x, error_y, error_heading)
 
-    pose = experiment.initial_pose
-    kinds = [Kind(pose), Kind(pose, state=True, output=True, initial_pose=True, count=SEEDS)]
+    kinds = [Kind(), Kind(state=True, output=True, initial_pose=True, count=SEEDS)]
     return WheelNoise.of(*many_passes(experiment, wheels, kinds))
