@@ -77,9 +77,7 @@ def expected_of_norm_optimal(
 
     errors = passes(experiment)
     start, readings, state = _parts(experiment, errors, passes)
-    return ExpectedError(
-        first, final, _foretold(experiment, final, errors), start, readings, state
-    )
+    return ExpectedError(first, final, _foretold(experiment, final, errors), start, readings, state)
 
 
 def _foretold(experiment: Experiment, final: float, errors: Floats) -> float:

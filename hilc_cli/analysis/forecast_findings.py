@@ -19,9 +19,7 @@ from hilc_cli.engine.experiment import Experiment
 _FAR = 0.01  # of the path's size: what is further off does not count as on the reference
 
 
-def forecast_findings(
-    experiment: Experiment, found: Forecast, expected: ExpectedError
-) -> Findings:
+def forecast_findings(experiment: Experiment, found: Forecast, expected: ExpectedError) -> Findings:
     """What the figures mean for the experiment.
 
     Args:

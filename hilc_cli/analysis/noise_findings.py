@@ -18,17 +18,20 @@ def share_of_path(error: float, experiment: Experiment) -> str:
     return f"{100 * sizes:.2g} % of the path's size" if sizes < 1 else f"{sizes:.3g} path sizes"
 
 
-def noise_findings(experiment: Experiment, found: ExpectedError) -> Findings:
+def noise_findings(
+    experiment: Experiment, found: ExpectedError, *, learns: bool = True
+) -> Findings:
     """Warnings of disturbances whose effect is not small beside the path.
 
     Args:
         experiment: With its disturbances.
         found: What each of them makes of the last iteration.
+        learns: Whether the law learns from an iteration for the next one.
     """
     return Findings(
         warnings=(
             *_of_start(experiment, found),
-            *_of_readings(experiment, found),
+            *_of_readings(experiment, found, learns),
             *_of_state(experiment, found),
         )
     )
@@ -51,15 +54,15 @@ def _of_start(experiment: Experiment, found: ExpectedError) -> list[str]:
     ]
 
 
-def _of_readings(experiment: Experiment, found: ExpectedError) -> list[str]:
+def _of_readings(experiment: Experiment, found: ExpectedError, learns: bool) -> list[str]:
     output = experiment.disturbance.output
     if not output.active or found.of_readings_m <= NEAR * experiment.reference.size:
         return []
     x, y, heading = deviations(output)
     read = math.hypot(x, y)
     return [
-        f"disturbance.output is learned from as if it were an error: readings are {read:.2g} m and "
-        f"{heading:.2g} rad (RMS) off; {_by_the_end(found.of_readings_m, read)}, "
+        f"disturbance.output is {'learned from' if learns else 'followed'} as if it were an error: "
+        f"readings are {read:.2g} m and {heading:.2g} rad (RMS) off; {_by_the_end(found.of_readings_m, read)}, "
         f"{share_of_path(found.of_readings_m, experiment)}; lower the gains"
     ]
 

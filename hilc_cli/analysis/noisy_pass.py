@@ -117,9 +117,7 @@ def _gains(experiment: Experiment, law: NormOptimalLaw, plan: PlannedMotion) -> 
     model = law.model
     return feedback_gains(
         plan.poses,
-        *step_gains(
-            model.wheel_radius, model.signed_half_track, experiment.reference.sample_time
-        ),
+        *step_gains(model.wheel_radius, model.signed_half_track, experiment.reference.sample_time),
         np.tile(weights, (len(plan.poses), 1)),
         parameters.input_change**-2,
     )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
-from hilc_cli.analysis.remedies import beyond_wheels
 from hilc_cli.api.circumstances import circumstances
+from hilc_cli.api.run_warnings import forewarnings, what_happened
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, UsageError
@@ -134,17 +134,13 @@ class Run(RunData):
             "yardsticks": {name: dict(values) for name, values in self.yardsticks.items()},
             "gravity_center_m": list(self.gravity_center),
             "diverged_at": self.diverged_at,
+            "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
             **circumstances(self.started, _LIBRARIES),
             "command": list(command),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
         }
-
-
-def forewarnings(scenario: Scenario) -> list[str]:
-    """What is legal but probably not meant, and what no law can do, to be told before a run."""
-    return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
 
 
 def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
@@ -180,7 +176,7 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
             raise
         diverged_at = error.iteration
         trials[last.iteration] = last  # the last one always is kept
-    return Run(
+    result = Run(
         name=scenario.name,
         reference=experiment.reference,
         metrics=metrics,
@@ -195,6 +191,8 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
         started=started,
         timings={"simulation": time.perf_counter() - clock},
     )
+    warnings = (*forewarnings(scenario), *what_happened(result, experiment))
+    return replace(result, warnings=warnings)
 
 
 def measured_trials(experiment: Experiment, metrics: MetricsTable) -> Iterator[Trial]:

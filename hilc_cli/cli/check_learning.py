@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
 from hilc_cli.cli.check_errors import errors_grid, errors_in_brief
-from hilc_cli.cli.check_other_laws import feedback_law, other_law, step_gain_document, step_gain_row
+from hilc_cli.cli.check_other_laws import (
+    feedback_law,
+    other_law,
+    response_rows,
+    step_gain_document,
+    step_gain_row,
+    wheel_document,
+    wheel_rows,
+)
 from hilc_cli.cli.section import Section, counted
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
@@ -23,21 +31,24 @@ _ROUNDING = 1e-12  # of the path's size
 
 def learning_section(check: Check) -> Section:
     """The theory's figures; of a law that it does not know, that it does not."""
-    title, found, notes, brief = "Does learning converge?", check.forecast, [], None
+    title, found = "Does learning converge?", check.forecast
+    brief, noise = None, check.law.wheels
     if found is not None:
         title += f" ({WHERE})"
         rows, document = _rows(check, found), _document(check, found)
         brief = _brief(check, found)
     elif check.law.tracking is not None:
-        title, notes = "What does the feedback reach?", [f"{WHERE.capitalize()}."]
-        rows, document = feedback_law(check.law.tracking)
+        title = "What does the feedback reach?"
+        rows, document = feedback_law(check.law)
+        brief = [*response_rows(check.law), *wheel_rows(noise)]
     else:
         rows, document = other_law(check.law)
+    document |= wheel_document(noise)
     if check.simulated is not None:
         document["simulated"] = _simulated(check.simulated.summary)
     errors = errors_grid(check)
     grids = [] if errors is None else [errors]
-    return Section("learning", title, rows, grids, document, notes, brief)
+    return Section("learning", title, [*rows, *wheel_rows(noise)], grids, document, (), brief)
 
 
 def _brief(check: Check, found: Forecast) -> list[tuple[str, str]]:
@@ -47,6 +58,7 @@ def _brief(check: Check, found: Forecast) -> list[tuple[str, str]]:
         ("Learning", _verdict(found, last)),
         *errors_in_brief(found, last),
         *_rest(check, found),
+        *wheel_rows(check.law.wheels),
     ]
 
 

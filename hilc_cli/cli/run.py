@@ -72,9 +72,9 @@ def run(
     requirements = parse_requirements(require or [], valid.spec.controller.figures())
     folder = Path("runs") / valid.name if out is None else out
     api.check_folder(valid, folder, force=force)
-    warnings = api.forewarnings(valid)
+    known = api.forewarnings(valid)
     if not quiet:
-        for warning in warnings:
+        for warning in known:
             say(f"warning: {warning}")
     session: Session = context.obj
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet) as advance:
@@ -92,10 +92,13 @@ def run(
         command=sys.argv,
     )
     summary = result.summary()
+    if not quiet:
+        for warning in summary.warnings[len(known) :]:
+            say(f"warning: {warning}")
     reached = summary.reached
     unmet = [requirement for requirement in requirements if not requirement.met(reached)]
     if json:
-        print_json(_document(result, summary, folder, requirements, warnings))
+        print_json(_document(result, summary, folder, requirements))
     elif not quiet:
         from hilc_cli.cli.summary_table import summary_table
 
@@ -123,7 +126,6 @@ def _document(
     summary: Summary,
     folder: Path,
     requirements: list[Requirement],
-    warnings: list[str],
 ) -> dict[str, object]:
     last = result.last.iteration
     gravity_x, gravity_y, heading = result.gravity_center_path(last)
@@ -139,7 +141,6 @@ def _document(
             "y_m": float(gravity_y[-1]),
             "heading_rad": float(heading[-1]),
         },
-        "warnings": warnings,
         "requirements": [
             {"text": requirement.text, "met": requirement.met(summary.reached)}
             for requirement in requirements

@@ -31,6 +31,7 @@ class RunData:
             start_offset; what is not known is left out.
         yardsticks: Values to hold what the law tells against, by column of ``learning.csv`` and
             by name, such as ``true`` and ``believed``; what is not known is left out.
+        warnings: What was probably not meant: first what was known beforehand, then what happened.
     """
 
     name: str
@@ -43,6 +44,7 @@ class RunData:
     learning: LearningTable = field(default_factory=LearningTable)
     settings: Mapping[str, str] = field(default_factory=dict)
     yardsticks: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
 
     @property
     def last(self) -> Trial:

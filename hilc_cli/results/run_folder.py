@@ -163,6 +163,7 @@ def read_run_folder(path: Path) -> RunData:
         learning=read_learning(path / LEARNING),
         settings=_texts(manifest.get("settings")),
         yardsticks=_numbers(manifest.get("yardsticks")),
+        warnings=_lines(manifest.get("warnings")),
     )
 
 
@@ -178,6 +179,12 @@ def _texts(value: object) -> dict[str, str]:
     if not isinstance(value, dict):
         return {}
     return {key: text for key, text in value.items() if isinstance(text, str)}
+
+
+def _lines(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list):
+        return ()
+    return tuple(text for text in value if isinstance(text, str))
 
 
 def _numbers(value: object) -> dict[str, dict[str, float]]:

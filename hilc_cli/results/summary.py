@@ -28,6 +28,7 @@ class Summary:
         diverged_at: The iteration that left the finite numbers; None if none did.
         learning: What the law tells of the last completed iteration, by column of
             ``learning.csv``; not-a-number where there is no such figure.
+        warnings: What was probably not meant, known beforehand or seen in the results.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Summary:
     saturated_share: float
     diverged_at: int | None
     learning: dict[str, float]
+    warnings: tuple[str, ...]
 
     @property
     def reached(self) -> dict[str, float]:
@@ -68,4 +70,5 @@ def summarise(run: RunData) -> Summary:
         saturated_share=float(saturated) / (len(run.metrics) * run.reference.samples),
         diverged_at=run.diverged_at,
         learning=run.learning.last(),
+        warnings=run.warnings,
     )
