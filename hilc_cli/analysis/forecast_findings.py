@@ -6,9 +6,11 @@ import math
 
 import numpy as np
 
+from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.forecast import MARGIN, Forecast, rest_error
 from hilc_cli.analysis.matrices import desired_motion, learning_law
+from hilc_cli.analysis.noise_findings import share_of_path
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.reasons import Reasons, reasons_of
 from hilc_cli.analysis.transient import FAR_HEADING
@@ -17,28 +19,40 @@ from hilc_cli.engine.experiment import Experiment
 _FAR = 0.01  # of the path's size: what is further off does not count as on the reference
 
 
-def forecast_findings(experiment: Experiment, found: Forecast) -> Findings:
-    """What the figures mean for the experiment."""
-    if experiment.iterations == 0:
+def forecast_findings(experiment: Experiment, found: Forecast, expected: ExpectedError) -> Findings:
+    """What the figures mean for the experiment.
+
+    Args:
+        experiment: The experiment.
+        found: What is predicted of it.
+        expected: What its last iteration is expected to be.
+    """
+    outcome = found.outcome
+    if outcome is Outcome.NOTHING:
         return Findings()  # nothing is to be learned
-    if not found.settles:
+    if outcome is Outcome.CANNOT_CONVERGE:
         return Findings(failures=(_why_it_does_not_settle(experiment, found),))
-    hopeless = (
-        found.rest is not None
-        and not found.rest.is_finite
-        and found.outcome(experiment.iterations) is Outcome.DOES_NOT_LEARN
+    worse = tuple(_of_disturbances(expected, outcome))
+    of_errors = tuple(_of_errors(experiment, found, expected))
+    fails = outcome is Outcome.MADE_WORSE or (
+        outcome is Outcome.DOES_NOT_LEARN and not _rests(found)
     )
-    of_errors = tuple(_of_errors(experiment, found))
     return Findings(
-        failures=of_errors if hopeless else (),
+        failures=(*worse, *of_errors) if fails else (),
         warnings=(
             *_of_the_start(experiment),
-            *(() if hopeless else of_errors),
+            *(() if fails else (*worse, *of_errors)),
+            *(() if found.settles else (_why_it_does_not_settle(experiment, found),)),
             *_of_ripples(experiment, found),
             *_of_rest(experiment, found),
             *_of_limit(experiment, found),
         ),
     )
+
+
+def _rests(found: Forecast) -> bool:
+    """Whether there may be a motion to rest at, now or later."""
+    return found.settles and (found.rest is None or found.rest.is_finite)
 
 
 def _why_it_does_not_settle(experiment: Experiment, found: Forecast) -> str:
@@ -65,29 +79,47 @@ def _of_the_start(experiment: Experiment) -> list[str]:
     ]
 
 
-def _of_errors(experiment: Experiment, found: Forecast) -> list[str]:
+def _of_disturbances(expected: ExpectedError, outcome: Outcome) -> list[str]:
+    """Of disturbances that outweigh what is learned."""
+    if outcome not in (Outcome.MADE_WORSE, Outcome.DROWNED):
+        return []
+    does = "makes disturbances larger" if outcome is Outcome.MADE_WORSE else "cannot help much"
+    return [
+        f"learning {does}: without them the error falls from {expected.first_m:.3g} m to "
+        f"{expected.final_m:.3g} m, with them it may be {expected.foretold_m:.3g} m in the last "
+        "iteration; lower the gains, or make the disturbances smaller"
+    ]
+
+
+def _of_errors(experiment: Experiment, found: Forecast, expected: ExpectedError) -> list[str]:
     """Of predicted errors that do not fall, and of those that say nothing any more."""
-    errors = found.transient.max_position_error_m
-    last = min(experiment.iterations, found.transient.iterations)
-    outcome, rough = found.outcome(last), found.transient.rough_from
-    if rough is not None and rough <= last:
-        largest = found.transient.range_m
-        grown = f"the predicted error grows beyond {largest:.3g} m in iteration {rough}"
-        if outcome is Outcome.DOES_NOT_LEARN:
-            return [
-                f"no learning is to be expected: {grown}, and there is no motion near the "
-                "path to rest at; change the gains or controller.gain_matrix"
-            ]
+    errors, outcome = found.errors_m, found.outcome
+    last = len(errors) - 1
+    is_worse = not errors[-1] < errors[0]
+    if outcome is Outcome.DOES_NOT_LEARN and not _rests(found) and is_worse:
         return [
-            f"{grown}, out of the linear theory's range: from there on its errors and counts are "
-            "rough, without a limit off by orders; see what a simulation says (--simulate), or "
-            "change the gains"
+            f"no learning is to be expected: the predicted error grows from {errors[0]:.3g} m to "
+            f"{errors[-1]:.3g} m in iteration {last}, and there is no motion near the path to "
+            "rest at; change the gains or controller.gain_matrix"
         ]
-    if outcome is not Outcome.DOES_NOT_LEARN or errors[last] < errors[0]:
+    if outcome is Outcome.MADE_WORSE:
+        return []
+    if expected.unsure is not None:
+        return [
+            f"the error of iteration {last} cannot be foretold, since {expected.unsure}: see what "
+            "a simulation says (--simulate), or change the gains"
+        ]
+    if outcome is Outcome.GROWS_WITHIN:
+        best = int(errors.argmin())
+        return [
+            f"the predicted error grows again, from {errors[best]:.3g} m in iteration {best} to "
+            f"{errors[-1]:.3g} m in iteration {last}; stop earlier, or change the gains"
+        ]
+    if outcome is not Outcome.DOES_NOT_LEARN or not is_worse:
         return []
     return [
         f"no learning is to be expected within {last} iterations: the predicted error is "
-        f"{errors[0]:.3g} m in iteration 0 and {errors[last]:.3g} m in the last; change the gains, "
+        f"{errors[0]:.3g} m in iteration 0 and {errors[-1]:.3g} m in the last; change the gains, "
         "or raise iterations"
     ]
 
@@ -119,7 +151,7 @@ def _of_rest(experiment: Experiment, found: Forecast) -> list[str]:
     where = " after sample h" if found.rest_from > 1 else " after the start"
     return [
         f"learning does not rest on the reference: there its position error{where} is up to "
-        f"{error:.3g} m, {_share(error, experiment)} the path's size; {why}"
+        f"{error:.3g} m, {share_of_path(error, experiment)}; {why}"
     ]
 
 
@@ -135,14 +167,8 @@ def _of_filter(experiment: Experiment, found: Forecast) -> list[str]:
         return []
     return [
         f"learning does not rest on the reference: the predicted error ends at {last:.3g} m, "
-        f"{_share(last, experiment)} the path's size; {_reasons(experiment).rest_off()}"
+        f"{share_of_path(last, experiment)}; {_reasons(experiment).rest_off()}"
     ]
-
-
-def _share(error: float, experiment: Experiment) -> str:
-    """An error as a share of the path's size, or as a multiple of it."""
-    sizes = error / experiment.reference.size if experiment.reference.size else math.inf
-    return f"{100 * sizes:.2g} % of" if sizes < 1 else f"{sizes:.3g} times"
 
 
 def _of_limit(experiment: Experiment, found: Forecast) -> list[str]:

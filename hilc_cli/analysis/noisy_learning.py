@@ -12,13 +12,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.analysis.lifted import LiftedIteration
-from hilc_cli.analysis.noise_draws import DisturbanceDraws
+from hilc_cli.analysis.noise_draws import SEEDS, DisturbanceDraws
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.robot import step_gains
 
 _MOST_STEPS = 30_000
 """Samples that may be followed one by one: about 0.4 s. More is done without the limit."""
+_MOST_SAMPLES = 6_000_000
+"""Of all iterations and seeds: about half a second. What is longer is not followed to its end."""
+_SAMPLES_AS_LONG_AS_A_CALL = 300
+"""What an iteration costs beside its samples, counted in samples."""
+_FEWEST = 7
+"""Seeds where more would take too long."""
 _WITHIN = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 
 
@@ -39,20 +45,39 @@ class NoisyLearning:
     is_limited: bool
 
     @property
+    def iterations(self) -> int:
+        """The last iteration, that of the experiment if it could be followed so far."""
+        return len(self.position_m) - 1
+
+    @property
+    def seeds(self) -> int:
+        """Number of columns; 1 without disturbances."""
+        return self.position_m.shape[1]
+
+    @property
     def final_m(self) -> Floats:
         """Largest position error of the last iteration [m], shape (seeds,)."""
         last: Floats = self.position_m[-1]
         return last
 
 
-def noisy_learning(experiment: Experiment, seeds: int) -> NoisyLearning:
+def noisy_learning(experiment: Experiment, seeds: int = SEEDS) -> NoisyLearning:
     """The errors of an experiment of the laws hybrid and pid.
 
     Args:
         experiment: With its disturbances and its limit.
-        seeds: How many; the draws are the same in each call, and those of no run.
+        seeds: How many are followed, the first of them without disturbances; one where there are
+            none. The draws are the same in each call, and those of no run.
     """
-    return _Ensemble(experiment, seeds).learned()
+    disturbance = experiment.disturbance
+    sources = disturbance.state, disturbance.output, disturbance.initial_pose
+    samples = experiment.reference.samples + _SAMPLES_AS_LONG_AS_A_CALL
+    if not any(source.active for source in sources):
+        seeds = 1
+    elif seeds * samples * (experiment.iterations + 1) > _MOST_SAMPLES:
+        seeds = _FEWEST
+    iterations = min(experiment.iterations, _MOST_SAMPLES // (samples * seeds))
+    return _Ensemble(experiment, seeds).learned(iterations)
 
 
 class _Ensemble:
@@ -72,8 +97,7 @@ class _Ensemble:
         self._loop = self._inputs @ self._gains
         self._feedforward = plant.feedforward[:, :, None]
 
-    def learned(self) -> NoisyLearning:
-        last = self._experiment.iterations
+    def learned(self, last: int) -> NoisyLearning:
         shape = last + 1, self._seeds
         position, heading, held = np.full(shape, np.inf), np.full(shape, np.inf), np.zeros(shape)
         lifted, n = self._lifted, self._lifted.samples

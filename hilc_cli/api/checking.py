@@ -19,6 +19,7 @@ from hilc_cli.analysis.law_theory import LawTheory, law_theory
 from hilc_cli.analysis.matrices import is_hybrid
 from hilc_cli.analysis.remedies import feasibility_findings
 from hilc_cli.analysis.theories import theories
+from hilc_cli.analysis.unavoidable import with_what_is_left
 from hilc_cli.api.check_simulation import Simulated, simulated, theory_findings
 from hilc_cli.api.running import OnIteration
 from hilc_cli.files import merge_folder
@@ -157,9 +158,15 @@ def check(
         feasibility = scenario.feasibility()
         findings = {
             "settings": Findings(warnings=(*scenario.warnings(), *advice(experiment))),
-            "feasibility": feasibility_findings(feasibility),
         }
         theory = law_theory(experiment)
+        findings["feasibility"] = with_what_is_left(
+            feasibility_findings(feasibility),
+            feasibility,
+            experiment,
+            scenario.setting.model,
+            theory.expected,
+        )
         findings["learning"] = theory.findings
         premises, bounds = None, None
         if is_hybrid(experiment.law):

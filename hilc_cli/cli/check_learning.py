@@ -109,11 +109,13 @@ def _verdict(found: Forecast, iterations: int) -> str:
             "unclear: predicted errors leave the linear theory's range in iteration "
             f"{transient.rough_from}"
         ),
+        Outcome.MADE_WORSE: "makes disturbances larger, not errors smaller",
+        Outcome.DROWNED: "what is learned drowns in disturbances",
         Outcome.GROWS_WITHIN: f"learns until iteration {best}, then its error grows again",
         Outcome.GROWS_LATER: f"learns {within}, but its error {later}",
         Outcome.LEARNS: f"learns {within}",
         Outcome.NOTHING: "nothing to learn: no iterations",
-    }[found.outcome(iterations)]
+    }[found.outcome]
 
 
 def _rest(check: Check, found: Forecast) -> list[tuple[str, str]]:
@@ -147,7 +149,7 @@ def _document(check: Check, found: Forecast) -> dict[str, object]:
     transient, rest = found.transient, found.rest
     predicted = transient.at(check.scenario.spec.iterations)
     return {
-        "verdict": found.outcome(check.scenario.spec.iterations).value,
+        "verdict": found.outcome.value,
         **({} if found.step_gain is None else step_gain_document(found.step_gain)),
         "settles": found.settles,
         "spectral_radius": found.spectral_radius,

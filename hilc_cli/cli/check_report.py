@@ -95,7 +95,7 @@ def verdict(check: Check) -> str:
     if check.failures:
         return f"cannot work, {counted(len(check.failures), 'error')}{warned}"
     expected = check.forecast
-    outcome = None if expected is None else expected.outcome(check.scenario.spec.iterations)
+    outcome = None if expected is None else expected.outcome
     if outcome in _UNSURE:
         return f"{_UNSURE[outcome]}{warned}"
     return f"works{warned}" if warned else "nothing wrong"
