@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hilc_cli.disturbance.streams import Bounded, scaled
+from hilc_cli.analysis.noise_draws import NoiseDraws
+from hilc_cli.disturbance.streams import Bounded
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.robot import advance, step_gains
@@ -24,7 +25,6 @@ ManyWheels = Callable[[int, Floats, Floats, Floats, Floats, Floats], tuple[Float
 SEEDS = 100
 """Passes of each kind that is disturbed."""
 _BLOCK = 64  # samples whose disturbances are drawn at once
-_SEED = 20210401  # of the draws, which are those of no run
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,14 +134,19 @@ class _Draws:
     """Draws of one disturbance for all passes, some of which do not have it."""
 
     def __init__(
-        self, source: Bounded, has: Sequence[bool], counts: Sequence[int], stream: int
+        self, source: Bounded, has: Sequence[bool], counts: Sequence[int], key: int
     ) -> None:
-        self._source, self._most = source, max(counts)
-        self._random = np.random.default_rng([_SEED, stream])
+        """For kinds of so many passes each, and whether each kind has it."""
+        # Block by block, of which a repeated disturbance would be the same.
+        self._noise = NoiseDraws(replace(source, repeat=False), 1 + max(counts), key)
         self._active = source.active and any(has)
-        # Each pass of a kind that has it takes one draw of its own, the others take none of it.
-        self._draw = np.concatenate([np.arange(count) for count in counts])
-        self._share = np.repeat(np.array(has, dtype=float), counts)
+        # Each pass of a kind that has it takes a draw of its own, the others the first, which is 0.
+        self._which = np.concatenate(
+            [
+                np.arange(count) + 1 if h else np.zeros(count, int)
+                for h, count in zip(has, counts, strict=True)
+            ]
+        )
         self._block: list[Floats] = []
 
     def at(self, k: int) -> Floats | None:
@@ -149,12 +154,7 @@ class _Draws:
         if not self._active:
             return None
         if k % _BLOCK == 0:
-            # Open at both ends, as the engines' are.
-            unit = self._random.uniform(1e-12, 1 - 1e-12, (3, _BLOCK, self._most))
-            source = self._source
-            drawn = [
-                scaled(one, source.distribution, bound, deviation)
-                for one, bound, deviation in zip(unit, source.bound, source.deviation, strict=True)
-            ]
-            self._block = list(np.stack(drawn, axis=1)[:, :, self._draw] * self._share)
+            drawn = self._noise.drawn(_BLOCK)
+            assert drawn is not None  # it is active
+            self._block = list(drawn[:, :, self._which])
         return self._block[k % _BLOCK]

@@ -8,9 +8,9 @@ from typing import TypeGuard
 import numpy as np
 
 from hilc_cli.analysis.findings import Findings
-from hilc_cli.analysis.many_passes import Passes
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 
 _ROUNDING = 1e-9  # relative: within it a wheel is at its limit
@@ -35,13 +35,34 @@ class WheelNoise:
     undisturbed: float
 
     @classmethod
-    def of(cls, quiet: Passes, disturbed: Passes) -> WheelNoise:
-        """From passes without and with disturbances."""
-        return cls(
-            float((disturbed.change_rad_s**2).mean() ** 0.5),
-            float(disturbed.at_limit.mean()),
-            float(quiet.at_limit.mean()),
-        )
+    def of_seeds(cls, change_rad_s: Floats, at_limit: Floats) -> WheelNoise | None:
+        """From passes of many seeds.
+
+        Args:
+            change_rad_s: RMS change of each from sample to sample beside the first [rad/s].
+            at_limit: Share of its samples at which the limit acts.
+
+        Returns:
+            None if the first, which is not disturbed, is like all others, or one is not finite.
+        """
+        if not change_rad_s.any() or not np.isfinite(change_rad_s).all():
+            return None
+        change = np.sqrt((change_rad_s[1:] ** 2).mean())
+        return cls(float(change), float(at_limit[1:].mean()), float(at_limit[0]))
+
+
+def changes_beside_first(inputs: Floats) -> Floats:
+    """RMS change of wheel speeds from sample to sample beside those of the first pass [rad/s].
+
+    Args:
+        inputs: Shape (n, 2, passes) [rad/s].
+
+    Returns:
+        Shape (passes,).
+    """
+    changes = np.diff(inputs - inputs[:, :, :1], axis=0)
+    found: Floats = np.sqrt((changes**2).sum(axis=(0, 1)) / (2 * max(len(changes), 1)))
+    return found
 
 
 def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:

@@ -132,8 +132,9 @@ def test_disturbed_passes_are_those_of_other_seeds(limit: float) -> None:
     found = response_of(made)
     expected, wheels = found.expected, found.wheels
     errors = [away(made, trial).max() for trial in trials]
-    # 95 of 100 stay below; of 80 that is 69 to 80 but once in a thousand.
-    assert 69 <= sum(error <= expected.foretold_m for error in errors) <= 79
+    # 95 of 100 stay below. Of 80 that is 76, give or take 2 by chance, and as much again, since
+    # what is foretold comes from a hundred passes: 67 to 80 but once in a thousand.
+    assert 67 <= sum(error <= expected.foretold_m for error in errors) <= 79
     parts = expected.of_start_m, expected.of_readings_m, expected.of_state_m
     assert max(parts) <= 1.05 * expected.noise_m
     assert min(parts) > 0
