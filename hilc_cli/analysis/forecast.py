@@ -80,20 +80,27 @@ class Forecast:
         return self.ripple.factor > 1 + MARGIN
 
     @property
+    def is_limited(self) -> bool:
+        """Whether the speed limit acts, disturbances left out."""
+        return bool(self.ensemble.at_limit[:, 0].any())
+
+    @property
     def errors_m(self) -> Floats:
         """Largest position errors of the experiment's iterations, without disturbances [m].
 
         With the speed limit, as far as it can be followed.
         """
-        held, last = self.ensemble, min(self.iterations, self.transient.iterations)
-        if held.at_limit[:, 0].any() or held.iterations > last:
-            return held.position_m[:, 0]
+        last = min(self.iterations, self.transient.iterations)
+        if self.is_limited or self.ensemble.iterations > last:
+            return self.ensemble.position_m[:, 0]
         return self.transient.max_position_error_m[: last + 1]
 
     @property
-    def acts_on_last(self) -> bool:
-        """Whether the speed limit acts in the last iteration, disturbances left out."""
-        return bool(self.ensemble.at_limit[-1, 0] > 0)
+    def later_m(self) -> Floats:
+        """Likewise of the iterations after the experiment, as far as they can be foretold [m]."""
+        if self.ensemble.at_limit[-1, 0] > 0:
+            return np.zeros(0)
+        return self.transient.max_position_error_m[self.iterations + 1 :]
 
     @property
     def outcome(self) -> Outcome:
@@ -104,9 +111,7 @@ class Forecast:
         return predicted_outcome(
             Prospects(
                 self.errors_m,
-                np.zeros(0)
-                if self.acts_on_last
-                else transient.max_position_error_m[self.iterations :],
+                self.later_m,
                 transient.path_size_m,
                 settles=self.settles,
                 rests=near,

@@ -33,7 +33,7 @@ def forecast_findings(experiment: Experiment, found: Forecast, expected: Expecte
     if outcome is Outcome.CANNOT_CONVERGE:
         return Findings(failures=(_why_it_does_not_settle(experiment, found),))
     worse = tuple(_of_disturbances(expected, outcome))
-    of_errors = tuple(_of_errors(experiment, found, expected))
+    of_errors = tuple(_of_errors(found, expected))
     fails = outcome is Outcome.MADE_WORSE or (
         outcome is Outcome.DOES_NOT_LEARN and not _rests(found)
     )
@@ -91,8 +91,8 @@ def _of_disturbances(expected: ExpectedError, outcome: Outcome) -> list[str]:
     ]
 
 
-def _of_errors(experiment: Experiment, found: Forecast, expected: ExpectedError) -> list[str]:
-    """Of predicted errors that do not fall, and of those that say nothing any more."""
+def _of_errors(found: Forecast, expected: ExpectedError) -> list[str]:
+    """Of predicted errors that do not fall."""
     errors, outcome = found.errors_m, found.outcome
     last = len(errors) - 1
     is_worse = not errors[-1] < errors[0]
@@ -102,13 +102,8 @@ def _of_errors(experiment: Experiment, found: Forecast, expected: ExpectedError)
             f"{errors[-1]:.3g} m in iteration {last}, and there is no motion near the path to "
             "rest at; change the gains or controller.gain_matrix"
         ]
-    if outcome is Outcome.MADE_WORSE:
-        return []
     if expected.unsure is not None:
-        return [
-            f"the error of iteration {last} cannot be foretold, since {expected.unsure}: see what "
-            "a simulation says (--simulate), or change the gains"
-        ]
+        return []
     if outcome is Outcome.GROWS_WITHIN:
         best = int(errors.argmin())
         return [

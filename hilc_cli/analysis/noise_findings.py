@@ -37,6 +37,24 @@ def noise_findings(
     )
 
 
+def unsure_findings(experiment: Experiment, found: ExpectedError | None) -> Findings:
+    """A warning where the error of the last iteration is not known beforehand.
+
+    Args:
+        experiment: The experiment.
+        found: What is expected, if anything is.
+    """
+    if found is None or found.unsure is None:
+        return Findings()
+    last = f"of iteration {experiment.iterations}"
+    return Findings(
+        warnings=(
+            f"the error {last} cannot be foretold, since {found.unsure}: see what a simulation "
+            "says (--simulate), or change the gains",
+        )
+    )
+
+
 def _of_start(experiment: Experiment, found: ExpectedError) -> list[str]:
     start = experiment.disturbance.initial_pose
     if not start.active:
@@ -62,7 +80,8 @@ def _of_readings(experiment: Experiment, found: ExpectedError, learns: bool) -> 
     read = math.hypot(x, y)
     return [
         f"disturbance.output is {'learned from' if learns else 'followed'} as if it were an error: "
-        f"readings are {read:.2g} m and {heading:.2g} rad (RMS) off; {_by_the_end(found.of_readings_m, read)}, "
+        f"readings are {read:.2g} m and {heading:.2g} rad (RMS) off; "
+        f"{_by_the_end(found.of_readings_m, read)}, "
         f"{share_of_path(found.of_readings_m, experiment)}; lower the gains"
     ]
 

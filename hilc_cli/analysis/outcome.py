@@ -28,7 +28,7 @@ class Outcome(StrEnum):
     OUT_OF_RANGE = "out-of-range"
     """The last error is out of the range of the linear theory, so that it does not tell."""
     MADE_WORSE = "made-worse-by-disturbances"
-    """Learning multiplies disturbances until the error is twice that of iteration 0 and more."""
+    """The error becomes twice that of iteration 0 and more: learning multiplies disturbances."""
     DROWNED = "drowned-by-disturbances"
     """It would fall, but disturbances may leave as large an error as iteration 0 has."""
     GROWS_WITHIN = "learns-then-grows-within"
@@ -46,7 +46,7 @@ class Prospects(NamedTuple):
 
     Attributes:
         errors: Largest position errors of the experiment's iterations, without disturbances [m].
-        later: Likewise of the last and of later ones, as far as they can be foretold.
+        later: Likewise of later ones, as far as they can be foretold.
         path_size: [m].
         settles: Whether the spectral radius may be below 1.
         rests: Whether there may be a motion near the path to rest at.
@@ -78,12 +78,26 @@ def predicted_outcome(found: Prospects) -> Outcome:
     first, last = float(found.disturbed_first.max()), found.disturbed_last
     if last.min() >= CLEARLY * max(first, small):
         return Outcome.MADE_WORSE
-    if plain in _LEARNING and last.max() > max(first, small):
+    if plain in LEARNING and last.max() > max(first, small):
         return Outcome.DROWNED
     return plain
 
 
-_LEARNING = (Outcome.LEARNS, Outcome.GROWS_LATER, Outcome.GROWS_WITHIN)
+def seen_outcome(errors: Floats, path_size: float) -> Outcome:
+    """The outcome of an experiment that was run.
+
+    Args:
+        errors: Largest position errors of its iterations [m]; the last one infinite if it left the
+            finite numbers.
+        path_size: [m].
+    """
+    if len(errors) > 1 and not errors[-1] < CLEARLY * max(errors[0], NEAR * path_size):
+        return Outcome.MADE_WORSE
+    return predicted_outcome(Prospects(errors, np.zeros(0), path_size))
+
+
+LEARNING = (Outcome.LEARNS, Outcome.GROWS_LATER, Outcome.GROWS_WITHIN)
+"""Those with an error that falls clearly."""
 
 
 def _without_disturbances(found: Prospects) -> Outcome:
@@ -103,8 +117,8 @@ def _without_disturbances(found: Prospects) -> Outcome:
         return Outcome.GROWS_WITHIN if least < first / CLEARLY else Outcome.DOES_NOT_LEARN
     if last > max(first / CLEARLY, small):
         return Outcome.DOES_NOT_LEARN
-    best = min(least, float(found.later.min(initial=math.inf)))
-    after = float(found.later.max(initial=0.0))
-    if (found.ripples_grow and not found.rests) or after > max(CLEARLY * best, small):
+    ahead = np.append(last, found.later)
+    after = float(ahead[int(ahead.argmin()) :].max())
+    if (found.ripples_grow and not found.rests) or after > max(CLEARLY * ahead.min(), small):
         return Outcome.GROWS_LATER
     return Outcome.LEARNS

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
 from hilc_cli.cli.check_errors import errors_grid, errors_in_brief
@@ -53,10 +55,10 @@ def learning_section(check: Check) -> Section:
 
 def _brief(check: Check, found: Forecast) -> list[tuple[str, str]]:
     """What learning does, for the report of one screen."""
-    last = check.scenario.spec.iterations
+    last, expected = check.scenario.spec.iterations, check.expected
     return [
         ("Learning", _verdict(found, last)),
-        *errors_in_brief(found, last),
+        *([] if expected is None else errors_in_brief(found, expected, last)),
         *_rest(check, found),
         *wheel_rows(check.law.wheels),
     ]
@@ -96,19 +98,15 @@ def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
 
 def _verdict(found: Forecast, iterations: int) -> str:
     """The outcome in words, with its iterations."""
-    transient = found.transient
-    within, best = f"within {counted(iterations, 'iteration')}", transient.best_until(iterations)
-    later = "grows again later"
-    ahead = transient.best_until(transient.iterations)
-    if iterations < ahead < transient.iterations:
+    errors = np.concatenate([found.errors_m, found.later_m])
+    within, later = f"within {counted(iterations, 'iteration')}", "grows again later"
+    best, ahead = int(found.errors_m.argmin()), int(errors.argmin())
+    if iterations < ahead < len(errors) - 1:
         later = f"grows again after iteration {ahead}"
     return {
         Outcome.CANNOT_CONVERGE: "cannot converge",
-        Outcome.DOES_NOT_LEARN: f"does not learn {within}",
-        Outcome.OUT_OF_RANGE: (
-            "unclear: predicted errors leave the linear theory's range in iteration "
-            f"{transient.rough_from}"
-        ),
+        Outcome.DOES_NOT_LEARN: f"does not halve the error {within}",
+        Outcome.OUT_OF_RANGE: "unclear: the last error is out of the linear theory's range",
         Outcome.MADE_WORSE: "makes disturbances larger, not errors smaller",
         Outcome.DROWNED: "what is learned drowns in disturbances",
         Outcome.GROWS_WITHIN: f"learns until iteration {best}, then its error grows again",
