@@ -60,6 +60,7 @@ def check(
     """
     from hilc_cli import api
     from hilc_cli.cli.check_report import document, sections
+    from hilc_cli.cli.default_folders import default_folder
     from hilc_cli.cli.section import print_section
     from hilc_cli.cli.terminal import print_json, print_text, progress, say
     from hilc_cli.errors import UsageError
@@ -78,7 +79,7 @@ def check(
         found = api.check(valid, simulate=simulate, on_iteration=on_iteration)
     pictures: list[Path] = []
     if plot:
-        folder = Path("runs") / f"{valid.name}-check" if out is None else out
+        folder = out or default_folder(valid.name, set_, "-check")
         names = [choice.value for choice in formats or [PictureFormat.PNG]]
         pictures = found.plot(folder, formats=names, may_replace=lambda file: force or out is None)
         if not pictures:

@@ -65,12 +65,13 @@ def run(
       hilc run my.yaml --json --no-plots --require 'max_position_error_m<=0.05'
     """
     from hilc_cli import api
+    from hilc_cli.cli.default_folders import default_folder
     from hilc_cli.cli.requirements import parse_requirements
     from hilc_cli.cli.terminal import print_json, print_table, print_text, progress, say
 
     valid = api.load_scenario(scenario, set_ or [])
     requirements = parse_requirements(require or [], valid.spec.controller.figures())
-    folder = Path("runs") / valid.name if out is None else out
+    folder = out or default_folder(valid.name, set_)
     api.check_folder(valid, folder, force=force)
     known = api.forewarnings(valid)
     if not quiet:

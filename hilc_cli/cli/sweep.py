@@ -161,6 +161,7 @@ def sweep(
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
     from hilc_cli import api
+    from hilc_cli.cli.default_folders import SWEEP, default_folder, folder_of_shards, shard_folder
     from hilc_cli.cli.sweep_report import AGAIN, SHARDS_AGAIN, SweepReport
 
     session: Session = context.obj
@@ -179,7 +180,7 @@ def sweep(
         _check_merge(vary, sample, cases, seed, minimise, tolerance, bands, metric, set_, workers,
                      scheduler, shard, resume, fail_fast, dry_run)  # fmt: skip
         result = api.merge_shards([Path(folder) for folder in targets], go_on=session.go_on)
-        folder = out or Path("runs") / f"{result.name}-sweep"
+        folder = out or folder_of_shards(result.name, [Path(target) for target in targets])
         result.write(folder, **writing)
         report.result(result, folder, SHARDS_AGAIN)
         return
@@ -208,15 +209,14 @@ def sweep(
         computed = len(plan.cases if part is None else api.shard_cases(len(plan.cases), *part))
         report.estimate(plan, api.estimate(plan, workers or api.available_cores(), computed))
         return
-    place = Path("runs") / f"{plan.name}-sweep"
+    folder = out or default_folder(plan.name, set_, SWEEP)
     kept = {"resume": resume, "force": force}
     if part is not None:
-        folder = out or place.with_name(f"{place.name}.{part[0]}-of-{part[1]}")
+        folder = shard_folder(folder, *part)
         with resumable(folder), report.progress(plan, part) as on_cases:
             failures = api.sweep_shard(plan, part, folder, how.telling(on_cases), **kept)
         report.shard(plan, part, failures, folder)
         return
-    folder = out or place
     api.check_sweep_output(plan, folder, force=force)
     work = api.work_folder(folder)
     if resume and not api.is_resumable(work) and api.is_complete(plan, folder):

@@ -15,7 +15,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file, write_folder
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import read_learning, write_learning
-from hilc_cli.results.output_folder import check_replaceable, read_manifest
+from hilc_cli.results.output_folder import check_replaceable, keep_pictures, read_manifest
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
     read_iterations,
@@ -88,6 +88,7 @@ def write_run_folder(
             write_gravity_center(folder / GRAVITY_CENTER, run.reference.times, paths)
         if draw is not None:
             draw(folder)
+        keep_pictures(path, folder, TABLES - {MANIFEST}, PICTURES)
         files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
         text = json.dumps({"kind": KIND, **manifest(), "files": files}, indent=2)
         (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
