@@ -49,7 +49,8 @@ def check(
     and to what, and what do the paper's theorems say? Exits with 3 if the scenario cannot work,
     and says why and what would help; what is legal but unwise is a warning. --simulate runs it as
     well, and puts the errors beside what theory says. --plot writes transient.png and
-    transient.csv to --out, by default runs/NAME-check; nothing else is written.
+    transient.csv to --out, by default runs/NAME-check, or with --set KEY=VALUE
+    runs/NAME+key=value-check; nothing else is written.
 
     \b
     Examples:

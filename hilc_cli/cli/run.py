@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hilc_cli.cli.candidates import complete_metric
 from hilc_cli.cli.options import (
     Force,
     Formats,
@@ -41,9 +42,10 @@ def run(
     require: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="'METRIC<=VALUE'",
+            metavar="METRIC:le:VALUE",
             help="Exit with 3 unless a metric of the last iteration, or a figure that its law "
-            "tells, keeps a bound; repeatable.",
+            "tells, keeps a bound (le, lt, ge, gt, or in quotes 'METRIC<=VALUE'); repeatable.",
+            autocompletion=complete_metric,
             show_default=False,
         ),
     ] = None,
@@ -56,13 +58,15 @@ def run(
 ) -> None:
     """Simulate a scenario.
 
-    Writes tables and pictures to a run folder, by default runs/NAME, and prints a summary.
+    Writes tables and pictures to a run folder, by default runs/NAME, or with --set KEY=VALUE
+    runs/NAME+key=value, and prints a summary. Pictures that are there stay if the tables are the
+    same.
 
     \b
     Examples:
       hilc run scenarios/fig3-circle.yaml
-      hilc run example:fig6c --set controller.b_w=null --set iterations=20 --out runs/free
-      hilc run my.yaml --json --no-plots --require 'max_position_error_m<=0.05'
+      hilc run example:fig6c --set controller.b_w=null --set iterations=20
+      hilc run my.yaml --json --no-plots --require max_position_error_m:le:0.05
     """
     from hilc_cli import api
     from hilc_cli.cli.default_folders import default_folder
