@@ -43,10 +43,12 @@ def folder_of_shards(name: str, shards: Sequence[Path]) -> Path:
         name: Of the scenario.
         shards: Their folders. What ``--set`` has changed is known by their names alone.
     """
-    names = {re.sub(r"\.[0-9]+-of-[0-9]+$", "", shard.name) for shard in shards}
-    if len(names) == 1 and re.fullmatch(rf"{re.escape(name)}(\+[^/]*)?{SWEEP}", *names):
-        return RUNS / names.pop()
-    return RUNS / f"{name}{SWEEP}"
+    plain = f"{name}{SWEEP}"
+    found = {re.sub(r"\.[0-9]+-of-[0-9]+$", "", shard.name) for shard in shards}
+    with_changes = min(found)
+    if len(found) == 1 and with_changes.startswith(f"{name}+") and with_changes.endswith(SWEEP):
+        return RUNS / with_changes
+    return RUNS / plain
 
 
 def _changes(overrides: Sequence[str]) -> str:

@@ -105,9 +105,9 @@ def run(
     if json:
         print_json(_document(result, summary, folder, requirements))
     elif not quiet:
-        from hilc_cli.cli.summary_table import summary_table
+        from hilc_cli.cli.summary_table import summary_report
 
-        print_table(summary_table(summary, valid.speed_limit))
+        print_table(summary_report(summary, valid.speed_limit))
         print_text(f"Written to {folder}")
     if verbose:
         for step, seconds in {**result.timings, **timings}.items():

@@ -9,9 +9,11 @@ import numpy as np
 
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.learning import LearningTable
-from hilc_cli.results.metrics import MetricsTable
+from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, MetricsTable
 from hilc_cli.results.trial import Trial
 from hilc_cli.robot import gravity_center_position
+
+_SAME_POSE = 1e-9  # of the path's size, or in radians
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,6 +57,25 @@ class RunData:
     def learned_input(self) -> tuple[Floats, Floats]:
         """Left and right wheel speeds [rad/s] that were learned last, shape (n,) each."""
         return self.last.left, self.last.right
+
+    @property
+    def starts_off(self) -> bool:
+        """Whether the last completed iteration starts at another pose than the trajectory does."""
+        reference, trial = self.reference, self.last
+        return bool(
+            max(abs(reference.x[0] - trial.x[0]), abs(reference.y[0] - trial.y[0]))
+            > _SAME_POSE * reference.size
+            or abs(reference.heading[0] - trial.heading[0]) > _SAME_POSE
+        )
+
+    @property
+    def start_decides(self) -> bool:
+        """Whether a start beside the trajectory decides the maximum position error.
+
+        That error then tells nothing of what is learned; the one of the second half does.
+        """
+        last = self.metrics.row(-1)
+        return self.starts_off and last[MAX_ERROR_SECOND_HALF] < last[MAX_ERROR]
 
     def position_error(self, iteration: int) -> Floats:
         """Distance from the reference at each sample of a recorded iteration [m].

@@ -4,10 +4,32 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, settled_at
 from hilc_cli.results.run import RunData
 
 RELATIVE_TOLERANCES = {"1 %": 0.01, "0.1 %": 0.001}
 """Shares of the path's size that the error is to fall below."""
+
+
+@dataclass(frozen=True, slots=True)
+class OnPath:
+    """How near to the path a run has come, and from when on.
+
+    The tolerance is the smallest share of the path's size in ``RELATIVE_TOLERANCES`` that the last
+    iteration keeps: on the whole path, or, if it starts beside it, in the second half.
+
+    Attributes:
+        tolerance_m: The tolerance.
+        from_s: Time from which on the last iteration stays within it; 0 if it does from sample 0.
+        from_iteration: First iteration from which on each keeps it, on the whole path if
+            ``from_s`` is 0, else in the second half; None if that was not recorded.
+    """
+
+    tolerance_m: float
+    from_s: float
+    from_iteration: int | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,9 +41,17 @@ class Summary:
         trajectory: Name of the trajectory.
         iterations: Number of the last completed iteration.
         path_size_m: Longer side of the trajectory's bounding box.
+        starts_off: Whether the last iteration starts at another pose than the trajectory does; the
+            maximum error is then never below the initial one.
+        on_path: How near to the path the last iteration is, and from when on; None if it is not
+            even within the largest of ``RELATIVE_TOLERANCES``.
         final: All metrics of the last completed iteration.
         settled_at: By share of the path's size: the first iteration from which on the maximum
             position error stays at or below it; None if it does not.
+        settled_second_half_at: The same for the error of the second half.
+        least_error_m: Smallest maximum error of all iterations; of the second half if the last
+            iteration starts beside the path.
+        least_error_iteration: The iteration that had it.
         peak_max_position_error_m: Largest maximum position error of all iterations.
         peak_iteration: The iteration that had it.
         saturated_share: Share of all samples of all iterations at which the speed limit acted.
@@ -35,8 +65,13 @@ class Summary:
     trajectory: str
     iterations: int
     path_size_m: float
+    starts_off: bool
+    on_path: OnPath | None
     final: dict[str, float]
     settled_at: dict[str, int | None]
+    settled_second_half_at: dict[str, int | None]
+    least_error_m: float
+    least_error_iteration: int
     peak_max_position_error_m: float
     peak_iteration: int
     saturated_share: float
@@ -52,7 +87,10 @@ class Summary:
 
 def summarise(run: RunData) -> Summary:
     """The summary of a run with at least one completed iteration."""
-    errors = run.metrics["max_position_error_m"]
+    errors, second_half = run.metrics[MAX_ERROR], run.metrics[MAX_ERROR_SECOND_HALF]
+    # Folders of before the metric was have no numbers there.
+    known = run.starts_off and bool(np.isfinite(second_half).any())
+    telling = second_half if known else errors
     size = run.reference.size
     saturated = run.metrics["saturated_samples"].sum()
     return Summary(
@@ -60,11 +98,19 @@ def summarise(run: RunData) -> Summary:
         trajectory=run.reference.name,
         iterations=len(run.metrics) - 1,
         path_size_m=size,
+        starts_off=run.starts_off,
+        on_path=_on_path(run),
         final=run.metrics.row(-1),
         settled_at={
             label: run.metrics.settled_at(share * size)
             for label, share in RELATIVE_TOLERANCES.items()
         },
+        settled_second_half_at={
+            label: settled_at(second_half, share * size)
+            for label, share in RELATIVE_TOLERANCES.items()
+        },
+        least_error_m=float(np.nanmin(telling)),
+        least_error_iteration=int(np.nanargmin(telling)),
         peak_max_position_error_m=float(errors.max()),
         peak_iteration=int(errors.argmax()),
         saturated_share=float(saturated) / (len(run.metrics) * run.reference.samples),
@@ -72,3 +118,18 @@ def summarise(run: RunData) -> Summary:
         learning=run.learning.last(),
         warnings=run.warnings,
     )
+
+
+def _on_path(run: RunData) -> OnPath | None:
+    errors = run.position_error(run.last.iteration)
+    half = len(errors) // 2  # samples k >= n / 2, as in the metrics
+    for share in sorted(RELATIVE_TOLERANCES.values()):
+        tolerance = share * run.reference.size
+        first = settled_at(errors, tolerance)
+        if first == 0:
+            whole = settled_at(run.metrics[MAX_ERROR], tolerance)
+            return OnPath(tolerance, 0.0, whole)
+        if first is not None and run.starts_off and first <= half:
+            later = settled_at(run.metrics[MAX_ERROR_SECOND_HALF], tolerance)
+            return OnPath(tolerance, first * run.reference.sample_time, later)
+    return None
