@@ -92,7 +92,6 @@ def compare(
     from hilc_cli import api
     from hilc_cli.cli.several_runs import (
         check_shared_folder,
-        read_runs,
         shared_folder,
         without_comparisons,
     )
@@ -135,7 +134,7 @@ def compare(
             raise UsageError(f"{folder}: is the folder of a sweep; give folders of runs to compare")
     folder = out or shared_folder(runs)
     check_shared_folder(folder)
-    result = api.compare(read_runs(runs))
+    result = api.compare(runs)
     files = result.write(
         folder,
         force=force,

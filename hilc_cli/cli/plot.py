@@ -79,7 +79,6 @@ def plot(
     from hilc_cli.cli.ranges import parse_whole_numbers
     from hilc_cli.cli.several_runs import (
         check_shared_folder,
-        read_runs,
         shared_folder,
         without_comparisons,
     )
@@ -127,7 +126,7 @@ def plot(
             f"{runs[0]}: holds neither a run nor a sweep nor a leaderboard; "
             "give a folder that hilc has written"
         )
-    results = read_runs(runs)
+    results = api.as_runs(runs)
     chosen: set[int] | None = None
     if wanted is not None:
         chosen = {*wanted.single, *(i for run in results for i in run.trials if i in wanted)}

@@ -139,6 +139,7 @@ def _document(
         del figures["learning"]
     return {
         "folder": str(folder),
+        "headline": summary.headline,
         **figures,
         "compensation": result.scenario.compensates,
         "final_gravity_center": {

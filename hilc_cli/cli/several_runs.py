@@ -1,39 +1,16 @@
-"""What commands on several run folders share: names that differ, and where the results go."""
+"""What commands on several run folders share: which are runs, and where the results go."""
 
 from __future__ import annotations
 
 import hashlib
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from hilc_cli.cli.default_folders import RUNS
 from hilc_cli.errors import UsageError
 
-if TYPE_CHECKING:
-    from hilc_cli.api import RunData
-
 _LONGEST = 200  # bytes of a folder's name, which the system lets have 255
-
-
-def read_runs(folders: Sequence[Path]) -> list[RunData]:
-    """The runs in some folders, told apart by the names of the folders if two are called alike.
-
-    Raises:
-        HilcError: One is no run folder, or damaged.
-    """
-    from hilc_cli.api import read_run
-
-    runs = [read_run(folder) for folder in folders]
-    choices = (
-        [run.name for run in runs],
-        [folder.resolve().name for folder in folders],
-        [str(folder) for folder in folders],
-    )
-    names = next((names for names in choices if len(set(names)) == len(names)), choices[1])
-    return [replace(run, name=name) for run, name in zip(runs, names, strict=True)]
 
 
 def without_comparisons(folders: Sequence[Path]) -> list[Path]:

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from hilc_cli.results.summary import Summary
 
 _FEWEST, _MOST = 4, 6  # significant digits of an estimate
-_SHORT = 0.1  # lengths below are told in millimetres [m]
-_MUCH_LESS = 0.5
-"""An earlier error this many times the last one tells that learning has gone on too long."""
 
 
 def summary_report(summary: Summary, speed_limit: float | None) -> RenderableType:
@@ -39,35 +36,10 @@ def summary_report(summary: Summary, speed_limit: float | None) -> RenderableTyp
     )
     return Group(
         Text(printable(title), style="bold"),
-        Text(headline(summary)),
+        Text(summary.headline),
         _table(summary, speed_limit),
         *(Text(f"warning: {printable(warning)}") for warning in summary.warnings),
     )
-
-
-def headline(summary: Summary) -> str:
-    """What matters of a run, in one line."""
-    on_path = summary.on_path
-    if summary.diverged_at is not None:
-        return f"diverged in iteration {summary.diverged_at}; all below is of the ones before it"
-    if on_path is not None:
-        within = f"within {_length(on_path.tolerance_m)}"
-        iteration = on_path.from_iteration
-        since = "" if iteration is None else f" from iteration {iteration}"
-        if on_path.from_s == 0:
-            return f"on the path from the start; {within}{since}"
-        return f"on the path from {on_path.from_s:.4g} s; second half {within}{since}"
-    error = summary.final[MAX_ERROR_SECOND_HALF if summary.starts_off else MAX_ERROR]
-    where = " in the second half" if summary.starts_off else ""
-    text = f"not on the path: up to {_length(error)} off{where}"
-    if summary.least_error_m < _MUCH_LESS * error:
-        least = _length(summary.least_error_m)
-        text += f"; iteration {summary.least_error_iteration} was within {least}"
-    return text
-
-
-def _length(length: float) -> str:
-    return f"{1000 * length:.3g} mm" if 0 < length < _SHORT else f"{length:.3g} m"
 
 
 def _table(summary: Summary, speed_limit: float | None) -> Table:

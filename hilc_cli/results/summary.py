@@ -6,11 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hilc_cli.named import in_short
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, settled_at
 from hilc_cli.results.run import RunData
 
 RELATIVE_TOLERANCES = {"1 %": 0.01, "0.1 %": 0.001}
 """Shares of the path's size that the error is to fall below."""
+
+
+_SHORT = 0.1  # lengths below are told in millimetres [m]
+_MUCH_LESS = 0.5
+"""An earlier error this many times the last one tells that learning has gone on too long."""
+_MOST_WARNINGS = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +39,7 @@ class OnPath:
     from_iteration: int | None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Summary:
     """A run in a few figures.
 
@@ -80,9 +87,42 @@ class Summary:
     warnings: tuple[str, ...]
 
     @property
+    def headline(self) -> str:
+        """What matters, in one line."""
+        on_path = self.on_path
+        if self.diverged_at is not None:
+            return f"diverged in iteration {self.diverged_at}; what follows is of the one before it"
+        if on_path is not None:
+            within = f"within {_length(on_path.tolerance_m)}"
+            iteration = on_path.from_iteration
+            since = "" if iteration is None else f" from iteration {iteration}"
+            if on_path.from_s == 0:
+                return f"on the path from the start; {within}{since}"
+            return f"on the path from {on_path.from_s:.4g} s; second half {within}{since}"
+        error = self.final[MAX_ERROR_SECOND_HALF if self.starts_off else MAX_ERROR]
+        where = " in the second half" if self.starts_off else ""
+        text = f"not on the path: up to {_length(error)} off{where}"
+        if self.least_error_m < _MUCH_LESS * error:
+            least = _length(self.least_error_m)
+            text += f"; iteration {self.least_error_iteration} was within {least}"
+        return text
+
+    def __repr__(self) -> str:
+        return in_short(
+            f"Summary of {self.name!r}: {self.trajectory}, after {self.iterations} iterations",
+            self.headline,
+            *(f"{name} = {self.final[name]:.6g}" for name in (MAX_ERROR, MAX_ERROR_SECOND_HALF)),
+            *(f"warning: {warning}" for warning in self.warnings[:_MOST_WARNINGS]),
+        )
+
+    @property
     def reached(self) -> dict[str, float]:
         """Metrics of the last completed iteration, and what the law tells of it."""
         return {**self.final, **self.learning}
+
+
+def _length(length: float) -> str:
+    return f"{1000 * length:.3g} mm" if 0 < length < _SHORT else f"{length:.3g} m"
 
 
 def summarise(run: RunData) -> Summary:

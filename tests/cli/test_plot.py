@@ -14,15 +14,18 @@ from tests.cli.inputs import listing
 from tests.conftest import Hilc, Outcome, Write
 
 KINDS = ["path-change", "final-path", "error", "wheel-speeds", "summary"]
-RUN = ("run", "scenario.yaml", "--no-plots", "-q")
+RUN = ("run", "scenario.yaml", "--no-plots", "-q", "--out")
 
 
 @pytest.fixture
 def runs(hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Two finished runs, and no engine to make others."""
     write()
-    assert hilc(*RUN, "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
-    assert hilc(*RUN, "--set", "name=other", "--set", "controller.gains.l1=0.2").code == 0
+    assert (
+        hilc(*RUN, "runs/test", "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
+    )
+    changes = ("--set", "name=other", "--set", "controller.gains.l1=0.2")
+    assert hilc(*RUN, "runs/other", *changes).code == 0
 
     def simulate(experiment: object) -> None:
         raise AssertionError("hilc plot has simulated")
@@ -74,7 +77,9 @@ def test_run_stays_a_run_folder(hilc: Hilc, runs: Path, monkeypatch: pytest.Monk
     assert hilc("plot", "runs/test", "--format", "svg", "-q").code == 0
     monkeypatch.undo()
     monkeypatch.chdir(runs.parent)
-    assert hilc(*RUN, "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
+    assert (
+        hilc(*RUN, "runs/test", "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
+    )
 
 
 def test_kinds_and_formats_asked_for(hilc: Hilc, runs: Path) -> None:
