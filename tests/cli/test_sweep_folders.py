@@ -362,3 +362,13 @@ def test_cases_that_kill_their_worker(
     assert all(row.endswith(",,,") for row in rows[25:49])
     assert hilc(*sixty, "--resume") == DONE
     assert (sweeps.FOLDER / "cases.csv").read_text().splitlines() == whole
+
+
+def test_same_tables_keep_the_pictures_that_are_there(hilc: Hilc, write: Write) -> None:
+    write()
+    assert hilc(*SWEEP) == DONE
+    (sweeps.FOLDER / "curve.svg").write_text("drawn before")
+    assert hilc(*SWEEP) == DONE
+    assert (sweeps.FOLDER / "curve.svg").read_text() == "drawn before"
+    assert hilc(*OTHER, "--force") == DONE
+    assert not (sweeps.FOLDER / "curve.svg").exists()

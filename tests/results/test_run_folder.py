@@ -564,3 +564,24 @@ def test_check_before_a_long_simulation(write: Write, folder: Path) -> None:
 def test_folder_that_is_none_cannot_be_read(folder: Path) -> None:
     with pytest.raises(UsageError, match=r"^nowhere: is no run folder"):
         hilc_api.read_run("nowhere")
+
+
+def test_same_tables_keep_the_pictures_that_are_there(hilc: Hilc, done: Path, write: Write) -> None:
+    own = {"error.svg": b"drawn by plot", "final-path.pdf": b"too", "summary.png": b"third"}
+    for name, content in own.items():
+        (done / name).write_bytes(content)
+    (done / "learning.png").symlink_to("../../path.yaml")
+    assert hilc("run", "scenario.yaml", *QUIET) == Outcome(0, "", "")
+    assert {name: (done / name).read_bytes() for name in own} == own
+    assert not (done / "learning.png").exists(), "a link is no picture"
+    assert json.loads((done / "manifest.json").read_text())["files"] == names(done)
+    # Those of the formats that are drawn are new, the others stay.
+    assert hilc("run", "scenario.yaml", "-q") == Outcome(0, "", "")
+    assert (done / "summary.png").read_bytes().startswith(b"\x89PNG")
+    assert (done / "error.svg").read_bytes() == own["error.svg"]
+    # The same scenario and other tables, such as those of another version: nothing stays.
+    table = (done / "samples.csv").read_text()
+    (done / "samples.csv").write_text(table.replace(",0.0,", ",0.125,", 1))
+    assert hilc("run", "scenario.yaml", *QUIET) == Outcome(0, "", "")
+    assert (done / "samples.csv").read_text() == table
+    assert not [name for name in names(done) if name.endswith((".png", ".svg", ".pdf"))]
