@@ -65,6 +65,8 @@ class RunData:
     @property
     def starts_off(self) -> bool:
         """Whether the last completed iteration starts at another pose than the trajectory does."""
+        if not self.trials:
+            return False
         reference, trial = self.reference, self.last
         return bool(
             max(abs(reference.x[0] - trial.x[0]), abs(reference.y[0] - trial.y[0]))
@@ -78,10 +80,10 @@ class RunData:
 
         That error then tells nothing of what is learned; the one of the second half does.
         """
-        if not self.trials:
+        if not self.starts_off:
             return False
         last = self.metrics.row(-1)
-        return self.starts_off and last[MAX_ERROR_SECOND_HALF] < last[MAX_ERROR]
+        return last[MAX_ERROR_SECOND_HALF] < last[MAX_ERROR]
 
     def __repr__(self) -> str:
         from hilc_cli.results.summary import summarise  # which is made of this

@@ -130,7 +130,7 @@ def summarise(run: RunData) -> Summary:
     errors, second_half = run.metrics[MAX_ERROR], run.metrics[MAX_ERROR_SECOND_HALF]
     # Folders of before the metric was have no numbers there.
     known = run.starts_off and bool(np.isfinite(second_half).any())
-    telling = second_half if known else errors
+    telling = np.nan_to_num(second_half if known else errors, nan=np.inf, posinf=np.inf)
     size = run.reference.size
     saturated = run.metrics["saturated_samples"].sum()
     return Summary(
@@ -149,8 +149,8 @@ def summarise(run: RunData) -> Summary:
             label: settled_at(second_half, share * size)
             for label, share in RELATIVE_TOLERANCES.items()
         },
-        least_error_m=float(np.nanmin(telling)),
-        least_error_iteration=int(np.nanargmin(telling)),
+        least_error_m=float(telling.min()),
+        least_error_iteration=int(telling.argmin()),
         peak_max_position_error_m=float(errors.max()),
         peak_iteration=int(errors.argmax()),
         saturated_share=float(saturated) / (len(run.metrics) * run.reference.samples),
@@ -161,6 +161,8 @@ def summarise(run: RunData) -> Summary:
 
 
 def _on_path(run: RunData) -> OnPath | None:
+    if not run.trials:
+        return None
     errors = run.position_error(run.last.iteration)
     half = len(errors) // 2  # samples k >= n / 2, as in the metrics
     for share in sorted(RELATIVE_TOLERANCES.values()):

@@ -164,7 +164,7 @@ def test_second_half_is_drawn_where_the_start_decides_the_maximum(make_run: Make
     np.testing.assert_array_equal(
         shown.get_ydata(), off.metrics["max_position_error_second_half_m"]
     )
-    assert (line(axes, "Maximum").get_ydata() == 30).all()
+    np.testing.assert_allclose(np.asarray(line(axes, "Maximum").get_ydata(), float), 30)
     assert legend(axes) == ["Maximum", "RMS", "Mean", SECOND_HALF_LABEL]
     styles = {str(line(axes, label)._dash_pattern) for label in legend(axes)}  # type: ignore[attr-defined]
     assert len(styles) == 4

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import OnPath, Summary, summarise
@@ -25,7 +25,7 @@ STRAIGHT = Reference(
 K = np.arange(SAMPLES + 1)
 
 
-def run_of(errors: Sequence[np.ndarray], heading: float = 0.0) -> RunData:
+def run_of(errors: Sequence[Floats], heading: float = 0.0) -> RunData:
     """A run whose iterations are beside the line by these many metres at each sample."""
     metrics, trials = MetricsTable(), {}
     speeds = np.zeros(SAMPLES)
@@ -37,12 +37,12 @@ def run_of(errors: Sequence[np.ndarray], heading: float = 0.0) -> RunData:
     return RunData("r", STRAIGHT, metrics, {len(errors) - 1: trials[len(errors) - 1]})
 
 
-def fading(start: float, decay_s: float, rest: float = 0.0) -> np.ndarray:
-    size = np.maximum(abs(start) * np.exp(-K * SAMPLE_TIME / decay_s), rest)
+def fading(start: float, decay_s: float, rest: float = 0.0) -> Floats:
+    size: Floats = np.maximum(abs(start) * np.exp(-K * SAMPLE_TIME / decay_s), rest)
     return size if start > 0 else -size
 
 
-def summary_of(*errors: np.ndarray, heading: float = 0.0) -> Summary:
+def summary_of(*errors: Floats, heading: float = 0.0) -> Summary:
     return summarise(run_of(errors, heading))
 
 
@@ -116,5 +116,5 @@ def test_learning_that_was_better_before_is_told() -> None:
     ("error", "decides"),
     [(fading(0.5, 0.2), True), (0.3 * K / SAMPLES, False), (0.1 + 0.3 * K / SAMPLES, False)],
 )
-def test_start_decides_the_maximum(error: np.ndarray, decides: bool) -> None:
+def test_start_decides_the_maximum(error: Floats, decides: bool) -> None:
     assert run_of([error]).start_decides == decides
