@@ -35,7 +35,9 @@ def test_the_shell_examples_run_one_after_the_other(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "runs" / "fig3-circle" / "summary.png").stat().st_size > 0
     assert (tmp_path / "runs" / "limit" / "error.png").stat().st_size > 0
-    assert (tmp_path / "runs" / "twice" / "iterations.csv").stat().st_size > 0
+    assert (
+        tmp_path / "runs" / "twice+trajectory=example-circle" / "iterations.csv"
+    ).stat().st_size > 0
     assert (tmp_path / "runs" / "fig8a-best" / "iterations.csv").stat().st_size > 0
 
 
