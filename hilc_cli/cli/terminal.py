@@ -56,8 +56,12 @@ def _with_nulls(value: Any) -> Any:
     return value
 
 
-def print_table(table: RenderableType) -> None:
-    """A table to stdout, with colours on a terminal only."""
+def print_table(table: RenderableType) -> int:
+    """A table to stdout, with colours on a terminal only.
+
+    Returns:
+        The number of its lines.
+    """
     from rich.console import Console
 
     decorated = is_decorated(sys.stdout)
@@ -70,14 +74,16 @@ def print_table(table: RenderableType) -> None:
     with console.capture() as capture:
         console.print(table)
     lines = (line.rstrip() for line in capture.get().splitlines())
-    print_text("\n".join(lines).rstrip("\n"))
+    text = "\n".join(lines).rstrip("\n")
+    print_text(text)
+    return text.count("\n") + 1
 
 
 def two_columns(title: str, rows: Sequence[tuple[str, str]], *, numbers: bool = True) -> Table:
     """A table of names and values under a title.
 
     Args:
-        title: The title.
+        title: The title; empty for none.
         rows: Name and value of each row.
         numbers: The values are numbers, which stand at the right.
     """
@@ -85,7 +91,7 @@ def two_columns(title: str, rows: Sequence[tuple[str, str]], *, numbers: bool = 
     from rich.table import Table
 
     table = Table(
-        title=title,
+        title=title or None,
         box=box.SIMPLE_HEAD,
         show_header=False,
         title_justify="left",
