@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import subprocess
 import sys
@@ -71,6 +72,22 @@ def test_no_command_hides_in_a_block_that_is_not_run(page: str) -> None:
             assert not re.search(r"^(hilc|pip|python3?|make) ", block.text, re.MULTILINE), block
         if block.mark and not block.is_run and block.mark.startswith("not run: "):
             assert len(block.mark.split()) > 4, "say why"
+
+
+def test_the_picture_of_the_readme_shows_what_its_caption_says() -> None:
+    spec = importlib.util.spec_from_file_location("two_laws", ROOT / "docs/images/two_laws.py")
+    assert spec is not None and spec.loader is not None
+    picture = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(picture)
+    done = {"paper": picture.run("paper"), "norm-optimal": picture.run("norm-optimal", 4)}
+    assert done["paper"].metrics[picture.ERROR][100] == pytest.approx(3, abs=0.1)
+    assert max(done["norm-optimal"].metrics[picture.ERROR][2:]) < 0.03e-3
+    for law in done.values():
+        assert max(law.metrics["max_wheel_speed_rad_s"]) <= 180
+    paths, errors = picture.draw(done).axes
+    assert paths.get_aspect() == 1
+    assert errors.get_yscale() == "log"
+    assert len(paths.lines) == 4
 
 
 def yaml_block(page: str, mark: str) -> str:
@@ -144,9 +161,7 @@ def test_the_search_in_the_scenario_is_that_of_the_command(folder: Path) -> None
 
 
 def test_the_error_messages_shown_are_the_ones_given(hilc: Hilc, folder: Path) -> None:
-    (shown,) = (
-        block.text for block in blocks("README.md") if block.text.startswith("my.yaml:")
-    )
+    (shown,) = (block.text for block in blocks("README.md") if block.text.startswith("my.yaml:"))
     lines = [
         "name: mine",
         "trajectory: example:circle",

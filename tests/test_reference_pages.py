@@ -1,4 +1,4 @@
-"""The reference pages: each key, command, option and metric is there, with its default and range."""
+"""The reference pages: each key is there with its default and range, each command and column."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ import pytest
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-import hilc_cli as hilc
+from hilc_cli.cli.app import app
+from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.tables import INPUT_HEADER, SAMPLES_HEADER
 from hilc_cli.spec.quantities import Quantity
 from hilc_cli.spec.scenario import ScenarioSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
@@ -69,7 +71,9 @@ def quantity_of(field: FieldInfo) -> Quantity | None:
     """The number that a field holds; None if it holds words, several numbers, or a switch."""
     found = [part for part in field.metadata if isinstance(part, Quantity)]
     for inside in get_args(field.annotation):
-        found += [part for part in getattr(inside, "__metadata__", ()) if isinstance(part, Quantity)]
+        found += [
+            part for part in getattr(inside, "__metadata__", ()) if isinstance(part, Quantity)
+        ]
     return found[0] if found and "tuple" not in str(field.annotation) else None
 
 
@@ -97,3 +101,23 @@ def test_each_key_is_on_its_page_with_its_default_and_range(
         quantity = quantity_of(field)
         if quantity is not None:
             assert rows[key][1] == range_cell(quantity), key
+
+
+def test_each_command_is_on_its_page() -> None:
+    table = (DOCS / "commands.md").read_text(encoding="utf-8").partition("\n\n`SCENARIO`")[0]
+    told = re.findall(r"^\| `hilc (\w+)", table, re.MULTILINE)
+    names = [
+        command.name or getattr(command.callback, "__name__", "")
+        for command in app.registered_commands
+    ]
+    assert sorted(told) == sorted(names)
+
+
+def test_each_column_is_on_its_page() -> None:
+    page = (DOCS / "files.md").read_text(encoding="utf-8")
+    parts = dict(re.findall(r"^## (\S+)\n(.*?)(?=^## )", page, re.MULTILINE | re.DOTALL))
+    rows = re.findall(r"^\| `(\w+)`", parts["iterations.csv"], re.MULTILINE)
+    assert rows == ["iteration", *METRIC_NAMES]
+    for file, header in (("samples.csv", SAMPLES_HEADER), ("input.csv", INPUT_HEADER)):
+        told = re.findall(r"`(\w+)`", parts[file])
+        assert told[: len(header)] == list(header)
