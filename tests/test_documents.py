@@ -48,8 +48,7 @@ def test_examples_of_the_page_run_one_after_the_other(
     # Sweeps then start no processes of their own, each of which would import everything anew.
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0}, raising=False)
     for block in filter(lambda block: block.is_run, blocks(page)):
-        if block.language == "yaml":
-            keep(block)
+        keep(block)
         if block.language == "python":
             exec(compile(block.text, page, "exec"), {"__name__": "__main__"})
         for command in commands(block) if block.language == "sh" else ():
@@ -58,7 +57,7 @@ def test_examples_of_the_page_run_one_after_the_other(
 
 
 def keep(block: Block) -> None:
-    """Writes a YAML block whose mark says ``file: NAME`` to that file."""
+    """Writes a block whose mark says ``file: NAME`` to that file."""
     kind, _, name = block.mark.partition(": ")
     if kind == "file":
         Path(name).parent.mkdir(parents=True, exist_ok=True)
