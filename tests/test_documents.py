@@ -73,6 +73,19 @@ def test_no_command_hides_in_a_block_that_is_not_run(page: str) -> None:
             assert len(block.mark.split()) > 4, "say why"
 
 
+def test_the_readme_is_short_and_tells_of_the_claims_before_they_surprise() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 120
+    claims = (ROOT / "docs/paper.md").read_text(encoding="utf-8")
+    verdicts = re.findall(r"^\| [TF]\S+ \| .* \| (.*) \|$", claims, re.MULTILINE)
+    told = (
+        f"{verdicts.count('holds')} hold, {verdicts.count('holds in part')} hold in part, "
+        f"and {verdicts.count('does not hold')} do not"
+    )
+    assert f"paper's {len(verdicts)} claims **{told}**" in " ".join(text.split())
+    assert text.index("claims **6") < text.index("**not reached**") < text.index("hilc run ")
+
+
 def test_the_picture_of_the_readme_shows_what_its_caption_says() -> None:
     spec = importlib.util.spec_from_file_location("two_laws", ROOT / "docs/images/two_laws.py")
     assert spec is not None and spec.loader is not None
