@@ -75,6 +75,21 @@ class UnknownNameError(UsageError, KeyError):
         return str(self.args[0])
 
 
+class MissingPackageError(UsageError):
+    """An option needs a package that is not installed.
+
+    Args:
+        option: What was asked for.
+        package: The package that it needs.
+        extra: The extra of hilc that brings it; it is told as for a checkout, which hilc comes as.
+    """
+
+    def __init__(self, option: str, package: str, extra: str) -> None:
+        super().__init__(
+            f"{option} needs the package {package}; pip install '.[{extra}]' in a checkout of hilc"
+        )
+
+
 class FileAccessError(HilcError):
     """A file or folder could not be read or written."""
 

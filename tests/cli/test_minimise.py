@@ -305,7 +305,9 @@ def test_optuna_is_an_extra(hilc: Hilc, folder: Path, monkeypatch: pytest.Monkey
     with monkeypatch.context() as patch:
         patch.setitem(sys.modules, "optuna", None)
         outcome = hilc(*SEARCH)
-    message = "hilc: --minimise needs the package optuna; pip install 'hilc-cli[tune]'\n"
+    message = (
+        "hilc: --minimise needs the package optuna; pip install '.[tune]' in a checkout of hilc\n"
+    )
     assert outcome == Outcome(2, "", message)
     assert listing(folder) == before
 
