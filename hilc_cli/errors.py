@@ -54,6 +54,10 @@ class UsageError(HilcError):
     exit_code = 2
 
 
+class MissingFileError(UsageError):
+    """There is no such file."""
+
+
 class FileAccessError(HilcError):
     """A file or folder could not be read or written."""
 

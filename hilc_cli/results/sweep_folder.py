@@ -9,6 +9,7 @@ from typing import Any
 
 from hilc_cli.errors import UsageError
 from hilc_cli.files import write_folder
+from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.output_folder import check_replaceable, read_manifest
 from hilc_cli.results.run_folder import INITIAL_INPUT, PICTURE_FORMATS, SCENARIO
@@ -139,7 +140,8 @@ def read_sweep_folder(path: Path) -> SweepData:
     try:
         axes = {str(key): axis_from_data(data) for key, data in manifest["axes"].items()}
         is_grid, tolerance = bool(manifest["grid"]), manifest["tolerance_m"]
-        metric, name = str(manifest["metric"]), str(manifest["name"])
+        metric = str(manifest["metric"])
+        name = name_from(manifest["name"], f"{path / MANIFEST}: name")
         as_it_is = AsItIs.from_data(manifest["as_it_is"]) if "as_it_is" in manifest else None
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"{path / MANIFEST}: is damaged: {error}") from None

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from hilc_cli.errors import FileAccessError, UsageError
-from hilc_cli.files import sync, write_folder, writing
+from hilc_cli.files import open_to_read, open_to_write, sync, write_folder, writing
+from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.results.sweep import CASE_COLUMNS
@@ -30,6 +31,7 @@ from hilc_cli.sweeping.work_folder import (
     ROWS,
     locked_journal,
     read_header,
+    remove,
 )
 from hilc_cli.variation.axes import axis_to_data
 
@@ -48,11 +50,15 @@ class FolderStore:
         cases: The cases that belong into it.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, read_only: bool = False) -> None:
         """Opens a folder that `create` has made.
 
+        Args:
+            folder: The folder.
+            read_only: Nothing is to be kept, so that it may be anybody's.
+
         Raises:
-            UsageError: It is no such folder.
+            UsageError: It is no such folder, or something else than its files stands in it.
             ExistingResultsError: Another program has it open.
             FileAccessError: It cannot be read or written.
         """
@@ -62,18 +68,25 @@ class FolderStore:
             raise UsageError(f"{folder}: is no folder of a sweep in progress, and no shard")
         if not self.header.keys() >= KEYS:
             raise UsageError(f"{folder / HEADER}: is damaged, or of another version of hilc")
+        name_from(self.header["name"], f"{folder / HEADER}: name")
         self.cases = Chunk(self.header["first"], self.header["last"])
         self._iterations = int(self.header["iterations"])
         self._bands = bool(self.header["bands"])
-        self._journal = locked_journal(folder, self.header)
-        self._files = {ROWS: _open(folder / ROWS)}
-        if self._bands:
-            self._files[ERRORS] = _open(folder / ERRORS)
-        with writing(folder):
-            sync(folder)
+        self._journal = locked_journal(folder, self.header, read_only=read_only)
+        self._files: dict[str, int] = {}
         self._done: dict[Chunk, tuple[Failure, ...]] = {}
-        for entry in self._journal.entries():
-            self._recall(entry)
+        opened = open_to_read if read_only else open_to_write
+        try:
+            for name in (ROWS, ERRORS) if self._bands else (ROWS,):
+                self._files[name] = opened(folder / name)
+            if not read_only:
+                with writing(folder):
+                    sync(folder)
+            for entry in self._journal.entries():
+                self._recall(entry)
+        except BaseException:
+            self.close()
+            raise
 
     @classmethod
     def create(cls, folder: Path, plan: Plan, cases: Chunk, shard: str | None) -> FolderStore:
@@ -186,6 +199,15 @@ class FolderStore:
         for iteration in range(self._iterations + 1) if self._bands else ():
             yield self._read(ERRORS, iteration * len(self.cases), len(self.cases))
 
+    def discard_if_empty(self) -> None:
+        """Removes the folder if it holds no results, so that it is not in the way of others.
+
+        Raises:
+            FileAccessError: It cannot be removed.
+        """
+        if not self._done:
+            remove(self.folder)
+
     def close(self) -> None:
         """Closes the folder, for others to open."""
         for descriptor in self._files.values():
@@ -241,8 +263,3 @@ class FolderStore:
         except OSError as error:
             raise FileAccessError(f"{self.folder / name}: cannot be read: {error}") from error
         return numbers
-
-
-def _open(path: Path) -> int:
-    with writing(path):
-        return os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
