@@ -16,6 +16,7 @@ from hilc_cli.results.tables import read_stored_input
 from hilc_cli.sweeping.chunks import Chunk, Failure
 from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.store import FolderStore
+from hilc_cli.sweeping.work_folder import HEADER
 from hilc_cli.variation.axes import axis_from_data
 from hilc_cli.variation.cases import Cases
 
@@ -66,9 +67,15 @@ class Merged:
     def __init__(self, stores: Sequence[FolderStore]) -> None:
         self._stores = sorted(stores, key=lambda store: store.cases)
         self.header: dict[str, Any] = stores[0].header
-        axes = {key: axis_from_data(data) for key, data in self.header["axes"].items()}
-        drawn = self.header["cases"]
-        self.cases = Cases(axes, self.header["sample"], drawn, self.header["seed"])
+        damaged = UsageError(f"{stores[0].folder / HEADER}: is damaged: its axes do not fit")
+        try:
+            axes = {key: axis_from_data(data) for key, data in self.header["axes"].items()}
+            drawn = self.header["cases"]
+            self.cases = Cases(axes, self.header["sample"], drawn, self.header["seed"])
+            if len(self.cases) != sum(len(store.cases) for store in stores):
+                raise damaged
+        except (KeyError, TypeError, ValueError, AttributeError):
+            raise damaged from None
 
     def rows(self) -> Floats:
         """All rows, shape (cases, columns)."""

@@ -223,14 +223,25 @@ class FolderStore:
         chunk = Chunk(entry["first"], entry["last"], values)
         if not self.cases.first <= chunk.first < chunk.last <= self.cases.last:
             return  # the journal has come here from another sweep
+        if self._checksum(chunk) == entry["checksum"]:
+            failed = entry["failures"]
+            self._count(chunk, tuple(Failure(Chunk(a, b), reason) for a, b, reason in failed))
+
+    def _checksum(self, chunk: Chunk) -> int | None:
+        """Of what the files hold of a chunk; None if they end before it, whatever is said of it."""
         offset = chunk.first - self.cases.first
-        checksum = zlib.crc32(self._read(ROWS, offset * _COLUMNS, len(chunk) * _COLUMNS).tobytes())
+        parts = [(ROWS, offset * _COLUMNS, len(chunk) * _COLUMNS)]
+        if self._bands:
+            last = self._iterations * len(self.cases) + offset
+            parts.append((ERRORS, last, len(chunk)))
+        for name, first, count in parts:
+            if os.fstat(self._files[name]).st_size < 8 * (first + count):
+                return None
+        checksum = zlib.crc32(self._read(*parts[0]).tobytes())
         for iteration in range(self._iterations + 1) if self._bands else ():
             errors = self._read(ERRORS, iteration * len(self.cases) + offset, len(chunk))
             checksum = zlib.crc32(errors.tobytes(), checksum)
-        if checksum == entry["checksum"]:
-            failed = entry["failures"]
-            self._count(chunk, tuple(Failure(Chunk(a, b), reason) for a, b, reason in failed))
+        return checksum
 
     def _count(self, chunk: Chunk, failures: tuple[Failure, ...]) -> None:
         """Takes a chunk for done; one that has been tried again is what the last try made it."""

@@ -11,6 +11,9 @@ from typing import Any, Literal
 Value = float | int | str | bool | None
 Spacing = Literal["linear", "log", "integer"]
 
+MOST_VALUES = 1_000_000
+"""Of one key, so that they can be listed."""
+
 
 @dataclass(frozen=True, slots=True)
 class Choices:
@@ -189,7 +192,12 @@ def axis_from_data(data: Mapping[str, Any]) -> Axis:
 
     Raises:
         KeyError: Something is missing.
+        ValueError: There are more values than can be.
     """
     if "values" in data:
         return Choices(tuple(data["values"]))
-    return Range(data["low"], data["high"], data["spacing"], data["count"], data["whole"])
+    axis = Range(data["low"], data["high"], data["spacing"], data["count"], data["whole"])
+    asked = axis.count if axis.spacing == "integer" else axis.values_asked
+    if (asked or 0) > MOST_VALUES:
+        raise ValueError(f"an axis of {asked} values")
+    return axis
