@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import UsageError, printable
 
 if TYPE_CHECKING:
     from hilc_cli.api import RunData
@@ -30,7 +30,7 @@ def read_runs(folders: Sequence[Path]) -> list[RunData]:
         [str(folder) for folder in folders],
     )
     names = next((names for names in choices if len(set(names)) == len(names)), choices[1])
-    return [replace(run, name=name) for run, name in zip(runs, names, strict=True)]
+    return [replace(run, name=printable(name)) for run, name in zip(runs, names, strict=True)]
 
 
 def without_comparisons(folders: Sequence[Path]) -> list[Path]:
@@ -70,11 +70,13 @@ def check_shared_folder(folder: Path) -> None:
     """Makes sure that results of several runs do not end up among those of one.
 
     Raises:
-        UsageError: The folder is that of a run, of a sweep or of a leaderboard.
+        UsageError: The folder is that of a run, of a sweep or of a leaderboard, or a link.
     """
     from hilc_cli.api import is_leaderboard, is_sweep
     from hilc_cli.results.run_folder import is_run_folder
 
+    if folder.is_symlink():
+        raise UsageError(f"--out {folder}: is a link; name the folder that it leads to")
     kinds = {"run": is_run_folder, "sweep": is_sweep, "leaderboard": is_leaderboard}
     what = next((name for name, is_one in kinds.items() if is_one(folder)), "")
     if what:

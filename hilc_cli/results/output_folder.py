@@ -61,6 +61,10 @@ def check_replaceable(
         # It would be exchanged for another one under the feet of whoever stands in it.
         raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
     if is_empty:
+        if path.is_symlink():  # in a folder that comes from elsewhere it may lead anywhere
+            raise ExistingResultsError(
+                f"{path}: is a link to an empty folder; name that one with --out"
+            )
         return
     if not is_own():
         raise ExistingResultsError(

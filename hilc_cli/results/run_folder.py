@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import UsageError, printable
 from hilc_cli.files import read_file, write_folder
 from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
@@ -145,7 +145,7 @@ def read_run_folder(path: Path) -> RunData:
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
     manifest = read_manifest(path / MANIFEST)
     metrics = read_iterations(path / ITERATIONS)
-    own_name = path.resolve().name
+    own_name = printable(path.resolve().name)
     name, trajectory = (
         name_from(manifest[key], f"{path / MANIFEST}: {key}") if key in manifest else own_name
         for key in ("name", "trajectory")
@@ -184,14 +184,16 @@ def _pair(value: object) -> tuple[float, float]:
 def _texts(value: object) -> dict[str, str]:
     if not isinstance(value, dict):
         return {}
-    return {key: text for key, text in value.items() if isinstance(text, str)}
+    return {key: printable(text) for key, text in value.items() if isinstance(text, str)}
 
 
 def _numbers(value: object) -> dict[str, dict[str, float]]:
     if not isinstance(value, dict):
         return {}
     return {
-        column: {name: float(number) for name, number in named.items() if _is_number(number)}
+        column: {
+            printable(name): float(number) for name, number in named.items() if _is_number(number)
+        }
         for column, named in value.items()
         if isinstance(named, dict)
     }

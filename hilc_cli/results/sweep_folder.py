@@ -17,7 +17,7 @@ from hilc_cli.results.search import BEST, AsItIs
 from hilc_cli.results.sweep import SweepData
 from hilc_cli.results.sweep_tables import read_bands, read_cases, write_bands, write_cases
 from hilc_cli.results.tables import write_input
-from hilc_cli.variation.axes import axis_from_data, axis_to_data
+from hilc_cli.variation.axes import axes_from_data, axis_to_data
 
 KIND = "hilc sweep"
 MANIFEST = "sweep.json"
@@ -138,7 +138,7 @@ def read_sweep_folder(path: Path) -> SweepData:
     if not manifest:
         raise UsageError(f"{path}: is no sweep folder: it has no {MANIFEST} of hilc sweep")
     try:
-        axes = {str(key): axis_from_data(data) for key, data in manifest["axes"].items()}
+        axes = axes_from_data(manifest["axes"])
         is_grid, tolerance = bool(manifest["grid"]), manifest["tolerance_m"]
         metric = str(manifest["metric"])
         name = name_from(manifest["name"], f"{path / MANIFEST}: name")

@@ -17,7 +17,7 @@ from hilc_cli.sweeping.chunks import Chunk, Failure
 from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.store import FolderStore
 from hilc_cli.sweeping.work_folder import HEADER
-from hilc_cli.variation.axes import axis_from_data
+from hilc_cli.variation.axes import axes_from_data
 from hilc_cli.variation.cases import Cases
 
 _MOST_SCENARIO_BYTES = 1_000_000_000  # a million values of a key are in it
@@ -69,7 +69,7 @@ class Merged:
         self.header: dict[str, Any] = stores[0].header
         damaged = UsageError(f"{stores[0].folder / HEADER}: is damaged: its axes do not fit")
         try:
-            axes = {key: axis_from_data(data) for key, data in self.header["axes"].items()}
+            axes = axes_from_data(self.header["axes"])
             drawn = self.header["cases"]
             self.cases = Cases(axes, self.header["sample"], drawn, self.header["seed"])
             if len(self.cases) != sum(len(store.cases) for store in stores):

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, Literal
 
+from hilc_cli.errors import printable
+
 Value = float | int | str | bool | None
 Spacing = Literal["linear", "log", "integer"]
 
+_KEY = re.compile(r"\w[\w-]*(\.\w[\w-]*)*")
 MOST_VALUES = 1_000_000
 """Of one key, so that they can be listed."""
 
@@ -185,6 +189,19 @@ def axis_to_data(axis: Axis) -> dict[str, Any]:
         "count": axis.values_asked,
         "whole": axis.whole,
     }
+
+
+def axes_from_data(data: Mapping[str, Mapping[str, Any]]) -> dict[str, Axis]:
+    """The axes of a document, by key.
+
+    Raises:
+        KeyError: Something is missing.
+        ValueError: A key is none, or an axis has more values than can be.
+    """
+    for key in data:
+        if not _KEY.fullmatch(key):
+            raise ValueError(f"{printable(key)} is no key")
+    return {key: axis_from_data(axis) for key, axis in data.items()}
 
 
 def axis_from_data(data: Mapping[str, Any]) -> Axis:
