@@ -69,8 +69,12 @@ def _with_nulls(value: Any) -> Any:
     return value
 
 
-def print_table(table: RenderableType) -> None:
-    """A table to stdout, with colours on a terminal only."""
+def print_table(table: RenderableType) -> int:
+    """A table to stdout, with colours on a terminal only.
+
+    Returns:
+        The number of its lines.
+    """
     from rich.console import Console
 
     decorated = is_decorated(sys.stdout)
@@ -85,7 +89,9 @@ def print_table(table: RenderableType) -> None:
     with console.capture() as capture:
         console.print(_Harmless(table))
     lines = (line.rstrip() for line in capture.get().split("\n"))
-    _write("\n".join(lines).rstrip("\n"))
+    text = "\n".join(lines).rstrip("\n")
+    _write(text)
+    return text.count("\n") + 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +111,7 @@ def two_columns(title: str, rows: Sequence[tuple[str, str]], *, numbers: bool = 
     """A table of names and values under a title.
 
     Args:
-        title: The title.
+        title: The title; empty for none.
         rows: Name and value of each row.
         numbers: The values are numbers, which stand at the right.
     """
@@ -113,7 +119,7 @@ def two_columns(title: str, rows: Sequence[tuple[str, str]], *, numbers: bool = 
     from rich.table import Table
 
     table = Table(
-        title=printable(title),
+        title=printable(title) or None,
         box=box.SIMPLE_HEAD,
         show_header=False,
         title_justify="left",
