@@ -237,7 +237,7 @@ def test_turn_in_place_is_not_steered() -> None:
 
 def test_right_model_that_leaves_the_path_is_told_why() -> None:
     # Chords of 30 degrees, each driven along the tangent at its start.
-    angles = math.pi / 6 * np.arange(40)
+    angles = math.pi / 6 * np.arange(40.0)
     circle = Reference("circle", DT, np.sin(angles), -np.cos(angles), angles)
     _, warnings = told(experiment(circle, gains=(4.0, 0.2, 1.0)))
     assert "along this path, though its model is right" in warnings[0]

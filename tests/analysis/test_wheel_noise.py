@@ -28,8 +28,8 @@ SHORT = path((STRAIGHT, 40), (LEFT, 10), (STRAIGHT, 10))
 SLIGHT = Disturbance(0, Bounded((1e-4, 1e-4, 2e-4)), Bounded((2e-3, 2e-3, 4e-3)))
 
 
-def optimal(believed: Robot, **parameters: bool) -> NormOptimalLaw:
-    return NormOptimalLaw(NormOptimalParameters(h=50, **parameters), believed)
+def optimal(believed: Robot, *, identify: bool = True) -> NormOptimalLaw:
+    return NormOptimalLaw(NormOptimalParameters(h=50, identify=identify), believed)
 
 
 def pid(gain: float, cutoff: float | None = None) -> PidLaw:

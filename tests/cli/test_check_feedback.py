@@ -116,3 +116,13 @@ def test_noise_of_the_wheels_is_told_and_warned_of(check: Check) -> None:
     found = json.loads(check("{k_x: 5, k_y: 4}", *noise, "--json").out)["learning"]
     assert 0 <= found["share_at_limit_undisturbed"] <= found["share_at_limit"] <= 1
     assert found["wheel_noise_rms_change_rad_s"] > 0
+
+
+def test_run_warns_of_what_check_foretells(check: Check, hilc: Hilc) -> None:
+    options = ("--set", "controller.b_w=11", "--set", "model.wheel_radius=0.2")
+    noise = ("--set", "disturbance.output.bound=[2 cm, 2 cm, 0.1]")
+    check("{k_x: 5, k_y: 4}")  # writes the scenario
+    run = ("run", "line.yaml", "--no-plots", "--json", *options)
+    (warning,) = json.loads(hilc(*run, *noise).out)["warnings"]
+    assert warning.startswith("in the last iteration the wheels are at their limit in ")
+    assert json.loads(hilc(*run).out)["warnings"] == []
