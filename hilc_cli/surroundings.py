@@ -6,6 +6,8 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
+_KEPT = ("NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT")
+
 
 @contextmanager
 def hidden(file: str, variables: Mapping[str, str | None]) -> Iterator[None]:
@@ -28,6 +30,19 @@ def hidden(file: str, variables: Mapping[str, str | None]) -> Iterator[None]:
     finally:
         os.path.exists = exists
         _put(before)
+
+
+def without_settings_of_numba() -> None:
+    """Takes Numba's settings out of the environment of this process and those that it starts.
+
+    Called by the program alone, whose results, output and errors are not to depend on them; who
+    calls hilc from Python may have code of his own that they are meant for.
+    """
+    for name in list(os.environ):
+        if name.startswith("NUMBA_") and name not in _KEPT:
+            del os.environ[name]
+    if os.environ.get("NUMBA_DISABLE_JIT") != "1":
+        os.environ.pop("NUMBA_DISABLE_JIT", None)
 
 
 def _put(variables: Mapping[str, str | None]) -> None:

@@ -17,6 +17,7 @@ from typing import NoReturn
 
 from hilc_cli.cli.session import InterruptedBySignal, Session
 from hilc_cli.errors import HilcError, InvalidInputError, printable
+from hilc_cli.surroundings import without_settings_of_numba
 
 DONE = 0
 COULD_NOT = 1
@@ -29,6 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     arguments = sys.argv[1:] if arguments is None else arguments
     session = Session()
     _open_closed_streams()
+    without_settings_of_numba()
     try:
         session.listen()
         code = _invoke(arguments, session)
