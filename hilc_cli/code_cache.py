@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import logging
 import os
@@ -93,14 +94,27 @@ class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
         return True
 
     def throw_away(self) -> bool:
-        """Removes all files of the function; False if another process has done so just now."""
+        """Removes the function's files, and all in their folder that cannot be used.
+
+        Returns:
+            Whether there were any: False if another process has come first.
+        """
         index = Path(self._index_path)
         found = False
-        for file in [index, *index.parent.glob(f"{index.stem}.*.nbc")]:
-            with suppress(OSError):
-                found |= file.exists()
-                file.unlink()
+        with _alone_in(index.parent):
+            for file in sorted(index.parent.glob("*.nb[ic]")):
+                if file.name.startswith(f"{index.stem}.") or not self._is_usable(file):
+                    found = True
+                    with suppress(OSError):
+                        file.unlink()
         return found
+
+    def _is_usable(self, file: Path) -> bool:
+        try:
+            self._check(str(file))
+        except (OSError, _UnusableError):
+            return False
+        return True
 
     def _load_index(self) -> Any:
         self._check(self._index_path)
@@ -129,6 +143,18 @@ class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
             content = BytesIO()
             yield content
             file.write(content.getvalue() + _checksum(filepath, content.getvalue()))
+
+
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """Other processes wait, where the file system can do that."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def _checksum(path: str, content: bytes) -> bytes:

@@ -15,9 +15,9 @@ if "numba" not in sys.modules:
         import numba.core.config
     numba.core.config._config_fname = os.devnull  # it looks again before it compiles
 
-from numba import config, njit, typeof, types
-from numba.core.caching import FunctionCache, IndexDataCacheFile
-from numba.extending import intrinsic, overload, register_jitable
+from numba import config, njit, typeof, types  # noqa: E402  # only now
+from numba.core.caching import FunctionCache, IndexDataCacheFile  # noqa: E402
+from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
 
 __all__ = [
     "DISABLED",
