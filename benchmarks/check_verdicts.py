@@ -117,9 +117,11 @@ class _Draw:
 
     def scenario(self) -> Data:
         # Some are as one would write them who knows the platform; else few would be fine.
-        self.is_sound = self.chance(0.4)
+        self.is_sound = self.chance(0.55)
         self.speed, self.sample_time = self.scale(0.1, 1.0), self.one_of(0.01, 0.02, 0.05, 0.1)
-        self.samples = int(self.scale(50, 400))
+        if self.is_sound:
+            self.speed, self.sample_time = self.scale(0.1, 0.5), self.one_of(0.05, 0.1)
+        self.samples = int(self.scale(100 if self.is_sound else 50, 400))
         self.length = self.speed * self.sample_time * self.samples
         radius = self.scale(0.03, 0.3)
         robot = {
@@ -287,6 +289,8 @@ class _Draw:
 
     def hybrid(self) -> Data:
         l1 = self.share() / self.sample_time
+        if self.is_sound:  # errors of the position add up along the path, and so do corrections
+            l1 = self.scale(0.5, 5) / (self.samples * self.sample_time)
         gains = {"l1": l1}
         if self.chance(0.5):
             gains["l2"] = l1 * self.scale(0.1, 0.9 if self.is_sound else 3)
@@ -297,6 +301,8 @@ class _Draw:
         if self.chance(0.05) and not self.is_sound:
             gains["l1"] = 0.0
         found: Data = {"gains": gains, "compensation": self.one_of("auto", "on", "off")}
+        if self.is_sound:
+            found["compensation"] = "off"
         if self.chance(0.5):
             found["h"] = max(1, int(self.samples * self.between(0.1, 0.4)))
         else:

@@ -11,7 +11,7 @@ from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.forecast import MARGIN, Forecast, rest_error
 from hilc_cli.analysis.matrices import desired_motion, learning_law
 from hilc_cli.analysis.noise_findings import share_of_path
-from hilc_cli.analysis.outcome import Outcome
+from hilc_cli.analysis.outcome import CLEARLY, Outcome
 from hilc_cli.analysis.reasons import Reasons, reasons_of
 from hilc_cli.analysis.transient import FAR_HEADING
 from hilc_cli.engine.experiment import Experiment
@@ -32,27 +32,19 @@ def forecast_findings(experiment: Experiment, found: Forecast, expected: Expecte
         return Findings()  # nothing is to be learned
     if outcome is Outcome.CANNOT_CONVERGE:
         return Findings(failures=(_why_it_does_not_settle(experiment, found),))
-    worse = tuple(_of_disturbances(expected, outcome))
     of_errors = tuple(_of_errors(found, expected))
-    fails = outcome is Outcome.MADE_WORSE or (
-        outcome is Outcome.DOES_NOT_LEARN and not _rests(found)
-    )
+    fails = outcome is Outcome.MADE_WORSE
     return Findings(
-        failures=(*worse, *of_errors) if fails else (),
+        failures=of_errors if fails else (),
         warnings=(
             *_of_the_start(experiment),
-            *(() if fails else (*worse, *of_errors)),
+            *(() if fails else of_errors),
             *(() if found.settles else (_why_it_does_not_settle(experiment, found),)),
             *_of_ripples(experiment, found),
             *_of_rest(experiment, found),
             *_of_limit(experiment, found),
         ),
     )
-
-
-def _rests(found: Forecast) -> bool:
-    """Whether there may be a motion to rest at, now or later."""
-    return found.settles and (found.rest is None or found.rest.is_finite)
 
 
 def _why_it_does_not_settle(experiment: Experiment, found: Forecast) -> str:
@@ -79,38 +71,31 @@ def _of_the_start(experiment: Experiment) -> list[str]:
     ]
 
 
-def _of_disturbances(expected: ExpectedError, outcome: Outcome) -> list[str]:
-    """Of disturbances that outweigh what is learned."""
-    if outcome not in (Outcome.MADE_WORSE, Outcome.DROWNED):
-        return []
-    does = "makes disturbances larger" if outcome is Outcome.MADE_WORSE else "cannot help much"
-    return [
-        f"learning {does}: without them the error falls from {expected.first_m:.3g} m to "
-        f"{expected.final_m:.3g} m, with them it may be {expected.foretold_m:.3g} m in the last "
-        "iteration; lower the gains, or make the disturbances smaller"
-    ]
-
-
 def _of_errors(found: Forecast, expected: ExpectedError) -> list[str]:
     """Of predicted errors that do not fall."""
     errors, outcome = found.errors_m, found.outcome
-    last = len(errors) - 1
-    is_worse = not errors[-1] < errors[0]
-    if outcome is Outcome.DOES_NOT_LEARN and not _rests(found) and is_worse:
+    last, best = len(errors) - 1, int(errors.argmin())
+    went = f"from {errors[0]:.3g} m in iteration 0 to {errors[-1]:.3g} m in iteration {last}"
+    low = f"{errors[best]:.3g} m in iteration {best}"
+    stop = f"stop at {low}, or " if errors[best] < errors[0] / CLEARLY else ""
+    if outcome is Outcome.MADE_WORSE and errors[-1] >= CLEARLY * errors[0]:
+        rests = found.rest is None or found.rest.is_finite
+        nowhere = "" if rests else ", and there is no motion near the path to rest at"
         return [
-            f"no learning is to be expected: the predicted error grows from {errors[0]:.3g} m to "
-            f"{errors[-1]:.3g} m in iteration {last}, and there is no motion near the path to "
-            "rest at; change the gains or controller.gain_matrix"
+            f"no learning is to be expected: the predicted error grows {went}{nowhere}; {stop}"
+            "change the gains or controller.gain_matrix"
+        ]
+    if outcome in (Outcome.MADE_WORSE, Outcome.DROWNED):
+        does = "cannot help much" if outcome is Outcome.DROWNED else "makes disturbances larger"
+        return [
+            f"learning {does}: without them the error goes {went}, with them it may be "
+            f"{expected.foretold_m:.3g} m; lower the gains, or make the disturbances smaller"
         ]
     if expected.unsure is not None:
         return []
     if outcome is Outcome.GROWS_WITHIN:
-        best = int(errors.argmin())
-        return [
-            f"the predicted error grows again, from {errors[best]:.3g} m in iteration {best} to "
-            f"{errors[-1]:.3g} m in iteration {last}; stop earlier, or change the gains"
-        ]
-    if outcome is not Outcome.DOES_NOT_LEARN or not is_worse:
+        return [f"the predicted error grows again, {went}; {stop}change the gains"]
+    if outcome is not Outcome.DOES_NOT_LEARN or errors[-1] < errors[0]:
         return []
     return [
         f"no learning is to be expected within {last} iterations: the predicted error is "

@@ -8,7 +8,7 @@ from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.noise_draws import deviations
 from hilc_cli.analysis.open_loop import spread_of_start
-from hilc_cli.analysis.outcome import NEAR
+from hilc_cli.analysis.outcome import CLEARLY, NEAR
 from hilc_cli.engine.experiment import Experiment
 
 
@@ -28,6 +28,8 @@ def noise_findings(
         found: What each of them makes of the last iteration.
         learns: Whether the law learns from an iteration for the next one.
     """
+    if found.final_m > max(CLEARLY * found.first_m, NEAR * experiment.reference.size):
+        return Findings()  # learning goes wrong by itself
     return Findings(
         warnings=(
             *_of_start(experiment, found),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -23,12 +22,12 @@ class Outcome(StrEnum):
 
     CANNOT_CONVERGE = "cannot-converge"
     """The spectral radius is not below 1, and the error does not fall before that shows."""
+    MADE_WORSE = "made-worse"
+    """The last error is twice that of iteration 0 and more, and not small."""
     DOES_NOT_LEARN = "does-not-learn"
     """The last error is neither half of that of iteration 0 nor small."""
     OUT_OF_RANGE = "out-of-range"
     """The last error is out of the range of the linear theory, so that it does not tell."""
-    MADE_WORSE = "made-worse-by-disturbances"
-    """The error becomes twice that of iteration 0 and more: learning multiplies disturbances."""
     DROWNED = "drowned-by-disturbances"
     """It would fall, but disturbances may leave as large an error as iteration 0 has."""
     GROWS_WITHIN = "learns-then-grows-within"
@@ -72,15 +71,36 @@ def predicted_outcome(found: Prospects) -> Outcome:
     if len(found.errors) < 2:
         return Outcome.NOTHING
     plain = _without_disturbances(found)
-    if len(found.disturbed_last) == 0 or plain is Outcome.CANNOT_CONVERGE:
+    if len(found.disturbed_last) == 0 or plain in FAILED:
         return plain
-    small = NEAR * found.path_size
-    first, last = float(found.disturbed_first.max()), found.disturbed_last
-    if last.min() >= CLEARLY * max(first, small):
+    least_large = CLEARLY * max(float(found.disturbed_first.max()), NEAR * found.path_size)
+    if found.disturbed_last.min() >= least_large:
         return Outcome.MADE_WORSE
-    if plain in LEARNING and last.max() > max(first, small):
+    if plain in LEARNING and CLEARLY * found.disturbed_last.max() > least_large:
         return Outcome.DROWNED
     return plain
+
+
+def _without_disturbances(found: Prospects) -> Outcome:
+    errors, small = found.errors, NEAR * found.path_size
+    first, last, least = float(errors[0]), float(errors[-1]), float(errors.min())
+    # However rough its prediction is, so large an error is none that is half of the first.
+    if not last < CLEARLY * max(first, small):
+        return Outcome.MADE_WORSE if found.settles else Outcome.CANNOT_CONVERGE
+    if found.is_far:
+        return Outcome.OUT_OF_RANGE
+    if not found.settles and last > small and last >= STAYS * first:
+        return Outcome.CANNOT_CONVERGE
+    if last > max(CLEARLY * least, small):
+        return Outcome.GROWS_WITHIN if least < first / CLEARLY else Outcome.DOES_NOT_LEARN
+    if last > max(first / CLEARLY, small):
+        return Outcome.DOES_NOT_LEARN
+    ahead = np.append(last, found.later)
+    after = float(ahead[int(ahead.argmin()) :].max())
+    grows = not found.settles or (found.ripples_grow and not found.rests)
+    if grows or after > max(CLEARLY * ahead.min(), small):
+        return Outcome.GROWS_LATER
+    return Outcome.LEARNS
 
 
 def seen_outcome(errors: Floats, path_size: float) -> Outcome:
@@ -91,34 +111,10 @@ def seen_outcome(errors: Floats, path_size: float) -> Outcome:
             finite numbers.
         path_size: [m].
     """
-    if len(errors) > 1 and not errors[-1] < CLEARLY * max(errors[0], NEAR * path_size):
-        return Outcome.MADE_WORSE
     return predicted_outcome(Prospects(errors, np.zeros(0), path_size))
 
 
 LEARNING = (Outcome.LEARNS, Outcome.GROWS_LATER, Outcome.GROWS_WITHIN)
 """Those with an error that falls clearly."""
-
-
-def _without_disturbances(found: Prospects) -> Outcome:
-    errors, small = found.errors, NEAR * found.path_size
-    first, last, least = float(errors[0]), float(errors[-1]), float(errors.min())
-    if found.is_far or not math.isfinite(last):
-        # However rough, an error beyond all bounds is none that is half of the first.
-        if last < CLEARLY * first or (found.settles and found.rests):
-            return Outcome.OUT_OF_RANGE
-        return Outcome.DOES_NOT_LEARN if found.settles else Outcome.CANNOT_CONVERGE
-    grows = last > max(CLEARLY * least, small)
-    if not found.settles:
-        if last >= first / CLEARLY:
-            return Outcome.CANNOT_CONVERGE if last >= STAYS * first else Outcome.DOES_NOT_LEARN
-        return Outcome.GROWS_WITHIN if grows else Outcome.GROWS_LATER
-    if grows:
-        return Outcome.GROWS_WITHIN if least < first / CLEARLY else Outcome.DOES_NOT_LEARN
-    if last > max(first / CLEARLY, small):
-        return Outcome.DOES_NOT_LEARN
-    ahead = np.append(last, found.later)
-    after = float(ahead[int(ahead.argmin()) :].max())
-    if (found.ripples_grow and not found.rests) or after > max(CLEARLY * ahead.min(), small):
-        return Outcome.GROWS_LATER
-    return Outcome.LEARNS
+FAILED = (Outcome.CANNOT_CONVERGE, Outcome.MADE_WORSE)
+"""Those with which an experiment cannot work."""

@@ -15,7 +15,7 @@ from hilc_cli.analysis.expected_learning import RESOLUTION
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.measured import Comparison
 from hilc_cli.analysis.measured import compare as beside
-from hilc_cli.analysis.outcome import CLEARLY, LEARNING, Outcome, seen_outcome
+from hilc_cli.analysis.outcome import CLEARLY, NEAR, Outcome, seen_outcome
 from hilc_cli.analysis.theories import CORRECTED, WITHIN_LIMIT
 from hilc_cli.api.running import OnIteration, RunData, Summary, measured_trials
 from hilc_cli.engine.experiment import Experiment
@@ -123,19 +123,20 @@ def decided(
     first, last, count = float(errors[0]), float(errors[-1]), len(errors) - 1
     went = f"the simulated error goes from {first:.3g} m to {last:.3g} m in iteration {count}"
     failures, warnings = found.failures, found.warnings
-    if failures and outcome in LEARNING:
+    if outcome is Outcome.MADE_WORSE:
+        if learns and not failures and math.isfinite(last):
+            failures = (f"{went}: learning makes it worse; lower the gains, or disturbances",)
+    elif failures and last <= max(first / CLEARLY, NEAR * simulated.run.reference.size):
         warnings = (*(f"{text}; and yet {went}" for text in failures), *warnings)
         failures = ()
-    elif not failures and learns and outcome is Outcome.MADE_WORSE and math.isfinite(last):
-        failures = (f"{went}: learning makes it worse; lower the gains, or the disturbances",)
-    elif not failures and learns and outcome is Outcome.DOES_NOT_LEARN:
+    elif learns and not failures and outcome is Outcome.DOES_NOT_LEARN:
         warnings = (f"{went}, which is not half of it within {count} iterations", *warnings)
-    elif outcome is Outcome.GROWS_WITHIN:
+    elif learns and outcome is Outcome.GROWS_WITHIN:
         best = int(errors.argmin())
         warnings = (f"{went}, and was {errors[best]:.3g} m in iteration {best}", *warnings)
     if expected is not None and expected.unsure is None and not failures:
-        foretold = CLEARLY * expected.foretold_m
-        if last > max(foretold, RESOLUTION * simulated.run.reference.size):
+        foretold = max(expected.foretold_m, RESOLUTION * simulated.run.reference.size)
+        if last > CLEARLY * foretold:
             warnings = (f"{went}, where theory expects {expected.foretold_m:.3g} m", *warnings)
     return Findings(failures, warnings)
 

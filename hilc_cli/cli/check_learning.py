@@ -107,7 +107,7 @@ def _verdict(found: Forecast, iterations: int) -> str:
         Outcome.CANNOT_CONVERGE: "cannot converge",
         Outcome.DOES_NOT_LEARN: f"does not halve the error {within}",
         Outcome.OUT_OF_RANGE: "unclear: the last error is out of the linear theory's range",
-        Outcome.MADE_WORSE: "makes disturbances larger, not errors smaller",
+        Outcome.MADE_WORSE: "makes the error larger",
         Outcome.DROWNED: "what is learned drowns in disturbances",
         Outcome.GROWS_WITHIN: f"learns until iteration {best}, then its error grows again",
         Outcome.GROWS_LATER: f"learns {within}, but its error {later}",
