@@ -53,8 +53,9 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
     from typer.main import get_command
 
     from hilc_cli.cli.app import app
-    from hilc_cli.cli.completion import REQUEST, complete
+    from hilc_cli.cli.completion import REQUEST, complete, use_own_script
 
+    use_own_script()
     command = get_command(app)
     if REQUEST in os.environ:
         complete(lambda: command.main(args=list(arguments), prog_name="hilc", complete_var=REQUEST))

@@ -17,6 +17,7 @@ RUN_COLORS = (
     *(BLUE, ORANGE, "#882255", "#56B4E9", VERMILLION, GREEN),
     *("#332288", "#CC79A7", "#666666", "#999933"),
 )
+WINE = RUN_COLORS[2]
 # Sparse markers tell runs apart where colour cannot.
 RUN_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
 REFERENCE_COLOR = "black"
