@@ -90,6 +90,10 @@ class MissingPackageError(UsageError):
         )
 
 
+class MissingFileError(UsageError):
+    """There is no such file."""
+
+
 class FileAccessError(HilcError):
     """A file or folder could not be read or written."""
 

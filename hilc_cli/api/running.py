@@ -13,7 +13,7 @@ from hilc_cli.api.circumstances import circumstances
 from hilc_cli.api.run_warnings import forewarnings, what_happened
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
-from hilc_cli.errors import DivergedError, UsageError
+from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import merge_folder
 from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.metrics import MetricsTable, measure
@@ -247,7 +247,7 @@ def as_runs(runs: RunSource | Sequence[RunSource]) -> list[RunData]:
     names = [folder.resolve().name for folder in folders]
     if len(set(names)) < len(names) and len(set(map(str, folders))) == len(folders):
         names = [str(folder) for folder in folders]
-    return [replace(run, name=name) for run, name in zip(found, names, strict=True)]
+    return [replace(run, name=printable(name)) for run, name in zip(found, names, strict=True)]
 
 
 def plot(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 from hilc_cli.api.circumstances import circumstances
 from hilc_cli.api.search_results import beside_cases, how_searched
 from hilc_cli.api.sweep_results import LIBRARIES, Sweep, as_fields
-from hilc_cli.errors import UsageError
-from hilc_cli.results.run_folder import SCENARIO
+from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.spec.loading import ScenarioSource, as_scenario
 from hilc_cli.spec.sweeping import plan_of
 from hilc_cli.sweeping.chunks import Chunk, Failure
@@ -22,7 +21,13 @@ from hilc_cli.sweeping.compute import Execution, compute
 from hilc_cli.sweeping.memory_store import MemoryStore, Store
 from hilc_cli.sweeping.opening import open_store
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.shards import check_shardable, merge, read_initial_input, shard_cases
+from hilc_cli.sweeping.shards import (
+    check_shardable,
+    merge,
+    read_initial_input,
+    read_scenario,
+    shard_cases,
+)
 from hilc_cli.sweeping.store import FolderStore
 
 if TYPE_CHECKING:
@@ -193,7 +198,10 @@ def merge_shards(
     if twice is not None:
         raise UsageError(f"{twice}: is given more than once; give each shard once")
     with ExitStack() as stack:
-        stores = [stack.enter_context(closing(FolderStore(Path(folder)))) for folder in folders]
+        stores = [
+            stack.enter_context(closing(FolderStore(Path(folder), read_only=True)))
+            for folder in folders
+        ]
         merged = merge(stores)
         header = merged.header
         data = collect(
@@ -210,7 +218,7 @@ def merge_shards(
             **as_fields(data),
             failures=tuple(merged.failures()),
             checksum=header["checksum"],
-            scenario_yaml=(Path(folders[0]) / SCENARIO).read_text(encoding="utf-8"),
+            scenario_yaml=read_scenario(Path(folders[0])),
             initial_input=initial_input,
             how={**circumstances(started, LIBRARIES), "shards": len(stores)},
         )
@@ -236,4 +244,10 @@ def _store(
         yield MemoryStore(plan)
         return
     with closing(open_store(Path(folder), plan, cases, shard, resume=resume, force=force)) as store:
-        yield store
+        try:
+            yield store
+        except BaseException:
+            # A scheduler that is not there, say, leaves nothing that the right command would meet.
+            with suppress(HilcError):
+                store.discard_if_empty()
+            raise

@@ -53,11 +53,13 @@ def check_shared_folder(folder: Path) -> None:
     """Makes sure that results of several runs do not end up among those of one.
 
     Raises:
-        UsageError: The folder is that of a run, of a sweep or of a leaderboard.
+        UsageError: The folder is that of a run, of a sweep or of a leaderboard, or a link.
     """
     from hilc_cli.api import is_leaderboard, is_sweep
     from hilc_cli.results.run_folder import is_run_folder
 
+    if folder.is_symlink():
+        raise UsageError(f"--out {folder}: is a link; name the folder that it leads to")
     kinds = {"run": is_run_folder, "sweep": is_sweep, "leaderboard": is_leaderboard}
     what = next((name for name, is_one in kinds.items() if is_one(folder)), "")
     if what:

@@ -81,7 +81,7 @@ def read_learning(path: Path) -> LearningTable:
     rows = csv.reader(read_file(path, _MOST_BYTES).decode("utf-8", "replace").splitlines())
     try:
         header = next(rows, [])
-        if len(header) < 2 or header[0] != _ITERATION:
+        if len(header) < 2 or header[0] != _ITERATION or not all(map(str.isidentifier, header)):
             raise UsageError(f"{path}: is no such table; its first line must begin with iteration,")
         for row in rows:
             where = f"{path}:{rows.line_num}: is damaged"

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.errors import ExistingResultsError, UsageError
+from hilc_cli.errors import ExistingResultsError, MissingFileError
 from hilc_cli.files import read_file, writing
 
 _MAX_MANIFEST_BYTES = 1_000_000_000
@@ -24,11 +24,15 @@ def read_manifest(path: Path, kind: str | None = None) -> dict[str, Any]:
         kind: What its ``kind`` must be; None for anything.
 
     Returns:
-        The document; empty if there is none of that kind that can be read.
+        The document; empty if there is none, or it is of another kind or no JSON.
+
+    Raises:
+        UsageError: A folder, pipe or device stands there, or too large a file.
+        FileAccessError: It cannot be read.
     """
     try:
         manifest = json.loads(read_file(path, _MAX_MANIFEST_BYTES))
-    except (UsageError, ValueError, RecursionError):
+    except (MissingFileError, ValueError, RecursionError):
         return {}
     if not isinstance(manifest, dict) or kind not in (None, manifest.get("kind")):
         return {}
@@ -90,6 +94,10 @@ def check_replaceable(
         # It would be exchanged for another one under the feet of whoever stands in it.
         raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
     if is_empty:
+        if path.is_symlink():  # in a folder that comes from elsewhere it may lead anywhere
+            raise ExistingResultsError(
+                f"{path}: is a link to an empty folder; name that one with --out"
+            )
         return
     if not is_own():
         raise ExistingResultsError(
