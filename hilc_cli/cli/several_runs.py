@@ -58,7 +58,7 @@ def shared_folder(folders: Sequence[Path]) -> Path:
 
     More than two are told from other such sets by a few digits, which follow from where they are.
     """
-    names = [folder.resolve().name for folder in folders]
+    names = [printable(folder.resolve().name) for folder in folders]
     if len(names) == 2:
         return Path("runs") / f"{names[0]}-vs-{names[1]}"
     places = "\0".join(os.path.relpath(folder.resolve()) for folder in folders)
