@@ -12,7 +12,7 @@ from hilc_cli.files import write_file, writing
 PREFIX = "example:"
 SCENARIOS, TRAJECTORIES, LEADERBOARDS = KINDS = ("scenarios", "trajectories", "leaderboards")
 
-_BESIDE_SCENARIOS = frozenset({"leaderboard"})  # is in their folder, and none of them
+_BESIDE_SCENARIOS = frozenset({"leaderboard", "small-robot-laws"})  # in their folder, none of them
 
 
 def examples_folder() -> Path:

@@ -13,8 +13,8 @@ from hilc_cli.api.circumstances import circumstances
 from hilc_cli.api.search_results import beside_cases, how_searched
 from hilc_cli.api.sweep_results import LIBRARIES, Sweep, as_fields
 from hilc_cli.errors import HilcError, UsageError
+from hilc_cli.spec.loading import ScenarioSource, as_scenario
 from hilc_cli.spec.sweeping import plan_of
-from hilc_cli.spec.valid import Scenario
 from hilc_cli.sweeping.chunks import Chunk, Failure
 from hilc_cli.sweeping.collect import collect
 from hilc_cli.sweeping.compute import Execution, compute
@@ -37,7 +37,7 @@ _DEFAULT = Execution()
 
 
 def plan_sweep(
-    scenario: Scenario,
+    scenario: ScenarioSource,
     vary: Mapping[str, object] | Sequence[str] = (),
     *,
     sample: str | None = None,
@@ -51,7 +51,7 @@ def plan_sweep(
     """Validates a sweep; what is not given is as the scenario's section ``sweep`` says.
 
     Args:
-        scenario: From `load_scenario`.
+        scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
         vary: Values by dotted key: a list, or a text such as ``0.1:10:20:log``; or texts
             ``KEY=VALUES`` as on the command line.
         sample: grid (default), random or sobol.
@@ -75,7 +75,7 @@ def plan_sweep(
         "metric": metric,
         "minimise": minimise,
     }
-    plan = Plan(*plan_of(scenario, vary, options))
+    plan = Plan(*plan_of(as_scenario(scenario), vary, options))
     if plan.searches:
         from hilc_cli.sweeping.sampler import require_optuna  # an extra
 
@@ -84,7 +84,7 @@ def plan_sweep(
 
 
 def sweep(
-    plan: Plan | Scenario,
+    plan: Plan | ScenarioSource,
     how: Execution = _DEFAULT,
     *,
     work_folder: str | Path | None = None,
@@ -94,7 +94,8 @@ def sweep(
     """Runs all cases of a sweep, or searches for the best one.
 
     Args:
-        plan: From `plan_sweep`, or a scenario with a section ``sweep``.
+        plan: From `plan_sweep`, or a scenario with a section ``sweep``, or what that
+            is read from.
         how: Workers, and whom to tell; by default processes on all cores of this machine.
         work_folder: Where results are kept while the sweep is under way, so that it can be
             resumed; stays there until `discard_work`. Default: in memory only.

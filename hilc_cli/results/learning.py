@@ -12,6 +12,7 @@ import numpy as np
 
 from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file
+from hilc_cli.named import in_short, listed, named
 from hilc_cli.reference.sampled import Floats
 
 _ITERATION = "iteration"
@@ -43,9 +44,12 @@ class LearningTable:
         """A column, shape (iterations,); not-a-number where there is no such figure.
 
         Raises:
-            KeyError: There is no such column.
+            UnknownNameError: There is no such column; names those that there are.
         """
-        return np.array(self._columns[name], dtype=np.float64)
+        return np.array(named("figure", self._columns)[name], dtype=np.float64)
+
+    def __repr__(self) -> str:
+        return in_short(f"What the law tells of {len(self)} iterations", listed(self.names, most=3))
 
     def last(self) -> dict[str, float]:
         """Figures of the last iteration by name; not-a-number where there is no such figure."""

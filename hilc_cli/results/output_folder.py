@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import filecmp
 import json
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Collection
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +37,36 @@ def read_manifest(path: Path, kind: str | None = None) -> dict[str, Any]:
     if not isinstance(manifest, dict) or kind not in (None, manifest.get("kind")):
         return {}
     return manifest
+
+
+def keep_pictures(old: Path, new: Path, tables: Collection[str], pictures: Collection[str]) -> None:
+    """Copies pictures that still show what the tables say into the folder that replaces another.
+
+    Args:
+        old: The folder that is to be replaced; it need not be there.
+        new: The new one, with its tables and pictures.
+        tables: Names of all files that pictures are drawn from. One that neither folder has is the
+            same; if any differs, nothing is copied.
+        pictures: Names of files that hilc draws; one that the new folder has is not copied.
+
+    Raises:
+        OSError: They cannot be written.
+    """
+    with suppress(FileNotFoundError):  # another program has replaced the old folder meanwhile
+        if not old.is_dir() or not all(_is_same(old / name, new / name) for name in tables):
+            return
+        for name in pictures:
+            picture, copy = old / name, new / name
+            # A link stays behind: what it leads to is nobody's picture of these tables.
+            if picture.is_file() and not picture.is_symlink() and not copy.exists():
+                shutil.copyfile(picture, copy)
+
+
+def _is_same(one: Path, other: Path) -> bool:
+    """Whether two files have the same content, or neither is there."""
+    if not one.exists() and not other.exists():
+        return True
+    return one.is_file() and other.is_file() and filecmp.cmp(one, other, shallow=False)
 
 
 def check_replaceable(

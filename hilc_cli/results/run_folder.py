@@ -16,7 +16,7 @@ from hilc_cli.files import read_file, write_folder
 from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import read_learning, write_learning
-from hilc_cli.results.output_folder import check_replaceable, read_manifest
+from hilc_cli.results.output_folder import check_replaceable, keep_pictures, read_manifest
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
     read_iterations,
@@ -90,6 +90,7 @@ def write_run_folder(
             write_gravity_center(folder / GRAVITY_CENTER, run.reference.times, paths)
         if draw is not None:
             draw(folder)
+        keep_pictures(path, folder, TABLES - {MANIFEST}, PICTURES)
         files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
         text = json.dumps({"kind": KIND, **manifest(), "files": files}, indent=2)
         (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
@@ -170,6 +171,7 @@ def read_run_folder(path: Path) -> RunData:
         learning=read_learning(path / LEARNING),
         settings=_texts(manifest.get("settings")),
         yardsticks=_numbers(manifest.get("yardsticks")),
+        warnings=_lines(manifest.get("warnings")),
     )
 
 
@@ -185,6 +187,12 @@ def _texts(value: object) -> dict[str, str]:
     if not isinstance(value, dict):
         return {}
     return {key: printable(text) for key, text in value.items() if isinstance(text, str)}
+
+
+def _lines(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list):
+        return ()
+    return tuple(text for text in value if isinstance(text, str))
 
 
 def _numbers(value: object) -> dict[str, dict[str, float]]:

@@ -11,7 +11,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.files import write_folder
 from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.output_folder import check_replaceable, read_manifest
+from hilc_cli.results.output_folder import check_replaceable, keep_pictures, read_manifest
 from hilc_cli.results.run_folder import INITIAL_INPUT, PICTURE_FORMATS, SCENARIO
 from hilc_cli.results.search import BEST, AsItIs
 from hilc_cli.results.sweep import SweepData
@@ -26,7 +26,8 @@ BANDS = "bands.csv"
 PARQUET = "cases.parquet"
 SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
 _PICTURES = {f"{kind}.{suffix}" for kind in SWEEP_PICTURE_KINDS for suffix in PICTURE_FORMATS}
-_OWN = frozenset({MANIFEST, CASES, BANDS, PARQUET, SCENARIO, INITIAL_INPUT, BEST}) | _PICTURES
+_TABLES = frozenset({CASES, BANDS, SCENARIO, INITIAL_INPUT, BEST})
+_OWN = _TABLES | {MANIFEST, PARQUET} | _PICTURES
 
 
 def write_sweep_folder(
@@ -79,6 +80,7 @@ def write_sweep_folder(
             write_parquet(folder / PARQUET, data, go_on)
         if draw is not None:
             draw(folder)
+        keep_pictures(path, folder, _TABLES, _PICTURES)
         go_on()
         files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
         document = {

@@ -16,7 +16,7 @@ from functools import lru_cache
 from typing import Any
 from urllib.parse import urlsplit
 
-from hilc_cli.errors import HilcError, UsageError
+from hilc_cli.errors import HilcError, MissingPackageError, UsageError
 from hilc_cli.files import reason
 from hilc_cli.sweeping.chunks import Chunk, ChunkResult, run_chunk
 from hilc_cli.sweeping.crew import PATIENCE, Outcome
@@ -48,15 +48,13 @@ class DaskCrew:
             go_on: Called now and then while waiting; may raise to stop.
 
         Raises:
-            UsageError: The package for that is not installed.
+            MissingPackageError: The package for that is not installed.
             ClusterError: There is no scheduler, or it has no workers.
         """
         try:
             import distributed
         except ImportError:
-            raise UsageError(
-                "--scheduler needs the package distributed; pip install 'hilc-cli[dask]'"
-            ) from None
+            raise MissingPackageError("--scheduler", "distributed", "dask") from None
         self._distributed = distributed
         _silence()
         _greet(address, go_on)
