@@ -17,6 +17,7 @@ from hilc_cli.analysis.forecast import Forecast
 from hilc_cli.analysis.law_theory import LawTheory, law_theory
 from hilc_cli.analysis.matrices import is_hybrid
 from hilc_cli.analysis.remedies import feasibility_findings
+from hilc_cli.analysis.start import start_findings
 from hilc_cli.analysis.theories import theories
 from hilc_cli.api.check_simulation import Simulated, simulated, theory_findings
 from hilc_cli.api.running import OnIteration
@@ -39,7 +40,7 @@ class Check:
         theories: Bounds of the paper's theory, by name; None likewise.
         simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
-            ``learning``, ``simulation``, ``theory``.
+            ``start``, ``learning``, ``simulation``, ``theory``.
     """
 
     scenario: Scenario
@@ -154,6 +155,7 @@ def check(
             "feasibility": feasibility_findings(feasibility),
         }
         theory = law_theory(experiment)
+        findings["start"] = start_findings(experiment, theory.forecast)
         findings["learning"] = theory.findings
         premises, bounds = None, None
         if is_hybrid(experiment.law):

@@ -79,7 +79,10 @@ def errors_in_brief(found: Forecast, iterations: int) -> list[tuple[str, str]]:
     first = f"{_length(errors[0])} in iteration 0"
     if not iterations:
         return [("Error, predicted", first)]
-    last = _told(transient, _at(transient, iterations), iterations)
+    rough = transient.rough_from
+    last = _at(transient, iterations) + (
+        " (rough)" if rough is not None and rough <= iterations else ""
+    )
     half = next((i for i, error in enumerate(errors) if error <= errors[0] / 2), None)
     halves = "does not halve" if half is None else f"halves by iteration {half}"
     small = transient.settled_at(NEAR)

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from hilc_cli.analysis.feasibility import Feasibility
     from hilc_cli.api import Check
 
+_NOTHING = 1e-6
+"""[m/s^2]; of a turn on the spot that is written as a very small arc."""
 _MOST_ROWS = 24
 """So many segments are shown if not all are asked for."""
 
@@ -50,7 +52,7 @@ def _brief(feasibility: Feasibility) -> list[tuple[str, str]]:
     rows = [
         ("Fastest wheel", f"{demand.fastest.value:.4g} rad/s {_at(demand.fastest)}; {of_limit}")
     ]
-    if demand.lateral.value:
+    if demand.lateral.value > _NOTHING:
         held = (
             "robot.friction not given"
             if limits.friction is None
@@ -70,17 +72,14 @@ def _brief(feasibility: Feasibility) -> list[tuple[str, str]]:
         rows.append(("Sharpest corner", text))
     rows.append(("From rest", _jump(demand.from_rest, feasibility)))
     if demand.largest_jump is not None:
-        where = _where(demand.largest_jump.name, in_corner=demand.largest_jump.at_corner)
-        rows.append(("Largest jump", f"{_jump(demand.largest_jump, feasibility)}, {where}"))
+        at = "the corner at " if demand.largest_jump.at_corner else ""
+        text = f"{_jump(demand.largest_jump, feasibility)}, at {at}{demand.largest_jump.name}"
+        rows.append(("Largest jump", text))
     return rows
 
 
 def _at(peak: Peak) -> str:
-    return _where(peak.name, in_corner=peak.in_corner)
-
-
-def _where(name: str, *, in_corner: bool) -> str:
-    return f"in the corner at {name}" if in_corner else f"in {name}"
+    return f"in the corner at {peak.name}" if peak.in_corner else f"in {peak.name}"
 
 
 def _jump(jump: Jump, feasibility: Feasibility) -> str:
