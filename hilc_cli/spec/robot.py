@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from hilc_cli.robot import Robot, TurnConvention
 from hilc_cli.spec.model import Model, wrong_at
 from hilc_cli.spec.quantities import Coordinate, PositiveLength, PositiveNumber
+
+_OTHER_NAMES = {"ros": "rep103"}
+
+
+def _usual_name(value: object) -> object:
+    """The name by which results call a convention."""
+    return _OTHER_NAMES.get(value, value) if isinstance(value, str) else value
+
+
+TurnConventionName = Annotated[
+    TurnConvention,
+    BeforeValidator(_usual_name),
+    WithJsonSchema({"enum": ["paper", "rep103", "ros"], "type": "string"}),
+]
 
 
 class RobotSpec(Model):
@@ -23,8 +37,9 @@ class RobotSpec(Model):
     wheel_separation: PositiveLength | None = Field(
         None, description="distance between the wheels [m], instead of half_track"
     )
-    turn_convention: TurnConvention = Field(
-        "paper", description="paper: left wheel faster turns left; rep103: right wheel does"
+    turn_convention: TurnConventionName = Field(
+        description="paper: left wheel faster turns left; "
+        "rep103 or ros: right wheel faster turns left"
     )
     gravity_center: tuple[Coordinate, Coordinate] = Field(
         (0.0, 0.0), description="D_cx, D_cy [m] in the platform's frame; only reported"

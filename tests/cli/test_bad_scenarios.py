@@ -13,7 +13,7 @@ from tests.conftest import Hilc, Outcome, Write
 CASES = [
     (
         "missing-robot",
-        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}\n", ""),
+        scenario("robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}\n", ""),
         "scenario.yaml:1:1: robot: is missing; give it",
     ),
     ("missing-name", scenario("name: test\n", ""), "scenario.yaml:1:1: name: is missing; give it"),
@@ -92,17 +92,22 @@ CASES = [
     ),
     (
         "robot-scalar",
-        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: 0.2"),
+        scenario(
+            "robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}", "robot: 0.2"
+        ),
         "scenario.yaml:3:8: robot: must be a mapping of keys and values, got 0.2; write its keys below it",
     ),
     (
         "robot-list",
-        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: [0.2, 0.5]"),
+        scenario(
+            "robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}",
+            "robot: [0.2, 0.5]",
+        ),
         "scenario.yaml:3:8: robot: must be a mapping of keys and values, got a list of 2; write its keys below it",
     ),
     (
         "robot-null",
-        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot:"),
+        scenario("robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}", "robot:"),
         "scenario.yaml:3:7: robot: must be a mapping of keys and values, got nothing; write its keys below it",
     ),
     (
@@ -514,8 +519,18 @@ CASES = [
     ),
     (
         "turn-convention",
-        scenario("wheel_radius: 0.2", "wheel_radius: 0.2, turn_convention: ros"),
-        "scenario.yaml:3:45: robot.turn_convention: is not one of the choices, got 'ros'; give paper or rep103",
+        scenario("turn_convention: paper", "turn_convention: rose"),
+        "scenario.yaml:3:62: robot.turn_convention: is not one of the choices, got 'rose'; give paper or rep103",
+    ),
+    (
+        "no-turn-convention",
+        scenario(", turn_convention: paper", ""),
+        "scenario.yaml:3:1: robot.turn_convention: is missing; give it (paper: left wheel faster turns left; rep103 or ros: right wheel faster turns left)",
+    ),
+    (
+        "turn-convention-of-nothing",
+        scenario("turn_convention: paper", "turn_convention: "),
+        "scenario.yaml:3:61: robot.turn_convention: is not one of the choices, got nothing; give paper or rep103",
     ),
     (
         "initial-trial",
@@ -813,8 +828,8 @@ CASES = [
     (
         "merge",
         scenario(
-            "robot: {wheel_radius: 0.2, half_track: 0.5}",
-            "robot: {<<: {half_track: 0.5}, wheel_radius: 0.2}",
+            "robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}",
+            "robot: {<<: {half_track: 0.5}, wheel_radius: 0.2, turn_convention: paper}",
         ),
         "scenario.yaml:3:9: <<: merge keys are not part of YAML 1.2; write the keys out\n"
         "scenario.yaml:3:1: robot: needs exactly one of half_track and wheel_separation; give one of them",
@@ -837,7 +852,7 @@ CASES = [
     (
         "tag-apply",
         scenario(
-            "robot: {wheel_radius: 0.2, half_track: 0.5}",
+            "robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}",
             "robot: !!python/object/apply:os.system ['true']",
         ),
         "scenario.yaml:3:8: robot: has the tag tag:yaml.org,2002:python/object/apply:os.system; leave tags out\n"
@@ -845,12 +860,17 @@ CASES = [
     ),
     (
         "alias-cycle",
-        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: &a {wheel_radius: *a}"),
+        scenario(
+            "robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}",
+            "robot: &a {wheel_radius: *a}",
+        ),
         "scenario.yaml:3:26: alias *a contains itself; write the value out",
     ),
     (
         "alias-unknown",
-        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: *a"),
+        scenario(
+            "robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}", "robot: *a"
+        ),
         "scenario.yaml:3:8: alias *a has no anchor; define &a before it",
     ),
     (
@@ -901,7 +921,10 @@ CASES = [
     ),
     (
         "unclosed",
-        scenario("robot: {wheel_radius: 0.2, half_track: 0.5}", "robot: {wheel_radius: 0.2"),
+        scenario(
+            "robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}",
+            "robot: {wheel_radius: 0.2",
+        ),
         "scenario.yaml:4:11: is not valid YAML: did not find expected ',' or '}'; check quotes, colons, brackets and indentation",
     ),
     (

@@ -384,9 +384,14 @@ CASES: list[tuple[list[str], int, str]] = [
         "--vary robot.wheel_separation=1,2: robot: needs exactly one of half_track and wheel_separation; give one of them",
     ),
     (
-        ["--vary", "robot.turn_convention=paper,ros"],
+        ["--vary", "robot.turn_convention=paper,rosy"],
         2,
-        "--vary robot.turn_convention=paper,ros: robot.turn_convention: is not one of the choices, got 'ros'; give paper or rep103",
+        "--vary robot.turn_convention=paper,rosy: robot.turn_convention: is not one of the choices, got 'rosy'; give paper or rep103",
+    ),
+    (
+        ["--vary", "robot.turn_convention=paper,ros,rep103"],
+        2,
+        "--vary robot.turn_convention=paper,ros,rep103: robot.turn_convention: has the value rep103 more than once; remove one",
     ),
     (
         ["--vary", "robot.gravity_center.0=1,2"],

@@ -29,7 +29,7 @@ trajectory:
   start: {x: 0, y: 0, heading: 0}
   segments:
     - line: {length: 2 m, duration: 1 s}
-robot: {wheel_radius: 0.2, half_track: 0.5}
+robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}
 model: {wheel_radius: 0.25}
 initial_pose: {x: -0.1}
 iterations: 3

@@ -21,7 +21,7 @@ trajectory:
   segments:
     - arc: {radius: 2 m, sweep: 60 deg, turn: left, duration: 0.3 s}
     - line: {length: 1 m, duration: 0.2 s}
-robot: {wheel_radius: 0.2, half_track: 0.5}
+robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}
 model: {wheel_radius: 0.14, half_track: 0.65}
 initial_pose: {x: 1.1}
 iterations: 2
