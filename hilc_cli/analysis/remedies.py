@@ -101,7 +101,7 @@ def _corners(feasibility: Feasibility) -> list[str]:
     return [
         f"trajectory.{sharpest.name} starts with a corner of {in_degrees(sharpest.corner)}{among}: "
         f"turned in one sample, it takes wheels of {sharpest.corner_wheel:.4g} rad/s and "
-        f"{sharpest.corner_lateral:.3g} m/s^2 sideways; a robot has to stop for it: round it with "
+        f"{rounded(sharpest.corner_lateral)} m/s^2 sideways; a robot has to stop for it: round it with "
         "an arc"
     ]
 
