@@ -27,6 +27,9 @@ from hilc_cli.spec.hybrid import HybridController
 from hilc_cli.spec.pid import PidController
 from hilc_cli.spec.valid import Scenario
 
+_RANKS = {"feasibility": 1, "advice": 2}
+"""Parts whose warnings come after those of learning, which are of this very scenario."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Check:
@@ -40,7 +43,7 @@ class Check:
         theories: Bounds of the paper's theory, by name; None likewise.
         simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
-            ``start``, ``learning``, ``simulation``, ``theory``.
+            ``start``, ``learning``, ``simulation``, ``theory``, ``advice``.
     """
 
     scenario: Scenario
@@ -63,8 +66,9 @@ class Check:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is legal but unwise."""
-        return tuple(text for part in self.findings.values() for text in part.warnings)
+        """What is legal but unwise, what matters most first."""
+        ranked = sorted(self.findings, key=lambda part: _RANKS.get(part, 0))
+        return tuple(text for part in ranked for text in self.findings[part].warnings)
 
     def plot(
         self,
@@ -151,7 +155,7 @@ def check(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         feasibility = scenario.feasibility()
         findings = {
-            "settings": Findings(warnings=(*scenario.warnings(), *advice(experiment))),
+            "settings": Findings(warnings=tuple(scenario.warnings())),
             "feasibility": feasibility_findings(feasibility),
         }
         theory = law_theory(experiment)
@@ -166,4 +170,5 @@ def check(
                 scenario, experiment, bounds or {}, on_iteration
             )
         findings["theory"] = theory_findings(beside)
+        findings["advice"] = Findings(warnings=tuple(advice(experiment)))
     return Check(scenario, feasibility, theory, premises, bounds, beside, findings)

@@ -78,7 +78,7 @@ def errors_in_brief(found: Forecast, iterations: int) -> list[tuple[str, str]]:
     errors = transient.max_position_error_m
     first = f"{_length(errors[0])} in iteration 0"
     if not iterations:
-        return [("Error, predicted", first)]
+        return [("Predicted", first)]
     rough = transient.rough_from
     last = _at(transient, iterations) + (
         " (rough)" if rough is not None and rough <= iterations else ""
@@ -94,7 +94,7 @@ def errors_in_brief(found: Forecast, iterations: int) -> list[tuple[str, str]]:
         if spell is not None:
             within = f"within {NEAR:.0%} of the path's size from {spell[0]} to {spell[1]}"
     return [
-        ("Error, predicted", f"{first}, {last} in iteration {iterations}"),
+        ("Predicted", f"{first}, {last} in iteration {iterations}"),
         ("", f"{halves}; {within}"),
     ]
 

@@ -47,33 +47,24 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
 def _brief(feasibility: Feasibility) -> list[tuple[str, str]]:
     """What limits."""
     demand, limits = feasibility.demand, feasibility.limits
+    fastest = f"{demand.fastest.value:.4g} rad/s"
     share = feasibility.share(demand.fastest.value)
-    of_limit = "no limit" if share is None else f"{share:.1%} of b_w, {limits.wheel_speed:g} rad/s"
-    rows = [
-        ("Fastest wheel", f"{demand.fastest.value:.4g} rad/s {_at(demand.fastest)}; {of_limit}")
-    ]
+    if share is not None:
+        fastest = f"{demand.fastest.value:.4g} of {limits.wheel_speed:g} rad/s, {share:.1%} of b_w,"
+    rows = [("Fastest wheel", f"{fastest} {_at(demand.fastest)}")]
     if demand.lateral.value > _NOTHING:
-        held = (
-            "robot.friction not given"
-            if limits.friction is None
-            else f"tyres hold {limits.lateral:.4g} m/s^2"
-        )
-        rows.append(
-            (
-                "Sideways",
-                f"{demand.lateral.value:.4g} m/s^2 ({feasibility.needed_friction:.3g} g) "
-                f"{_at(demand.lateral)}; {held}",
-            )
-        )
+        held = "" if limits.friction is None else f"; tyres hold {limits.lateral:.4g} m/s^2"
+        lateral = f"{demand.lateral.value:.4g} m/s^2 ({feasibility.needed_friction:.3g} g)"
+        rows.append(("Sideways", f"{lateral} {_at(demand.lateral)}{held}"))
     sharpest = demand.sharpest_corner
     if sharpest is not None:
         among = f", of {len(demand.corners)} corners" if len(demand.corners) > 1 else ""
-        text = f"{in_degrees(sharpest.corner)} at {sharpest.name}{among}; in one sample"
+        text = f"{in_degrees(sharpest.corner)} at {sharpest.name}{among}"
         rows.append(("Sharpest corner", text))
     rows.append(("From rest", _jump(demand.from_rest, feasibility)))
     if demand.largest_jump is not None:
         at = "the corner at " if demand.largest_jump.at_corner else ""
-        text = f"{_jump(demand.largest_jump, feasibility)}, at {at}{demand.largest_jump.name}"
+        text = f"{_jump(demand.largest_jump, feasibility)} at {at}{demand.largest_jump.name}"
         rows.append(("Largest jump", text))
     return rows
 
@@ -90,7 +81,7 @@ def _jump(jump: Jump, feasibility: Feasibility) -> str:
     if not math.isclose(jump.left, jump.right, rel_tol=1e-9):
         speeds = f"left {jump.left:.4g}, right {jump.right:.4g}"
     rim = jump.size * feasibility.robot.wheel_radius / feasibility.demand.sample_time
-    return f"{speeds} rad/s in one sample, {rounded(rim / GRAVITY)} g at the rim"
+    return f"{speeds} rad/s in one sample ({rounded(rim / GRAVITY)} g)"
 
 
 def _inside(demand: Demand) -> str:

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
 from hilc_cli.cli.check_errors import errors_grid, errors_in_brief
-from hilc_cli.cli.check_other_laws import feedback_law, other_law, step_gain_document, step_gain_row
+from hilc_cli.cli.check_other_laws import (
+    feedback_law,
+    other_law,
+    step_gain_document,
+    step_gain_row,
+    way_in_brief,
+)
 from hilc_cli.cli.section import Section, counted
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
@@ -33,6 +39,8 @@ def learning_section(check: Check) -> Section:
         rows, document = feedback_law(check.law.tracking)
     else:
         rows, document = other_law(check.law)
+        if check.law.merging is not None:
+            brief = way_in_brief(check.law, check.law.merging)
     if check.simulated is not None:
         document["simulated"] = _simulated(check.simulated.summary)
     errors = errors_grid(check)
@@ -46,7 +54,7 @@ def _brief(check: Check, found: Forecast) -> list[tuple[str, str]]:
     return [
         ("Learning", _verdict(found, last)),
         *errors_in_brief(found, last),
-        *_rest(check, found),
+        ("Learning rests", _rest(check, found)),
     ]
 
 
@@ -94,8 +102,7 @@ def _verdict(found: Forecast, iterations: int) -> str:
         Outcome.CANNOT_CONVERGE: "cannot converge",
         Outcome.DOES_NOT_LEARN: f"does not learn {within}",
         Outcome.OUT_OF_RANGE: (
-            "unclear: predicted errors leave the linear theory's range in iteration "
-            f"{transient.rough_from}"
+            f"unclear: predicted errors leave their range in iteration {transient.rough_from}"
         ),
         Outcome.GROWS_WITHIN: f"learns until iteration {best}, then its error grows again",
         Outcome.GROWS_LATER: f"learns {within}, but its error {later}",
@@ -104,27 +111,23 @@ def _verdict(found: Forecast, iterations: int) -> str:
     }[found.outcome(iterations)]
 
 
-def _rest(check: Check, found: Forecast) -> list[tuple[str, str]]:
+def _rest(check: Check, found: Forecast) -> str:
     """Where learning rests, if it does."""
-    name, rest = "Learning rests", found.rest
+    rest = found.rest
     if not found.settles:
-        return [(name, "nowhere")]
+        return "nowhere"
     if found.smooths:
-        return [(name, "not evaluated with a Q-filter; see the predicted errors")]
+        return "not evaluated with a Q-filter; see the predicted errors"
     if rest is None:
-        return [(name, "at no single motion")]
+        return "at no single motion"
     if not rest.is_finite:
-        return [(name, "at no finite motion")]
+        return "at no finite motion"
     size = found.transient.path_size_m
-    error = f"at a position error of up to {_metres(rest.max_position_error_m, size)}"
+    text = f"up to {_metres(rest.max_position_error_m, size)} off"
     after, settled = "sample h" if found.rest_from > 1 else "the start", check.law.rest_error_m
     if settled is not None and settled < rest.max_position_error_m:
-        error += f", {_metres(settled, size)} after {after}"
-    more = (
-        f"{_metres(rest.end_position_error_m, size)} at the end, with wheels of up to "
-        f"{rest.max_wheel_speed_rad_s:.4g} rad/s"
-    )
-    return [(name, error), ("", more)]
+        text += f", {_metres(settled, size)} after {after}"
+    return f"{text}, {_metres(rest.end_position_error_m, size)} at the end"
 
 
 def _metres(error: float, size: float) -> str:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _SCREEN = 24
 """Lines that a report has if nothing more is asked for."""
-_LEAST_SHOWN = 3
+_LEAST_SHOWN = 2
 """So many errors, and so many warnings, are shown however long they are."""
 _UNSURE = {
     Outcome.OUT_OF_RANGE: "unclear",
@@ -46,7 +46,7 @@ def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -
     """
     print_table(title(f"{check.scenario.name}: {verdict(check)}"))
     errors = [f"error: {text}" for text in check.failures]
-    lines = 1 + _print_findings(errors, _LEAST_SHOWN, show_all=verbose, kind="error")
+    lines = 1 + _print_findings(errors, 0, show_all=verbose, kind="error")
     lines += print_table(two_columns("", _rows(check), numbers=False))
     if check.simulated is not None and not verbose:
         errors_beside = errors_grid(check)
@@ -112,13 +112,13 @@ def _rows(check: Check) -> list[tuple[str, str]]:
     )
     rows = [
         ("Path", path),
-        ("Robot", f"{_platform(robot)}; turn convention: {robot.turn_convention}"),
+        ("Robot", f"{_platform(robot)}; convention: {robot.turn_convention}"),
     ]
     if _platform(model) != _platform(robot):
         rows.append(("Model", _platform(model)))
     return [
         *rows,
-        ("Law", f"{scenario.law_in_words}; {counted(spec.iterations, 'iteration')}"),
+        ("Law", scenario.law_in_words),
         *feasibility_section(check).in_brief,
         *learning_section(check).in_brief,
     ]
@@ -153,7 +153,7 @@ def _print_findings(findings: Sequence[str], most_lines: int, *, show_all: bool,
 
 def _hint(check: Check, *, verbose: bool, theory: bool) -> str:
     """Which options show more; empty if all is shown."""
-    more = [] if verbose else ["-v (each segment, the linear theory's figures)"]
+    more = [] if verbose else ["-v (segments, figures)"]
     if check.conditions is not None and not theory:
         more.append("--theory (the paper's theorems)")
     if check.simulated is None:

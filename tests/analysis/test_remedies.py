@@ -135,9 +135,8 @@ def test_sharpest_corner_that_is_possible_is_warned_of() -> None:
 def test_friction_that_no_tyre_has_is_warned_of_if_none_is_given() -> None:
     (text,) = untold(findings([LinePlan(length=1.0, duration=1.0), HALF_TURN], Limits()))
     assert text == (
-        "trajectory.segments.1.piece needs 19.74 m/s^2 of lateral acceleration, a friction of "
-        "2.01, where tyres on dry ground have about 1; run it slower, or give robot.friction if "
-        "yours hold more"
+        "trajectory.segments.1.piece needs 19.74 m/s^2 of lateral acceleration, 2.01 g where "
+        "tyres hold about 1 g; run it slower, or give robot.friction"
     )
     assert untold(findings([HALF_TURN], Limits(friction=2.1))) == []
 
@@ -155,7 +154,7 @@ def test_speed_that_no_tyre_lets_a_robot_gain_at_once_is_warned_of() -> None:
     behind = 3.0 - 9.80665 * 0.4**2 / 2
     assert findings([AHEAD], Limits(100.0)).warnings == (
         "trajectory.segments.0.piece starts at once: 7.5 m/s in one sample, 765 g where tyres hold "
-        f"1 g: a real robot gets up to {behind:.2g} m behind; lead up to it with slower segments",
+        f"1 g: a robot gets {behind:.2g} m behind; lead up to it slowly",
     )
 
 
@@ -165,7 +164,7 @@ def test_speed_that_is_gained_in_steps_is_warned_of_where_it_is_gained() -> None
     (text,) = findings(plans, Limits(friction=0.5)).warnings
     assert text.startswith(
         "trajectory.segments.1.piece changes wheel speeds at once: 3.9 m/s in one sample, 398 g "
-        "where tyres hold 0.5 g: a real robot gets up to 1.6 m behind; "
+        "where tyres hold 0.5 g: a robot gets 1.6 m behind; "
     )
     # Ten times the length: less than a hundredth of it.
     longer = [plans[0], LinePlan(length=200.0, duration=50.0)]

@@ -36,9 +36,9 @@ def test_start_too_far_behind_for_the_wheels_cannot_work(compensation: bool) -> 
     # 1.2 s with 3 m/s are 3.6 m, of which the line takes 2.4: 1.4 m behind 0.2 m are missing.
     (text,) = findings(experiment((-1.4, 0, 0), compensation=compensation)).failures
     assert text == (
-        "from initial_pose no sample of the trajectory can be reached in time within controller.b_w "
-        "of 15 rad/s, whatever the law: it is out of reach by 0.2 m at least; start nearer, or run "
-        "the trajectory slower"
+        "from initial_pose no sample of the trajectory can be reached in time within "
+        "controller.b_w of 15 rad/s, whatever the law: it is out of reach by 0.2 m at least; "
+        "start nearer, or run the trajectory slower"
     )
     assert findings(experiment((-1.19, 0, 0), compensation=compensation)).failures == ()
     # What is left is less than a hundredth of the path.
