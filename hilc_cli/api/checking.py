@@ -11,15 +11,19 @@ import numpy as np
 from hilc_cli.analysis.advice import advice
 from hilc_cli.analysis.bounds import Bounds
 from hilc_cli.analysis.conditions import Conditions, conditions
+from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.feasibility import Feasibility
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.forecast import Forecast
 from hilc_cli.analysis.law_theory import LawTheory, law_theory
 from hilc_cli.analysis.matrices import is_hybrid
+from hilc_cli.analysis.noise_findings import unsure_findings
+from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.remedies import feasibility_findings
 from hilc_cli.analysis.start import start_findings
 from hilc_cli.analysis.theories import theories
-from hilc_cli.api.check_simulation import Simulated, simulated, theory_findings
+from hilc_cli.analysis.unavoidable import with_what_is_left
+from hilc_cli.api.check_simulation import Simulated, decided, simulated, theory_findings
 from hilc_cli.api.running import OnIteration
 from hilc_cli.files import merge_folder
 from hilc_cli.named import in_short
@@ -46,7 +50,7 @@ class Check:
         theories: Bounds of the paper's theory, by name; None likewise.
         simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
-            ``start``, ``learning``, ``simulation``, ``theory``, ``advice``.
+            ``start``, ``learning``, ``prediction``, ``simulation``, ``theory``, ``advice``.
     """
 
     scenario: Scenario
@@ -67,6 +71,18 @@ class Check:
     def forecast(self) -> Forecast | None:
         """What learning is expected to do; None for a law of which that is not known."""
         return self.law.forecast
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """What comes of learning: as simulated, else as expected; None if that is not known."""
+        if self.simulated is not None:
+            return self.simulated.outcome if self.scenario.spec.controller.learns else None
+        return None if self.forecast is None else self.forecast.outcome
+
+    @property
+    def expected(self) -> ExpectedError | None:
+        """How large the error of the last iteration will be; None if theory does not tell."""
+        return self.law.expected
 
     @property
     def failures(self) -> tuple[str, ...]:
@@ -164,13 +180,16 @@ def check(
     # Where numbers leave the range of floating point, they end as infinite: above any limit.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         feasibility = scenario.feasibility()
+        theory = law_theory(experiment)
+        found = feasibility_findings(feasibility)
         findings = {
             "settings": Findings(warnings=tuple(scenario.warnings())),
-            "feasibility": feasibility_findings(feasibility),
+            "feasibility": with_what_is_left(
+                found, feasibility, experiment, scenario.setting.model, theory.expected
+            ),
+            "start": start_findings(experiment, theory.forecast),
+            "learning": theory.findings,
         }
-        theory = law_theory(experiment)
-        findings["start"] = start_findings(experiment, theory.forecast)
-        findings["learning"] = theory.findings
         premises, bounds = None, None
         if is_hybrid(experiment.law):
             premises, bounds = conditions(experiment), theories(experiment)
@@ -179,6 +198,11 @@ def check(
             findings["simulation"], beside = simulated(
                 scenario, experiment, bounds or {}, on_iteration
             )
+        if beside is None:
+            findings["prediction"] = unsure_findings(experiment, theory.expected)
+        else:
+            learns = scenario.spec.controller.learns
+            findings["learning"] = decided(theory.findings, beside, theory.expected, learns=learns)
         findings["theory"] = theory_findings(beside)
         findings["advice"] = Findings(warnings=tuple(advice(experiment)))
     return Check(scenario, feasibility, theory, premises, bounds, beside, findings)

@@ -32,6 +32,7 @@ _LEAST_SHOWN = 2
 _UNSURE = {
     Outcome.OUT_OF_RANGE: "unclear",
     Outcome.DOES_NOT_LEARN: "does not learn",
+    Outcome.DROWNED: "does not learn",
 }
 """What is expected of learning where that is neither that it works nor that it cannot."""
 
@@ -94,10 +95,8 @@ def verdict(check: Check) -> str:
     warned = f", {counted(len(check.warnings), 'warning')}" if check.warnings else ""
     if check.failures:
         return f"cannot work, {counted(len(check.failures), 'error')}{warned}"
-    expected = check.forecast
-    outcome = None if expected is None else expected.outcome(check.scenario.spec.iterations)
-    if outcome in _UNSURE:
-        return f"{_UNSURE[outcome]}{warned}"
+    if check.outcome in _UNSURE:
+        return f"{_UNSURE[check.outcome]}{warned}"
     return f"works{warned}" if warned else "nothing wrong"
 
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from hilc_cli.laws.law import Figures, Iteration, Learner, Task, WheelController
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
-from hilc_cli.robot import Robot
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.robot import Number, Robot
 
 if TYPE_CHECKING:
     from hilc_cli.laws.norm_optimal.belief import Belief, Identification
@@ -19,11 +20,16 @@ if TYPE_CHECKING:
 MERGE_TIME = "merge_time_s"
 """Column of the time from which the plan stays on the trajectory."""
 
+RATIO = "wheel_radius_per_half_track"
+"""Column of R / B, which a turn in place tells, though neither R nor B."""
+
 _IDENTIFIED = (
     "wheel_radius_m", "wheel_radius_standard_error_m",
     "half_track_m", "half_track_standard_error_m",
+    RATIO, f"{RATIO}_standard_error",
     "model_wheel_radius_m", "model_wheel_radius_standard_error_m",
     "model_half_track_m", "model_half_track_standard_error_m",
+    f"model_{RATIO}", f"model_{RATIO}_standard_error",
 )  # fmt: skip
 """Columns of what each iteration alone tells, and of what the model takes from all so far."""
 
@@ -45,6 +51,39 @@ class NormOptimalLaw:
         return _AtWork(self, task)
 
 
+def planned_rows(feedforward: Floats, gains: Floats, away: Floats) -> list[list[float]]:
+    """What `planned_wheels` wants of each sample.
+
+    Args:
+        feedforward: Planned wheel speeds [rad/s], shape (n, 2).
+        gains: Of the feedback, shape (n, 2, 3).
+        away: Planned poses less the reference, against which errors are told, shape (n + 1, 3).
+    """
+    rows: list[list[float]] = np.concatenate(
+        [feedforward, gains.reshape(-1, 6), away[:-1]], axis=1
+    ).tolist()
+    return rows
+
+
+def planned_wheels(
+    row: list[float], error_x: Number, error_y: Number, error_heading: Number
+) -> tuple[Number, Number]:
+    """Left and right wheel speed [rad/s] at one sample of one pass, or of many.
+
+    Args:
+        row: Of `planned_rows`.
+        error_x: Reference less measured pose [m].
+        error_y: Likewise [m].
+        error_heading: Likewise [rad].
+    """
+    left, right, lx, ly, lh, rx, ry, rh, away_x, away_y, away_heading = row
+    x, y, heading = error_x + away_x, error_y + away_y, error_heading + away_heading
+    return (
+        left + lx * x + ly * y + lh * heading,
+        right + rx * x + ry * y + rh * heading,
+    )
+
+
 class _AtWork:
     """The law on one experiment."""
 
@@ -63,21 +102,12 @@ class _AtWork:
         """The controller of the next iteration."""
         plan = self._learner.plan()
         self._plan = plan
-        # The engine tells errors against the reference; the plan's own path is another one.
-        away = plan.desired - self._poses
-        rows = np.concatenate(
-            [plan.feedforward, plan.gains.reshape(-1, 6), away[:-1]], axis=1
-        ).tolist()
+        rows = planned_rows(plan.feedforward, plan.gains, plan.desired - self._poses)
 
         def wheel_speeds(
             k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
         ) -> tuple[float, float]:
-            left, right, lx, ly, lh, rx, ry, rh, away_x, away_y, away_heading = rows[k]
-            x, y, heading = error_x + away_x, error_y + away_y, error_heading + away_heading
-            return (
-                left + lx * x + ly * y + lh * heading,
-                right + rx * x + ry * y + rh * heading,
-            )
+            return planned_wheels(rows[k], error_x, error_y, error_heading)
 
         return wheel_speeds
 
@@ -112,6 +142,7 @@ def _alone(said: Identification) -> tuple[float, ...]:
     return (
         *_if_told(said.wheel_radius, said.wheel_radius_error),
         *_if_told(said.half_track, said.half_track_error),
+        *_if_told(said.ratio, said.ratio_error),
     )
 
 
@@ -123,6 +154,8 @@ def _together(belief: Belief) -> tuple[float, ...]:
         _if_told(robot.wheel_radius, belief.wheel_radius_error)[1],
         robot.half_track,
         _if_told(robot.half_track, belief.half_track_error)[1],
+        belief.ratio,
+        _if_told(belief.ratio, belief.ratio_error)[1],
     )
 
 
