@@ -31,7 +31,8 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
     feasibility = check.feasibility
     demand = feasibility.demand
     shown = demand.segments if verbose else _shown(feasibility)
-    grids = [_segments(feasibility, shown, accelerations=verbose)]
+    accelerate = any(segment.wheel_acceleration for segment in shown)
+    grids = [_segments(feasibility, shown, accelerations=accelerate)]
     if verbose:
         grids.append(_joints(demand.joints))
     return Section(

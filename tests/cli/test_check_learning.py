@@ -16,7 +16,7 @@ def test_prediction_out_of_range_is_called_rough(hilc: Hilc) -> None:
     outcome = hilc("check", "example:fig6c", "--set", "controller.b_w=null", *COARSE)
     assert outcome.code == 0
     assert outcome.out.startswith("fig6c: unclear, ")
-    assert "  Learning         unclear: predicted errors leave their " in outcome.out
+    assert "  Learning         unclear: the last error is out of the " in outcome.out
     assert " m (rough) in iteration 100\n" in outcome.out
     assert "\nwarning: the predicted error grows beyond 40 m in iteration " in outcome.out
     more = hilc(
