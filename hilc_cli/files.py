@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from hilc_cli.drafts import draft_file, draft_folder, remove_stale
 from hilc_cli.errors import (
     ExistingResultsError,
     FileAccessError,
@@ -134,20 +135,17 @@ def write_file(path: Path, write: Callable[[Path], None]) -> None:
         FileAccessError: The system refused; the old file is as it was.
     """
     with writing(path):
-        descriptor, name = tempfile.mkstemp(
-            prefix=f".{path.stem[:40]}-", suffix=path.suffix, dir=path.parent
-        )
-        os.close(descriptor)
-        draft = Path(name)
-        try:
-            write(draft)
-            _open_to_others(draft, 0o666)
-            sync(draft)
-            draft.replace(path)
-            sync(path.parent)
-        except BaseException:
-            draft.unlink(missing_ok=True)
-            raise
+        remove_stale(path, path.parent)
+        with draft_file(path) as draft:
+            try:
+                write(draft)
+                _open_to_others(draft, 0o666)
+                sync(draft)
+                draft.replace(path)
+                sync(path.parent)
+            except BaseException:
+                draft.unlink(missing_ok=True)
+                raise
 
 
 def write_folder(
@@ -172,24 +170,23 @@ def write_folder(
     with writing(path):
         place = path.resolve()
         place.parent.mkdir(parents=True, exist_ok=True)
-        draft = Path(tempfile.mkdtemp(prefix=f".{place.name[:40]}-", dir=place.parent))
-        identity = draft.stat().st_ino
-        try:
-            fill(draft)
-            _open_to_others(draft, 0o777)
-            for file in draft.rglob("*"):
-                sync(file)
-            sync(draft)
-            _put_in_place(draft, place, may_replace)
-            sync(place.parent)
-        finally:
-            # After an exchange this is the old folder, after a failure the unfinished new one.
-            # What somebody has put into the old one goes on, however this ends.
-            is_old = draft.is_dir() and draft.stat().st_ino != identity
-            if is_old:
-                _move_kept(draft, place, keeps)
-            if not (is_old and any(keeps(name) for name in _names(draft))):
-                shutil.rmtree(draft, ignore_errors=True)
+        remove_stale(place, place.parent, lambda old: _give_up(old, place, keeps))
+        with draft_folder(place, place.parent) as draft:
+            identity = draft.stat().st_ino
+            try:
+                fill(draft)
+                _open_to_others(draft, 0o777)
+                for file in draft.rglob("*"):
+                    sync(file)
+                sync(draft)
+                _put_in_place(draft, place, may_replace)
+                sync(place.parent)
+            finally:
+                # After an exchange this is the old folder, after a failure the unfinished new one.
+                # What somebody has put into the old one goes on, however this ends.
+                is_old = draft.is_dir() and draft.stat().st_ino != identity
+                if not is_old or _give_up(draft, place, keeps):
+                    shutil.rmtree(draft, ignore_errors=True)
 
 
 def merge_folder(
@@ -214,28 +211,30 @@ def merge_folder(
     with writing(path):
         parents = [path, *path.parents]
         existing = next(parent for parent in parents if parent.exists())
-        draft = Path(tempfile.mkdtemp(prefix=".hilc-", dir=existing))
-        try:
-            fill(draft)
-            path.mkdir(parents=True, exist_ok=True)
-            files = sorted(draft.iterdir())
-            for file in files:
-                there = path / file.name
-                if (
-                    os.path.lexists(there)
-                    and not may_replace(there)
-                    and not (or_same and _is_same(file, there))
-                ):
-                    raise ExistingResultsError(
-                        f"{there}: exists; choose another folder with --out, "
-                        "or replace it with --force"
-                    )
-                sync(file)
-            for file in files:
-                file.replace(path / file.name)
-            sync(path)
-        finally:
-            shutil.rmtree(draft, ignore_errors=True)
+        for folder in {existing, path.parent}:
+            remove_stale(path, folder)
+        with draft_folder(path, existing) as draft:
+            try:
+                fill(draft)
+                path.mkdir(parents=True, exist_ok=True)
+                files = sorted(draft.iterdir())
+                for file in files:
+                    there = path / file.name
+                    if (
+                        os.path.lexists(there)
+                        and not may_replace(there)
+                        and not (or_same and _is_same(file, there))
+                    ):
+                        raise ExistingResultsError(
+                            f"{there}: exists; choose another folder with --out, "
+                            "or replace it with --force"
+                        )
+                    sync(file)
+                for file in files:
+                    file.replace(path / file.name)
+                sync(path)
+            finally:
+                shutil.rmtree(draft, ignore_errors=True)
 
 
 def _is_same(one: Path, other: Path) -> bool:
@@ -243,12 +242,13 @@ def _is_same(one: Path, other: Path) -> bool:
     return other.is_file() and filecmp.cmp(one, other, shallow=False)
 
 
-def _move_kept(old: Path, new: Path, keeps: Callable[[str], bool]) -> None:
-    """Moves what is to be kept; what cannot be moved stays where it is."""
+def _give_up(old: Path, new: Path, keeps: Callable[[str], bool]) -> bool:
+    """Moves what is to be kept; whether nothing of it is left, since it could not be moved."""
     for name in _names(old):
         if keeps(name) and new.is_dir() and not os.path.lexists(new / name):
             with suppress(OSError):
                 (old / name).rename(new / name)
+    return not any(keeps(name) for name in _names(old))
 
 
 def _names(folder: Path) -> list[str]:
@@ -277,6 +277,7 @@ def _exchange(one: Path, other: Path) -> None:
     """Swaps two folders: at no moment is either name without a whole folder, where Linux helps."""
     if _rename_exchange(one, other):
         return
+    # Not as a draft: for a moment it is the only one that there is.
     aside = Path(tempfile.mkdtemp(prefix=f".{other.name[:40]}-", dir=other.parent))
     other.rename(aside)
     try:

@@ -15,13 +15,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
-from hilc_cli.cli.session import InterruptedBySignal, Session
+from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
 from hilc_cli.errors import HilcError, InvalidInputError, printable
+from hilc_cli.surroundings import without_settings_of_numba
 
 DONE = 0
 COULD_NOT = 1
 WRONG_USAGE = 2
-AFTER_SIGNAL = 128  # plus its number: 130 and 143
+AFTER_SIGNAL = 128  # plus its number: 129, 130, 131, 143
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -29,6 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     arguments = sys.argv[1:] if arguments is None else arguments
     session = Session()
     _open_closed_streams()
+    without_settings_of_numba()
     try:
         session.listen()
         code = _invoke(arguments, session)
@@ -79,17 +81,17 @@ def _exit_code(error: BaseException, session: Session) -> int:
     """Says in one line what went wrong, and returns the exit code."""
     if session.verbose and not isinstance(error, SystemExit | BrokenPipeError):
         _trace(error)
+    if session.signal_number is not None:  # whatever came of it, such as a terminal that is gone
+        error = InterruptedBySignal(session.signal_number)
     match error:
         case BrokenPipeError():
             return DONE  # whoever read from us has seen enough
         case SystemExit():
             return error.code if isinstance(error.code, int) else COULD_NOT
-        case KeyboardInterrupt() | InterruptedBySignal(number=signal.SIGINT):
-            _say("hilc: interrupted; nothing was left half written")
-            return AFTER_SIGNAL + signal.SIGINT
-        case InterruptedBySignal():
-            _say("hilc: terminated; nothing was left half written")
-            return AFTER_SIGNAL + error.number
+        case KeyboardInterrupt() | InterruptedBySignal():
+            number = signal.Signals(getattr(error, "number", signal.SIGINT))
+            _say(f"hilc: {STOPPED[number]}; nothing was left half written")
+            return AFTER_SIGNAL + number
         case InvalidInputError():
             _say(str(error))
             return error.exit_code
