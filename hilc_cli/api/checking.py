@@ -20,18 +20,25 @@ from hilc_cli.analysis.matrices import is_hybrid
 from hilc_cli.analysis.noise_findings import unsure_findings
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.remedies import feasibility_findings
+from hilc_cli.analysis.start import start_findings
 from hilc_cli.analysis.theories import theories
 from hilc_cli.analysis.unavoidable import with_what_is_left
 from hilc_cli.api.check_simulation import Simulated, decided, simulated, theory_findings
 from hilc_cli.api.running import OnIteration
 from hilc_cli.files import merge_folder
+from hilc_cli.named import in_short
 from hilc_cli.results.transient_table import TRANSIENT_FILE, write_transient
 from hilc_cli.spec.hybrid import HybridController
+from hilc_cli.spec.loading import ScenarioSource, as_scenario
 from hilc_cli.spec.pid import PidController
 from hilc_cli.spec.valid import Scenario
 
+_RANKS = {"feasibility": 1, "advice": 2}
+"""Parts whose warnings come after those of learning, which are of this very scenario."""
+_MOST_TOLD = 4  # findings that a check shows of itself
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Check:
     """What a check of a scenario has found.
 
@@ -43,7 +50,7 @@ class Check:
         theories: Bounds of the paper's theory, by name; None likewise.
         simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
-            ``learning``, ``prediction``, ``simulation``, ``theory``.
+            ``start``, ``learning``, ``prediction``, ``simulation``, ``theory``, ``advice``.
     """
 
     scenario: Scenario
@@ -53,6 +60,12 @@ class Check:
     theories: Mapping[str, Bounds] | None
     simulated: Simulated | None
     findings: Mapping[str, Findings]
+
+    def __repr__(self) -> str:
+        verdict = "cannot work" if self.failures else "nothing wrong"
+        found = [*self.failures, *(f"warning: {warning}" for warning in self.warnings)]
+        more = [f"and {len(found) - _MOST_TOLD} more"] if len(found) > _MOST_TOLD else []
+        return in_short(f"Check of {self.scenario.name!r}: {verdict}", *found[:_MOST_TOLD], *more)
 
     @property
     def forecast(self) -> Forecast | None:
@@ -78,8 +91,9 @@ class Check:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is legal but unwise."""
-        return tuple(text for part in self.findings.values() for text in part.warnings)
+        """What is legal but unwise, what matters most first."""
+        ranked = sorted(self.findings, key=lambda part: _RANKS.get(part, 0))
+        return tuple(text for part in ranked for text in self.findings[part].warnings)
 
     def plot(
         self,
@@ -152,15 +166,16 @@ def _law_text(scenario: Scenario) -> str:
 
 
 def check(
-    scenario: Scenario, *, simulate: bool = False, on_iteration: OnIteration | None = None
+    scenario: ScenarioSource, *, simulate: bool = False, on_iteration: OnIteration | None = None
 ) -> Check:
     """Checks a scenario.
 
     Args:
-        scenario: From `load_scenario`.
+        scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
         simulate: Run it as well, and put what it does beside what theory says.
         on_iteration: Told of each completed iteration of that run.
     """
+    scenario = as_scenario(scenario)
     experiment = scenario.experiment()
     # Where numbers leave the range of floating point, they end as infinite: above any limit.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -168,10 +183,11 @@ def check(
         theory = law_theory(experiment)
         found = feasibility_findings(feasibility)
         findings = {
-            "settings": Findings(warnings=(*scenario.warnings(), *advice(experiment))),
+            "settings": Findings(warnings=tuple(scenario.warnings())),
             "feasibility": with_what_is_left(
                 found, feasibility, experiment, scenario.setting.model, theory.expected
             ),
+            "start": start_findings(experiment, theory.forecast),
             "learning": theory.findings,
         }
         premises, bounds = None, None
@@ -188,4 +204,5 @@ def check(
             learns = scenario.spec.controller.learns
             findings["learning"] = decided(theory.findings, beside, theory.expected, learns=learns)
         findings["theory"] = theory_findings(beside)
+        findings["advice"] = Findings(warnings=tuple(advice(experiment)))
     return Check(scenario, feasibility, theory, premises, bounds, beside, findings)

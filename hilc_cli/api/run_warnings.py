@@ -10,11 +10,12 @@ from hilc_cli.analysis.remedies import beyond_wheels
 from hilc_cli.analysis.wheel_noise import seen_in, wheel_findings
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.results.run import RunData
-from hilc_cli.spec.valid import Scenario
+from hilc_cli.spec.loading import ScenarioSource, as_scenario
 
 
-def forewarnings(scenario: Scenario) -> list[str]:
+def forewarnings(scenario: ScenarioSource) -> list[str]:
     """What is legal but probably not meant, and what no law can do, to be told before a run."""
+    scenario = as_scenario(scenario)
     return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
 
 

@@ -54,7 +54,7 @@ def check(
     legal but unwise is a warning. -v adds each segment and the figures of the linear theory,
     --theory what the paper's theorems say. --simulate runs it as well, and puts the errors beside
     what is predicted. --plot writes transient.png and transient.csv to --out, by default
-    runs/NAME-check; nothing else is written.
+    runs/NAME-check, or with --set KEY=VALUE runs/NAME+key=value-check; nothing else is written.
 
     \b
     Examples:
@@ -65,6 +65,7 @@ def check(
     """
     from hilc_cli import api
     from hilc_cli.cli.check_report import document, print_report
+    from hilc_cli.cli.default_folders import default_folder
     from hilc_cli.cli.terminal import print_json, print_text, progress, say
     from hilc_cli.errors import UsageError
 
@@ -82,7 +83,7 @@ def check(
         found = api.check(valid, simulate=simulate, on_iteration=on_iteration)
     pictures: list[Path] = []
     if plot:
-        folder = Path("runs") / f"{valid.name}-check" if out is None else out
+        folder = out or default_folder(valid.name, set_, "-check")
         names = [choice.value for choice in formats or [PictureFormat.PNG]]
         pictures = found.plot(folder, formats=names, may_replace=lambda file: force or out is None)
         if not pictures:

@@ -53,8 +53,9 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
     from typer.main import get_command
 
     from hilc_cli.cli.app import app
-    from hilc_cli.cli.completion import REQUEST, complete
+    from hilc_cli.cli.completion import REQUEST, complete, use_own_script
 
+    use_own_script()
     command = get_command(app)
     if REQUEST in os.environ:
         complete(lambda: command.main(args=list(arguments), prog_name="hilc", complete_var=REQUEST))
@@ -77,8 +78,7 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
 def _exit_code(error: BaseException, session: Session) -> int:
     """Says in one line what went wrong, and returns the exit code."""
     if session.verbose and not isinstance(error, SystemExit | BrokenPipeError):
-        with suppress(OSError):
-            traceback.print_exception(error)
+        _trace(error)
     match error:
         case BrokenPipeError():
             return DONE  # whoever read from us has seen enough
@@ -98,13 +98,13 @@ def _exit_code(error: BaseException, session: Session) -> int:
             return error.exit_code
         case OSError():
             what = f"{error.filename}: " if error.filename else ""
-            _say(f"hilc: {printable(what)}the system refused: {error.strerror or error}")
+            _say(printable(f"hilc: {what}the system refused: {error.strerror or error}"))
             return COULD_NOT
         case MemoryError():
             _say("hilc: out of memory; record fewer iterations")
             return COULD_NOT
         case _:
-            traceback.print_exception(error)
+            _trace(error)
             _say("hilc: this is a bug; please report the lines above")
             return COULD_NOT
 
@@ -115,6 +115,12 @@ def _usage(error: Exception, subcommand: str) -> str:
     message: str = error.format_message()  # type: ignore[attr-defined]
     message = " ".join(message.replace("Value error, ", "").split()).rstrip(".")
     return printable(f"hilc: {message[:1].lower()}{message[1:]}; see '{command} --help'")
+
+
+def _trace(error: BaseException) -> None:
+    """Where a failure comes from, without what its texts would do to a terminal."""
+    lines = "".join(traceback.format_exception(error)).split("\n")
+    _say("\n".join(map(printable, lines)).rstrip("\n"))
 
 
 def _say(text: str) -> None:

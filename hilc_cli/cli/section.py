@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from hilc_cli.cli.terminal import is_decorated, print_table, print_text, two_columns
+from hilc_cli.errors import printable
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -111,17 +112,16 @@ def counted(count: int, name: str) -> str:
 
 def _table(grid: Grid) -> Table:
     from rich import box
-    from rich.markup import escape  # units stand in brackets, as Rich's markup does
     from rich.table import Table
 
     table = Table(box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False, show_edge=False)
     for index, (name, unit) in enumerate(grid.header):
         text = f"{name}\n[{unit}]" if unit else name
         table.add_column(
-            escape(text), justify="right" if index else "left", no_wrap=not index, overflow="fold"
+            text, justify="right" if index else "left", no_wrap=not index, overflow="fold"
         )
     for row in grid.rows:
-        table.add_row(*row)
+        table.add_row(*map(printable, row))
     return table
 
 
