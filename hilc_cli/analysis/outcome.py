@@ -84,11 +84,12 @@ def predicted_outcome(found: Prospects) -> Outcome:
 def _without_disturbances(found: Prospects) -> Outcome:
     errors, small = found.errors, NEAR * found.path_size
     first, last, least = float(errors[0]), float(errors[-1]), float(errors.min())
-    # However rough its prediction is, so large an error is none that is half of the first.
-    if not last < CLEARLY * max(first, small):
-        return Outcome.MADE_WORSE if found.settles else Outcome.CANNOT_CONVERGE
-    if found.is_far:
+    is_worse = not last < CLEARLY * max(first, small)
+    # However rough a prediction is, an error that has nowhere to rest is none that has fallen.
+    if found.is_far and (not is_worse or (found.settles and found.rests)):
         return Outcome.OUT_OF_RANGE
+    if is_worse:
+        return Outcome.MADE_WORSE if found.settles else Outcome.CANNOT_CONVERGE
     if not found.settles and last > small and last >= STAYS * first:
         return Outcome.CANNOT_CONVERGE
     if last > max(CLEARLY * least, small):

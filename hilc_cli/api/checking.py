@@ -20,6 +20,7 @@ from hilc_cli.analysis.matrices import is_hybrid
 from hilc_cli.analysis.noise_findings import unsure_findings
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.remedies import feasibility_findings
+from hilc_cli.analysis.start import start_findings
 from hilc_cli.analysis.theories import theories
 from hilc_cli.analysis.unavoidable import with_what_is_left
 from hilc_cli.api.check_simulation import Simulated, decided, simulated, theory_findings
@@ -32,6 +33,8 @@ from hilc_cli.spec.loading import ScenarioSource, as_scenario
 from hilc_cli.spec.pid import PidController
 from hilc_cli.spec.valid import Scenario
 
+_RANKS = {"feasibility": 1, "advice": 2}
+"""Parts whose warnings come after those of learning, which are of this very scenario."""
 _MOST_TOLD = 4  # findings that a check shows of itself
 
 
@@ -47,7 +50,7 @@ class Check:
         theories: Bounds of the paper's theory, by name; None likewise.
         simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
-            ``learning``, ``prediction``, ``simulation``, ``theory``.
+            ``start``, ``learning``, ``prediction``, ``simulation``, ``theory``, ``advice``.
     """
 
     scenario: Scenario
@@ -88,8 +91,9 @@ class Check:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is legal but unwise."""
-        return tuple(text for part in self.findings.values() for text in part.warnings)
+        """What is legal but unwise, what matters most first."""
+        ranked = sorted(self.findings, key=lambda part: _RANKS.get(part, 0))
+        return tuple(text for part in ranked for text in self.findings[part].warnings)
 
     def plot(
         self,
@@ -179,10 +183,11 @@ def check(
         theory = law_theory(experiment)
         found = feasibility_findings(feasibility)
         findings = {
-            "settings": Findings(warnings=(*scenario.warnings(), *advice(experiment))),
+            "settings": Findings(warnings=tuple(scenario.warnings())),
             "feasibility": with_what_is_left(
                 found, feasibility, experiment, scenario.setting.model, theory.expected
             ),
+            "start": start_findings(experiment, theory.forecast),
             "learning": theory.findings,
         }
         premises, bounds = None, None
@@ -199,4 +204,5 @@ def check(
             learns = scenario.spec.controller.learns
             findings["learning"] = decided(theory.findings, beside, theory.expected, learns=learns)
         findings["theory"] = theory_findings(beside)
+        findings["advice"] = Findings(warnings=tuple(advice(experiment)))
     return Check(scenario, feasibility, theory, premises, bounds, beside, findings)

@@ -88,11 +88,11 @@ def errors_in_brief(
     first, limited = f"{_length(errors[0])} in iteration 0", found.is_limited
     disturbed = _disturbed(expected)
     if not iterations:
-        return [("Error, predicted", first), *disturbed]
+        return [("Predicted", first), *disturbed]
     reached = len(found.errors_m) - 1
     last = _length(found.errors_m[-1])
-    if not limited:
-        last = _told(transient, last, reached)
+    if not limited and transient.rough_from is not None and reached >= transient.rough_from:
+        last += " (rough)"
     half = next((i for i, error in enumerate(errors) if error <= errors[0] / 2), None)
     halves = "does not halve" if half is None else f"halves by iteration {half}"
     bound, share = NEAR * transient.path_size_m, f"within {NEAR:.0%} of the path's size"
@@ -107,7 +107,7 @@ def errors_in_brief(
     within_limit = ", with b_w" if limited else ""
     alone = ", without disturbances" if disturbed else ""
     return [
-        ("Error, predicted", f"{first}, {last} in iteration {reached}{within_limit}{alone}"),
+        ("Predicted", f"{first}, {last} in iteration {reached}{within_limit}{alone}"),
         ("", f"{halves}; {within}"),
         *disturbed,
     ]
@@ -125,7 +125,7 @@ def _disturbed(expected: ExpectedError) -> list[tuple[str, str]]:
         return []
     alone = f" ({', '.join(made)} alone)" if len(made) > 1 else ""
     shown = f"up to {expected.foretold_m:.4g} m in the last iteration, in {LEVEL:.0%} of runs"
-    return [("With disturbances", shown + alone)]
+    return [("Disturbed", shown + alone)]
 
 
 def _predicted(transient: Transient, iterations: int) -> list[str]:

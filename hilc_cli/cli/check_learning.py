@@ -16,6 +16,7 @@ from hilc_cli.cli.check_other_laws import (
     response_rows,
     step_gain_document,
     step_gain_row,
+    way_in_brief,
     wheel_document,
     wheel_rows,
 )
@@ -45,6 +46,8 @@ def learning_section(check: Check) -> Section:
         brief = [*response_rows(check.law), *wheel_rows(noise)]
     else:
         rows, document = other_law(check.law)
+        if check.law.merging is not None:
+            brief = [*way_in_brief(check.law, check.law.merging), *wheel_rows(noise)]
     document |= wheel_document(noise)
     if check.simulated is not None:
         document["simulated"] = _simulated(check.simulated.summary)
@@ -59,7 +62,7 @@ def _brief(check: Check, found: Forecast) -> list[tuple[str, str]]:
     return [
         ("Learning", _verdict(found, last)),
         *([] if expected is None else errors_in_brief(found, expected, last)),
-        *_rest(check, found),
+        ("Learning rests", _rest(check, found)),
         *wheel_rows(check.law.wheels),
     ]
 
@@ -116,27 +119,23 @@ def _verdict(found: Forecast, iterations: int) -> str:
     }[found.outcome]
 
 
-def _rest(check: Check, found: Forecast) -> list[tuple[str, str]]:
+def _rest(check: Check, found: Forecast) -> str:
     """Where learning rests, if it does."""
-    name, rest = "Learning rests", found.rest
+    rest = found.rest
     if not found.settles:
-        return [(name, "nowhere")]
+        return "nowhere"
     if found.smooths:
-        return [(name, "not evaluated with a Q-filter; see the predicted errors")]
+        return "not evaluated with a Q-filter; see the predicted errors"
     if rest is None:
-        return [(name, "at no single motion")]
+        return "at no single motion"
     if not rest.is_finite:
-        return [(name, "at no finite motion")]
+        return "at no finite motion"
     size = found.transient.path_size_m
-    error = f"at a position error of up to {_metres(rest.max_position_error_m, size)}"
+    text = f"up to {_metres(rest.max_position_error_m, size)} off"
     after, settled = "sample h" if found.rest_from > 1 else "the start", check.law.rest_error_m
     if settled is not None and settled < rest.max_position_error_m:
-        error += f", {_metres(settled, size)} after {after}"
-    more = (
-        f"{_metres(rest.end_position_error_m, size)} at the end, with wheels of up to "
-        f"{rest.max_wheel_speed_rad_s:.4g} rad/s"
-    )
-    return [(name, error), ("", more)]
+        text += f", {_metres(settled, size)} after {after}"
+    return f"{text}, {_metres(rest.end_position_error_m, size)} at the end"
 
 
 def _metres(error: float, size: float) -> str:

@@ -101,14 +101,32 @@ def _way_in(found: Merging) -> Rows:
     ]
 
 
+def way_in_brief(theory: LawTheory, found: Merging) -> Rows:
+    """Rows of law norm-optimal for the report of one screen."""
+    told = _learning(theory, found)
+    if theory.mismatch is None:
+        told[-1] = (
+            "Learning",
+            "identifies wheel radius and half track; no rate is known"
+            if theory.identifies
+            else "feedback makes up for a wrong model; no rate is known",
+        )
+    if not found.is_off:
+        return told
+    planned = _sample(found, found.planned, "not before the end")
+    text = f"from {found.position_error:.4g} m, {found.heading_error:.4g} rad off: {planned}"
+    if found.earliest is not None and math.isfinite(found.speed_limit):
+        text += f"; any law from {found.earliest} on"
+    return [("Merges", text), *told]
+
+
 def _learning(theory: LawTheory, found: Merging) -> Rows:
     rows, mismatch = [], theory.mismatch
     if math.isfinite(found.speed_limit) and found.is_possible and not found.is_believed_possible:
         rows.append(
             (
                 "Believed robot",
-                f"would need {found.fastest_believed:.4g} rad/s, above b_w: the law plans to lag "
-                "at first",
+                f"needs {found.fastest_believed:.4g} rad/s, above b_w: the law lags at first",
             )
         )
     if mismatch is None:
