@@ -83,10 +83,24 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     return f"did you mean '{near}'?" if near else f"known: {', '.join(known)}"
 
 
-def near_word(word: str, known: Iterable[str]) -> str | None:
-    """The nearest known word, if one is near."""
-    near = get_close_matches(word, sorted(known), n=1, cutoff=0.6)
-    return near[0] if near else None
+def near_word(word: str, known: Iterable[str], alike: float = 0.7) -> str | None:
+    """The nearest known word, if one is near.
+
+    Case is ignored, digits are not: whoever writes ``fig2`` or ``l5`` has not mistyped ``fig8``
+    or ``l1``.
+
+    Args:
+        word: What was written.
+        known: The words that it may stand for.
+        alike: How alike they must be, from 0 to 1, the ratio of `difflib`.
+    """
+    spellings = {each.lower(): each for each in sorted(known) if _digits(each) == _digits(word)}
+    near = get_close_matches(word.lower(), spellings, n=1, cutoff=alike)
+    return spellings[near[0]] if near else None
+
+
+def _digits(word: str) -> list[str]:
+    return [letter for letter in word if letter.isdigit()]
 
 
 def printable(text: str) -> str:

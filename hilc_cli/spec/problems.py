@@ -8,7 +8,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from hilc_cli.errors import Problem, near_word, suggestion
+from hilc_cli.errors import Problem, near_word
+from hilc_cli.spec.known_keys import meant
 from hilc_cli.spec.model import NAME_PATTERN, Model, listed
 from hilc_cli.spec.model_paths import steps_to
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
@@ -143,7 +144,7 @@ def _unknown(tree: Node, keys: PathKeys, model: type[Model]) -> tuple[str, PathK
         has been, the path of what has made no choice.
     """
     *above, last = steps_to(tree, keys[:-1], model)
-    known = suggestion(str(keys[-1]), last.fields)
+    known = meant(tree, keys, model) or f"known: {', '.join(sorted(last.fields))}"
     step = next((step for step in (last, *reversed(above)) if step.choice), None)
     if step is None or step.choice is None:
         return f"is an unknown key; {known}", None

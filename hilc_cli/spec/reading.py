@@ -10,7 +10,7 @@ from pathlib import Path
 
 from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
 from hilc_cli.files import read_file, reason
-from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, resolve_example
+from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, example_meant, resolve_example
 from hilc_cli.spec.kinds import mistaken, mistaken_example
 from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, describe, with_entry
 from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
@@ -55,7 +55,7 @@ class Inputs:
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
             return parse_yaml(content, Source("<stdin>", Path()), self.problems)
         path = _example_or_path(name, kind)
-        content = self.file(path, MAX_BYTES)
+        content = self.file(_there(path, name, kind), MAX_BYTES)
         return parse_yaml(content, Source(str(path), path.parent), self.problems)
 
     def with_trajectory(self, tree: MapNode) -> MapNode:
@@ -87,7 +87,7 @@ class Inputs:
         if name.startswith(PREFIX):
             path = _example_or_path(name, TRAJECTORIES)
         else:
-            path = _short(folder / name)
+            path = _there(_short(folder / name), name, TRAJECTORIES)
         content = self.file(path, MAX_BYTES)
         return parse_yaml(content, Source(str(path), path.parent), self.problems)
 
@@ -98,6 +98,14 @@ def _example_or_path(name: str, kind: str) -> Path:
     if other is not None:
         raise UsageError(f"{name}: {other}")
     return resolve_example(name, kind)
+
+
+def _there(path: Path, name: str, kind: str) -> Path:
+    """The path, if something is there or no example is meant."""
+    meant = None if os.path.lexists(path) else example_meant(name, kind)
+    if meant is not None:
+        raise UsageError(f"{path}: there is no such file; did you mean '{meant}'?")
+    return path
 
 
 def _read_stdin() -> bytes:

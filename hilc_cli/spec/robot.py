@@ -25,8 +25,25 @@ TurnConventionName = Annotated[
 ]
 
 
+_SEPARATION = "the distance between the left and the right wheel is wheel_separation"
+_OTHER_KEYS = {
+    **dict.fromkeys(("wheeldiameter", "diameter"), "half of it is wheel_radius"),
+    **dict.fromkeys(
+        (
+            "track", "trackwidth", "trackgauge", "wheeltrack", "axletrack", "axlewidth",
+            "axlelength", "base", "baseline", "wheelbase", "wheelwidth", "wheeldistance",
+            "wheelspacing", "wheelsdistance", "wheelseparationm", "distancebetweenwheels",
+            "tread",
+        ),
+        _SEPARATION,
+    ),
+}  # fmt: skip
+
+
 class RobotSpec(Model):
     """The plant as it really is."""
+
+    other_names = _OTHER_KEYS
 
     exactly_one = (("half_track", "wheel_separation"),)
 
@@ -59,6 +76,8 @@ class RobotSpec(Model):
 
 class ModelSpec(Model):
     """What the controller believes; what is left out is as the robot really is."""
+
+    other_names = _OTHER_KEYS
 
     wheel_radius: PositiveLength | None = Field(None, description="R_rs [m]")
     half_track: PositiveLength | None = Field(None, description="B_rs [m]")
