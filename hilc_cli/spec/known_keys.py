@@ -186,9 +186,7 @@ def _chain(tree: Node, keys: PathKeys) -> list[str]:
     return chain
 
 
-def _misplaced(
-    tree: Node, keys: PathKeys, step: Step, known: Sequence[KnownKey]
-) -> str | None:
+def _misplaced(tree: Node, keys: PathKeys, step: Step, known: Sequence[KnownKey]) -> str | None:
     """Where a key of a file belongs that stands too far out, too far in, or elsewhere."""
     word, above = _plain(str(keys[-1])), tuple(map(_wild, keys[:-1]))
     places = [key.keys[:-1] for key in known if _plain(key.keys[-1]) == word]

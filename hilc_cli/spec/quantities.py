@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import core_schema
+from pydantic_core import PydanticCustomError, core_schema
 
+from hilc_cli.spec.corrections import corrected
 from hilc_cli.spec.expressions import PLAIN, ExpressionError, Unit, evaluate
 from hilc_cli.spec.model import wrong
 from hilc_cli.spec.scalars import LONGEST_NUMBER
@@ -80,7 +82,7 @@ class Quantity:
             try:
                 result = evaluate(value)
             except ExpressionError as error:
-                raise wrong(str(error).partition("; ")[0], _remedy(error, self.remedy)) from None
+                raise self._no_expression(value, error) from None
             if result.unit not in (PLAIN, self.unit):
                 problem = "must have no unit" if self.unit == PLAIN else "has the wrong unit"
                 raise wrong(problem, self.remedy)
@@ -93,6 +95,17 @@ class Quantity:
         if not math.isfinite(number):
             raise wrong("must be finite", self.remedy)
         return number
+
+    def _no_expression(self, text: str, error: ExpressionError) -> PydanticCustomError:
+        problem, _, remedy = str(error).partition("; ")
+        if "has ','" in problem and re.search(r"[0-9],[0-9]", text):
+            problem = "has a decimal comma"
+        meant = corrected(text, self.unit)
+        if meant is not None:
+            return wrong(problem, f"did you mean '{meant}'?")
+        if "unknown unit" in problem and self.unit in _NAMES:
+            return wrong(problem, f"give it in {_NAMES[self.unit]}")
+        return wrong(problem, remedy or self.remedy)
 
     def _bounded(self, number: float) -> float:
         if self.above is not None and not number > self.above:
@@ -144,12 +157,15 @@ def _shown(bound: float) -> str:
     return str(bound) if isinstance(bound, int) else f"{bound:g}"
 
 
-def _remedy(error: ExpressionError, fallback: str) -> str:
-    """The remedy that the error itself carries, or the field's."""
-    return str(error).partition("; ")[2] or fallback
-
-
 _LENGTH, _TIME, _ANGLE = Unit(length=1), Unit(time=1), Unit(angle=1)
+_SPEED, _WHEEL_SPEED = Unit(length=1, time=-1), Unit(angle=1, time=-1)
+_NAMES = {
+    _LENGTH: "mm, cm or m",
+    _TIME: "ms or s",
+    _ANGLE: "deg or rad",
+    _SPEED: "m/s or km/h",
+    _WHEEL_SPEED: "rad/s, deg/s or rpm",
+}
 
 Coordinate = Annotated[float, Quantity(_LENGTH, "1.5 or 20 cm", least=-_LARGEST, most=_LARGEST)]
 PositiveLength = Annotated[float, Quantity(_LENGTH, "0.2 or 20 cm", above=0, most=_LARGEST)]
@@ -158,12 +174,8 @@ Angle = Annotated[float, Quantity(_ANGLE, "pi/2 or 90 deg", least=-_LARGEST, mos
 PositiveAngle = Annotated[float, Quantity(_ANGLE, "pi or 180 deg", above=0, most=_LARGEST)]
 AngleBound = Annotated[float, Quantity(_ANGLE, "0.001 or 0.1 deg", least=0, most=_LARGEST)]
 PositiveTime = Annotated[float, Quantity(_TIME, "0.5 or 500 ms", above=0, most=_LARGEST)]
-PositiveSpeed = Annotated[
-    float, Quantity(Unit(length=1, time=-1), "2 or 2 m/s", above=0, most=_LARGEST)
-]
-PositiveWheelSpeed = Annotated[
-    float, Quantity(Unit(angle=1, time=-1), "180 or 1700 rpm", above=0, most=1e12)
-]
+PositiveSpeed = Annotated[float, Quantity(_SPEED, "2 or 2 m/s", above=0, most=_LARGEST)]
+PositiveWheelSpeed = Annotated[float, Quantity(_WHEEL_SPEED, "180 or 1700 rpm", above=0, most=1e12)]
 PositiveNumber = Annotated[float, Quantity(PLAIN, "0.8", above=0, most=_LARGEST)]
 Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, most=1e12)]
 GainPerSecond = Annotated[float, Quantity(Unit(time=-1), "0.5", least=0, most=1e12)]

@@ -13,6 +13,7 @@ from hilc_cli.files import read_file, reason
 from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, example_meant, resolve_example
 from hilc_cli.spec.kinds import mistaken, mistaken_example
 from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, describe, with_entry
+from hilc_cli.spec.odd_characters import hint
 from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
 
 STDIN = "-"
@@ -76,7 +77,8 @@ class Inputs:
         try:
             trajectory = self._trajectory_tree(node.value, node.place.source.folder)
         except (UsageError, FileAccessError) as error:
-            raise InvalidInputError([Problem(str(node.place), "trajectory", str(error))]) from None
+            message = f"{error}{hint(node.value)}"
+            raise InvalidInputError([Problem(str(node.place), "trajectory", message)]) from None
         if isinstance(trajectory, MapNode):
             other = mistaken(trajectory.entries, TRAJECTORIES, node.value)
             if other is not None:

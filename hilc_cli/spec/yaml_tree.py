@@ -6,14 +6,17 @@ it recurse deeply, expand aliases without end, or construct objects.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import yaml
 
 from hilc_cli.errors import InvalidInputError, Problem
 from hilc_cli.spec.nodes import ListNode, MapNode, Node, Place, Scalar, Source
+from hilc_cli.spec.odd_characters import odd_character, told
 from hilc_cli.spec.scalars import resolve_plain
+from hilc_cli.spec.yaml_errors import explained
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
@@ -21,6 +24,7 @@ MAX_VALUES = 50_000
 """Values in a file, each use of an alias counted with all that it stands for."""
 
 _Loader: type = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_WHOLE_NUMBER = re.compile(r"[-+]?[0-9]+")
 _SYNTAX_HELP = "check quotes, colons, brackets and indentation"
 
 
@@ -58,11 +62,8 @@ def parse_yaml(content: bytes, source: Source, problems: list[Problem] | None = 
     except _Stop:
         tree = None
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        composer.problem(
-            composer.place(mark),
-            f"is not valid YAML: {error.problem or error.context}; {_SYNTAX_HELP}",
-        )
+        line, column, message = explained(text, error)
+        composer.problem(Place(source, line, column), message)
     except yaml.YAMLError as error:
         why = str(error).splitlines()[0]
         composer.problem(_unreadable(text, source), f"is not valid YAML: {why}; {_SYNTAX_HELP}")
@@ -87,6 +88,19 @@ def _unreadable(text: str, source: Source) -> Place:
 def _events(loader: yaml.SafeLoader) -> Iterator[yaml.Event]:
     while loader.check_event():
         yield loader.get_event()  # type: ignore[no-untyped-call]
+
+
+def _goes_on(number: yaml.Event, key: yaml.Event, value: yaml.Event) -> bool:
+    """Whether a key with nothing behind it is what follows the comma of a number."""
+    return (
+        isinstance(number, yaml.ScalarEvent)
+        and isinstance(key, yaml.ScalarEvent)
+        and isinstance(value, yaml.ScalarEvent)
+        and not value.value
+        and _WHOLE_NUMBER.fullmatch(number.value) is not None
+        and key.value[:1].isdecimal()
+        and key.start_mark.index == number.end_mark.index + 1
+    )
 
 
 @dataclass(slots=True)
@@ -147,21 +161,42 @@ class _Composer:
                 items.append(self.node(event, events, (*path, str(len(items)))))
             node = ListNode(place, tuple(items))
         else:
-            node = self.mapping(place, events, path)
+            node = self.mapping(place, events, path, in_braces=bool(event.flow_style))
         if anchor is not None:
             self.anchors[anchor] = (node, self.values - before)
         return node
 
-    def mapping(self, place: Place, events: Iterator[yaml.Event], path: tuple[str, ...]) -> MapNode:
+    def mapping(
+        self,
+        place: Place,
+        events: Iterator[yaml.Event],
+        path: tuple[str, ...],
+        *,
+        in_braces: bool,
+    ) -> MapNode:
         entries: dict[str, Node] = {}
         key_places: dict[str, Place] = {}
+        before: tuple[str, yaml.Event] | None = None
         while not isinstance(event := next(events), yaml.MappingEndEvent):
             key_place = self.place(event.start_mark)
             if not isinstance(event, yaml.ScalarEvent):
                 raise self.stop(key_place, "has a key that is no plain word; use words as keys")
             key: str = event.value
             here = (*path, key)
-            value = self.node(next(events), events, here)
+            odd = odd_character(key)
+            if odd is not None:
+                key_place = replace(key_place, column=key_place.column + odd.start())
+                raise self.stop(key_place, told(odd.group()))
+            start = next(events)
+            if in_braces and before is not None and _goes_on(before[1], event, start):
+                # A decimal comma; what takes the number will say so.
+                node = entries[before[0]]
+                assert isinstance(node, Scalar)  # it goes on
+                number = f"{node.text},{key}"
+                entries[before[0]], before = Scalar(node.place, number, number), None
+                continue
+            before = (key, start)
+            value = self.node(start, events, here)
             if key == "<<" and event.implicit[0]:
                 self.problem(
                     key_place, "merge keys are not part of YAML 1.2; write the keys out", "<<"
