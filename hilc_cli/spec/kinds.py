@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection
 
 from hilc_cli.shipped_files import KINDS, LEADERBOARDS, SCENARIOS, TRAJECTORIES, is_example
@@ -12,6 +13,20 @@ _KEYS = {
     LEADERBOARDS: {"cases", "laws"},
     TRAJECTORIES: {"segments"},
 }
+# The keys of which a file of a kind has at least one, however much else is wrong with it.
+_TELLING = {
+    SCENARIOS: {
+        "trajectory", "robot", "controller", "model", "iterations", "initial_pose",
+        "initial_input", "disturbance", "sweep",
+    },
+    LEADERBOARDS: {"cases", "laws", "beliefs", "disturbances"},
+    TRAJECTORIES: {"sample_time", "segments"},
+}  # fmt: skip
+_HAS = {
+    SCENARIOS: "a scenario has trajectory, robot and controller",
+    LEADERBOARDS: "a leaderboard has cases and laws",
+    TRAJECTORIES: "a trajectory has sample_time, start and segments",
+}
 _ONE = {SCENARIOS: "scenario", LEADERBOARDS: "leaderboard", TRAJECTORIES: "trajectory"}
 _INSTEAD = {
     (LEADERBOARDS, SCENARIOS): "give it to hilc compare --laws",
@@ -21,6 +36,22 @@ _INSTEAD = {
     (SCENARIOS, TRAJECTORIES): "name a trajectory file",
     (LEADERBOARDS, TRAJECTORIES): "name a trajectory file",
 }
+
+
+def has_keys_of(keys: Collection[str], kind: str) -> bool:
+    """Whether the outermost keys of a file are those of a kind, of `KINDS`, or some of them."""
+    return not _TELLING[kind].isdisjoint(key.lower() for key in keys)
+
+
+def mentions_keys_of(text: str, kind: str) -> bool:
+    """Whether a text that is no YAML seems to be meant for a file of a kind, of `KINDS`."""
+    keys = "|".join(sorted(_TELLING[kind]))
+    return re.search(rf"(?mi)(^|[{{,])\W*({keys})\W*:", text) is not None
+
+
+def is_no(kind: str) -> str:
+    """What is wrong with a file that is of no kind that is known."""
+    return f"is no {_ONE[kind]}; {_HAS[kind]}"
 
 
 def mistaken(keys: Collection[str], wanted: str, shown: str = "") -> str | None:

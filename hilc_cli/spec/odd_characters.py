@@ -51,9 +51,14 @@ def told(character: str) -> str:
     return f"has a {_name(character)} (U+{ord(character):04X}); {_remedy(character)}"
 
 
-def hint(text: str) -> str:
-    """What is odd in a value that is wrong, to be put behind the message; mostly nothing."""
-    found = _ODD.search(text) or _CONTROL.search(text)
+def hint(text: str, *, quoted: bool) -> str:
+    """What is odd in a value that is wrong, to be put behind the message; mostly nothing.
+
+    Args:
+        text: The value.
+        quoted: Whether it stands in double quotes, where a backslash starts an escape.
+    """
+    found = _ODD.search(text) or (_CONTROL.search(text) if quoted else None)
     return "" if found is None else f"; it {told(found.group()).replace('; ', ': ')}"
 
 

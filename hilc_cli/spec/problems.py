@@ -116,8 +116,8 @@ def _located(
     """
     node, _, found = nearest(tree, keys)
     shown = f", got {describe(node)}" if found and (show_all or isinstance(node, Scalar)) else ""
-    odd = hint(node.text) if found and isinstance(node, Scalar) and "did you" not in remedy else ""
-    return _at(tree, keys, f"{problem}{shown}; {remedy}{odd}")
+    odd = hint(node.text, quoted=node.quoted) if found and isinstance(node, Scalar) else ""
+    return _at(tree, keys, f"{problem}{shown}; {remedy}{odd}".replace("?; it", "? It"))
 
 
 def _has_enough(tree: Node, keys: PathKeys, context: Mapping[str, Any]) -> bool:

@@ -10,8 +10,21 @@ from pathlib import Path
 
 from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
 from hilc_cli.files import read_file, reason
-from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, example_meant, resolve_example
-from hilc_cli.spec.kinds import mistaken, mistaken_example
+from hilc_cli.shipped_files import (
+    KINDS,
+    PREFIX,
+    SCENARIOS,
+    TRAJECTORIES,
+    example_meant,
+    resolve_example,
+)
+from hilc_cli.spec.kinds import (
+    has_keys_of,
+    is_no,
+    mentions_keys_of,
+    mistaken,
+    mistaken_example,
+)
 from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, describe, with_entry
 from hilc_cli.spec.odd_characters import hint
 from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
@@ -54,10 +67,10 @@ class Inputs:
         if name == STDIN:
             content = _read_stdin()
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
-            return parse_yaml(content, Source("<stdin>", Path()), self.problems)
+            return self._parsed(content, Source("<stdin>", Path()), kind)
         path = _example_or_path(name, kind)
         content = self.file(_there(path, name, kind), MAX_BYTES)
-        return parse_yaml(content, Source(str(path), path.parent), self.problems)
+        return self._parsed(content, Source(str(path), path.parent), kind)
 
     def with_trajectory(self, tree: MapNode) -> MapNode:
         """The scenario with its trajectory file, if it names one, in the place of the path.
@@ -77,7 +90,7 @@ class Inputs:
         try:
             trajectory = self._trajectory_tree(node.value, node.place.source.folder)
         except (UsageError, FileAccessError) as error:
-            message = f"{error}{hint(node.value)}"
+            message = f"{error}{hint(node.value, quoted=node.quoted)}"
             raise InvalidInputError([Problem(str(node.place), "trajectory", message)]) from None
         if isinstance(trajectory, MapNode):
             other = mistaken(trajectory.entries, TRAJECTORIES, node.value)
@@ -91,7 +104,27 @@ class Inputs:
         else:
             path = _there(_short(folder / name), name, TRAJECTORIES)
         content = self.file(path, MAX_BYTES)
-        return parse_yaml(content, Source(str(path), path.parent), self.problems)
+        return self._parsed(content, Source(str(path), path.parent), TRAJECTORIES)
+
+    def _parsed(self, content: bytes, source: Source, kind: str) -> Node:
+        """The tree of a file that is of a kind, or of another one that is known.
+
+        A path may lead to anything. Nothing of a file that hilc has no business with is shown,
+        only where it stops being what it should be.
+        """
+        problems: list[Problem] = []
+        try:
+            tree = parse_yaml(content, source, problems)
+        except InvalidInputError as error:
+            if mentions_keys_of(content.decode("utf-8", "replace"), kind):
+                raise
+            where = error.problems[0].where
+            raise InvalidInputError([Problem(where, "", is_no(kind))]) from None
+        keys = tree.entries if isinstance(tree, MapNode) else ()
+        if not any(has_keys_of(keys, each) for each in KINDS):
+            raise InvalidInputError([Problem(str(tree.place), "", is_no(kind))])
+        self.problems.extend(problems)
+        return tree
 
 
 def _example_or_path(name: str, kind: str) -> Path:

@@ -149,6 +149,18 @@ class TrajectorySpec(Model):
     def _reference(self) -> Reference:
         return self._path().sample(self.name)
 
+    def _degrees_meant(self, last: int) -> str:
+        """What of the angles up to a segment looks like degrees, as the end of a message."""
+        angles = {"start.heading": self.start.heading}
+        for index, segment in enumerate(self.segments[: last + 1]):
+            if segment.arc is not None:
+                angles[f"segments.{index}.arc.sweep"] = segment.arc.sweep
+        for key, angle in angles.items():
+            if abs(angle) > 2 * math.pi and angle == round(angle):
+                turns = f"{abs(angle) / (2 * math.pi):.3g} turns"
+                return f"; {key} is {angle:g} rad = {turns} ({angle:g} deg?)"
+        return ""
+
     def _path(self) -> PathBuilder:
         """The path with its segments in place.
 
@@ -166,6 +178,7 @@ class TrajectorySpec(Model):
             except PathError as error:
                 field = (error.field,) if error.field else ()
                 problem, _, remedy = str(error).partition("; ")
+                remedy += self._degrees_meant(index)
                 problems.append((("segments", index, segment.kind, *field), problem, remedy))
                 if not isinstance(error, SamplesError):
                     break
@@ -177,6 +190,6 @@ class TrajectorySpec(Model):
             raise wrong_at(
                 ("segments", last, self.segments[last].kind),
                 f"ends {gap:.3g} m from the start of the path, which is said to be closed",
-                "close the gap or set 'closed: false'",
+                f"close the gap or set 'closed: false'{self._degrees_meant(last)}",
             )
         return path

@@ -20,6 +20,7 @@ from hilc_cli.spec.yaml_errors import explained
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
+LONGEST_KEY = 200
 MAX_VALUES = 50_000
 """Values in a file, each use of an alias counted with all that it stands for."""
 
@@ -154,7 +155,7 @@ class _Composer:
         node: Node
         if isinstance(event, yaml.ScalarEvent):
             value = resolve_plain(event.value) if event.implicit[0] else event.value
-            node = Scalar(place, value, event.value)
+            node = Scalar(place, value, event.value, quoted=event.style == '"')
         elif isinstance(event, yaml.SequenceStartEvent):
             items: list[Node] = []
             while not isinstance(event := next(events), yaml.SequenceEndEvent):
@@ -183,6 +184,8 @@ class _Composer:
                 raise self.stop(key_place, "has a key that is no plain word; use words as keys")
             key: str = event.value
             here = (*path, key)
+            if len(key) > LONGEST_KEY:
+                raise self.stop(key_place, f"has a key of {len(key)} characters; shorten it")
             odd = odd_character(key)
             if odd is not None:
                 key_place = replace(key_place, column=key_place.column + odd.start())
