@@ -8,6 +8,7 @@ from difflib import get_close_matches
 
 MOST_PROBLEMS = 100
 """So many problems are told one by one."""
+_SHORT = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +97,9 @@ def near_word(word: str, known: Iterable[str], alike: float = 0.7) -> str | None
     """
     spellings = {each.lower(): each for each in sorted(known) if _digits(each) == _digits(word)}
     near = get_close_matches(word.lower(), spellings, n=1, cutoff=alike)
+    if not near and len(word) <= _SHORT:  # a letter more or less makes a short word another
+        close = get_close_matches(word.lower(), spellings, n=1, cutoff=0.6)
+        near = [each for each in close if each[:3] == word.lower()[:3]]
     return spellings[near[0]] if near else None
 
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection
 
 from hilc_cli.shipped_files import KINDS, LEADERBOARDS, SCENARIOS, TRAJECTORIES, is_example
+from hilc_cli.spec.nodes import MapNode, Node, Scalar, describe
 
 # The keys without which a file is none of its kind; the first that fits.
 _KEYS = {
@@ -38,19 +39,28 @@ _INSTEAD = {
 }
 
 
-def has_keys_of(keys: Collection[str], kind: str) -> bool:
-    """Whether the outermost keys of a file are those of a kind, of `KINDS`, or some of them."""
-    return not _TELLING[kind].isdisjoint(key.lower() for key in keys)
-
-
 def mentions_keys_of(text: str, kind: str) -> bool:
     """Whether a text that is no YAML seems to be meant for a file of a kind, of `KINDS`."""
     keys = "|".join(sorted(_TELLING[kind]))
     return re.search(rf"(?mi)(^|[{{,])\W*({keys})\W*:", text) is not None
 
 
-def is_no(kind: str) -> str:
-    """What is wrong with a file that is of no kind that is known."""
+def is_no(kind: str, tree: Node) -> str | None:
+    """What is wrong with a file that is neither of a kind nor of another one that is known.
+
+    Args:
+        kind: The kind that is needed, of `KINDS`.
+        tree: What the file holds, of which nothing is shown.
+
+    Returns:
+        The message; None if it is of a kind, however much else is wrong with it.
+    """
+    if not isinstance(tree, MapNode):
+        got = "a single value" if isinstance(tree, Scalar) else describe(tree)
+        return f"is no {_ONE[kind]}, got {got}; write a mapping of keys and values"
+    known = {key.lower() for key in tree.entries}
+    if not _TELLING[kind].isdisjoint(known) or mistaken(tree.entries, kind) is not None:
+        return None
     return f"is no {_ONE[kind]}; {_HAS[kind]}"
 
 

@@ -12,6 +12,8 @@ from hilc_cli.spec.model_paths import Step, model_in, models_in, steps_to
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, nearest, to_data
 
 _MOST_SHOWN = 3
+_MOST_LEVELS = 3
+"""So much too far in may a key stand that is to be moved out."""
 _SURELY = 0.85
 """So alike must be a word that is looked for everywhere."""
 _ANY_ENTRY = "*"
@@ -96,7 +98,7 @@ def meant(tree: Node, keys: PathKeys, model: type[Model]) -> str | None:
         found = spelled_out(known, chain, len(keys))
         if found:
             return did_you_mean(found)
-    elif word in {key.dotted for key in known}:
+    elif "." in word and word in {key.dotted for key in known}:
         return "in a file, write each part below the one before it, without dots"
     same = next((name for name in step.fields if same_word(name, word)), None)
     if same is not None:
@@ -111,7 +113,7 @@ def meant(tree: Node, keys: PathKeys, model: type[Model]) -> str | None:
     near = part[0] if len(part) == 1 else near_word(word, step.fields)
     if near is not None:
         return f"did you mean '{near}'?"
-    return _elsewhere(word, known) or _of_other_choice(word, model)
+    return _elsewhere(word, known) or _of_other_choice(keys, model)
 
 
 def _elsewhere(word: str, known: Sequence[KnownKey]) -> str | None:
@@ -126,10 +128,11 @@ def _elsewhere(word: str, known: Sequence[KnownKey]) -> str | None:
     return did_you_mean([key.dotted for key in known if key.keys[-1] == near])
 
 
-def _of_other_choice(word: str, model: type[Model]) -> str | None:
-    """A key that needs another choice, such as another law."""
+def _of_other_choice(keys: PathKeys, model: type[Model]) -> str | None:
+    """A key of another place that needs another choice, such as another law."""
+    word, here = _plain(str(keys[-1])), tuple(map(_wild, keys))
     for key in known_keys(model, all_choices=True):
-        if key.choice is not None and _plain(key.keys[-1]) == _plain(word):
+        if key.choice is not None and _plain(key.keys[-1]) == word and key.keys != here:
             return f"{did_you_mean([key.dotted])} It needs '{key.choice[0]}: {key.choice[1]}'"
     return None
 
@@ -195,11 +198,21 @@ def _misplaced(tree: Node, keys: PathKeys, step: Step, known: Sequence[KnownKey]
         section = _section_before(tree, keys, deeper) or _only(deeper)
         if section is not None:
             return f"it is a key of {_section(section)}: indent it below '{section[-1]}:'"
-    outer = [place for place in places if place == above[: len(place)]]
-    free = [place for place in outer if not _has(tree, (*keys[: len(place)], str(keys[-1])))]
-    if free:
-        return f"it is a key of {_section(free[-1])}: indent it less"
-    others = [place for place in places if not _has(tree, (*place, str(keys[-1])))]
+    source = nearest(tree, keys)[1].source
+    outer = [
+        place
+        for place in places
+        if place == above[: len(place)]
+        and len(above) - len(place) <= _MOST_LEVELS
+        and not _has(tree, (*keys[: len(place)], str(keys[-1])))
+        and nearest(tree, keys[: len(place)])[0].place.source == source
+    ]
+    if outer:
+        return f"it is a key of {_section(outer[-1])}: indent it less"
+    beside = [place for place in places if place[:-1] == above[:-1]]
+    others = beside or [place for place in places if not _has(tree, (*place, str(keys[-1])))]
+    if len(others) == 1 and (beside or _ANY_ENTRY not in others[0]):
+        return f"it is a key of {_section(others[0])}"
     if others and _ANY_ENTRY not in others[0]:
         return did_you_mean([".".join((*place, str(keys[-1]))) for place in others])
     return None

@@ -10,21 +10,8 @@ from pathlib import Path
 
 from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
 from hilc_cli.files import read_file, reason
-from hilc_cli.shipped_files import (
-    KINDS,
-    PREFIX,
-    SCENARIOS,
-    TRAJECTORIES,
-    example_meant,
-    resolve_example,
-)
-from hilc_cli.spec.kinds import (
-    has_keys_of,
-    is_no,
-    mentions_keys_of,
-    mistaken,
-    mistaken_example,
-)
+from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, example_meant, resolve_example
+from hilc_cli.spec.kinds import is_no, mentions_keys_of, mistaken, mistaken_example
 from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, describe, with_entry
 from hilc_cli.spec.odd_characters import hint
 from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
@@ -113,16 +100,11 @@ class Inputs:
         only where it stops being what it should be.
         """
         problems: list[Problem] = []
-        try:
-            tree = parse_yaml(content, source, problems)
-        except InvalidInputError as error:
-            if mentions_keys_of(content.decode("utf-8", "replace"), kind):
-                raise
-            where = error.problems[0].where
-            raise InvalidInputError([Problem(where, "", is_no(kind))]) from None
-        keys = tree.entries if isinstance(tree, MapNode) else ()
-        if not any(has_keys_of(keys, each) for each in KINDS):
-            raise InvalidInputError([Problem(str(tree.place), "", is_no(kind))])
+        shown = mentions_keys_of(content.decode("utf-8", "replace"), kind)
+        tree = parse_yaml(content, source, problems, show=shown)
+        message = is_no(kind, tree)
+        if message is not None:
+            raise InvalidInputError([Problem(str(tree.place), "", message)])
         self.problems.extend(problems)
         return tree
 

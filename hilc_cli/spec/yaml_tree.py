@@ -33,7 +33,13 @@ class _Stop(Exception):
     """Reading cannot go on."""
 
 
-def parse_yaml(content: bytes, source: Source, problems: list[Problem] | None = None) -> Node:
+def parse_yaml(
+    content: bytes,
+    source: Source,
+    problems: list[Problem] | None = None,
+    *,
+    show: bool = True,
+) -> Node:
     """One YAML document as a tree.
 
     Args:
@@ -41,6 +47,7 @@ def parse_yaml(content: bytes, source: Source, problems: list[Problem] | None = 
         source: Where it comes from.
         problems: Takes what is wrong with single values, so that it can be told together with
             what validation finds in the rest; None: that is an error at once.
+        show: Whether messages may tell what stands in the text.
 
     Raises:
         InvalidInputError: It is no UTF-8 or YAML, holds several documents, or exceeds a budget;
@@ -53,9 +60,10 @@ def parse_yaml(content: bytes, source: Source, problems: list[Problem] | None = 
         before = content[content.rfind(b"\n", 0, error.start) + 1 : error.start]
         column = len(before.decode("utf-8", "replace")) + 1
         byte = content[error.start]
-        message = f"is not UTF-8 text, got byte 0x{byte:02x}; save the file as UTF-8"
+        got = f", got byte 0x{byte:02x}" if show else ""
+        message = f"is not UTF-8 text{got}; save the file as UTF-8"
         raise InvalidInputError([Problem(str(Place(source, line, column)), "", message)]) from None
-    composer = _Composer(source)
+    composer = _Composer(source, show)
     tree: Node | None = None
     loader = _Loader(text)
     try:
@@ -107,6 +115,7 @@ def _goes_on(number: yaml.Event, key: yaml.Event, value: yaml.Event) -> bool:
 @dataclass(slots=True)
 class _Composer:
     source: Source
+    show: bool
     problems: list[Problem] = field(default_factory=list)
     values: int = 0
     anchors: dict[str, tuple[Node, int] | None] = field(default_factory=dict)  # None: unfinished
@@ -117,7 +126,7 @@ class _Composer:
         return Place(self.source, mark.line + 1, mark.column + 1)
 
     def problem(self, place: Place, message: str, path: str = "") -> None:
-        self.problems.append(Problem(str(place), path, message))
+        self.problems.append(Problem(str(place), path if self.show else "", message))
 
     def stop(self, place: Place, message: str) -> _Stop:
         self.problem(place, message)
@@ -151,7 +160,8 @@ class _Composer:
         if anchor is not None:
             self.anchors[anchor] = None
         if event.tag is not None:
-            self.problem(place, f"has the tag {event.tag}; leave tags out", ".".join(path))
+            tag = f"the tag {event.tag}" if self.show else "a tag"
+            self.problem(place, f"has {tag}; leave tags out", ".".join(path))
         node: Node
         if isinstance(event, yaml.ScalarEvent):
             value = resolve_plain(event.value) if event.implicit[0] else event.value
@@ -216,11 +226,12 @@ class _Composer:
         return MapNode(place, entries, key_places)
 
     def alias(self, anchor: str, place: Place) -> Node:
+        name = f"*{anchor} " if self.show else ""
         if anchor not in self.anchors:
-            raise self.stop(place, f"alias *{anchor} has no anchor; define &{anchor} before it")
+            raise self.stop(place, f"alias {name}has no anchor; define it before")
         found = self.anchors[anchor]
         if found is None:
-            raise self.stop(place, f"alias *{anchor} contains itself; write the value out")
+            raise self.stop(place, f"alias {name}contains itself; write the value out")
         node, size = found
         self.count(size, place)
         return node
