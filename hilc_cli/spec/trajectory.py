@@ -27,6 +27,7 @@ from hilc_cli.spec.quantities import (
     PositiveLength,
     PositiveSpeed,
     PositiveTime,
+    SampleTime,
     such_as,
 )
 
@@ -123,7 +124,7 @@ class TrajectorySpec(Model):
 
     name: Name
     description: Text = ""
-    sample_time: Annotated[float, such_as(PositiveTime, "0.001 or 1 ms")] = Field(description="s")
+    sample_time: SampleTime = Field(description="s")
     start: PoseSpec
     segments: list[SegmentSpec] = Field(min_length=1, max_length=4_000)
     closed: Flag = Field(False, description="the path must end where it starts")
