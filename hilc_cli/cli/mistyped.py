@@ -24,7 +24,8 @@ def option_meant(option: str, options: Sequence[str], arguments: Sequence[str]) 
         keys = _keys_meant(option)
         if keys:
             return " or ".join(f"{_SET} {shlex.quote(f'{key}={value}')}" for key in keys)
-    return near_word(option, options)
+    near = near_word(option.strip("-"), [name.strip("-") for name in options])
+    return f"--{near}" if near else None
 
 
 def _keys_meant(option: str) -> list[str]:

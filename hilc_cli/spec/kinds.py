@@ -42,7 +42,8 @@ _INSTEAD = {
 def mentions_keys_of(text: str, kind: str) -> bool:
     """Whether a text that is no YAML seems to be meant for a file of a kind, of `KINDS`."""
     keys = "|".join(sorted(_TELLING[kind]))
-    return re.search(rf"(?mi)(^|[{{,])\W*({keys})\W*:", text) is not None
+    gap = "[ \t\"']{0,40}"  # no longer, so that a hostile text is searched in no time
+    return re.search(f"(?mi)(^|[{{,]){gap}({keys}){gap}:", text) is not None
 
 
 def is_no(kind: str, tree: Node) -> str | None:
@@ -56,7 +57,8 @@ def is_no(kind: str, tree: Node) -> str | None:
         The message; None if it is of a kind, however much else is wrong with it.
     """
     if not isinstance(tree, MapNode):
-        got = "a single value" if isinstance(tree, Scalar) else describe(tree)
+        is_text = isinstance(tree, Scalar) and tree.value is not None
+        got = "a single value" if is_text else describe(tree)
         return f"is no {_ONE[kind]}, got {got}; write a mapping of keys and values"
     known = {key.lower() for key in tree.entries}
     if not _TELLING[kind].isdisjoint(known) or mistaken(tree.entries, kind) is not None:

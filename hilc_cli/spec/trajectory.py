@@ -31,6 +31,9 @@ from hilc_cli.spec.quantities import (
     such_as,
 )
 
+_MOST_DEGREES = 3600
+"""Larger numbers are hardly meant to be degrees."""
+
 Point = tuple[Coordinate, Coordinate]
 
 
@@ -157,7 +160,7 @@ class TrajectorySpec(Model):
             if segment.arc is not None:
                 angles[f"segments.{index}.arc.sweep"] = segment.arc.sweep
         for key, angle in angles.items():
-            if abs(angle) > 2 * math.pi and angle == round(angle):
+            if 2 * math.pi < abs(angle) <= _MOST_DEGREES and angle == round(angle):
                 turns = f"{abs(angle) / (2 * math.pi):.3g} turns"
                 return f"; {key} is {angle:g} rad = {turns} ({angle:g} deg?)"
         return ""

@@ -226,9 +226,9 @@ class _Composer:
         return MapNode(place, entries, key_places)
 
     def alias(self, anchor: str, place: Place) -> Node:
-        name = f"*{anchor} " if self.show else ""
+        name, defined = (f"*{anchor} ", f"&{anchor}") if self.show else ("", "one")
         if anchor not in self.anchors:
-            raise self.stop(place, f"alias {name}has no anchor; define it before")
+            raise self.stop(place, f"alias {name}has no anchor; define {defined} before it")
         found = self.anchors[anchor]
         if found is None:
             raise self.stop(place, f"alias {name}contains itself; write the value out")
