@@ -55,6 +55,46 @@ class UsageError(HilcError):
     exit_code = 2
 
 
+class UnknownNameError(UsageError, KeyError):
+    """A mapping has no such key; says which it has."""
+
+    def __init__(self, what: str, name: object, known: Iterable[object]) -> None:
+        """Words the message.
+
+        Args:
+            what: What the keys are, such as ``metric``.
+            name: What was asked for.
+            known: All keys.
+        """
+        keys = [str(key) for key in known]
+        near = near_word(name, keys) if isinstance(name, str) else None
+        meant = f"did you mean '{near}'? " if near else ""
+        super().__init__(f"there is no {what} {name!r}; {meant}known: {', '.join(keys) or 'none'}")
+
+    def __str__(self) -> str:
+        """The message; a plain KeyError would put quotes around it."""
+        return str(self.args[0])
+
+
+class MissingPackageError(UsageError):
+    """An option needs a package that is not installed.
+
+    Args:
+        option: What was asked for.
+        package: The package that it needs.
+        extra: The extra of hilc that brings it; it is told as for a checkout, which hilc comes as.
+    """
+
+    def __init__(self, option: str, package: str, extra: str) -> None:
+        super().__init__(
+            f"{option} needs the package {package}; pip install '.[{extra}]' in a checkout of hilc"
+        )
+
+
+class MissingFileError(UsageError):
+    """There is no such file."""
+
+
 class FileAccessError(HilcError):
     """A file or folder could not be read or written."""
 

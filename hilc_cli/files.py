@@ -13,7 +13,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
+from hilc_cli.drafts import draft_file, draft_folder, remove_stale
+from hilc_cli.errors import (
+    ExistingResultsError,
+    FileAccessError,
+    MissingFileError,
+    UsageError,
+)
 
 _KINDS = {
     stat.S_IFDIR: "a folder",
@@ -21,6 +27,7 @@ _KINDS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
     stat.S_IFSOCK: "a socket",
+    stat.S_IFLNK: "a link, and nothing is written through links",
 }
 
 
@@ -38,23 +45,11 @@ def read_file(path: Path, limit: int) -> bytes:
         limit: Largest size [bytes].
 
     Raises:
-        UsageError: There is no such file, it is a folder, pipe or device, or it is too large.
+        MissingFileError: There is no such file.
+        UsageError: It is a folder, pipe or device, or it is too large.
         FileAccessError: It cannot be read.
     """
-    try:
-        # Not blocking: opening a named pipe that nobody writes to would wait for ever.
-        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
-    except (FileNotFoundError, NotADirectoryError):
-        raise UsageError(f"{path}: there is no such file; check the path") from None
-    except (OSError, ValueError) as error:
-        why = reason(error) if isinstance(error, OSError) else str(error)
-        raise FileAccessError(f"{path}: cannot be read: {why}") from error
-    mode = os.fstat(descriptor).st_mode
-    if not stat.S_ISREG(mode):
-        os.close(descriptor)
-        kind = _KINDS.get(stat.S_IFMT(mode), "no regular file")
-        raise UsageError(f"{path}: is {kind}; give a regular file")
-    with os.fdopen(descriptor, "rb") as file:
+    with os.fdopen(open_to_read(path), "rb") as file:
         try:
             content = file.read(limit + 1)
         except OSError as error:
@@ -64,6 +59,58 @@ def read_file(path: Path, limit: int) -> bytes:
     if len(content) > limit:
         raise UsageError(f"{path}: is larger than {limit} bytes, the most that is read; shorten it")
     return content
+
+
+def open_to_read(path: Path) -> int:
+    """The descriptor of a regular file.
+
+    Raises:
+        MissingFileError: There is no such file.
+        UsageError: It is a folder, pipe or device.
+        FileAccessError: It cannot be read.
+    """
+    try:
+        return _open_regular(path, os.O_RDONLY)
+    except (FileNotFoundError, NotADirectoryError):
+        raise MissingFileError(f"{path}: there is no such file; check the path") from None
+    except (OSError, ValueError) as error:
+        why = reason(error) if isinstance(error, OSError) else str(error)
+        raise FileAccessError(f"{path}: cannot be read: {why}") from error
+
+
+def open_to_write(path: Path) -> int:
+    """The descriptor of a regular file that is read and written in place; it is made if need be.
+
+    Whoever gave the folder away may have put a link there, or a second name of another file.
+
+    Raises:
+        UsageError: It is a link, folder, pipe or device, or has other names elsewhere.
+        FileAccessError: It cannot be written.
+    """
+    with writing(path):
+        return _open_regular(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
+
+
+def _open_regular(path: Path, flags: int) -> int:
+    """Opens a regular file, and at once: a pipe to which nobody writes would wait for ever."""
+    with suppress(OSError, ValueError):  # which opening it tells
+        # Opening a device may already do something. What it is by then is checked once more.
+        _check_regular(path, path.lstat() if flags & os.O_NOFOLLOW else path.stat(), flags)
+    descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY, 0o666)
+    try:
+        _check_regular(path, os.fstat(descriptor), flags)
+    except BaseException:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _check_regular(path: Path, status: os.stat_result, flags: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "no regular file")
+        raise UsageError(f"{path}: is {kind}; give a regular file")
+    if flags & os.O_RDWR and status.st_nlink > 1:
+        raise UsageError(f"{path}: has other names elsewhere (hard links); give a copy of its own")
 
 
 @contextmanager
@@ -90,20 +137,17 @@ def write_file(path: Path, write: Callable[[Path], None]) -> None:
         FileAccessError: The system refused; the old file is as it was.
     """
     with writing(path):
-        descriptor, name = tempfile.mkstemp(
-            prefix=f".{path.stem[:40]}-", suffix=path.suffix, dir=path.parent
-        )
-        os.close(descriptor)
-        draft = Path(name)
-        try:
-            write(draft)
-            _open_to_others(draft, 0o666)
-            sync(draft)
-            draft.replace(path)
-            sync(path.parent)
-        except BaseException:
-            draft.unlink(missing_ok=True)
-            raise
+        remove_stale(path, path.parent)
+        with draft_file(path) as draft:
+            try:
+                write(draft)
+                _open_to_others(draft, 0o666)
+                sync(draft)
+                draft.replace(path)
+                sync(path.parent)
+            except BaseException:
+                draft.unlink(missing_ok=True)
+                raise
 
 
 def write_folder(
@@ -128,24 +172,23 @@ def write_folder(
     with writing(path):
         place = path.resolve()
         place.parent.mkdir(parents=True, exist_ok=True)
-        draft = Path(tempfile.mkdtemp(prefix=f".{place.name[:40]}-", dir=place.parent))
-        identity = draft.stat().st_ino
-        try:
-            fill(draft)
-            _open_to_others(draft, 0o777)
-            for file in draft.rglob("*"):
-                sync(file)
-            sync(draft)
-            _put_in_place(draft, place, may_replace)
-            sync(place.parent)
-        finally:
-            # After an exchange this is the old folder, after a failure the unfinished new one.
-            # What somebody has put into the old one goes on, however this ends.
-            is_old = draft.is_dir() and draft.stat().st_ino != identity
-            if is_old:
-                _move_kept(draft, place, keeps)
-            if not (is_old and any(keeps(name) for name in _names(draft))):
-                shutil.rmtree(draft, ignore_errors=True)
+        remove_stale(place, place.parent, lambda old: _give_up(old, place, keeps))
+        with draft_folder(place, place.parent) as draft:
+            identity = draft.stat().st_ino
+            try:
+                fill(draft)
+                _open_to_others(draft, 0o777)
+                for file in draft.rglob("*"):
+                    sync(file)
+                sync(draft)
+                _put_in_place(draft, place, may_replace)
+                sync(place.parent)
+            finally:
+                # After an exchange this is the old folder, after a failure the unfinished new one.
+                # What somebody has put into the old one goes on, however this ends.
+                is_old = draft.is_dir() and draft.stat().st_ino != identity
+                if not is_old or _give_up(draft, place, keeps):
+                    shutil.rmtree(draft, ignore_errors=True)
 
 
 def merge_folder(
@@ -170,28 +213,30 @@ def merge_folder(
     with writing(path):
         parents = [path, *path.parents]
         existing = next(parent for parent in parents if parent.exists())
-        draft = Path(tempfile.mkdtemp(prefix=".hilc-", dir=existing))
-        try:
-            fill(draft)
-            path.mkdir(parents=True, exist_ok=True)
-            files = sorted(draft.iterdir())
-            for file in files:
-                there = path / file.name
-                if (
-                    os.path.lexists(there)
-                    and not may_replace(there)
-                    and not (or_same and _is_same(file, there))
-                ):
-                    raise ExistingResultsError(
-                        f"{there}: exists; choose another folder with --out, "
-                        "or replace it with --force"
-                    )
-                sync(file)
-            for file in files:
-                file.replace(path / file.name)
-            sync(path)
-        finally:
-            shutil.rmtree(draft, ignore_errors=True)
+        for folder in {existing, path.parent}:
+            remove_stale(path, folder)
+        with draft_folder(path, existing) as draft:
+            try:
+                fill(draft)
+                path.mkdir(parents=True, exist_ok=True)
+                files = sorted(draft.iterdir())
+                for file in files:
+                    there = path / file.name
+                    if (
+                        os.path.lexists(there)
+                        and not may_replace(there)
+                        and not (or_same and _is_same(file, there))
+                    ):
+                        raise ExistingResultsError(
+                            f"{there}: exists; choose another folder with --out, "
+                            "or replace it with --force"
+                        )
+                    sync(file)
+                for file in files:
+                    file.replace(path / file.name)
+                sync(path)
+            finally:
+                shutil.rmtree(draft, ignore_errors=True)
 
 
 def _is_same(one: Path, other: Path) -> bool:
@@ -199,12 +244,13 @@ def _is_same(one: Path, other: Path) -> bool:
     return other.is_file() and filecmp.cmp(one, other, shallow=False)
 
 
-def _move_kept(old: Path, new: Path, keeps: Callable[[str], bool]) -> None:
-    """Moves what is to be kept; what cannot be moved stays where it is."""
+def _give_up(old: Path, new: Path, keeps: Callable[[str], bool]) -> bool:
+    """Moves what is to be kept; whether nothing of it is left, since it could not be moved."""
     for name in _names(old):
         if keeps(name) and new.is_dir() and not os.path.lexists(new / name):
             with suppress(OSError):
                 (old / name).rename(new / name)
+    return not any(keeps(name) for name in _names(old))
 
 
 def _names(folder: Path) -> list[str]:
@@ -233,6 +279,7 @@ def _exchange(one: Path, other: Path) -> None:
     """Swaps two folders: at no moment is either name without a whole folder, where Linux helps."""
     if _rename_exchange(one, other):
         return
+    # Not as a draft: for a moment it is the only one that there is.
     aside = Path(tempfile.mkdtemp(prefix=f".{other.name[:40]}-", dir=other.parent))
     other.rename(aside)
     try:

@@ -21,13 +21,17 @@ from hilc_cli.analysis.theories import theories
 from hilc_cli.api.check_simulation import Simulated, simulated, theory_findings
 from hilc_cli.api.running import OnIteration
 from hilc_cli.files import merge_folder
+from hilc_cli.named import in_short
 from hilc_cli.results.transient_table import TRANSIENT_FILE, write_transient
 from hilc_cli.spec.hybrid import HybridController
+from hilc_cli.spec.loading import ScenarioSource, as_scenario
 from hilc_cli.spec.pid import PidController
 from hilc_cli.spec.valid import Scenario
 
+_MOST_TOLD = 4  # findings that a check shows of itself
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Check:
     """What a check of a scenario has found.
 
@@ -49,6 +53,12 @@ class Check:
     theories: Mapping[str, Bounds] | None
     simulated: Simulated | None
     findings: Mapping[str, Findings]
+
+    def __repr__(self) -> str:
+        verdict = "cannot work" if self.failures else "nothing wrong"
+        found = [*self.failures, *(f"warning: {warning}" for warning in self.warnings)]
+        more = [f"and {len(found) - _MOST_TOLD} more"] if len(found) > _MOST_TOLD else []
+        return in_short(f"Check of {self.scenario.name!r}: {verdict}", *found[:_MOST_TOLD], *more)
 
     @property
     def forecast(self) -> Forecast | None:
@@ -136,15 +146,16 @@ def _law_text(scenario: Scenario) -> str:
 
 
 def check(
-    scenario: Scenario, *, simulate: bool = False, on_iteration: OnIteration | None = None
+    scenario: ScenarioSource, *, simulate: bool = False, on_iteration: OnIteration | None = None
 ) -> Check:
     """Checks a scenario.
 
     Args:
-        scenario: From `load_scenario`.
+        scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
         simulate: Run it as well, and put what it does beside what theory says.
         on_iteration: Told of each completed iteration of that run.
     """
+    scenario = as_scenario(scenario)
     experiment = scenario.experiment()
     # Where numbers leave the range of floating point, they end as infinite: above any limit.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):

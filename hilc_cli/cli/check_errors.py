@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from hilc_cli.analysis.outcome import NEAR
 from hilc_cli.cli.section import Grid
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
 if TYPE_CHECKING:
+    from hilc_cli.analysis.forecast import Forecast
     from hilc_cli.analysis.transient import Transient
     from hilc_cli.api import Check
     from hilc_cli.api.check_simulation import Simulated
@@ -63,6 +65,35 @@ def errors_grid(check: Check) -> Grid | None:
         rows.insert(len(rows) - _BELOW_LAST, ["  in its second half", *blank, _length(later)])
     header = [("Maximum position error", ""), *columns]
     return Grid(header, rows, " ".join(notes))
+
+
+def errors_in_brief(found: Forecast, iterations: int) -> list[tuple[str, str]]:
+    """The predicted errors in two rows.
+
+    Args:
+        found: What learning is expected to do.
+        iterations: Of the scenario.
+    """
+    transient = found.transient
+    errors = transient.max_position_error_m
+    first = f"{_length(errors[0])} in iteration 0"
+    if not iterations:
+        return [("Error, predicted", first)]
+    last = _told(transient, _at(transient, iterations), iterations)
+    half = next((i for i, error in enumerate(errors) if error <= errors[0] / 2), None)
+    halves = "does not halve" if half is None else f"halves by iteration {half}"
+    small = transient.settled_at(NEAR)
+    if small is not None:
+        within = f"within {NEAR:.0%} of the path's size after {small}"
+    else:
+        spell = transient.spell_within(NEAR, iterations)
+        within = f"not within {NEAR:.0%} of the path's size in {transient.iterations}"
+        if spell is not None:
+            within = f"within {NEAR:.0%} of the path's size from {spell[0]} to {spell[1]}"
+    return [
+        ("Error, predicted", f"{first}, {last} in iteration {iterations}"),
+        ("", f"{halves}; {within}"),
+    ]
 
 
 def _predicted(transient: Transient, iterations: int) -> list[str]:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from hilc_cli.analysis.findings import Findings, joined
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
-from hilc_cli.cli.check_errors import errors_grid
+from hilc_cli.cli.check_errors import errors_grid, errors_in_brief
 from hilc_cli.cli.check_other_laws import feedback_law, other_law, step_gain_document, step_gain_row
 from hilc_cli.cli.section import Section, counted
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
@@ -24,10 +23,11 @@ _ROUNDING = 1e-12  # of the path's size
 
 def learning_section(check: Check) -> Section:
     """The theory's figures; of a law that it does not know, that it does not."""
-    title, found, notes = "Does learning converge?", check.forecast, []
+    title, found, notes, brief = "Does learning converge?", check.forecast, [], None
     if found is not None:
         title += f" ({WHERE})"
         rows, document = _rows(check, found), _document(check, found)
+        brief = _brief(check, found)
     elif check.law.tracking is not None:
         title, notes = "What does the feedback reach?", [f"{WHERE.capitalize()}."]
         rows, document = feedback_law(check.law.tracking)
@@ -37,13 +37,17 @@ def learning_section(check: Check) -> Section:
         document["simulated"] = _simulated(check.simulated.summary)
     errors = errors_grid(check)
     grids = [] if errors is None else [errors]
-    return Section("learning", title, rows, grids, _findings(check), document, notes)
+    return Section("learning", title, rows, grids, document, notes, brief)
 
 
-def _findings(check: Check) -> Findings:
-    """Those of learning, and of the simulation beside it."""
-    keys = ("learning", "simulation")
-    return joined(check.findings[key] for key in keys if key in check.findings)
+def _brief(check: Check, found: Forecast) -> list[tuple[str, str]]:
+    """What learning does, for the report of one screen."""
+    last = check.scenario.spec.iterations
+    return [
+        ("Learning", _verdict(found, last)),
+        *errors_in_brief(found, last),
+        *_rest(check, found),
+    ]
 
 
 def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
@@ -75,8 +79,6 @@ def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
         ("Spectral radius", f"{shown}, {settles}"),
         ("Largest singular value", f"{least}{found.singular_value.value:.4g}, {monotone}"),
         (f"Worst ripple up to {LONGEST_PERIOD} samples", ripple),
-        *_rest(check, found),
-        ("Verdict", _verdict(found, last)),
     ]
 
 

@@ -15,13 +15,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
-from hilc_cli.cli.session import InterruptedBySignal, Session
+from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
 from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
+from hilc_cli.surroundings import without_settings_of_numba
 
 DONE = 0
 COULD_NOT = 1
 WRONG_USAGE = 2
-AFTER_SIGNAL = 128  # plus its number: 130 and 143
+AFTER_SIGNAL = 128  # plus its number: 129, 130, 131, 143
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -29,6 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     arguments = sys.argv[1:] if arguments is None else arguments
     session = Session()
     _open_closed_streams()
+    without_settings_of_numba()
     try:
         session.listen()
         code = _invoke(arguments, session)
@@ -53,8 +55,9 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
     from typer.main import get_command
 
     from hilc_cli.cli.app import app
-    from hilc_cli.cli.completion import REQUEST, complete
+    from hilc_cli.cli.completion import REQUEST, complete, use_own_script
 
+    use_own_script()
     command = get_command(app)
     if REQUEST in os.environ:
         complete(lambda: command.main(args=list(arguments), prog_name="hilc", complete_var=REQUEST))
@@ -77,19 +80,18 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
 def _exit_code(error: BaseException, session: Session) -> int:
     """Says in one line what went wrong, and returns the exit code."""
     if session.verbose and not isinstance(error, SystemExit | BrokenPipeError):
-        with suppress(OSError):
-            traceback.print_exception(error)
+        _trace(error)
+    if session.signal_number is not None:  # whatever came of it, such as a terminal that is gone
+        error = InterruptedBySignal(session.signal_number)
     match error:
         case BrokenPipeError():
             return DONE  # whoever read from us has seen enough
         case SystemExit():
             return error.code if isinstance(error.code, int) else COULD_NOT
-        case KeyboardInterrupt() | InterruptedBySignal(number=signal.SIGINT):
-            _say("hilc: interrupted; nothing was left half written")
-            return AFTER_SIGNAL + signal.SIGINT
-        case InterruptedBySignal():
-            _say("hilc: terminated; nothing was left half written")
-            return AFTER_SIGNAL + error.number
+        case KeyboardInterrupt() | InterruptedBySignal():
+            number = signal.Signals(getattr(error, "number", signal.SIGINT))
+            _say(f"hilc: {STOPPED[number]}; nothing was left half written")
+            return AFTER_SIGNAL + number
         case InvalidInputError():
             _say(str(error))
             return error.exit_code
@@ -98,13 +100,13 @@ def _exit_code(error: BaseException, session: Session) -> int:
             return error.exit_code
         case OSError():
             what = f"{error.filename}: " if error.filename else ""
-            _say(f"hilc: {printable(what)}the system refused: {error.strerror or error}")
+            _say(printable(f"hilc: {what}the system refused: {error.strerror or error}"))
             return COULD_NOT
         case MemoryError():
             _say("hilc: out of memory; record fewer iterations")
             return COULD_NOT
         case _:
-            traceback.print_exception(error)
+            _trace(error)
             _say("hilc: this is a bug; please report the lines above")
             return COULD_NOT
 
@@ -123,6 +125,12 @@ def _usage(error: Exception, subcommand: str, arguments: Sequence[str]) -> str:
     message: str = error.format_message()  # type: ignore[attr-defined]
     message = " ".join(message.replace("Value error, ", "").split()).rstrip(".")
     return printable(f"hilc: {message[:1].lower()}{message[1:]}; see '{command} --help'")
+
+
+def _trace(error: BaseException) -> None:
+    """Where a failure comes from, without what its texts would do to a terminal."""
+    lines = "".join(traceback.format_exception(error)).split("\n")
+    _say("\n".join(map(printable, lines)).rstrip("\n"))
 
 
 def _say(text: str) -> None:

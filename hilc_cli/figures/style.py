@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import AbstractContextManager
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import matplotlib
@@ -17,6 +18,7 @@ RUN_COLORS = (
     *(BLUE, ORANGE, "#882255", "#56B4E9", VERMILLION, GREEN),
     *("#332288", "#CC79A7", "#666666", "#999933"),
 )
+WINE = RUN_COLORS[2]
 # Sparse markers tell runs apart where colour cannot.
 RUN_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
 REFERENCE_COLOR = "black"
@@ -80,6 +82,9 @@ _RC: dict[Any, Any] = {
 }
 
 
+# The backend belongs to the user: asked for, it would be loaded.
+_DEFAULTS = {k: v for k, v in dict.items(matplotlib.rcParamsDefault) if k != "backend"}
+
 _PRINT: dict[Any, Any] = {
     "font.size": PRINT_SIZE,
     "axes.labelsize": PRINT_SIZE,
@@ -90,13 +95,23 @@ _PRINT: dict[Any, Any] = {
 }
 
 
-def applied(*, in_print: bool = False) -> AbstractContextManager[None]:
+@contextmanager
+def applied(*, in_print: bool = False) -> Iterator[None]:
     """The settings of all pictures, for as long as a figure is built or saved.
+
+    What hilc does not set is as Matplotlib comes, not as the user has it.
 
     Args:
         in_print: With the text sizes of a journal's page, where many panels share one.
     """
-    return matplotlib.rc_context({**_RC, **_PRINT} if in_print else _RC)
+    with matplotlib.rc_context(), warnings.catch_warnings():
+        # A name may have letters that the font lacks, which are drawn as boxes.
+        warnings.filterwarnings("ignore", r"Glyph .* missing from font")
+        # As a dictionary: what comes with Matplotlib needs no validation, which takes its time
+        # and warns of settings that it is about to drop.
+        dict.update(matplotlib.rcParams, _DEFAULTS)
+        matplotlib.rcParams.update({**_RC, **_PRINT} if in_print else _RC)
+        yield
 
 
 def iteration_colors() -> Colormap:

@@ -17,11 +17,10 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
+from hilc_cli.names import LONGEST_NAME, NAME_PATTERN
 from hilc_cli.spec.nodes import PathKeys
 
-NAME_PATTERN = r"^[A-Za-z0-9._-]*[A-Za-z0-9_-][A-Za-z0-9._-]*$"  # not only dots
-
-Name = Annotated[str, StringConstraints(pattern=NAME_PATTERN, max_length=100)]
+Name = Annotated[str, StringConstraints(pattern=NAME_PATTERN, max_length=LONGEST_NAME)]
 Text = Annotated[str, StringConstraints(max_length=10_000)]
 Flag = Annotated[bool, Strict()]
 

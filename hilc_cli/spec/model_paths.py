@@ -79,7 +79,7 @@ def model_in(annotation: object, data: object = None) -> type[Model] | None:
 
 
 def models_in(annotation: object) -> list[type[Model]]:
-    """Every model within an annotation."""
+    """All models within an annotation, such as those of an optional one or a union."""
     if isinstance(annotation, type) and issubclass(annotation, Model):
         return [annotation]
     return [model for part in get_args(annotation) for model in models_in(part)]

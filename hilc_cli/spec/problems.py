@@ -10,8 +10,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from hilc_cli.errors import Problem, near_word
+from hilc_cli.names import NAME_PATTERN, name_remedy
 from hilc_cli.spec.known_keys import meant
-from hilc_cli.spec.model import NAME_PATTERN, Model, listed
+from hilc_cli.spec.model import Model, listed
 from hilc_cli.spec.model_paths import steps_to
 from hilc_cli.spec.nodes import (
     ListNode,
@@ -29,10 +30,6 @@ from hilc_cli.spec.odd_characters import hint
 # What is wrong and what is allowed, by Pydantic's name of the error.
 _MESSAGES: Mapping[str, tuple[str, str]] = {
     "string_type": ("must be text", "put it in quotes"),
-    "string_pattern_mismatch": (
-        "has characters that are not allowed",
-        "use letters, digits, '.', '_' and '-'",
-    ),
     "string_too_long": ("is too long", "shorten it"),
     "bool_type": ("must be true or false", "give true or false"),
     "model_type": ("must be a mapping of keys and values", "write its keys below it"),
@@ -69,8 +66,8 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         keys: PathKeys = details["loc"]
         if keys and keys[-1] == "[key]":  # what is wrong is the key itself
             keys = keys[:-1]
-            message = "is no name; use letters, digits, '.', '_' and '-'"
             if context.get("pattern") == NAME_PATTERN:
+                message = f"is no name; {name_remedy(keys[-1])}"
                 found.append(_at(tree, keys, message, point_at_key=True))
                 continue
             message = "is no key; give keys with dots between them, such as controller.gains.l1"
@@ -93,6 +90,11 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         elif details["type"] == "literal_error":
             remedy = _choice(str(context["expected"]), nearest(tree, keys)[0])
             found.append(_located(tree, keys, "is not one of the choices", remedy))
+        elif details["type"] == "string_pattern_mismatch":
+            text = details["input"]
+            problem = "has characters that are not allowed"
+            problem = "has a first character that is not allowed" if text[:1] == "-" else problem
+            found.append(_located(tree, keys, problem, name_remedy(text), show_all=True))
         else:
             other = (details["msg"], "correct it")
             problem, remedy = _MESSAGES.get(details["type"], other)

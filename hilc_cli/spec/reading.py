@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -12,7 +13,16 @@ from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageEr
 from hilc_cli.files import read_file, reason
 from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, example_meant, resolve_example
 from hilc_cli.spec.kinds import is_no, mentions_keys_of, mistaken, mistaken_example
-from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, describe, with_entry
+from hilc_cli.spec.nodes import (
+    MapNode,
+    Node,
+    Place,
+    Scalar,
+    Source,
+    describe,
+    from_data,
+    with_entry,
+)
 from hilc_cli.spec.odd_characters import hint
 from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
 
@@ -41,16 +51,19 @@ class Inputs:
         self.checksums[str(path)] = hashlib.sha256(content).hexdigest()
         return content
 
-    def tree(self, name: str, kind: str = SCENARIOS) -> Node:
-        """The YAML tree of a file, of standard input (``-``), or of an example.
+    def tree(self, source: str | Path | Mapping[str, object], kind: str = SCENARIOS) -> Node:
+        """The YAML tree of a file, of standard input (``-``), of an example, or of data.
 
         Args:
-            name: Which.
+            source: Which.
             kind: Of the example.
 
         Raises:
             HilcError: It cannot be read, or is no valid YAML.
         """
+        if isinstance(source, Mapping):
+            return from_data(source, Place(Source(kind.removesuffix("s"), Path(), has_lines=False)))
+        name = str(source)
         if name == STDIN:
             content = _read_stdin()
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()

@@ -14,6 +14,7 @@ from hilc_cli.analysis.demand import demand_of
 from hilc_cli.analysis.feasibility import Feasibility, Limits
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.named import in_short
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.spec.controller import Setting
 from hilc_cli.spec.dump import to_yaml
@@ -32,7 +33,7 @@ def _nothing(samples: int) -> Floats:
     return nothing
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Scenario:
     """A scenario that has been read and validated.
 
@@ -48,6 +49,11 @@ class Scenario:
     initial_input: tuple[Floats, Floats] | None = None
     checksums: Mapping[str, str] = field(default_factory=dict)
     sweep_places: Mapping[tuple[str, str], Place] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        spec = self.spec
+        title = f"Scenario {self.name!r}: {spec.trajectory.name}, {spec.iterations} iterations"
+        return in_short(title, self.law_in_words)
 
     @property
     def name(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import logging
 import os
 import signal
 import sys
@@ -51,4 +52,6 @@ def _end_with(owner: int) -> None:
 if __name__ == "__main__":
     # Asked for here, the owner's number might already be that of whoever adopts orphans.
     _end_with(int(sys.argv[2]))
+    # What is no fault, but takes longer, the owner has told for all.
+    logging.getLogger("hilc_cli").setLevel(logging.ERROR)
     serve(Connection(int(sys.argv[1])))

@@ -143,13 +143,13 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "req-form",
         ["run", "scenario.yaml", "--require", "max_position_error_m"],
         2,
-        "hilc: --require max_position_error_m: must read METRIC<=VALUE, such as max_position_error_m<=0.01",
+        "hilc: --require max_position_error_m: must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
     ),
     (
         "req-eq",
         ["run", "scenario.yaml", "--require", "max_position_error_m==0"],
         2,
-        "hilc: --require max_position_error_m==0: must read METRIC<=VALUE, such as max_position_error_m<=0.01",
+        "hilc: --require max_position_error_m==0: must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
     ),
     (
         "req-metric",
@@ -179,7 +179,7 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "req-empty",
         ["run", "scenario.yaml", "--require", "max_position_error_m<="],
         2,
-        "hilc: --require max_position_error_m<=: must read METRIC<=VALUE, such as max_position_error_m<=0.01",
+        "hilc: --require max_position_error_m<=: must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
     ),
     (
         "req-unit",
@@ -191,7 +191,7 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "req-reversed",
         ["run", "scenario.yaml", "--require", "0.1>=max_position_error_m"],
         2,
-        "hilc: --require 0.1>=max_position_error_m: must read METRIC<=VALUE, such as max_position_error_m<=0.01",
+        "hilc: --require 0.1>=max_position_error_m: must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
     ),
     (
         "unknown-option",
@@ -236,7 +236,12 @@ CASES: list[tuple[str, list[str], int, str]] = [
         2,
         "hilc: option '--out' requires an argument; see 'hilc run --help'",
     ),
-    ("plot-missing", ["plot"], 2, "hilc: missing argument 'RUN'; see 'hilc plot --help'"),
+    (
+        "plot-nothing",
+        ["plot"],
+        2,
+        "hilc: there are no results in runs to draw; name the folder of a run",
+    ),
     (
         "plot-kind",
         ["plot", ".", "--kind", "err"],
@@ -364,9 +369,51 @@ CASES: list[tuple[str, list[str], int, str]] = [
     ),
     (
         "out-file",
-        ["run", "scenario.yaml", "--out", "path.yaml"],
+        ["run", "scenario.yaml", "--out", "fifo"],
         1,
-        "hilc: path.yaml: is no folder; choose another with --out",
+        "hilc: fifo: is no folder; choose another with --out",
+    ),
+    (
+        "out-yaml",
+        ["run", "scenario.yaml", "--out", "path.yaml"],
+        2,
+        "hilc: --out path.yaml: is the name of a file; give the name of a folder, such as path",
+    ),
+    (
+        "out-picture",
+        ["plot", "full", "--out", "a/error.SVG"],
+        2,
+        "hilc: --out a/error.SVG: is the name of a file; give the name of a folder, such as error, and --format svg where pictures are drawn",
+    ),
+    (
+        "out-check",
+        ["check", "scenario.yaml", "--plot", "--out", "t.png"],
+        2,
+        "hilc: --out t.png: is the name of a file; give the name of a folder, such as t, and --format png where pictures are drawn",
+    ),
+    (
+        "out-compare",
+        ["compare", "a", "b", "--out", "table.tex"],
+        2,
+        "hilc: --out table.tex: is the name of a file; give the name of a folder, such as table",
+    ),
+    (
+        "out-sweep",
+        ["sweep", "scenario.yaml", "--vary", "iterations=1,2", "--out=cases.csv"],
+        2,
+        "hilc: --out cases.csv: is the name of a file; give the name of a folder, such as cases",
+    ),
+    (
+        "out-reproduce",
+        ["reproduce", "fig3", "--out", "paper.html"],
+        2,
+        "hilc: --out paper.html: is the name of a file; give the name of a folder, such as paper",
+    ),
+    (
+        "copy-file",
+        ["examples", "--copy", "all.zip"],
+        2,
+        "hilc: --copy all.zip: is the name of a file; give the name of a folder, such as all",
     ),
     (
         "out-nonrun",

@@ -811,8 +811,8 @@ CASES: list[tuple[list[str], int, str]] = [
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--out", "path.yaml"],
-        1,
-        "hilc: path.yaml: is no folder; choose another with --out",
+        2,
+        "hilc: --out path.yaml: is the name of a file; give the name of a folder, such as path",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--out", "."],
