@@ -54,6 +54,8 @@ def read_file(path: Path, limit: int) -> bytes:
             content = file.read(limit + 1)
         except OSError as error:
             raise FileAccessError(f"{path}: cannot be read: {reason(error)}") from error
+    if content is None:  # some files of the system have nothing to say now, and no end
+        raise UsageError(f"{path}: has no end up to which it could be read; give a regular file")
     if len(content) > limit:
         raise UsageError(f"{path}: is larger than {limit} bytes, the most that is read; shorten it")
     return content

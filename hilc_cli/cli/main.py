@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
-from hilc_cli.errors import HilcError, InvalidInputError, printable
+from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
 from hilc_cli.surroundings import without_settings_of_numba
 
 DONE = 0
@@ -72,7 +72,7 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
         raise KeyboardInterrupt from None
     except usage_error as error:
         known = getattr(command, "commands", {})
-        _say(_usage(error, next((name for name in arguments if name in known), "")))
+        _say(_usage(error, next((name for name in arguments if name in known), ""), arguments))
         return WRONG_USAGE
     return DONE
 
@@ -111,9 +111,17 @@ def _exit_code(error: BaseException, session: Session) -> int:
             return COULD_NOT
 
 
-def _usage(error: Exception, subcommand: str) -> str:
+def _usage(error: Exception, subcommand: str, arguments: Sequence[str]) -> str:
     """One line for a command line that cannot be parsed."""
     command = f"hilc {subcommand}".rstrip()
+    if hasattr(error, "possibilities"):  # an option that is not there
+        from hilc_cli.cli.mistyped import option_meant
+
+        option, parameters = error.option_name, error.ctx.command.params  # type: ignore[attr-defined]
+        options = [name for each in parameters for name in each.opts]
+        meant = option_meant(option, options, arguments)
+        hint = f"did you mean: {shortened(meant)}" if meant else f"see '{command} --help'"
+        return printable(f"hilc: no such option: {shortened(option)}; {hint}")
     message: str = error.format_message()  # type: ignore[attr-defined]
     message = " ".join(message.replace("Value error, ", "").split()).rstrip(".")
     return printable(f"hilc: {message[:1].lower()}{message[1:]}; see '{command} --help'")
