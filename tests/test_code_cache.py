@@ -128,7 +128,7 @@ def test_first_to_find_damage_throws_all_of_it_away(
 ) -> None:
     cache = new_cache()
     cache.save_overload(SIGNATURE, code.overloads[SIGNATURE])
-    put(cache, {name: b"rubbish" for name in (*kept(cache), "other-1.py311.nbi")})
+    put(cache, dict.fromkeys((*kept(cache), "other-1.py311.nbi"), b"rubbish"))
     put(cache, {"notes.txt": b"mine"})
     other = new_cache()
     assert load(cache, code) is None

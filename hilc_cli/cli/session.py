@@ -8,7 +8,6 @@ import time
 from dataclasses import dataclass
 from types import FrameType
 
-
 STOPPED = {
     signal.SIGHUP: "hung up",
     signal.SIGINT: "interrupted",
