@@ -28,7 +28,7 @@ _SHORTAGES = (
     "Cannot allocate memory",
     "failed to map segment",
 )
-"""Of what libraries say that cannot be loaded, or have no thread, since the system gives no more."""
+"""What libraries say for which the system has nothing more."""
 AFTER_SIGNAL = 128  # plus its number: 129, 130, 131, 143
 
 
