@@ -207,8 +207,7 @@ def test_without_a_limit_wheels_may_be_as_fast_as_they_like(hilc: Hilc, write: W
     write({"path.yaml": trajectory("length: 1", "length: 1e8")})
     outcome = hilc("check", "scenario.yaml", "--set", "controller.b_w=null")
     assert (outcome.code, outcome.err) == (0, "")
-    assert "1.667e+09 rad/s in segments.0.line
-" in outcome.out
+    assert "1.667e+09 rad/s in segments.0.line\n" in outcome.out
     assert "b_w" not in outcome.out
 
 
