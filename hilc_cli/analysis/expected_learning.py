@@ -22,8 +22,6 @@ from hilc_cli.reference.sampled import Floats
 
 RESOLUTION = 1e-3
 """Share of the path's size below which no error is foretold: what theory leaves out is as large."""
-_FEW_SEEDS = 9
-"""For the part of a single disturbance."""
 _SELDOM = 0.02
 """Share of an iteration's samples at the limit that a prediction without it need not mind."""
 
@@ -38,7 +36,7 @@ def expected_of_learning(experiment: Experiment, found: Forecast) -> ExpectedErr
     ensemble, errors = found.ensemble, found.errors_m
 
     def alone(part: Experiment) -> Floats:
-        return noisy_learning(part, _FEW_SEEDS).final_m
+        return noisy_learning(part).final_m
 
     start, readings, state = _parts(experiment, ensemble.final_m, alone)
     return ExpectedError(
