@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hilc_cli.analysis.expected_error import ExpectedError
+from hilc_cli.analysis.extent import extent
 from hilc_cli.analysis.forecast import FAR_HEADING, Forecast
 from hilc_cli.analysis.matrices import desired_poses
 from hilc_cli.analysis.model_mismatch import ModelMismatch
@@ -80,7 +81,7 @@ def expected_of_norm_optimal(
 
 def _foretold(experiment: Experiment, final: float, errors: Floats) -> float:
     """What the errors of all seeds stay below; so many seeds are as many as the level asks for."""
-    return max(final, float(errors.max()), RESOLUTION * experiment.reference.size)
+    return max(final, float(errors.max()), RESOLUTION * extent(experiment))
 
 
 def _parts(
