@@ -6,9 +6,11 @@ import hashlib
 import inspect
 import sys
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from typing import Any
 
-from numba import njit
+from hilc_cli.code_cache import CodeCache
+from hilc_cli.numba_loading import DISABLED, njit
 
 EXACT: frozenset[str] = frozenset()
 """No liberties: sums keep their order, so that results do not depend on the processor."""
@@ -33,7 +35,8 @@ def cached(
     """A function as machine code that is kept for later processes.
 
     It is kept in the ``__pycache__`` beside the function's file, or in the user's cache folder
-    where that cannot be written; where neither can be, each process compiles anew.
+    where that cannot be written, or in the one that ``NUMBA_CACHE_DIR`` names; where none can be,
+    each process compiles anew.
 
     Args:
         function: As for `compiled`.
@@ -43,10 +46,24 @@ def cached(
             at those, too.
     """
     function.__qualname__ += _digest(parts)
-    try:
-        return njit(function, cache=True, **_options(liberties))
-    except RuntimeError:  # No folder for it can be written.
-        return compiled(function, liberties)
+    code = compiled(function, liberties)
+    if not DISABLED:
+        with suppress(RuntimeError):  # No folder for it can be written.
+            code._cache = CodeCache(function)
+    return code
+
+
+def is_at_hand(code: Any, signature: tuple[Any, ...]) -> bool:
+    """Whether a function that was made by `cached` need not be compiled for arguments.
+
+    Args:
+        code: The function.
+        signature: Numba's types of the arguments.
+    """
+    cache = code._cache
+    return signature in code.overloads or (
+        isinstance(cache, CodeCache) and cache.has(signature, code.targetctx.codegen())
+    )
 
 
 def _options(liberties: frozenset[str]) -> dict[str, Any]:

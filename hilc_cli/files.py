@@ -6,13 +6,13 @@ import ctypes
 import errno
 import filecmp
 import os
-import shutil
 import stat
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from hilc_cli.drafts import draft_file, draft_folder, remove_stale
 from hilc_cli.errors import (
     ExistingResultsError,
     FileAccessError,
@@ -53,6 +53,8 @@ def read_file(path: Path, limit: int) -> bytes:
             content = file.read(limit + 1)
         except OSError as error:
             raise FileAccessError(f"{path}: cannot be read: {reason(error)}") from error
+    if content is None:  # some files of the system have nothing to say now, and no end
+        raise UsageError(f"{path}: has no end up to which it could be read; give a regular file")
     if len(content) > limit:
         raise UsageError(f"{path}: is larger than {limit} bytes, the most that is read; shorten it")
     return content
@@ -134,20 +136,13 @@ def write_file(path: Path, write: Callable[[Path], None]) -> None:
         FileAccessError: The system refused; the old file is as it was.
     """
     with writing(path):
-        descriptor, name = tempfile.mkstemp(
-            prefix=f".{path.stem[:40]}-", suffix=path.suffix, dir=path.parent
-        )
-        os.close(descriptor)
-        draft = Path(name)
-        try:
+        remove_stale(path, path.parent)
+        with draft_file(path) as draft:
             write(draft)
             _open_to_others(draft, 0o666)
             sync(draft)
             draft.replace(path)
             sync(path.parent)
-        except BaseException:
-            draft.unlink(missing_ok=True)
-            raise
 
 
 def write_folder(
@@ -172,9 +167,17 @@ def write_folder(
     with writing(path):
         place = path.resolve()
         place.parent.mkdir(parents=True, exist_ok=True)
-        draft = Path(tempfile.mkdtemp(prefix=f".{place.name[:40]}-", dir=place.parent))
-        identity = draft.stat().st_ino
-        try:
+
+        own = 0
+
+        def give_up(draft: Path) -> bool:
+            # After an exchange this is the old folder, after a failure the unfinished new one.
+            # What somebody has put into the old one goes on, however this ends.
+            return draft.stat().st_ino == own or _move_kept(draft, place, keeps)
+
+        remove_stale(place, place.parent, give_up)
+        with draft_folder(place, place.parent, give_up) as draft:
+            own = draft.stat().st_ino
             fill(draft)
             _open_to_others(draft, 0o777)
             for file in draft.rglob("*"):
@@ -182,14 +185,6 @@ def write_folder(
             sync(draft)
             _put_in_place(draft, place, may_replace)
             sync(place.parent)
-        finally:
-            # After an exchange this is the old folder, after a failure the unfinished new one.
-            # What somebody has put into the old one goes on, however this ends.
-            is_old = draft.is_dir() and draft.stat().st_ino != identity
-            if is_old:
-                _move_kept(draft, place, keeps)
-            if not (is_old and any(keeps(name) for name in _names(draft))):
-                shutil.rmtree(draft, ignore_errors=True)
 
 
 def merge_folder(
@@ -214,8 +209,9 @@ def merge_folder(
     with writing(path):
         parents = [path, *path.parents]
         existing = next(parent for parent in parents if parent.exists())
-        draft = Path(tempfile.mkdtemp(prefix=".hilc-", dir=existing))
-        try:
+        for folder in {existing, path.parent}:
+            remove_stale(path, folder)
+        with draft_folder(path, existing) as draft:
             fill(draft)
             path.mkdir(parents=True, exist_ok=True)
             files = sorted(draft.iterdir())
@@ -234,8 +230,6 @@ def merge_folder(
             for file in files:
                 file.replace(path / file.name)
             sync(path)
-        finally:
-            shutil.rmtree(draft, ignore_errors=True)
 
 
 def _is_same(one: Path, other: Path) -> bool:
@@ -243,12 +237,13 @@ def _is_same(one: Path, other: Path) -> bool:
     return other.is_file() and filecmp.cmp(one, other, shallow=False)
 
 
-def _move_kept(old: Path, new: Path, keeps: Callable[[str], bool]) -> None:
-    """Moves what is to be kept; what cannot be moved stays where it is."""
+def _move_kept(old: Path, new: Path, keeps: Callable[[str], bool]) -> bool:
+    """Moves what is to be kept; False if some of it could not be moved."""
     for name in _names(old):
         if keeps(name) and new.is_dir() and not os.path.lexists(new / name):
             with suppress(OSError):
                 (old / name).rename(new / name)
+    return not any(keeps(name) for name in _names(old))
 
 
 def _names(folder: Path) -> list[str]:
@@ -277,6 +272,7 @@ def _exchange(one: Path, other: Path) -> None:
     """Swaps two folders: at no moment is either name without a whole folder, where Linux helps."""
     if _rename_exchange(one, other):
         return
+    # Not as a draft: for a moment it is the only one that there is.
     aside = Path(tempfile.mkdtemp(prefix=f".{other.name[:40]}-", dir=other.parent))
     other.rename(aside)
     try:

@@ -56,6 +56,12 @@ def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
     return known[name]
 
 
+def example_meant(text: str, kind: str) -> str | None:
+    """The ``example:NAME`` that somebody may mean who gives a file that is not there."""
+    stem = Path(text).name.removesuffix(".yaml").lower()
+    return f"{PREFIX}{stem}" if stem in {path.stem for path in examples(kind)} else None
+
+
 def _name(text: str) -> str:
     return text.removeprefix(PREFIX).removesuffix(".yaml")
 

@@ -236,7 +236,7 @@ def test_foreign_file_that_cannot_be_moved_is_not_deleted(
     monkeypatch.setattr(Path, "rename", stubborn)
     files.write_folder(place, _write_new, lambda _: True, keeps=lambda name: name != "own")
     assert (place / "own").read_text() == "new"
-    (left,) = tmp_path.glob(".place-*/note.txt")
+    (left,) = tmp_path.glob(".place.hilc-*/note.txt")
     assert left.read_text() == "mine"
 
 

@@ -16,6 +16,7 @@ from hilc_cli.analysis.noise_draws import SEEDS
 from hilc_cli.analysis.noisy_learning import noisy_learning
 from hilc_cli.analysis.noisy_pass import noisy_passes, planned_motion
 from hilc_cli.analysis.open_loop import open_loop_error
+from hilc_cli.analysis.wheel_noise import WheelNoise
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
@@ -53,8 +54,8 @@ def expected_of_learning(experiment: Experiment, found: Forecast) -> ExpectedErr
 
 def expected_of_norm_optimal(
     experiment: Experiment, law: NormOptimalLaw, mismatch: ModelMismatch | None
-) -> ExpectedError:
-    """The error to be expected of the norm-optimal law.
+) -> tuple[ExpectedError, WheelNoise | None]:
+    """The error to be expected of the norm-optimal law, and the noise of its wheels.
 
     Args:
         experiment: The experiment.
@@ -66,17 +67,20 @@ def expected_of_norm_optimal(
     planned = float(np.hypot(*away.T).max())
     first = planned if experiment.learn_in_first else open_loop_error(experiment)
     if experiment.iterations == 0:
-        return ExpectedError(first, first, first)
+        return ExpectedError(first, first, first), None
     final = planned
     if mismatch is not None:
         final += first * mismatch.left**experiment.iterations
 
     def passes(part: Experiment) -> Floats:
-        return noisy_passes(part, law, plan, SEEDS) + (final - planned)
+        return noisy_passes(part, law, plan, SEEDS).position_m + (final - planned)
 
-    errors = passes(experiment)
+    together = noisy_passes(experiment, law, plan, SEEDS)
+    errors = together.position_m + (final - planned)
     start, readings, state = _parts(experiment, errors, passes)
-    return ExpectedError(first, final, _foretold(experiment, final, errors), start, readings, state)
+    foretold = _foretold(experiment, final, errors)
+    wheels = WheelNoise.of_seeds(together.change_rad_s, together.at_limit)
+    return ExpectedError(first, final, foretold, start, readings, state), wheels
 
 
 def _foretold(experiment: Experiment, final: float, errors: Floats) -> float:

@@ -20,7 +20,6 @@ from hilc_cli.analysis.model_mismatch import (
     untried_findings,
 )
 from hilc_cli.analysis.noise_findings import noise_findings
-from hilc_cli.analysis.planned_noise import planned_noise
 from hilc_cli.analysis.tracking_loop import TrackingLoop, tracking_findings, tracking_loop
 from hilc_cli.analysis.tracking_response import TrackingResponse, tracking_response
 from hilc_cli.analysis.wheel_noise import WheelNoise, wheel_findings
@@ -67,21 +66,23 @@ def law_theory(experiment: Experiment) -> LawTheory:
     if isinstance(law, HybridLaw | PidLaw):
         found = forecast(experiment)
         rest, expected = found.rest, expected_of_learning(experiment, found)
+        wheels = _learned_noise(experiment, found)
         return LawTheory(
             forecast=found,
             rest_error_m=rest_error(experiment, rest) if rest and rest.is_finite else None,
             expected=expected,
+            wheels=wheels,
             findings=joined(
                 [
                     forecast_findings(experiment, found, expected),
                     noise_findings(experiment, expected),
+                    wheel_findings(wheels, _less_learned(law)),
                 ]
             ),
         )
     if isinstance(law, NormOptimalLaw):
         way, mismatch = merging(experiment, law), model_mismatch(experiment, law)
-        expected = expected_of_norm_optimal(experiment, law, mismatch)
-        wheels = planned_noise(experiment, law)
+        expected, wheels = expected_of_norm_optimal(experiment, law, mismatch)
         parts = [
             merging_findings(way),
             untried_findings(experiment, law),
@@ -113,3 +114,18 @@ def law_theory(experiment: Experiment) -> LawTheory:
             findings=joined(parts),
         )
     return LawTheory()
+
+
+def _learned_noise(experiment: Experiment, found: Forecast) -> WheelNoise | None:
+    """What laws that learn make of disturbances; None if it is not known of the last iteration."""
+    ensemble = found.ensemble
+    if ensemble.iterations < experiment.iterations or not ensemble.is_limited:
+        return None
+    return WheelNoise.of_seeds(ensemble.change_rad_s, ensemble.at_limit[-1])
+
+
+def _less_learned(law: HybridLaw | PidLaw) -> str:
+    """What makes a law learn less of the noise."""
+    if isinstance(law, PidLaw) and law.cutoff is None:
+        return "set controller.cutoff, or lower controller.gains"
+    return "lower controller.gains"

@@ -13,6 +13,7 @@ import numpy as np
 
 from hilc_cli.analysis.lifted import LiftedIteration
 from hilc_cli.analysis.noise_draws import SEEDS, DisturbanceDraws
+from hilc_cli.analysis.wheel_noise import changes_beside_first
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.robot import step_gains
@@ -36,12 +37,15 @@ class NoisyLearning:
         position_m: Largest position error of each iteration [m], shape (N + 1, seeds).
         heading_rad: Likewise of the heading.
         at_limit: Share of samples whose wheel speeds are held by the limit, likewise.
+        change_rad_s: RMS change of the last iteration's wheel speeds from sample to sample beside
+            those of the first seed [rad/s], shape (seeds,).
         is_limited: Whether the limit was kept; if not, what is told of it is too high.
     """
 
     position_m: Floats
     heading_rad: Floats
     at_limit: Floats
+    change_rad_s: Floats
     is_limited: bool
 
     @property
@@ -123,7 +127,8 @@ class _Ensemble:
                 position[iteration] = np.sqrt((far[:, 0] ** 2 + far[:, 1] ** 2).max(axis=0))
                 heading[iteration] = np.abs(errors[:, 2]).max(axis=0)
                 seen = errors if output is None else errors - output
-        return NoisyLearning(position, heading, held, self._is_limited)
+            changes = changes_beside_first(inputs)
+        return NoisyLearning(position, heading, held, changes, self._is_limited)
 
     def _updated(self, inputs: Floats, seen: Floats) -> Floats:
         lifted, found = self._lifted, np.empty_like(inputs)

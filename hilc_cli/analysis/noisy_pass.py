@@ -20,11 +20,13 @@ import numpy as np
 from hilc_cli.analysis.linearisation import linearise
 from hilc_cli.analysis.matrices import desired_poses
 from hilc_cli.analysis.noise_draws import DisturbanceDraws, NoiseDraws, deviations
+from hilc_cli.analysis.wheel_noise import changes_beside_first
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.robot import step_gains
 
+_WITHIN = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 _PLANS = 3  # updates after which the plan of a platform that is known hardly changes
 
 
@@ -56,10 +58,25 @@ def planned_motion(experiment: Experiment, law: NormOptimalLaw) -> PlannedMotion
     return PlannedMotion(plan.desired, plan.feedforward, plan.gains)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class NoisyPasses:
+    """The last iteration, a column for each seed; the first one is not disturbed.
+
+    Attributes:
+        position_m: Largest position error [m], shape (seeds,).
+        change_rad_s: RMS change of the wheel speeds from sample to sample beside the first [rad/s].
+        at_limit: Share of samples at which the limit acts.
+    """
+
+    position_m: Floats
+    change_rad_s: Floats
+    at_limit: Floats
+
+
 def noisy_passes(
     experiment: Experiment, law: NormOptimalLaw, plan: PlannedMotion, seeds: int
-) -> Floats:
-    """Largest position error of the last iteration [m], shape (seeds,), the first undisturbed.
+) -> NoisyPasses:
+    """The last iteration of many seeds.
 
     Args:
         experiment: With its disturbances, and at least one learning update.
@@ -83,7 +100,7 @@ def noisy_passes(
     limit = experiment.speed_limit
     deviation = np.empty((n + 1, 3, seeds))
     deviation[0] = away
-    gains = _gains(experiment, law, plan)
+    gains, applied, held = _gains(experiment, law, plan), np.empty((n, 2, seeds)), np.zeros(seeds)
     for k in range(n):
         now = deviation[k]
         seen = now if output is None else now + output[k]
@@ -91,14 +108,16 @@ def noisy_passes(
         fastest = np.abs(speeds).max(axis=0)
         if (fastest > limit).any():
             speeds = speeds * np.minimum(1.0, limit / np.maximum(fastest, limit))
+            held += fastest > limit * (1 + _WITHIN)
+        applied[k] = speeds
         driven = plant.inputs[k] @ (speeds - plan.inputs[k][:, None])
         deviation[k + 1] = plant.states[k] @ now + driven + pushed[k]
 
     way_in = np.clip(1 - np.arange(n + 1) / min(law.parameters.h, n), 0, 1)[:, None, None]
     meant = (plan.poses - desired_poses(experiment))[:, :, None]
     error = meant + deviation + way_in * (start_before + left[0])
-    found: Floats = np.sqrt((error[:, 0] ** 2 + error[:, 1] ** 2).max(axis=0))
-    return found
+    furthest = np.sqrt((error[:, 0] ** 2 + error[:, 1] ** 2).max(axis=0))
+    return NoisyPasses(furthest, changes_beside_first(applied), held / n)
 
 
 def plant_states(states: Floats, errors: Floats) -> Floats:

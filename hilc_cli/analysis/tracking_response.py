@@ -8,23 +8,28 @@ limit: once undisturbed, once from the trajectory's own start, and with disturba
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.analysis.expected_error import LEVEL, ExpectedError
-from hilc_cli.analysis.many_passes import SEEDS, Kind, ManyWheels, Passes, many_passes
+from hilc_cli.analysis.many_passes import SEEDS, Kind, ManyWheels, many_passes
 from hilc_cli.analysis.wheel_noise import WheelNoise
+from hilc_cli.disturbance.streams import Disturbance, Triple
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.loop import simulate
+from hilc_cli.errors import DivergedError
 from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.feedforward import reference_twist
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.trial import Trial
 
 FAR = 0.01
 """Of the path's size: what is further off does not count as on the reference."""
 _NUDGE = 1e-6  # of the path's size: an error so small that the response to it is linear
 _STANDS = 1e-3  # of a wheel's speed in turning: who drives slower turns in place
+_MOST_SAMPLES = 40_000  # some 8 s
 _NONE = 1e-9  # [m and rad]; of a start that differs by less, by rounding only
 
 
@@ -71,21 +76,14 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
     size = max(reference.size, experiment.robot.half_track)
     nudge = _NUDGE * size
     aside = own[0] - nudge * math.sin(own[2]), own[1] + nudge * math.cos(own[2]), own[2]
-    opens = not experiment.iterations and not experiment.learn_in_first
-    wheels = _open_loop(experiment) if opens else _many_wheels(experiment, law)
-    quiet, from_own, from_aside, *disturbed = many_passes(
-        experiment, wheels, [Kind(start), Kind(own), Kind(aside), *_disturbed(experiment)]
-    )
-    first = float(quiet.position_m[0])
-    if experiment.iterations and not experiment.learn_in_first:
-        (before,) = many_passes(experiment, _open_loop(experiment), [Kind(start)])
-        first = float(before.position_m[0])
+    quiet, from_own, from_aside = (_undisturbed(experiment, pose) for pose in (start, own, aside))
     between = _apart(quiet, from_own)
     near, off = FAR * size, max(abs(a - b) for a, b in zip(start, own, strict=True))
     standing = _standing(experiment)
-    turned = np.abs(reference.heading - from_own.poses[:, 2])[1:][standing]
+    turned = np.abs(reference.heading - from_own.heading)[1:][standing]
+    expected, wheels = _disturbed(experiment, law, _furthest(experiment, quiet))
     return TrackingResponse(
-        float(from_own.position_m[0]),
+        _furthest(experiment, from_own),
         float(turned.max()) if len(turned) else 0.0,
         float(standing.sum()) * reference.sample_time,
         near,
@@ -94,10 +92,26 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
         _joined(between, near, reference.sample_time),
         float(between[-1]),
         float(_apart(from_own, from_aside)[-1]) / nudge,
-        float(quiet.at_limit[0]),
-        _expected(experiment, first, quiet, disturbed),
-        WheelNoise.of(quiet, disturbed[0]) if disturbed else None,
+        quiet.saturated_samples / reference.samples,
+        expected,
+        wheels,
     )
+
+
+def _undisturbed(experiment: Experiment, start: Triple | None = None) -> Trial:
+    """The last iteration from a start; of infinite errors if it leaves the finite numbers."""
+    undisturbed = replace(
+        experiment,
+        initial_pose=experiment.initial_pose if start is None else start,
+        iterations=min(experiment.iterations, 1),
+        disturbance=Disturbance(),
+    )
+    try:
+        *_, last = simulate(undisturbed)
+    except DivergedError:
+        nowhere = np.full(experiment.reference.samples + 1, math.inf)
+        return Trial(0, nowhere, nowhere, nowhere, nowhere[1:], nowhere[1:])
+    return last
 
 
 def _many_wheels(experiment: Experiment, law: FeedbackLaw) -> ManyWheels:
@@ -124,42 +138,49 @@ def _open_loop(experiment: Experiment) -> ManyWheels:
     return wheels
 
 
-def _disturbed(experiment: Experiment) -> list[Kind]:
-    """All disturbances together, then those that there are one by one, if several."""
-    source, start = experiment.disturbance, experiment.initial_pose
-    active = source.initial_pose.active, source.output.active, source.state.active
-    if not any(active):
-        return []
-    together = Kind(start, state=True, output=True, initial_pose=True, count=SEEDS)
-    if sum(active) == 1:
-        return [together]
-    alone = [
-        Kind(start, initial_pose=True, count=SEEDS),
-        Kind(start, output=True, count=SEEDS),
-        Kind(start, state=True, count=SEEDS),
-    ]
-    return [together, *(kind for kind, is_active in zip(alone, active, strict=True) if is_active)]
+def _disturbed(
+    experiment: Experiment, law: FeedbackLaw, final: float
+) -> tuple[ExpectedError, WheelNoise | None]:
+    """What disturbances make of the error, and of the wheel speeds.
+
+    Args:
+        experiment: The experiment.
+        law: Its law.
+        final: Largest position error of the last iteration without them [m].
+    """
+    source, first = experiment.disturbance, final
+    opens = not experiment.learn_in_first
+    if opens and experiment.iterations:
+        first = _furthest(experiment, _undisturbed(replace(experiment, iterations=0)))
+    each = source.initial_pose.active, source.output.active, source.state.active
+    if not any(each):
+        return ExpectedError(first, final, final), None
+    if experiment.reference.samples > _MOST_SAMPLES:
+        unsure = f"passes with disturbances are not followed over more than {_MOST_SAMPLES} samples"
+        return ExpectedError(first, final, final, unsure=unsure), None
+    wheels = _open_loop(experiment) if opens and not experiment.iterations else None
+    kinds = [Kind(), Kind(state=True, output=True, initial_pose=True, count=SEEDS)]
+    alone = Kind(initial_pose=True), Kind(output=True), Kind(state=True)
+    if sum(each) > 1:
+        kinds += [replace(kind, count=SEEDS) for kind, has in zip(alone, each, strict=True) if has]
+    quiet, *passes = many_passes(experiment, wheels or _many_wheels(experiment, law), kinds)
+    reached = [max(final, float(np.quantile(kind.position_m, LEVEL))) for kind in passes]
+    parts = iter(reached[1:] or reached)
+    of_start, of_readings, of_state = (next(parts) - final if has else 0.0 for has in each)
+    expected = ExpectedError(first, final, reached[0], of_start, of_readings, of_state)
+    columns = ((quiet.change_rad_s, quiet.at_limit), (passes[0].change_rad_s, passes[0].at_limit))
+    return expected, WheelNoise.of_seeds(*map(np.concatenate, zip(*columns, strict=True)))
 
 
-def _expected(
-    experiment: Experiment, first: float, quiet: Passes, disturbed: list[Passes]
-) -> ExpectedError:
-    source, final = experiment.disturbance, float(quiet.position_m[0])
-    if not disturbed:
-        return ExpectedError(first, final, final)
-    reached = [max(final, float(np.quantile(kind.position_m, LEVEL))) for kind in disturbed]
-    alone = iter(reached[1:] or reached)
-    of_start, of_readings, of_state = (
-        next(alone) - final if each.active else 0.0
-        for each in (source.initial_pose, source.output, source.state)
-    )
-    return ExpectedError(first, final, reached[0], of_start, of_readings, of_state)
+def _furthest(experiment: Experiment, trial: Trial) -> float:
+    """Largest position error of a pass [m]."""
+    reference = experiment.reference
+    return float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
 
 
-def _apart(one: Passes, other: Passes) -> Floats:
-    """Distance of the first pass of two kinds [m], shape (n + 1,)."""
-    away = one.poses - other.poses
-    distance: Floats = np.hypot(away[:, 0], away[:, 1])
+def _apart(one: Trial, other: Trial) -> Floats:
+    """Distance between two passes [m], shape (n + 1,)."""
+    distance: Floats = np.hypot(one.x - other.x, one.y - other.y)
     return distance
 
 

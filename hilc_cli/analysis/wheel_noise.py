@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 
 from hilc_cli.analysis.findings import Findings
-from hilc_cli.analysis.many_passes import Passes
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 
 _ROUNDING = 1e-9  # relative: within it a wheel is at its limit
@@ -34,13 +35,34 @@ class WheelNoise:
     undisturbed: float
 
     @classmethod
-    def of(cls, quiet: Passes, disturbed: Passes) -> WheelNoise:
-        """From passes without and with disturbances."""
-        return cls(
-            float((disturbed.change_rad_s**2).mean() ** 0.5),
-            float(disturbed.at_limit.mean()),
-            float(quiet.at_limit.mean()),
-        )
+    def of_seeds(cls, change_rad_s: Floats, at_limit: Floats) -> WheelNoise | None:
+        """From passes of many seeds.
+
+        Args:
+            change_rad_s: RMS change of each from sample to sample beside the first [rad/s].
+            at_limit: Share of its samples at which the limit acts.
+
+        Returns:
+            None if the first, which is not disturbed, is like all others, or one is not finite.
+        """
+        if not change_rad_s.any() or not np.isfinite(change_rad_s).all():
+            return None
+        change = np.sqrt((change_rad_s[1:] ** 2).mean())
+        return cls(float(change), float(at_limit[1:].mean()), float(at_limit[0]))
+
+
+def changes_beside_first(inputs: Floats) -> Floats:
+    """RMS change of wheel speeds from sample to sample beside those of the first pass [rad/s].
+
+    Args:
+        inputs: Shape (n, 2, passes) [rad/s].
+
+    Returns:
+        Shape (passes,).
+    """
+    changes = np.diff(inputs - inputs[:, :, :1], axis=0)
+    found: Floats = np.sqrt((changes**2).sum(axis=(0, 1)) / (2 * max(len(changes), 1)))
+    return found
 
 
 def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
@@ -76,19 +98,45 @@ def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
 
 
 def wheel_findings(found: WheelNoise | None, remedy: str) -> Findings:
-    """What that means for the experiment.
+    """What it means for the experiment that this is foretold.
 
     Args:
         found: None if nothing is disturbed.
         remedy: What makes it less.
     """
-    if found is None or not found.at_limit - found.undisturbed > _OFTEN:
+    if not _is_often(found):
         return Findings()
-    without = f", {100 * found.undisturbed:.2g} % without it" if found.undisturbed else ""
+    without = f", {_percent(found.undisturbed)} without it" if found.undisturbed else ""
     return Findings(
         warnings=(
-            f"noise drives the wheels to their limit in {100 * found.at_limit:.2g} % of the "
+            f"noise drives the wheels to their limit in {_percent(found.at_limit)} of the "
             f"samples{without}, and changes their speed by {found.change_rad_s:.2g} rad/s (RMS) "
             f"from sample to sample: {remedy}",
         )
     )
+
+
+def seen_warnings(found: WheelNoise | None) -> list[str]:
+    """What has happened, and what it may come from.
+
+    Args:
+        found: Of `seen_in`.
+    """
+    if not _is_often(found):
+        return []
+    needed = f", {_percent(found.undisturbed)} of which the trajectory itself needs"
+    return [
+        f"in the last iteration the wheels are at their limit in {_percent(found.at_limit)} of the "
+        f"samples{needed if found.undisturbed else ''}, and their speed jumps by about "
+        f"{found.change_rad_s:.2g} rad/s (RMS) from sample to sample: 'hilc check' tells how much "
+        "of that is noise; lower the gains that act on it, or smooth it"
+    ]
+
+
+def _is_often(found: WheelNoise | None) -> TypeGuard[WheelNoise]:
+    """Whether disturbances are to blame for more than a few samples at the limit."""
+    return found is not None and found.at_limit - found.undisturbed > _OFTEN
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %"

@@ -15,13 +15,21 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
-from hilc_cli.cli.session import InterruptedBySignal, Session
-from hilc_cli.errors import HilcError, InvalidInputError, printable
+from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
+from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
+from hilc_cli.surroundings import settle
 
 DONE = 0
 COULD_NOT = 1
 WRONG_USAGE = 2
-AFTER_SIGNAL = 128  # plus its number: 130 and 143
+_SHORTAGES = (
+    "start new thread",
+    "Too many open files",
+    "Cannot allocate memory",
+    "failed to map segment",
+)
+"""What libraries say for which the system has nothing more."""
+AFTER_SIGNAL = 128  # plus its number: 129, 130, 131, 143
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -29,6 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     arguments = sys.argv[1:] if arguments is None else arguments
     session = Session()
     _open_closed_streams()
+    settle()
     try:
         session.listen()
         code = _invoke(arguments, session)
@@ -70,7 +79,7 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
         raise KeyboardInterrupt from None
     except usage_error as error:
         known = getattr(command, "commands", {})
-        _say(_usage(error, next((name for name in arguments if name in known), "")))
+        _say(_usage(error, next((name for name in arguments if name in known), ""), arguments))
         return WRONG_USAGE
     return DONE
 
@@ -79,17 +88,17 @@ def _exit_code(error: BaseException, session: Session) -> int:
     """Says in one line what went wrong, and returns the exit code."""
     if session.verbose and not isinstance(error, SystemExit | BrokenPipeError):
         _trace(error)
+    if session.signal_number is not None:  # whatever came of it, such as a terminal that is gone
+        error = InterruptedBySignal(session.signal_number)
     match error:
         case BrokenPipeError():
             return DONE  # whoever read from us has seen enough
         case SystemExit():
             return error.code if isinstance(error.code, int) else COULD_NOT
-        case KeyboardInterrupt() | InterruptedBySignal(number=signal.SIGINT):
-            _say("hilc: interrupted; nothing was left half written")
-            return AFTER_SIGNAL + signal.SIGINT
-        case InterruptedBySignal():
-            _say("hilc: terminated; nothing was left half written")
-            return AFTER_SIGNAL + error.number
+        case KeyboardInterrupt() | InterruptedBySignal():
+            number = signal.Signals(getattr(error, "number", signal.SIGINT))
+            _say(f"hilc: {STOPPED[number]}; nothing was left half written")
+            return AFTER_SIGNAL + number
         case InvalidInputError():
             _say(str(error))
             return error.exit_code
@@ -103,15 +112,26 @@ def _exit_code(error: BaseException, session: Session) -> int:
         case MemoryError():
             _say("hilc: out of memory; record fewer iterations")
             return COULD_NOT
+        case ImportError() | RuntimeError() if any(words in str(error) for words in _SHORTAGES):
+            _say(f"hilc: the system refused: {printable(str(error))}; see 'ulimit -a'")
+            return COULD_NOT
         case _:
             _trace(error)
             _say("hilc: this is a bug; please report the lines above")
             return COULD_NOT
 
 
-def _usage(error: Exception, subcommand: str) -> str:
+def _usage(error: Exception, subcommand: str, arguments: Sequence[str]) -> str:
     """One line for a command line that cannot be parsed."""
     command = f"hilc {subcommand}".rstrip()
+    if hasattr(error, "possibilities"):  # an option that is not there
+        from hilc_cli.cli.mistyped import option_meant
+
+        option, parameters = error.option_name, error.ctx.command.params  # type: ignore[attr-defined]
+        options = [name for each in parameters for name in each.opts]
+        meant = option_meant(option, options, arguments)
+        hint = f"did you mean: {shortened(meant)}" if meant else f"see '{command} --help'"
+        return printable(f"hilc: no such option: {shortened(option)}; {hint}")
     message: str = error.format_message()  # type: ignore[attr-defined]
     message = " ".join(message.replace("Value error, ", "").split()).rstrip(".")
     return printable(f"hilc: {message[:1].lower()}{message[1:]}; see '{command} --help'")

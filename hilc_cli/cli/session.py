@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+import math
 import signal
+import time
 from dataclasses import dataclass
 from types import FrameType
 
+STOPPED = {
+    signal.SIGHUP: "hung up",
+    signal.SIGINT: "interrupted",
+    signal.SIGQUIT: "quit",
+    signal.SIGTERM: "terminated",
+}
+"""Signals to stop, and what a process has been that gets one."""
+
+_CLEANING = 2.0
+"""Seconds in which whoever has been told to stop is not told again: terminals and service managers
+send several signals at once, which are not to interrupt the cleaning up."""
+
 
 class InterruptedBySignal(BaseException):
-    """SIGINT or SIGTERM has arrived; drafts are cleaned up on the way out.
+    """A signal to stop has arrived; drafts are cleaned up on the way out.
 
     Attributes:
         number: Of the signal.
@@ -30,11 +44,16 @@ class Session:
 
     verbose: bool = False
     signal_number: int | None = None
+    _told_at: float = -math.inf
 
     def listen(self) -> None:
-        """From now on a signal to stop raises InterruptedBySignal."""
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._stop)
+        """From now on a signal to stop raises InterruptedBySignal.
+
+        One that is ignored stays so: ``nohup`` and shells ask for that.
+        """
+        for number in STOPPED:
+            if signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, self._stop)
 
     def go_on(self) -> None:
         """Called now and then by what takes long.
@@ -49,5 +68,8 @@ class Session:
             raise InterruptedBySignal(self.signal_number)
 
     def _stop(self, number: int, frame: FrameType | None) -> None:
-        self.signal_number = number
+        now = time.monotonic()
+        if now - self._told_at < _CLEANING:
+            return
+        self.signal_number, self._told_at = number, now
         self.go_on()

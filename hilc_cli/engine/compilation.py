@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
-import numba
 import numpy as np
 
+from hilc_cli.compiling import is_at_hand
 from hilc_cli.engine.batch import arguments, groups
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.iterations import run_iterations
 from hilc_cli.engine.lanes import LANES
 from hilc_cli.engine.packs import Pack
-
-type_of: Any = numba.typeof
+from hilc_cli.numba_loading import typeof
 
 
 def is_compiled(experiments: Sequence[Experiment]) -> bool:
@@ -34,17 +32,5 @@ def is_compiled(experiments: Sequence[Experiment]) -> bool:
     for kind, members in groups(experiments):
         pack = Pack(experiments[members[0]].reference, kind)
         values = arguments(pack, np.empty((1, LANES)))
-        signatures.add(tuple(map(type_of, values)))
-    return all(
-        signature in run_iterations.overloads or _is_cached(signature) for signature in signatures
-    )
-
-
-def _is_cached(signature: tuple[Any, ...]) -> bool:
-    """Whether Numba's folder has the code; it offers to load it only, which takes its time."""
-    try:
-        cache = run_iterations._cache
-        key = cache._index_key(signature, run_iterations.targetctx.codegen())
-        return key in cache._cache_file._load_index()
-    except (AttributeError, OSError):  # No cache, or another version of Numba: it will compile.
-        return False
+        signatures.add(tuple(map(typeof, values)))
+    return all(is_at_hand(run_iterations, signature) for signature in signatures)

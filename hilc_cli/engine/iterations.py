@@ -38,7 +38,7 @@ from hilc_cli.engine.kernel import (
 )
 from hilc_cli.engine.kernel import FORMULAS as KERNEL_FORMULAS
 from hilc_cli.engine.lanes import Field, Noise, Words
-from hilc_cli.engine.machine_code import cached, compiled
+from hilc_cli.engine.machine_code import cached, compiled, source
 from hilc_cli.engine.noise import FORMULAS as NOISE_FORMULAS
 from hilc_cli.engine.noise import draw_output, draw_pose
 from hilc_cli.reference.sampled import Floats
@@ -253,6 +253,6 @@ def _run_iterations(
         iteration += 1
 
 
-_PARTS = (*KERNEL_FORMULAS, *NOISE_FORMULAS, follow.py_func, draw_pose.py_func)
+_PARTS = (*KERNEL_FORMULAS, *NOISE_FORMULAS, source(follow), source(draw_pose))
 _CONSTANTS = (Field, Stream, IterationMetrics, is_finite)
 run_iterations = cached(_run_iterations, (*_PARTS, *_CONSTANTS))

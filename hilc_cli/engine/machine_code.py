@@ -15,10 +15,9 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import llvmlite.binding as llvm
-from numba import njit, types
-from numba.extending import intrinsic
 
 from hilc_cli import compiling
+from hilc_cli.numba_loading import intrinsic, njit, types
 
 LIBERTIES = frozenset({"contract", "nsz", "arcp"})
 
@@ -52,6 +51,12 @@ def cached(function: Callable[..., Any], parts: Iterable[Callable[..., Any]]) ->
         parts: Functions of other files that become part of it.
     """
     return compiling.cached(function, LIBERTIES, (*parts, compiled))
+
+
+def source(function: Any) -> Callable[..., Any]:
+    """What a function was before it was compiled."""
+    plain: Callable[..., Any] = getattr(function, "py_func", function)
+    return plain
 
 
 def _use_widest_vectors(typing_context: Any) -> Any:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba.extending import overload, register_jitable
 from numpy import uint64
 
 from hilc_cli.disturbance.normal import (
@@ -26,6 +25,7 @@ from hilc_cli.disturbance.philox import Words as WordArray
 from hilc_cli.disturbance.streams import Stream
 from hilc_cli.engine.lanes import LANES, Field, Noise, NoiseField, Words
 from hilc_cli.engine.machine_code import LIBERTIES, compiled, formula, use_widest_vectors
+from hilc_cli.numba_loading import overload, register_jitable
 from hilc_cli.reference.sampled import Floats
 
 

@@ -25,6 +25,7 @@ from hilc_cli.engine.noise import NONE, NORMAL, UNIFORM
 from hilc_cli.errors import UsageError
 from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.numba_loading import DISABLED
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import METRIC_NAMES
 from hilc_cli.robot import step_gains
@@ -83,8 +84,8 @@ class Kind(NamedTuple):
 
 
 def knows(experiment: Experiment) -> bool:
-    """Whether the batch engine knows the experiment's law."""
-    return isinstance(experiment.law, HybridLaw)
+    """Whether the batch engine runs here, and knows the experiment's law."""
+    return isinstance(experiment.law, HybridLaw) and not DISABLED
 
 
 def hybrid_law(experiment: Experiment) -> HybridLaw:

@@ -82,6 +82,9 @@ _RC: dict[Any, Any] = {
 }
 
 
+# The backend belongs to the user: asked for, it would be loaded.
+_DEFAULTS = {k: v for k, v in dict.items(matplotlib.rcParamsDefault) if k != "backend"}
+
 _PRINT: dict[Any, Any] = {
     "font.size": PRINT_SIZE,
     "axes.labelsize": PRINT_SIZE,
@@ -96,13 +99,18 @@ _PRINT: dict[Any, Any] = {
 def applied(*, in_print: bool = False) -> Iterator[None]:
     """The settings of all pictures, for as long as a figure is built or saved.
 
+    What hilc does not set is as Matplotlib comes, not as the user has it.
+
     Args:
         in_print: With the text sizes of a journal's page, where many panels share one.
     """
-    settings = {**_RC, **_PRINT} if in_print else _RC
-    with matplotlib.rc_context(settings), warnings.catch_warnings():
+    with matplotlib.rc_context(), warnings.catch_warnings():
         # A name may have letters that the font lacks, which are drawn as boxes.
         warnings.filterwarnings("ignore", r"Glyph .* missing from font")
+        # As a dictionary: what comes with Matplotlib needs no validation, which takes its time
+        # and warns of settings that it is about to drop.
+        dict.update(matplotlib.rcParams, _DEFAULTS)
+        matplotlib.rcParams.update({**_RC, **_PRINT} if in_print else _RC)
         yield
 
 

@@ -20,7 +20,7 @@ from hilc_cli.spec.disturbance import DisturbanceSpec
 from hilc_cli.spec.kinds import mistaken
 from hilc_cli.spec.loading import load_scenario
 from hilc_cli.spec.model import Located, Model, Name, Text
-from hilc_cli.spec.nodes import MapNode, Node, describe, nearest, to_data
+from hilc_cli.spec.nodes import MapNode, Node, nearest, to_data
 from hilc_cli.spec.problems import located_problem, problems_of
 from hilc_cli.spec.quantities import (
     Iterations,
@@ -181,9 +181,7 @@ def load_leaderboard(source: str | Path | Mapping[str, object]) -> Leaderboard:
     """
     inputs = Inputs()
     tree = inputs.tree(source, LEADERBOARDS)
-    if not isinstance(tree, MapNode):
-        message = f"is no leaderboard, got {describe(tree)}; write a mapping of keys and values"
-        raise InvalidInputError([Problem(str(tree.place), "", message)])
+    assert isinstance(tree, MapNode)  # anything else has been refused
     other = mistaken(tree.entries, LEADERBOARDS)
     if other is not None:
         raise InvalidInputError([Problem(str(tree.place), "", other)])

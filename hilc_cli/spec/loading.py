@@ -14,7 +14,7 @@ from hilc_cli.shipped_files import SCENARIOS
 from hilc_cli.spec.kinds import mistaken
 from hilc_cli.spec.model import Model
 from hilc_cli.spec.model_paths import model_in
-from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
+from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, nearest, to_data
 from hilc_cli.spec.overrides import apply_override, data_override, parse_override
 from hilc_cli.spec.problems import problems_of
 from hilc_cli.spec.reading import Inputs
@@ -99,11 +99,8 @@ def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
 
 
 def _check_kind(tree: Node) -> None:
-    message: str | None = (
-        f"is no scenario, got {describe(tree)}; write a mapping of keys and values"
-    )
-    if isinstance(tree, MapNode):
-        message = mistaken(tree.entries, SCENARIOS)
+    assert isinstance(tree, MapNode)  # anything else has been refused
+    message = mistaken(tree.entries, SCENARIOS)
     if message is not None:
         raise InvalidInputError([Problem(str(tree.place), "", message)])
 

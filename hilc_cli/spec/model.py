@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
@@ -36,6 +36,9 @@ class Model(BaseModel):
 
     exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = ()
     """Groups of keys of which each must have exactly one."""
+
+    other_names: ClassVar[Mapping[str, str]] = {}
+    """What to write for keys that other programs have, by their letters in lower case alone."""
 
     @classmethod
     def chosen_by(cls) -> tuple[str, str] | None:

@@ -19,6 +19,7 @@ from hilc_cli.sweeping import worker
 from hilc_cli.sweeping.chunks import Chunk, ChunkResult, run_chunk
 from hilc_cli.sweeping.plan import Plan
 
+_OF_TERMINALS = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT)
 _MOST_LOSSES = 3
 """Of each worker before any has computed anything."""
 
@@ -106,9 +107,9 @@ class _Worker:
     def __init__(self, work: object) -> None:
         ours, theirs = socket.socketpair()
         arguments = (theirs.fileno(), os.getpid())
-        # A signal that the worker is born with blocked never reaches it: Ctrl-C is sent to all
-        # processes of a terminal, but the owner decides what becomes of its workers.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+        # A signal that the worker is born with blocked never reaches it: those of a terminal are
+        # sent to all its processes, but the owner decides what becomes of its workers.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, _OF_TERMINALS)
         try:
             self.process = subprocess.Popen(
                 [sys.executable, "-P", "-m", worker.__name__, *map(str, arguments)],
@@ -186,6 +187,8 @@ class Processes(Generic[Result]):
             answer = member.here.recv()
         except (EOFError, OSError):
             return self._lost(member, chunk)
+        if isinstance(answer, ImportError):
+            raise WorkersError(f"worker processes cannot start: {answer}")
         self._has_begun = True
         if isinstance(answer, str):
             return Outcome(chunk, None, answer, is_final=True)

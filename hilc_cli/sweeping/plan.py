@@ -11,6 +11,7 @@ from importlib.metadata import version
 from typing import Any
 
 from hilc_cli.named import in_short, listed
+from hilc_cli.numba_loading import DISABLED
 from hilc_cli.results.sweep import SEED_KEY
 from hilc_cli.spec.axis import axis_text
 from hilc_cli.spec.dump import to_yaml
@@ -52,8 +53,8 @@ class Plan:
 
     @property
     def in_lanes(self) -> bool:
-        """Whether the batch engine knows the law; if not, cases run one by one and take longer."""
-        return self.varied.scenario.spec.controller.in_lanes
+        """Whether the batch engine does it; if not, cases run one by one and take longer."""
+        return self.varied.scenario.spec.controller.in_lanes and not DISABLED
 
     @cached_property
     def cases(self) -> Cases:

@@ -11,7 +11,7 @@ import pytest
 
 from hilc_cli.analysis.tracking_loop import tracking_findings, tracking_loop
 from hilc_cli.analysis.tracking_response import TrackingResponse, tracking_response
-from hilc_cli.analysis.wheel_noise import seen_in, wheel_findings
+from hilc_cli.analysis.wheel_noise import seen_in, seen_warnings, wheel_findings
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
@@ -132,8 +132,9 @@ def test_disturbed_passes_are_those_of_other_seeds(limit: float) -> None:
     found = response_of(made)
     expected, wheels = found.expected, found.wheels
     errors = [away(made, trial).max() for trial in trials]
-    # 95 of 100 stay below; of 80 that is 69 to 80 but once in a thousand.
-    assert 69 <= sum(error <= expected.foretold_m for error in errors) <= 79
+    # 95 of 100 stay below. Of 80 that is 76, give or take 2 by chance, and as much again, since
+    # what is foretold comes from a hundred passes: 67 to 80 but once in a thousand.
+    assert 67 <= sum(error <= expected.foretold_m for error in errors) <= 79
     parts = expected.of_start_m, expected.of_readings_m, expected.of_state_m
     assert max(parts) <= 1.05 * expected.noise_m
     assert min(parts) > 0
@@ -160,16 +161,17 @@ def test_noise_of_the_wheels_has_the_textbook_size() -> None:
 
 
 def test_more_than_a_twentieth_at_the_limit_is_warned_of_before_and_after() -> None:
-    made, trials = disturbed(9.5)
-    before = response_of(made).wheels
-    after = seen_in(trials[0], made)
+    made = experiment(path((STRAIGHT, 600)), limit=9.0, disturbance=NOISE)
+    before, after = response_of(made).wheels, seen_in(next(simulate(made)), made)
     assert before is not None and after is not None
     assert after.at_limit == pytest.approx(before.at_limit, rel=0.25)  # of one seed
-    assert after.change_rad_s == pytest.approx(before.change_rad_s, rel=0.2)
-    for wheels in (before, after):
-        (text,) = wheel_findings(wheels, "do this").warnings
-        share = f"noise drives the wheels to their limit in {100 * wheels.at_limit:.2g} % of the"
-        assert text.startswith(share) and text.endswith(": do this")
+    assert after.change_rad_s == pytest.approx(before.change_rad_s, rel=0.15)
+    (text,) = wheel_findings(before, "do this").warnings
+    share = f"noise drives the wheels to their limit in {100 * before.at_limit:.0f} % of the"
+    assert text.startswith(share) and text.endswith(": do this")
+    (text,) = seen_warnings(after)
+    share = f"the wheels are at their limit in {100 * after.at_limit:.0f} % of the samples"
+    assert text.startswith(f"in the last iteration {share}")
     assert wheel_findings(response_of(disturbed(math.inf)[0]).wheels, "").warnings == ()
     quiet = replace(made, disturbance=Disturbance())
     assert seen_in(next(simulate(quiet)), quiet) is None
@@ -234,7 +236,9 @@ def test_turn_in_place_is_not_steered() -> None:
 
 
 def test_right_model_that_leaves_the_path_is_told_why() -> None:
-    circle = path((LEFT, 300))
+    # Chords of 30 degrees, each driven along the tangent at its start.
+    angles = math.pi / 6 * np.arange(40.0)
+    circle = Reference("circle", DT, np.sin(angles), -np.cos(angles), angles)
     _, warnings = told(experiment(circle, gains=(4.0, 0.2, 1.0)))
     assert "along this path, though its model is right" in warnings[0]
     _, warnings = told(experiment(LINE, limit=8.0))  # of 0.25 / 0.03

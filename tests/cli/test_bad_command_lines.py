@@ -197,13 +197,13 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "unknown-option",
         ["run", "scenario.yaml", "--foo"],
         2,
-        "hilc: no such option: --foo (Possible options: --force, --format, --out); see 'hilc run --help'",
+        "hilc: no such option: --foo; see 'hilc run --help'",
     ),
     (
         "near-option",
         ["run", "scenario.yaml", "--no-plot"],
         2,
-        "hilc: no such option: --no-plot (Possible options: --no-plots); see 'hilc run --help'",
+        "hilc: no such option: --no-plot; did you mean: --no-plots",
     ),
     (
         "unknown-command",

@@ -19,7 +19,7 @@ LAWS = ("pid", "norm-optimal", "feedback")
 TOLD = (
     "error: learning cannot converge (spectral radius 4.001): ",
     "warning: the law merges into the trajectory at sample 207 ",
-    "warning: the wrong model leaves the platform up to 0.92 m off the reference, ",
+    "warning: the wrong model leaves the platform up to 0.916 m off the reference ",
 )
 LINE = """\
 name: line
@@ -197,39 +197,6 @@ def test_believed_robot_that_is_too_slow_is_told(check: Check) -> None:
     shown = rows(check("{law: norm-optimal, h: 20, b_w: 15}", "-v", *options))
     assert shown["Initial error"] == "0 m, 0 rad: the trajectory itself is the reference"
     assert shown["Believed robot"] == ("needs 20 rad/s, above b_w: the law lags at first")
-
-
-def test_closed_loop_of_feedback(check: Check) -> None:
-    # p = t = 0.8: 1 / (0.8 * 5), 1 / sqrt(0.8 * 4), 2 (0.25 - 0.2) / 0.2 / 5 behind.
-    options = "{law: feedback, gains: {k_x: 5, k_y: 4}}"
-    outcome = check(options, "--set", "iterations=0")
-    shown = rows(outcome)
-    assert shown["Error ahead"] == "falls to 1/e in 0.25 s"
-    assert shown["Error to the side"] == (
-        "falls over a length of 0.559 m, damping 0.894 (1 is critical)"
-    )
-    assert shown["Platform rests"] == ("up to 0.1 m off, 0.1 m behind, about v (R_b / R - 1) / k_x")
-    verbose = check(options, "-v", "--set", "iterations=0").out
-    assert "\nAlong the reference, without limit and disturbances.\n" in verbose
-    found = learning(check(options, "--set", "iterations=0", "--json"))
-    expected = {"time_ahead_s": 0.25, "lag_m": 0.1, "rest_max_position_error_m": 0.1}
-    assert {key: found[key] for key in expected} == pytest.approx(expected)
-    assert found["stable"] is found["stays_at_rest"] is True
-
-
-@pytest.mark.parametrize(
-    ("gains", "name", "text"),
-    [
-        ("{k_x: 0}", "Error ahead", "stays: k_x is 0"),
-        ("{k_y: 0}", "Error to the side", "stays: k_y is 0"),
-        ("{k_x: 0}", "Platform rests", "ever further off"),
-        ("{k_x: 2, k_theta: 0}", "Platform rests", "nowhere"),
-        ("{k_x: 2, k_y: 64}", "Platform rests", "nowhere: it turns away further than 0.25 m ahead"),
-    ],
-)
-def test_feedback_without_a_rest_says_so(check: Check, gains: str, name: str, text: str) -> None:
-    options = ("--set", "iterations=0", "--set", "model.wheel_radius=0.12")
-    assert rows(check(f"{{law: feedback, gains: {gains}}}", *options))[name] == text
 
 
 def test_unstable_feedback_fails(check: Check) -> None:

@@ -84,17 +84,22 @@ def test_what_was_not_measured_is_not_told_as_learned(
 def test_turn_in_place_tells_the_ratio_and_a_line_the_radius(
     hilc: Hilc, folder: Path, scenario: str
 ) -> None:
-    turn = ("--set", "trajectory.segments=[arc: {radius: 1e-9, turn: left, sweep: 5, speed: 1e-8}]")
-    line = ("--set", "trajectory.segments=[line: {length: 2, duration: 1 s}]")
-    line = (*line, "--set", "trajectory.start={x: 0, y: 0, heading: 0}")
-    rest = ("--no-plots", "--force", "--set", "initial_pose=null", "--set")
-    rest = (*rest, "controller.feedback=none", "--set", "initial_input=feedforward")
-    noise = ("--set", "disturbance.output.bound=[0.1 mm, 0.1 mm, 1e-5]")
-    rows = learned(hilc("run", scenario, *rest, *turn, *noise).out)
+    def told(*settings: str) -> dict[str, str]:
+        always = "initial_pose=null", "controller.feedback=none", "initial_input=feedforward"
+        options = [word for text in (*always, *settings) for word in ("--set", text)]
+        return learned(hilc("run", scenario, "--no-plots", "--force", *options).out)
+
+    rows = told(
+        "trajectory.segments=[arc: {radius: 1e-9, turn: left, sweep: 5, speed: 1e-8}]",
+        "disturbance.output.bound=[0.1 mm, 0.1 mm, 1e-5]",
+    )
     assert rows["wheel radius"] == "not measured, taken as 0.14 m"
     assert rows["half track"] == "not measured, taken as 0.35 m"  # 0.14 / (0.2 / 0.5)
     assert re.match(r"0\.4000\d*, standard error \d", rows["wheel radius per half track"])
-    rows = learned(hilc("run", scenario, *rest, *line).out)
+    rows = told(
+        "trajectory.segments=[line: {length: 2, duration: 1 s}]",
+        "trajectory.start={x: 0, y: 0, heading: 0}",
+    )
     assert rows["wheel radius"].startswith("0.200000 m, standard error ")
     assert rows["half track"] == "not measured, taken as 0.65 m"
     assert rows["wheel radius per half track"].startswith("not measured, taken as ")

@@ -10,8 +10,7 @@ import numpy as np
 
 from hilc_cli.laws.law import Figures, Iteration, Learner, Task, WheelController
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
-from hilc_cli.reference.sampled import Floats
-from hilc_cli.robot import Number, Robot
+from hilc_cli.robot import Robot
 
 if TYPE_CHECKING:
     from hilc_cli.laws.norm_optimal.belief import Belief, Identification
@@ -51,39 +50,6 @@ class NormOptimalLaw:
         return _AtWork(self, task)
 
 
-def planned_rows(feedforward: Floats, gains: Floats, away: Floats) -> list[list[float]]:
-    """What `planned_wheels` wants of each sample.
-
-    Args:
-        feedforward: Planned wheel speeds [rad/s], shape (n, 2).
-        gains: Of the feedback, shape (n, 2, 3).
-        away: Planned poses less the reference, against which errors are told, shape (n + 1, 3).
-    """
-    rows: list[list[float]] = np.concatenate(
-        [feedforward, gains.reshape(-1, 6), away[:-1]], axis=1
-    ).tolist()
-    return rows
-
-
-def planned_wheels(
-    row: list[float], error_x: Number, error_y: Number, error_heading: Number
-) -> tuple[Number, Number]:
-    """Left and right wheel speed [rad/s] at one sample of one pass, or of many.
-
-    Args:
-        row: Of `planned_rows`.
-        error_x: Reference less measured pose [m].
-        error_y: Likewise [m].
-        error_heading: Likewise [rad].
-    """
-    left, right, lx, ly, lh, rx, ry, rh, away_x, away_y, away_heading = row
-    x, y, heading = error_x + away_x, error_y + away_y, error_heading + away_heading
-    return (
-        left + lx * x + ly * y + lh * heading,
-        right + rx * x + ry * y + rh * heading,
-    )
-
-
 class _AtWork:
     """The law on one experiment."""
 
@@ -102,12 +68,21 @@ class _AtWork:
         """The controller of the next iteration."""
         plan = self._learner.plan()
         self._plan = plan
-        rows = planned_rows(plan.feedforward, plan.gains, plan.desired - self._poses)
+        # The engine tells errors against the reference; the plan's own path is another one.
+        away = plan.desired - self._poses
+        rows = np.concatenate(
+            [plan.feedforward, plan.gains.reshape(-1, 6), away[:-1]], axis=1
+        ).tolist()
 
         def wheel_speeds(
             k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
         ) -> tuple[float, float]:
-            return planned_wheels(rows[k], error_x, error_y, error_heading)
+            left, right, lx, ly, lh, rx, ry, rh, away_x, away_y, away_heading = rows[k]
+            x, y, heading = error_x + away_x, error_y + away_y, error_heading + away_heading
+            return (
+                left + lx * x + ly * y + lh * heading,
+                right + rx * x + ry * y + rh * heading,
+            )
 
         return wheel_speeds
 

@@ -139,9 +139,7 @@ class NormOptimalLearner:
             rectified = _rectified(self._parameters, self._trajectory, start, model)
             model = replace(model, speed_limit=rectified.speed_limit)
             best = self._learned(model, rectified)
-            gains = regulator_gains(
-                self._parameters, best.poses, model.distance_gain, model.turn_gain
-            )
+            gains = self._feedback(model, best.poses)
         self._last = self._belief.robot, best.inputs
         return Plan(
             best.inputs,
@@ -172,28 +170,19 @@ class NormOptimalLearner:
         aim = Aim(rectified.poses, pose_weights, last, wheel)
         return optimal_motion(model, aim, rectified.inputs, rectified.motion)
 
-
-def regulator_gains(
-    parameters: NormOptimalParameters, desired: Floats, distance_gain: float, turn_gain: float
-) -> Floats:
-    """Gains of the regulator about a planned motion, shape (n, 2, 3); all 0 without feedback.
-
-    Args:
-        parameters: The law's parameters.
-        desired: The planned poses, shape (n + 1, 3).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
-    """
-    if parameters.feedback == "none":
-        return np.zeros((len(desired) - 1, 2, 3))
-    weights = [parameters.feedback_position**-2, parameters.feedback_heading**-2]
-    return feedback_gains(
-        desired,
-        distance_gain,
-        turn_gain,
-        np.tile(weights, (len(desired), 1)),
-        parameters.input_change**-2,
-    )
+    def _feedback(self, model: Model, desired: Floats) -> Floats:
+        """Gains of the regulator about the planned motion."""
+        parameters = self._parameters
+        if parameters.feedback == "none":
+            return np.zeros((len(desired) - 1, 2, 3))
+        weights = [parameters.feedback_position**-2, parameters.feedback_heading**-2]
+        return feedback_gains(
+            desired,
+            model.distance_gain,
+            model.turn_gain,
+            np.tile(weights, (len(desired), 1)),
+            parameters.input_change**-2,
+        )
 
 
 def rectified_for(

@@ -1,0 +1,35 @@
+"""What is used of Numba, which is loaded here and nowhere else."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from hilc_cli.surroundings import hidden
+
+_SETTINGS = ".numba_config.yaml"
+
+if "numba" not in sys.modules:
+    # Whoever puts this file into a folder could name there where machine code is taken from.
+    with hidden(_SETTINGS, {}):
+        import numba.core.config
+    numba.core.config._config_fname = os.devnull  # it looks again before it compiles
+
+from numba import config, njit, typeof, types  # noqa: E402  # only now
+from numba.core.caching import FunctionCache, IndexDataCacheFile  # noqa: E402
+from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
+
+__all__ = [
+    "DISABLED",
+    "FunctionCache",
+    "IndexDataCacheFile",
+    "intrinsic",
+    "njit",
+    "overload",
+    "register_jitable",
+    "typeof",
+    "types",
+]
+
+DISABLED = bool(config.DISABLE_JIT)
+"""Whether functions stay as they are: ``NUMBA_DISABLE_JIT`` is set."""
