@@ -8,6 +8,7 @@ from difflib import get_close_matches
 
 MOST_PROBLEMS = 100
 """So many problems are told one by one."""
+_SHORT = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +55,46 @@ class UsageError(HilcError):
     exit_code = 2
 
 
+class UnknownNameError(UsageError, KeyError):
+    """A mapping has no such key; says which it has."""
+
+    def __init__(self, what: str, name: object, known: Iterable[object]) -> None:
+        """Words the message.
+
+        Args:
+            what: What the keys are, such as ``metric``.
+            name: What was asked for.
+            known: All keys.
+        """
+        keys = [str(key) for key in known]
+        near = near_word(name, keys) if isinstance(name, str) else None
+        meant = f"did you mean '{near}'? " if near else ""
+        super().__init__(f"there is no {what} {name!r}; {meant}known: {', '.join(keys) or 'none'}")
+
+    def __str__(self) -> str:
+        """The message; a plain KeyError would put quotes around it."""
+        return str(self.args[0])
+
+
+class MissingPackageError(UsageError):
+    """An option needs a package that is not installed.
+
+    Args:
+        option: What was asked for.
+        package: The package that it needs.
+        extra: The extra of hilc that brings it; it is told as for a checkout, which hilc comes as.
+    """
+
+    def __init__(self, option: str, package: str, extra: str) -> None:
+        super().__init__(
+            f"{option} needs the package {package}; pip install '.[{extra}]' in a checkout of hilc"
+        )
+
+
+class MissingFileError(UsageError):
+    """There is no such file."""
+
+
 class FileAccessError(HilcError):
     """A file or folder could not be read or written."""
 
@@ -83,10 +124,27 @@ def suggestion(word: str, known: Iterable[str]) -> str:
     return f"did you mean '{near}'?" if near else f"known: {', '.join(known)}"
 
 
-def near_word(word: str, known: Iterable[str]) -> str | None:
-    """The nearest known word, if one is near."""
-    near = get_close_matches(word, sorted(known), n=1, cutoff=0.6)
-    return near[0] if near else None
+def near_word(word: str, known: Iterable[str], alike: float = 0.7) -> str | None:
+    """The nearest known word, if one is near.
+
+    Case is ignored, digits are not: whoever writes ``fig2`` or ``l5`` has not mistyped ``fig8``
+    or ``l1``.
+
+    Args:
+        word: What was written.
+        known: The words that it may stand for.
+        alike: How alike they must be, from 0 to 1, the ratio of `difflib`.
+    """
+    spellings = {each.lower(): each for each in sorted(known) if _digits(each) == _digits(word)}
+    near = get_close_matches(word.lower(), spellings, n=1, cutoff=alike)
+    if not near and len(word) <= _SHORT:  # a letter more or less makes a short word another
+        close = get_close_matches(word.lower(), spellings, n=1, cutoff=0.6)
+        near = [each for each in close if each[:3] == word.lower()[:3]]
+    return spellings[near[0]] if near else None
+
+
+def _digits(word: str) -> list[str]:
+    return [letter for letter in word if letter.isdigit()]
 
 
 def printable(text: str) -> str:

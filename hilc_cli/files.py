@@ -13,7 +13,12 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from hilc_cli.drafts import draft_file, draft_folder, remove_stale
-from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
+from hilc_cli.errors import (
+    ExistingResultsError,
+    FileAccessError,
+    MissingFileError,
+    UsageError,
+)
 
 _KINDS = {
     stat.S_IFDIR: "a folder",
@@ -21,6 +26,7 @@ _KINDS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
     stat.S_IFSOCK: "a socket",
+    stat.S_IFLNK: "a link, and nothing is written through links",
 }
 
 
@@ -38,30 +44,72 @@ def read_file(path: Path, limit: int) -> bytes:
         limit: Largest size [bytes].
 
     Raises:
-        UsageError: There is no such file, it is a folder, pipe or device, or it is too large.
+        MissingFileError: There is no such file.
+        UsageError: It is a folder, pipe or device, or it is too large.
         FileAccessError: It cannot be read.
     """
-    try:
-        # Not blocking: opening a named pipe that nobody writes to would wait for ever.
-        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
-    except (FileNotFoundError, NotADirectoryError):
-        raise UsageError(f"{path}: there is no such file; check the path") from None
-    except (OSError, ValueError) as error:
-        why = reason(error) if isinstance(error, OSError) else str(error)
-        raise FileAccessError(f"{path}: cannot be read: {why}") from error
-    mode = os.fstat(descriptor).st_mode
-    if not stat.S_ISREG(mode):
-        os.close(descriptor)
-        kind = _KINDS.get(stat.S_IFMT(mode), "no regular file")
-        raise UsageError(f"{path}: is {kind}; give a regular file")
-    with os.fdopen(descriptor, "rb") as file:
+    with os.fdopen(open_to_read(path), "rb") as file:
         try:
             content = file.read(limit + 1)
         except OSError as error:
             raise FileAccessError(f"{path}: cannot be read: {reason(error)}") from error
+    if content is None:  # some files of the system have nothing to say now, and no end
+        raise UsageError(f"{path}: has no end up to which it could be read; give a regular file")
     if len(content) > limit:
         raise UsageError(f"{path}: is larger than {limit} bytes, the most that is read; shorten it")
     return content
+
+
+def open_to_read(path: Path) -> int:
+    """The descriptor of a regular file.
+
+    Raises:
+        MissingFileError: There is no such file.
+        UsageError: It is a folder, pipe or device.
+        FileAccessError: It cannot be read.
+    """
+    try:
+        return _open_regular(path, os.O_RDONLY)
+    except (FileNotFoundError, NotADirectoryError):
+        raise MissingFileError(f"{path}: there is no such file; check the path") from None
+    except (OSError, ValueError) as error:
+        why = reason(error) if isinstance(error, OSError) else str(error)
+        raise FileAccessError(f"{path}: cannot be read: {why}") from error
+
+
+def open_to_write(path: Path) -> int:
+    """The descriptor of a regular file that is read and written in place; it is made if need be.
+
+    Whoever gave the folder away may have put a link there, or a second name of another file.
+
+    Raises:
+        UsageError: It is a link, folder, pipe or device, or has other names elsewhere.
+        FileAccessError: It cannot be written.
+    """
+    with writing(path):
+        return _open_regular(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
+
+
+def _open_regular(path: Path, flags: int) -> int:
+    """Opens a regular file, and at once: a pipe to which nobody writes would wait for ever."""
+    with suppress(OSError, ValueError):  # which opening it tells
+        # Opening a device may already do something. What it is by then is checked once more.
+        _check_regular(path, path.lstat() if flags & os.O_NOFOLLOW else path.stat(), flags)
+    descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY, 0o666)
+    try:
+        _check_regular(path, os.fstat(descriptor), flags)
+    except BaseException:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _check_regular(path: Path, status: os.stat_result, flags: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        kind = _KINDS.get(stat.S_IFMT(status.st_mode), "no regular file")
+        raise UsageError(f"{path}: is {kind}; give a regular file")
+    if flags & os.O_RDWR and status.st_nlink > 1:
+        raise UsageError(f"{path}: has other names elsewhere (hard links); give a copy of its own")
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from hilc_cli.files import write_file, writing
 PREFIX = "example:"
 SCENARIOS, TRAJECTORIES, LEADERBOARDS = KINDS = ("scenarios", "trajectories", "leaderboards")
 
-_BESIDE_SCENARIOS = frozenset({"leaderboard"})  # is in their folder, and none of them
+_BESIDE_SCENARIOS = frozenset({"leaderboard", "small-robot-laws"})  # in their folder, none of them
 
 
 def examples_folder() -> Path:
@@ -56,6 +56,12 @@ def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
     return known[name]
 
 
+def example_meant(text: str, kind: str) -> str | None:
+    """The ``example:NAME`` that somebody may mean who gives a file that is not there."""
+    stem = Path(text).name.removesuffix(".yaml").lower()
+    return f"{PREFIX}{stem}" if stem in {path.stem for path in examples(kind)} else None
+
+
 def _name(text: str) -> str:
     return text.removeprefix(PREFIX).removesuffix(".yaml")
 
@@ -80,6 +86,11 @@ def copy_examples(folder: Path, *, force: bool = False) -> list[Path]:
         for path in examples(kind)
     }
     with writing(folder):
+        link = next((path.parent for path in files if path.parent.is_symlink()), None)
+        if link is not None:
+            raise ExistingResultsError(
+                f"{link}: is a link, and nothing is written through links; choose another folder"
+            )
         changed = [path for path, new in files.items() if path.exists() and _differs(path, new)]
         if changed and not force:
             raise ExistingResultsError(

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import io
+import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 import hilc_cli as hilc_api
 from hilc_cli import HilcError
@@ -21,6 +25,8 @@ from hilc_cli.spec.hybrid import HybridController
 from hilc_cli.spec.scenario import ScenarioSpec
 from tests.cli.inputs import SCENARIO, scenario
 from tests.conftest import Write
+
+L1 = "controller.gains.l1"
 
 pytestmark = pytest.mark.usefixtures("inputs")
 
@@ -273,3 +279,105 @@ def test_scenario_of_standard_input(monkeypatch: pytest.MonkeyPatch) -> None:
     stdin = io.TextIOWrapper(io.BytesIO(SCENARIO.encode()))
     monkeypatch.setattr("sys.stdin", stdin)
     assert hilc_api.load_scenario("-").name == "test"
+
+
+def test_scenarios_are_taken_as_they_come(folder: Path) -> None:
+    (folder / "deeper").mkdir()
+    data = yaml.safe_load(SCENARIO)
+    whole = {**data, "trajectory": yaml.safe_load((folder / "path.yaml").read_text())}
+    (folder / "whole.yaml").write_text(yaml.safe_dump(whole))
+    sources: list[Any] = [hilc_api.load_scenario("scenario.yaml"), "scenario.yaml", data, whole]
+    sources += [folder / "scenario.yaml", {**data, "iterations": np.int64(2)}]
+    errors = [hilc_api.run(source).metrics["max_position_error_m"] for source in sources]
+    for each in errors[1:]:
+        np.testing.assert_array_equal(each, errors[0])
+    for source in sources[1:4]:
+        assert hilc_api.check(source).scenario.name == "test"
+        plan = hilc_api.plan_sweep(source, {"controller.gains.l1": [0.1, 0.2]})
+        assert plan.checksum() == hilc_api.plan_sweep(sources[0], {L1: [0.1, 0.2]}).checksum()
+        hilc_api.check_folder(source, "nowhere")
+    assert len(hilc_api.sweep({**data, "sweep": {"vary": {L1: "0.1:0.4:4"}}})) == 4
+    assert hilc_api.check("example:fig7b").scenario.name == "fig7b"
+    changed = hilc_api.load_scenario(data, {"iterations": 1})
+    assert changed.spec.iterations == 1 and data["iterations"] == 2
+
+
+def test_problems_of_data_name_the_key() -> None:
+    data = {**yaml.safe_load(SCENARIO), "iterations": -4, "modell": {}}
+    with pytest.raises(InvalidInputError) as caught:
+        hilc_api.run(data)
+    assert [str(problem).partition(", got")[0] for problem in caught.value.problems] == [
+        "scenario: iterations: must be at least 0",
+        "scenario: modell: is an unknown key; did you mean 'model'?",
+    ]
+
+
+def test_runs_are_taken_as_they_come(folder: Path) -> None:
+    run = hilc_api.run("scenario.yaml")
+    for name in ("runs/a", "runs/b"):
+        run.write(name, plots=False)
+    table = hilc_api.compare(["runs/a", folder / "runs/b"]).table
+    assert table.values("run") == ["a", "b"]
+    assert hilc_api.compare([run, "runs/a"]).table.values("run") == ["test", "test (2)"]
+    for runs in (run, "runs/a", [run]):
+        assert hilc_api.plot(runs, f"p{id(runs)}", kinds=["error"], formats=["svg"])
+
+
+def test_leaderboard_from_data(folder: Path) -> None:
+    case = "scenario.yaml"
+    data = {"name": "few", "cases": {"one": case}, "laws": {"paper": {"gains": {"l1": 1}}}}
+    result = hilc_api.compare_laws({**data, "after": [1], "b_w": 180}, workers=1)
+    assert [entry.law for entry in result.data.entries] == ["paper"]
+    assert_short(result, result.data, hilc_api.load_leaderboard(data), result.settings)
+
+
+def assert_short(*results: object) -> None:
+    for result in results:
+        lines = repr(result).splitlines()
+        assert 1 <= len(lines) <= 6, repr(result)
+        assert max(map(len, lines)) <= 100, repr(result)
+        assert not re.search(r"array\(|<[\w.]+ object at", repr(result))
+
+
+def test_results_show_themselves_in_a_few_lines() -> None:
+    run = hilc_api.run("example:fig8a")
+    run.write("runs/one", plots=False)
+    assert_short(run, run.summary(), run.metrics, run.learning, run.last, run.reference)
+    assert_short(run.scenario, run.trials, hilc_api.read_run("runs/one"))
+    assert_short(hilc_api.check("example:fig6c"), hilc_api.compare([run, run]))
+    plan = hilc_api.plan_sweep("scenario.yaml", {L1: "1e-3:1:500:log", "trajectory": ["path.yaml"]})
+    sweep = hilc_api.sweep(plan)
+    assert_short(plan, sweep, sweep.columns, sweep.values, sweep.summary())
+    assert_short(hilc_api.plan_reproduction(["fig3"]))
+    assert f"Run 'fig8a': {run.reference.name}" in repr(run)
+    assert f"{run.metrics['max_position_error_m'][-1]:.6g}" in repr(run)
+
+
+def test_names_that_are_not_there_are_told_with_those_that_are() -> None:
+    run = hilc_api.run("scenario.yaml")
+    sweep = hilc_api.sweep(hilc_api.plan_sweep("scenario.yaml", {L1: [0.1, 0.2]}))
+    table = hilc_api.compare([run, run]).table
+    asked: list[tuple[Callable[[], object], str]] = [
+        (
+            lambda: run.metrics["mean_positon_error_m"],
+            "there is no metric 'mean_positon_error_m'; did you mean 'mean_position_error_m'? "
+            "known: max_position_error_m, ",
+        ),
+        (
+            lambda: run.learning["wheel_radius_m"],
+            "there is no figure 'wheel_radius_m'; known: none",
+        ),
+        (lambda: run.trials[17], "there is no recorded iteration 17; known: 0, 1, 2"),
+        (lambda: run.position_error(9), "there is no recorded iteration 9; known: 0, 1, 2"),
+        (
+            lambda: sweep.columns["diverge"],
+            "there is no column 'diverge'; did you mean 'diverged'?",
+        ),
+        (lambda: sweep.values["l1"], f"there is no varied key 'l1'; known: {L1}"),
+        (lambda: table.values("runs"), "there is no column 'runs'; did you mean 'run'? known: run"),
+    ]
+    for ask, message in asked:
+        with pytest.raises(KeyError) as caught:
+            ask()
+        assert isinstance(caught.value, HilcError)
+        assert str(caught.value).startswith(message)

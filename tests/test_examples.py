@@ -92,7 +92,7 @@ def test_resolved_scenario_reproduces_its_run(hilc: Hilc, folder: Path, name: st
     # One iteration is learned: everything that the file says takes part in it.
     outcome = hilc("run", f"example:{name}", "--set", "iterations=1", "--no-plots", "-q")
     assert outcome == Outcome(0, "", "")
-    assert_reproduces(hilc, Path("runs") / name, folder / "again")
+    assert_reproduces(hilc, Path("runs") / f"{name}+iterations=1", folder / "again")
 
 
 EVERYTHING = """\

@@ -80,8 +80,8 @@ class Feasibility:
 
     @property
     def needed_friction(self) -> float:
-        """Coefficient of friction that the segments need, corners left out."""
-        return self.demand.sharpest.lateral_acceleration / GRAVITY
+        """Coefficient of friction that the path needs, corners included."""
+        return self.demand.lateral.value / GRAVITY
 
     def share(self, fastest_wheel: float) -> float | None:
         """Part of b_w that a wheel speed takes; None without a limit."""

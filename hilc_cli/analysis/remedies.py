@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 from hilc_cli.analysis.demand import Demand, Joint, SegmentDemand
-from hilc_cli.analysis.feasibility import Feasibility
+from hilc_cli.analysis.feasibility import GRAVITY, Feasibility
 from hilc_cli.analysis.findings import Findings
+from hilc_cli.analysis.traction import GOOD_FRICTION, traction
 from hilc_cli.reference.path import MAX_SAMPLES
 
-GOOD_FRICTION = 1.0
-"""About what tyres on dry ground have."""
 COARSE_TURN = 0.2
 """[rad] in one sample; position and heading then contradict each other by half of it."""
+FAR_BEHIND = 0.01
+"""Share of the path's extent; a robot that falls behind by less starts well enough."""
 _ROUNDING = 1e-12  # relative
 
 
@@ -27,6 +28,7 @@ def feasibility_findings(feasibility: Feasibility) -> Findings:
     warnings = [
         *_corners(feasibility),
         *_friction(feasibility),
+        *_traction(feasibility),
         *_coarse_turn(feasibility.demand),
     ]
     return Findings(tuple(failures), tuple(warnings))
@@ -90,32 +92,54 @@ def _longer(feasibility: Feasibility, segment: SegmentDemand) -> str:
 
 
 def _corners(feasibility: Feasibility) -> list[str]:
-    """Of corners that the limits allow; the first one stands for all."""
-    corners = [
-        joint
-        for joint in feasibility.demand.joints
-        if joint.corner != 0 and feasibility.turns(joint)
-    ]
+    """Of corners that the limits allow; the sharpest one stands for all."""
+    corners = [joint for joint in feasibility.demand.corners if feasibility.turns(joint)]
     if not corners:
         return []
-    first, more = corners[0], len(corners) - 1
-    others = f"; the path has {more} more" if more else ""
+    sharpest = max(corners, key=lambda joint: round(abs(joint.corner), 9))
+    among = f", the sharpest of {len(corners)}" if len(corners) > 1 else ""
     return [
-        f"trajectory.{first.name} starts with a corner of {first.corner:.4g} rad: here it is "
-        f"turned in one sample, with a wheel speed of {first.corner_wheel:.4g} rad/s; a robot has "
-        f"to stop for it, so round it with an arc{others}"
+        f"trajectory.{sharpest.name} starts with a corner of {in_degrees(sharpest.corner)}{among}: "
+        f"turned in one sample, it takes wheels of {sharpest.corner_wheel:.4g} rad/s and "
+        f"{rounded(sharpest.corner_lateral)} m/s^2 sideways; a robot has to stop for it: round it "
+        "with an arc"
     ]
+
+
+def in_degrees(angle: float) -> str:
+    """An angle in rad and in degrees."""
+    return f"{angle:.4g} rad ({math.degrees(angle):.3g} deg)"
 
 
 def _friction(feasibility: Feasibility) -> list[str]:
-    needed, segment = feasibility.needed_friction, feasibility.demand.sharpest
+    segment = feasibility.demand.sharpest_segment
+    needed = segment.lateral_acceleration / GRAVITY
     if feasibility.limits.friction is not None or needed <= GOOD_FRICTION:
         return []
     return [
         f"trajectory.{segment.name} needs {segment.lateral_acceleration:.4g} m/s^2 of lateral "
-        f"acceleration, a friction of {needed:.3g}, where tyres on dry ground have about "
-        f"{GOOD_FRICTION:g}; run it slower, or give robot.friction if yours hold more"
+        f"acceleration, {needed:.3g} g where tyres hold about {GOOD_FRICTION:g} g; run it slower, "
+        "or give robot.friction"
     ]
+
+
+def _traction(feasibility: Feasibility) -> list[str]:
+    """Of wheels that are to be fast at once."""
+    demand, limits = feasibility.demand, feasibility.limits
+    found = traction(demand, feasibility.robot, limits.friction)
+    if found.behind <= FAR_BEHIND * demand.extent:
+        return []
+    how = "starts at once" if found.from_rest else "changes wheel speeds at once"
+    return [
+        f"trajectory.{found.name} {how}: {found.change:.3g} m/s in one sample, "
+        f"{rounded(found.demanded / GRAVITY)} g where tyres hold {found.held / GRAVITY:g} g: a "
+        f"robot gets {found.behind:.2g} m behind; lead up to it slowly"
+    ]
+
+
+def rounded(value: float) -> str:
+    """Three digits, without an exponent as far as numbers are read without one."""
+    return f"{float(f'{value:.3g}'):g}"
 
 
 def _coarse_turn(demand: Demand) -> list[str]:

@@ -6,14 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from hilc_cli.api.running import RunSource, as_runs
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.files import merge_folder
+from hilc_cli.named import listed
 from hilc_cli.results.comparison import ComparisonTable, compare_runs
 from hilc_cli.results.comparison_tables import FILES, WRITERS
 from hilc_cli.results.run import RunData
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Comparison:
     """Several runs, and what tells them apart.
 
@@ -24,6 +26,9 @@ class Comparison:
 
     runs: tuple[RunData, ...]
     table: ComparisonTable
+
+    def __repr__(self) -> str:
+        return f"Comparison of {len(self.runs)} runs: {listed(run.name for run in self.runs)}"
 
     def text(self, kind: str) -> str:
         """The table as it stands in a file.
@@ -77,13 +82,14 @@ class Comparison:
         return [Path(folder) / name for name in names]
 
 
-def compare(runs: Sequence[RunData]) -> Comparison:
+def compare(runs: Sequence[RunSource]) -> Comparison:
     """Puts runs side by side; nothing is simulated.
 
     Args:
-        runs: At least two, from `read_run` or `run`.
+        runs: At least two, from `run` or `read_run`, or the folders of runs.
 
     Raises:
         UsageError: There are fewer, or one has no completed iteration.
     """
-    return Comparison(tuple(runs), compare_runs(runs))
+    found = as_runs(runs)
+    return Comparison(tuple(found), compare_runs(found))

@@ -40,7 +40,7 @@ __all__ = [
 _LIBRARIES = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LawComparison:
     """Laws, and what became of each in each case.
 
@@ -53,6 +53,9 @@ class LawComparison:
     data: LeaderboardData
     checksum: str
     how: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        return repr(self.data).replace("LeaderboardData", "LawComparison", 1)
 
     @property
     def laws(self) -> dict[str, ComparisonTable]:
@@ -148,7 +151,7 @@ def check_leaderboard_output(
 
 
 def compare_laws(
-    leaderboard: Leaderboard,
+    leaderboard: Leaderboard | str | Path | Mapping[str, object],
     *,
     workers: int | None = None,
     on_runs: Callable[[int], None] = lambda runs: None,
@@ -157,7 +160,7 @@ def compare_laws(
     """Runs each law in each case with each belief and disturbance.
 
     Args:
-        leaderboard: From `load_leaderboard`.
+        leaderboard: From `load_leaderboard`, or what it takes.
         workers: Processes on this machine; None: as many as it has cores. Nothing but the times
             depends on it.
         on_runs: Told how many runs are done.
@@ -167,6 +170,8 @@ def compare_laws(
         FailedContestError: A run cannot be computed.
         WorkersError: Processes cannot be started.
     """
+    if not isinstance(leaderboard, Leaderboard):
+        leaderboard = load_leaderboard(leaderboard)
     started, clock = datetime.now(UTC), time.perf_counter()
     spec = leaderboard.spec
     contests = Contests(tuple(leaderboard.contests()), spec.after, spec.tolerance)

@@ -12,6 +12,7 @@ from typing import Any
 from hilc_cli.api.circumstances import circumstances, versions
 from hilc_cli.api.running import Run, run
 from hilc_cli.errors import UsageError
+from hilc_cli.named import in_short, listed
 from hilc_cli.paper.claim import Claim, Finding
 from hilc_cli.paper.contents import FIGURES
 from hilc_cli.paper.folder import check_reproduction_folder, write_reproduction_folder
@@ -23,7 +24,7 @@ DPI = 300
 """Of pictures in print."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Reproduction:
     """Results of the paper's experiments, and how they came to be.
 
@@ -40,6 +41,12 @@ class Reproduction:
     judged: tuple[tuple[Claim, Finding], ...]
     started: datetime
     timings: Mapping[str, float]
+
+    def __repr__(self) -> str:
+        figures = listed(figure.name for figure in self.plan.figures)
+        return in_short(
+            f"Reproduction of {figures}: {len(self.runs)} runs, {len(self.judged)} claims judged"
+        )
 
     def write(
         self,

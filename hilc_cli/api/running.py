@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
-from hilc_cli.analysis.remedies import beyond_wheels
 from hilc_cli.api.circumstances import circumstances
+from hilc_cli.api.run_warnings import forewarnings, what_happened
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
-from hilc_cli.errors import DivergedError, UsageError
+from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import merge_folder
 from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.metrics import MetricsTable, measure
@@ -22,7 +22,7 @@ from hilc_cli.results.run import RunData
 from hilc_cli.results.run_folder import check_output_folder, read_run_folder, write_run_folder
 from hilc_cli.results.summary import Summary, summarise
 from hilc_cli.results.trial import Trial
-from hilc_cli.spec.loading import load_scenario
+from hilc_cli.spec.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.spec.settings import settings_of
 from hilc_cli.spec.valid import Scenario
 from hilc_cli.spec.yardsticks import yardsticks_of
@@ -30,7 +30,9 @@ from hilc_cli.spec.yardsticks import yardsticks_of
 __all__ = [
     "Run",
     "RunData",
+    "RunSource",
     "Scenario",
+    "ScenarioSource",
     "Summary",
     "check_folder",
     "forewarnings",
@@ -51,7 +53,7 @@ class OnIteration(Protocol):
         """Iteration number ``iteration`` is complete."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Run(RunData):
     """The results of a scenario, and how they came to be.
 
@@ -134,6 +136,7 @@ class Run(RunData):
             "yardsticks": {name: dict(values) for name, values in self.yardsticks.items()},
             "gravity_center_m": list(self.gravity_center),
             "diverged_at": self.diverged_at,
+            "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
             **circumstances(self.started, _LIBRARIES),
             "command": list(command),
@@ -142,24 +145,21 @@ class Run(RunData):
         }
 
 
-def forewarnings(scenario: Scenario) -> list[str]:
-    """What is legal but probably not meant, and what no law can do, to be told before a run."""
-    return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
-
-
-def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
+def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) -> Run:
     """Simulates a scenario.
 
     A simulation that diverges ends early: the result then holds the iterations before, and
     says so in ``diverged_at``.
 
     Args:
-        scenario: From `load_scenario`.
+        scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
         on_iteration: Told of each completed iteration.
 
     Raises:
+        InvalidInputError: The scenario is not valid.
         DivergedError: Not even the first iteration stayed within the finite numbers.
     """
+    scenario = as_scenario(scenario)
     started, clock = datetime.now(UTC), time.perf_counter()
     experiment = scenario.experiment()
     kept = recorded_iterations(scenario.spec.record.iterations, experiment.iterations)
@@ -180,7 +180,7 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
             raise
         diverged_at = error.iteration
         trials[last.iteration] = last  # the last one always is kept
-    return Run(
+    result = Run(
         name=scenario.name,
         reference=experiment.reference,
         metrics=metrics,
@@ -195,6 +195,8 @@ def run(scenario: Scenario, *, on_iteration: OnIteration | None = None) -> Run:
         started=started,
         timings={"simulation": time.perf_counter() - clock},
     )
+    warnings = (*forewarnings(scenario), *what_happened(result, experiment))
+    return replace(result, warnings=warnings)
 
 
 def measured_trials(experiment: Experiment, metrics: MetricsTable) -> Iterator[Trial]:
@@ -223,8 +225,33 @@ def read_run(folder: str | Path) -> RunData:
     return read_run_folder(Path(folder))
 
 
+RunSource = RunData | str | Path
+"""A run, or its folder."""
+
+
+def as_runs(runs: RunSource | Sequence[RunSource]) -> list[RunData]:
+    """One or several runs, those read that are folders.
+
+    Runs that are called alike take the names of their folders, if those differ.
+
+    Raises:
+        HilcError: A folder is no run folder, or damaged.
+    """
+    sources = [runs] if isinstance(runs, RunData | str | Path) else list(runs)
+    found = [each if isinstance(each, RunData) else read_run(each) for each in sources]
+    if len({run.name for run in found}) == len(found) or any(
+        isinstance(each, RunData) for each in sources
+    ):
+        return found
+    folders = [Path(each) for each in sources if not isinstance(each, RunData)]
+    names = [folder.resolve().name for folder in folders]
+    if len(set(names)) < len(names) and len(set(map(str, folders))) == len(folders):
+        names = [str(folder) for folder in folders]
+    return [replace(run, name=printable(name)) for run, name in zip(found, names, strict=True)]
+
+
 def plot(
-    runs: Sequence[RunData],
+    runs: RunSource | Sequence[RunSource],
     folder: str | Path,
     *,
     kinds: Sequence[str] = (),
@@ -236,7 +263,7 @@ def plot(
     """Draws pictures of one run, or of several laid over each other.
 
     Args:
-        runs: From `read_run` or `run`.
+        runs: One or several, from `run` or `read_run`, or the folders of runs.
         folder: Where to put KIND.FORMAT; made if it is not there.
         kinds: path-change, final-path, error, wheel-speeds, summary, learning; all that there are
             of these runs by default.
@@ -258,11 +285,12 @@ def plot(
 
     if not 1 <= dpi <= 10_000:
         raise UsageError(f"dpi must be from 1 to 10000, got {dpi}")
+    drawn_runs = as_runs(runs)
     names: list[str] = []
 
     def draw(into: Path) -> None:
         drawn = save_figures(
-            runs, into, kinds=kinds, formats=formats, dpi=dpi, iterations=iterations
+            drawn_runs, into, kinds=kinds, formats=formats, dpi=dpi, iterations=iterations
         )
         names.extend(path.name for path in drawn)
 
@@ -270,10 +298,11 @@ def plot(
     return [Path(folder) / name for name in names]
 
 
-def check_folder(scenario: Scenario, folder: str | Path, *, force: bool = False) -> None:
+def check_folder(scenario: ScenarioSource, folder: str | Path, *, force: bool = False) -> None:
     """Whether the results of a scenario may be written to a folder, before it is simulated.
 
     Raises:
         ExistingResultsError: The folder holds another scenario's run, or is no run folder.
     """
+    scenario = as_scenario(scenario)
     check_output_folder(Path(folder), scenario.resolved_yaml(), scenario.initial_input, force=force)

@@ -17,7 +17,7 @@ LIBRARIES = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
 """That take part in a sweep."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Sweep(SweepData):
     """The results of a sweep, and how they came to be.
 

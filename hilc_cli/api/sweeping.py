@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,17 +12,22 @@ from typing import TYPE_CHECKING
 from hilc_cli.api.circumstances import circumstances
 from hilc_cli.api.search_results import beside_cases, how_searched
 from hilc_cli.api.sweep_results import LIBRARIES, Sweep, as_fields
-from hilc_cli.errors import UsageError
-from hilc_cli.results.run_folder import SCENARIO
+from hilc_cli.errors import HilcError, UsageError
+from hilc_cli.spec.loading import ScenarioSource, as_scenario
 from hilc_cli.spec.sweeping import plan_of
-from hilc_cli.spec.valid import Scenario
 from hilc_cli.sweeping.chunks import Chunk, Failure
 from hilc_cli.sweeping.collect import collect
 from hilc_cli.sweeping.compute import Execution, compute
 from hilc_cli.sweeping.memory_store import MemoryStore, Store
 from hilc_cli.sweeping.opening import open_store
 from hilc_cli.sweeping.plan import Plan
-from hilc_cli.sweeping.shards import check_shardable, merge, read_initial_input, shard_cases
+from hilc_cli.sweeping.shards import (
+    check_shardable,
+    merge,
+    read_initial_input,
+    read_scenario,
+    shard_cases,
+)
 from hilc_cli.sweeping.store import FolderStore
 
 if TYPE_CHECKING:
@@ -32,7 +37,7 @@ _DEFAULT = Execution()
 
 
 def plan_sweep(
-    scenario: Scenario,
+    scenario: ScenarioSource,
     vary: Mapping[str, object] | Sequence[str] = (),
     *,
     sample: str | None = None,
@@ -46,7 +51,7 @@ def plan_sweep(
     """Validates a sweep; what is not given is as the scenario's section ``sweep`` says.
 
     Args:
-        scenario: From `load_scenario`.
+        scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
         vary: Values by dotted key: a list, or a text such as ``0.1:10:20:log``; or texts
             ``KEY=VALUES`` as on the command line.
         sample: grid (default), random or sobol.
@@ -70,7 +75,7 @@ def plan_sweep(
         "metric": metric,
         "minimise": minimise,
     }
-    plan = Plan(*plan_of(scenario, vary, options))
+    plan = Plan(*plan_of(as_scenario(scenario), vary, options))
     if plan.searches:
         from hilc_cli.sweeping.sampler import require_optuna  # an extra
 
@@ -79,7 +84,7 @@ def plan_sweep(
 
 
 def sweep(
-    plan: Plan | Scenario,
+    plan: Plan | ScenarioSource,
     how: Execution = _DEFAULT,
     *,
     work_folder: str | Path | None = None,
@@ -89,7 +94,8 @@ def sweep(
     """Runs all cases of a sweep, or searches for the best one.
 
     Args:
-        plan: From `plan_sweep`, or a scenario with a section ``sweep``.
+        plan: From `plan_sweep`, or a scenario with a section ``sweep``, or what that
+            is read from.
         how: Workers, and whom to tell; by default processes on all cores of this machine.
         work_folder: Where results are kept while the sweep is under way, so that it can be
             resumed; stays there until `discard_work`. Default: in memory only.
@@ -192,7 +198,10 @@ def merge_shards(
     if twice is not None:
         raise UsageError(f"{twice}: is given more than once; give each shard once")
     with ExitStack() as stack:
-        stores = [stack.enter_context(closing(FolderStore(Path(folder)))) for folder in folders]
+        stores = [
+            stack.enter_context(closing(FolderStore(Path(folder), read_only=True)))
+            for folder in folders
+        ]
         merged = merge(stores)
         header = merged.header
         data = collect(
@@ -209,7 +218,7 @@ def merge_shards(
             **as_fields(data),
             failures=tuple(merged.failures()),
             checksum=header["checksum"],
-            scenario_yaml=(Path(folders[0]) / SCENARIO).read_text(encoding="utf-8"),
+            scenario_yaml=read_scenario(Path(folders[0])),
             initial_input=initial_input,
             how={**circumstances(started, LIBRARIES), "shards": len(stores)},
         )
@@ -235,4 +244,10 @@ def _store(
         yield MemoryStore(plan)
         return
     with closing(open_store(Path(folder), plan, cases, shard, resume=resume, force=force)) as store:
-        yield store
+        try:
+            yield store
+        except BaseException:
+            # A scheduler that is not there, say, leaves nothing that the right command would meet.
+            with suppress(HilcError):
+                store.discard_if_empty()
+            raise

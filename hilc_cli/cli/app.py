@@ -18,7 +18,7 @@ app = typer.Typer(
     name="hilc",
     rich_markup_mode=None,  # plain text reads the same in a terminal, a pipe and a log
     pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 80},
 )
 
 

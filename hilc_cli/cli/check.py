@@ -32,6 +32,10 @@ def check(
         bool,
         typer.Option("--simulate", help="Run it as well, and show its errors beside the theory."),
     ] = False,
+    theory: Annotated[
+        bool,
+        typer.Option("--theory", help="Show the paper's conditions, constants and bounds, too."),
+    ] = False,
     plot: Annotated[
         bool, typer.Option("--plot", help="Draw the predicted error of each iteration.")
     ] = False,
@@ -46,10 +50,11 @@ def check(
     """Check a scenario before it is simulated.
 
     Is the file valid, can wheels and tyres follow the trajectory, does learning converge, how fast
-    and to what, and what do the paper's theorems say? Exits with 3 if the scenario cannot work,
-    and says why and what would help; what is legal but unwise is a warning. --simulate runs it as
-    well, and puts the errors beside what theory says. --plot writes transient.png and
-    transient.csv to --out, by default runs/NAME-check; nothing else is written.
+    and to what? Exits with 3 if the scenario cannot work, and says why and what would help; what is
+    legal but unwise is a warning. -v adds each segment and the figures of the linear theory,
+    --theory what the paper's theorems say. --simulate runs it as well, and puts the errors beside
+    what is predicted. --plot writes transient.png and transient.csv to --out, by default
+    runs/NAME-check, or with --set KEY=VALUE runs/NAME+key=value-check; nothing else is written.
 
     \b
     Examples:
@@ -59,8 +64,8 @@ def check(
       hilc check my.yaml -q && hilc run my.yaml
     """
     from hilc_cli import api
-    from hilc_cli.cli.check_report import document, sections
-    from hilc_cli.cli.section import print_section
+    from hilc_cli.cli.check_report import document, print_report
+    from hilc_cli.cli.default_folders import default_folder
     from hilc_cli.cli.terminal import print_json, print_text, progress, say
     from hilc_cli.errors import UsageError
 
@@ -78,7 +83,7 @@ def check(
         found = api.check(valid, simulate=simulate, on_iteration=on_iteration)
     pictures: list[Path] = []
     if plot:
-        folder = Path("runs") / f"{valid.name}-check" if out is None else out
+        folder = out or default_folder(valid.name, set_, "-check")
         names = [choice.value for choice in formats or [PictureFormat.PNG]]
         pictures = found.plot(folder, formats=names, may_replace=lambda file: force or out is None)
         if not pictures:
@@ -86,10 +91,7 @@ def check(
     if json:
         print_json(document(found, pictures))
     elif not quiet:
-        for number, section in enumerate(sections(found, verbose=verbose)):
-            if number:
-                print_text("")
-            print_section(section)
+        print_report(found, verbose=verbose, theory=theory)
         if pictures:
             print_text("")
         for picture in pictures:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from hilc_cli.analysis.feasibility import GRAVITY
+from hilc_cli.analysis.remedies import in_degrees, rounded
 from hilc_cli.cli.section import Grid, Section, counted
 
 if TYPE_CHECKING:
-    from hilc_cli.analysis.demand import Joint, SegmentDemand
+    from hilc_cli.analysis.demand import Demand, Joint, Jump, Peak, SegmentDemand
     from hilc_cli.analysis.feasibility import Feasibility
     from hilc_cli.api import Check
 
+_NOTHING = 1e-6
+"""[m/s^2]; of a turn on the spot that is written as a very small arc."""
 _MOST_ROWS = 24
 """So many segments are shown if not all are asked for."""
 
@@ -26,53 +31,63 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
     feasibility = check.feasibility
     demand = feasibility.demand
     shown = demand.segments if verbose else _shown(feasibility)
-    grids = [_segments(feasibility, shown, accelerations=verbose)]
+    accelerate = any(segment.wheel_acceleration for segment in shown)
+    grids = [_segments(feasibility, shown, accelerations=accelerate)]
     if verbose:
         grids.append(_joints(demand.joints))
     return Section(
         "feasibility",
         "Can wheels and tyres follow the trajectory?",
-        _rows(feasibility),
+        [("Verdict", _verdict(feasibility)), ("Acceleration in segments", _inside(demand))],
         grids,
-        check.findings["feasibility"],
         _document(feasibility),
+        brief=_brief(feasibility),
     )
 
 
-def _rows(feasibility: Feasibility) -> list[tuple[str, str]]:
+def _brief(feasibility: Feasibility) -> list[tuple[str, str]]:
+    """What limits."""
     demand, limits = feasibility.demand, feasibility.limits
-    fastest, sharpest = demand.fastest, demand.sharpest
-    share = feasibility.share(fastest.fastest_wheel)
-    of_limit = "no limit" if share is None else f"{share:.1%} of b_w, {limits.wheel_speed:g} rad/s"
-    held = "robot.friction not given"
-    if limits.friction is not None:
-        held = f"tyres hold {limits.lateral:.4g} m/s^2"
-    lateral = "none"
-    if sharpest.lateral_acceleration:
-        lateral = (
-            f"{sharpest.lateral_acceleration:.4g} m/s^2 ({feasibility.needed_friction:.3g} g) "
-            f"in {sharpest.name}; {held}"
-        )
-    rows = [
-        ("Fastest wheel", f"{fastest.fastest_wheel:.4g} rad/s in {fastest.name}; {of_limit}"),
-        ("Lateral acceleration", lateral),
-        ("Jump from rest", _jump(demand.joints[0], demand.sample_time)),
-    ]
-    largest = demand.largest_jump
-    if largest is not None:
-        at = f"{_jump(largest, demand.sample_time)}, at {largest.name}"
-        rows.append(("Largest jump on the way", at))
-    inside = max(segment.wheel_acceleration for segment in demand.segments)
-    inside_text = f"up to {inside:.4g} rad/s^2" if inside else "none: each runs at constant speed"
-    rows.append(("Acceleration in segments", inside_text))
-    rows.append(("Verdict", _verdict(feasibility)))
+    fastest = f"{demand.fastest.value:.4g} rad/s"
+    share = feasibility.share(demand.fastest.value)
+    if share is not None:
+        fastest = f"{demand.fastest.value:.4g} of {limits.wheel_speed:g} rad/s, {share:.1%} of b_w,"
+    rows = [("Fastest wheel", f"{fastest} {_at(demand.fastest)}")]
+    if demand.lateral.value > _NOTHING:
+        held = "" if limits.friction is None else f"; tyres hold {limits.lateral:.4g} m/s^2"
+        lateral = f"{demand.lateral.value:.4g} m/s^2 ({feasibility.needed_friction:.3g} g)"
+        rows.append(("Sideways", f"{lateral} {_at(demand.lateral)}{held}"))
+    sharpest = demand.sharpest_corner
+    if sharpest is not None:
+        among = f", of {len(demand.corners)} corners" if len(demand.corners) > 1 else ""
+        text = f"{in_degrees(sharpest.corner)} at {sharpest.name}{among}"
+        rows.append(("Sharpest corner", text))
+    rows.append(("From rest", _jump(demand.from_rest, feasibility)))
+    if demand.largest_jump is not None:
+        at = "the corner at " if demand.largest_jump.at_corner else ""
+        text = f"{_jump(demand.largest_jump, feasibility)} at {at}{demand.largest_jump.name}"
+        rows.append(("Largest jump", text))
     return rows
 
 
-def _jump(joint: Joint, sample_time: float) -> str:
-    if not joint.jump:
+def _at(peak: Peak) -> str:
+    return f"in the corner at {peak.name}" if peak.in_corner else f"in {peak.name}"
+
+
+def _jump(jump: Jump, feasibility: Feasibility) -> str:
+    """Of both wheels, and what it is at the rim."""
+    if not jump.size:
         return "none"
-    return f"{joint.jump:.4g} rad/s in one sample, {joint.jump / sample_time:.3g} rad/s^2"
+    speeds = f"{jump.size:.4g}"
+    if not math.isclose(jump.left, jump.right, rel_tol=1e-9):
+        speeds = f"left {jump.left:.4g}, right {jump.right:.4g}"
+    rim = jump.size * feasibility.robot.wheel_radius / feasibility.demand.sample_time
+    return f"{speeds} rad/s in one sample ({rounded(rim / GRAVITY)} g)"
+
+
+def _inside(demand: Demand) -> str:
+    inside = max(segment.wheel_acceleration for segment in demand.segments)
+    return f"up to {inside:.4g} rad/s^2" if inside else "none: each runs at constant speed"
 
 
 def _verdict(feasibility: Feasibility) -> str:
@@ -94,8 +109,9 @@ def _shown(feasibility: Feasibility) -> Sequence[SegmentDemand]:
     if len(segments) <= _MOST_ROWS:
         return segments
     limits = feasibility.limits
-    top_wheel = min(limits.wheel_speed, feasibility.demand.fastest.fastest_wheel)
-    top_tyre = min(limits.lateral, feasibility.demand.sharpest.lateral_acceleration) or 1.0
+    top_wheel = min(limits.wheel_speed, max(segment.fastest_wheel for segment in segments))
+    sharpest = feasibility.demand.sharpest_segment
+    top_tyre = min(limits.lateral, sharpest.lateral_acceleration) or 1.0
 
     def strain(segment: SegmentDemand) -> float:
         most = max(segment.fastest_wheel / top_wheel, segment.lateral_acceleration / top_tyre)
@@ -108,8 +124,6 @@ def _shown(feasibility: Feasibility) -> Sequence[SegmentDemand]:
 def _segments(
     feasibility: Feasibility, shown: Sequence[SegmentDemand], *, accelerations: bool
 ) -> Grid:
-    from hilc_cli.analysis.feasibility import GRAVITY
-
     header = [
         ("Segment", ""),
         ("Time", "s"),
@@ -183,15 +197,18 @@ def _joints(joints: Sequence[Joint]) -> Grid:
 
 def _document(feasibility: Feasibility) -> dict[str, object]:
     demand, limits = feasibility.demand, feasibility.limits
-    fastest = demand.fastest.fastest_wheel
+    fastest, sharpest, largest = demand.fastest.value, demand.sharpest_corner, demand.largest_jump
     return {
         "feasible": feasibility.feasible,
         "speed_limit_rad_s": limits.wheel_speed,
         "friction": limits.friction,
         "max_wheel_speed_rad_s": fastest,
         "share_of_speed_limit": feasibility.share(fastest),
-        "max_lateral_acceleration_m_s2": demand.sharpest.lateral_acceleration,
+        "max_lateral_acceleration_m_s2": demand.lateral.value,
         "needed_friction": feasibility.needed_friction,
+        "jump_from_rest_rad_s": demand.from_rest.size,
+        "max_jump_rad_s": 0.0 if largest is None else largest.size,
+        "sharpest_corner": None if sharpest is None else sharpest.name,
         "segments": [
             {
                 "name": segment.name,

@@ -41,7 +41,7 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
     """
     title = "What do the paper's theorems say?"
     if check.conditions is None or check.theories is None:
-        return Section("theory", title, [("Theory", "none: this is another law")], document={})
+        return Section("theory", title, [("Theory", "none: this is another law")], brief=())
     measured = None if check.simulated is None else check.simulated.comparisons
     rows, grids = _rows(check.conditions), []
     if check.theories:
@@ -59,9 +59,9 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
         title,
         rows,
         grids,
-        check.findings["theory"],
         _document(check.conditions, check.theories, measured),
         gaps,
+        brief=(),
     )
 
 

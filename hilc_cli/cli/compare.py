@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hilc_cli.cli.candidates import complete_leaderboard, complete_results
 from hilc_cli.cli.options import (
     Force,
     Formats,
@@ -36,12 +37,18 @@ def compare(
     context: typer.Context,
     runs: Annotated[
         list[Path] | None,
-        typer.Argument(metavar="RUN...", help="At least two run folders.", show_default=False),
+        typer.Argument(
+            metavar="RUN",
+            help="At least two run folders.",
+            autocompletion=complete_results,
+            show_default=False,
+        ),
     ] = None,
     laws: Annotated[
         str | None,
         typer.Option(
             metavar="FILE",
+            autocompletion=complete_leaderboard,
             help="Run the laws of this leaderboard in its cases instead; example:leaderboard.",
             show_default=False,
         ),
@@ -65,8 +72,9 @@ def compare(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """Compare runs: errors, speeds and learning, in one table and one picture.
+    """Compare runs, or laws, in one table and one picture.
 
+    Tells errors, speeds and learning of each run.
     Writes comparison.csv, .md, .tex and .png to --out, by default runs/A-vs-B, and prints the
     table. Folders of earlier comparisons are left out. Nothing is simulated.
 
@@ -84,7 +92,6 @@ def compare(
     from hilc_cli import api
     from hilc_cli.cli.several_runs import (
         check_shared_folder,
-        read_runs,
         shared_folder,
         without_comparisons,
     )
@@ -127,7 +134,7 @@ def compare(
             raise UsageError(f"{folder}: is the folder of a sweep; give folders of runs to compare")
     folder = out or shared_folder(runs)
     check_shared_folder(folder)
-    result = api.compare(read_runs(runs))
+    result = api.compare(runs)
     files = result.write(
         folder,
         force=force,

@@ -1,16 +1,32 @@
-"""Shell completion, also of ``example:NAME`` in bash, which takes a colon for a word of its own."""
+"""Shell completion, also of words that bash takes apart, such as ``example:NAME`` and ``KEY=``."""
 
 from __future__ import annotations
 
 import io
 import os
+import re
 from collections.abc import Callable, MutableMapping
 from contextlib import redirect_stdout, suppress
 
-from hilc_cli.shipped_files import PREFIX
-
 REQUEST = "_HILC_COMPLETE"
 """The variable by which a shell asks for completions."""
+
+_BREAK = re.compile(r"[:=]+")
+"""What bash makes a word of its own, unless COMP_WORDBREAKS says otherwise."""
+
+_BASH = """
+%(complete_func)s() {
+    local IFS=$'\\n'
+    COMPREPLY=( $( env COMP_WORDS="${COMP_WORDS[*]}" \\
+                   COMP_CWORD=$COMP_CWORD \\
+                   %(autocomplete_var)s=complete_bash $1 ) )
+    [[ ${#COMPREPLY[@]} -eq 1 && ${COMPREPLY[0]} == *[=/] ]] && compopt -o nospace 2>/dev/null
+    return 0
+}
+
+complete -o default -F %(complete_func)s %(prog_name)s
+"""
+"""Puts no space behind what is to go on: a key and its equals sign, a folder and its slash."""
 
 
 def complete(answer: Callable[[], object]) -> None:
@@ -19,32 +35,51 @@ def complete(answer: Callable[[], object]) -> None:
     Args:
         answer: Prints the completions of what the environment says of the command line.
     """
-    if not join_split_example(os.environ):
-        answer()
-        return
+    kept = join_split_words(os.environ)
     output = io.StringIO()
     with redirect_stdout(output), suppress(SystemExit):
         answer()
-    # bash puts the answer in the place of what stands behind the colon only.
     for line in output.getvalue().splitlines():
-        print(line.removeprefix(PREFIX))
+        print(line.removeprefix(kept))
 
 
-def join_split_example(environment: MutableMapping[str, str]) -> bool:
-    """Puts ``example``, ``:`` and the rest together again in what bash says of the command line.
+def join_split_words(environment: MutableMapping[str, str]) -> str:
+    """Puts words that bash has taken apart together again.
 
     Args:
-        environment: Holds COMP_WORDS and COMP_CWORD; changed in place.
+        environment: Holds COMP_WORDS, a line each, and COMP_CWORD; changed in place.
 
     Returns:
-        Whether there was such a word at the cursor.
+        The part of the word at the cursor that bash keeps: it puts a completion behind it.
     """
-    words = environment.get("COMP_WORDS", "").split(" ")
+    if "COMP_WORDS" not in environment:
+        return ""
+    given = environment["COMP_WORDS"]
+    parts = re.split(r"\n" if "\n" in given else " ", given)
     cursor = int(environment.get("COMP_CWORD") or 0)
-    colon = next((i for i in (cursor, cursor - 1) if words[i : i + 1] == [":"]), 0)
-    if colon < 1 or f"{words[colon - 1]}:" != PREFIX:
-        return False
-    rest = "".join(words[colon + 1 : cursor + 1])
-    environment["COMP_WORDS"] = " ".join([*words[: colon - 1], PREFIX + rest])
-    environment["COMP_CWORD"] = str(colon - 1)
-    return True
+    words: list[str] = []
+    kept = ""
+    for place, part in enumerate(parts[: cursor + 1]):
+        is_break = _BREAK.fullmatch(part) is not None
+        follows = place > 0 and _BREAK.fullmatch(parts[place - 1]) is not None
+        if words and part and (is_break or follows):
+            kept = words[-1] + (part if is_break else "")
+            words[-1] += part
+        else:
+            kept = ""
+            words.append(part)
+    environment["COMP_WORDS"] = "\n".join(words)
+    environment["COMP_CWORD"] = str(len(words) - 1)
+    return kept
+
+
+def use_own_script() -> None:
+    """Lets --install-completion and --show-completion give the script for bash of this module.
+
+    Where Typer keeps its scripts is its own matter: without this, its script serves, and puts a
+    space behind an equals sign.
+    """
+    with suppress(ImportError, AttributeError, TypeError):
+        from typer import _completion_shared
+
+        _completion_shared._completion_scripts["bash"] = _BASH.strip()

@@ -7,7 +7,11 @@ from typing import Annotated
 
 import typer
 
-from hilc_cli.cli.options import Json, Quiet, Verbose, Version
+from hilc_cli.cli.options import Json, Quiet, Verbose, Version, check_is_folder_name
+
+
+def _check_copy(folder: Path | None) -> Path | None:
+    return check_is_folder_name("--copy", folder)
 
 
 def examples(
@@ -17,6 +21,7 @@ def examples(
             "--copy",
             metavar="DIR",
             help="Write them to DIR/scenarios and DIR/trajectories.",
+            callback=_check_copy,
             show_default=False,
         ),
     ] = None,
@@ -31,9 +36,10 @@ def examples(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """List the example scenarios, trajectories and leaderboards, or copy them.
+    """List or copy the examples that come with hilc.
 
-    Scenarios run as example:NAME; scenarios may name trajectories so as well.
+    They are scenarios, trajectories and leaderboards. Scenarios run as example:NAME; scenarios may
+    name trajectories so as well.
 
     \b
     Examples:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
-from hilc_cli.errors import HilcError, InvalidInputError, printable
+from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
 from hilc_cli.surroundings import settle
 
 DONE = 0
@@ -62,8 +62,9 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
     from typer.main import get_command
 
     from hilc_cli.cli.app import app
-    from hilc_cli.cli.completion import REQUEST, complete
+    from hilc_cli.cli.completion import REQUEST, complete, use_own_script
 
+    use_own_script()
     command = get_command(app)
     if REQUEST in os.environ:
         complete(lambda: command.main(args=list(arguments), prog_name="hilc", complete_var=REQUEST))
@@ -78,7 +79,7 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
         raise KeyboardInterrupt from None
     except usage_error as error:
         known = getattr(command, "commands", {})
-        _say(_usage(error, next((name for name in arguments if name in known), "")))
+        _say(_usage(error, next((name for name in arguments if name in known), ""), arguments))
         return WRONG_USAGE
     return DONE
 
@@ -86,8 +87,7 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
 def _exit_code(error: BaseException, session: Session) -> int:
     """Says in one line what went wrong, and returns the exit code."""
     if session.verbose and not isinstance(error, SystemExit | BrokenPipeError):
-        with suppress(OSError):
-            traceback.print_exception(error)
+        _trace(error)
     if session.signal_number is not None:  # whatever came of it, such as a terminal that is gone
         error = InterruptedBySignal(session.signal_number)
     match error:
@@ -107,7 +107,7 @@ def _exit_code(error: BaseException, session: Session) -> int:
             return error.exit_code
         case OSError():
             what = f"{error.filename}: " if error.filename else ""
-            _say(f"hilc: {printable(what)}the system refused: {error.strerror or error}")
+            _say(printable(f"hilc: {what}the system refused: {error.strerror or error}"))
             return COULD_NOT
         case MemoryError():
             _say("hilc: out of memory; record fewer iterations")
@@ -116,17 +116,31 @@ def _exit_code(error: BaseException, session: Session) -> int:
             _say(f"hilc: the system refused: {printable(str(error))}; see 'ulimit -a'")
             return COULD_NOT
         case _:
-            traceback.print_exception(error)
+            _trace(error)
             _say("hilc: this is a bug; please report the lines above")
             return COULD_NOT
 
 
-def _usage(error: Exception, subcommand: str) -> str:
+def _usage(error: Exception, subcommand: str, arguments: Sequence[str]) -> str:
     """One line for a command line that cannot be parsed."""
     command = f"hilc {subcommand}".rstrip()
+    if hasattr(error, "possibilities"):  # an option that is not there
+        from hilc_cli.cli.mistyped import option_meant
+
+        option, parameters = error.option_name, error.ctx.command.params  # type: ignore[attr-defined]
+        options = [name for each in parameters for name in each.opts]
+        meant = option_meant(option, options, arguments)
+        hint = f"did you mean: {shortened(meant)}" if meant else f"see '{command} --help'"
+        return printable(f"hilc: no such option: {shortened(option)}; {hint}")
     message: str = error.format_message()  # type: ignore[attr-defined]
     message = " ".join(message.replace("Value error, ", "").split()).rstrip(".")
     return printable(f"hilc: {message[:1].lower()}{message[1:]}; see '{command} --help'")
+
+
+def _trace(error: BaseException) -> None:
+    """Where a failure comes from, without what its texts would do to a terminal."""
+    lines = "".join(traceback.format_exception(error)).split("\n")
+    _say("\n".join(map(printable, lines)).rstrip("\n"))
 
 
 def _say(text: str) -> None:

@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from hilc_cli.shipped_files import PREFIX, examples
+from hilc_cli.cli.candidates import complete_key, complete_scenario
+from hilc_cli.errors import UsageError
 from hilc_cli.version import __version__
 
 
@@ -18,6 +19,17 @@ class PictureFormat(StrEnum):
     PNG = "png"
     SVG = "svg"
     PDF = "pdf"
+
+
+_FILE_ENDINGS = frozenset(
+    {
+        *PictureFormat,
+        *("jpg", "jpeg", "gif", "tif", "tiff", "webp", "eps", "ps"),
+        *("csv", "tsv", "txt", "md", "tex", "html", "json", "yaml", "yml", "parquet"),
+        *("tum", "mcap", "bag", "db3", "zip", "gz", "tar", "log", "mat", "npy", "npz", "xlsx"),
+    }
+)
+"""Names that end like that are those of files, whatever kinds hilc writes."""
 
 
 class PictureKind(StrEnum):
@@ -49,17 +61,27 @@ def _remember_verbose(context: typer.Context, verbose: bool) -> bool:
     return verbose
 
 
-def complete_scenario(incomplete: str) -> list[str]:
-    """Example names and YAML files that a scenario argument may go on with."""
-    names = [f"{PREFIX}{path.stem}" for path in examples()]
-    folder = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
-    if folder.is_dir():
-        names += [
-            f"{path}/" if path.is_dir() else str(path)
-            for path in sorted(folder.iterdir())
-            if path.is_dir() or path.suffix in (".yaml", ".yml")
-        ]
-    return [name for name in names if name.startswith(incomplete)]
+def check_is_folder_name(option: str, folder: Path | None) -> Path | None:
+    """Makes sure that what is to be a folder is not called like a file.
+
+    Args:
+        option: What it was given as.
+        folder: The folder; None if none was given.
+
+    Raises:
+        UsageError: The name has the ending of a kind of file, such as ``.pdf``.
+    """
+    ending = "" if folder is None else folder.suffix.lower().removeprefix(".")
+    if folder is not None and ending in _FILE_ENDINGS:
+        remedy = f"give the name of a folder, such as {folder.stem}"
+        if ending in set(PictureFormat):
+            remedy += f", and --format {ending} where pictures are drawn"
+        raise UsageError(f"{option} {folder}: is the name of a file; {remedy}")
+    return folder
+
+
+def _check_out(folder: Path | None) -> Path | None:
+    return check_is_folder_name("--out", folder)
 
 
 ScenarioArgument = Annotated[
@@ -77,12 +99,19 @@ Overrides = Annotated[
         "--set",
         metavar="KEY=VALUE",
         help="Replace a value of the scenario, such as controller.gains.l1=0.5; repeatable.",
+        autocompletion=complete_key,
         show_default=False,
     ),
 ]
 OutputFolder = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="The very folder to write.", show_default=False),
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="The very folder to write.",
+        callback=_check_out,
+        show_default=False,
+    ),
 ]
 Force = Annotated[
     bool, typer.Option("--force", help="Replace other results that stand in the folder.")

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from hilc_cli.cli.candidates import complete_results
 from hilc_cli.cli.options import (
     Force,
     Formats,
@@ -22,13 +23,15 @@ from hilc_cli.cli.options import (
 
 def plot(
     runs: Annotated[
-        list[Path],
+        list[Path] | None,
         typer.Argument(
             metavar="RUN",
-            help="Run folders, or the folder of one sweep or leaderboard.",
+            help="Run folders, or the folder of one sweep or leaderboard. "
+            "[default: the newest in runs/]",
+            autocompletion=complete_results,
             show_default=False,
         ),
-    ],
+    ] = None,
     kind: Annotated[
         list[PictureKind] | None,
         typer.Option(
@@ -56,29 +59,37 @@ def plot(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """Draw pictures of runs, of a sweep or of a leaderboard, from their tables.
+    """Draw pictures of runs, a sweep or a leaderboard.
 
-    One run, sweep or leaderboard is drawn into its own folder; several runs are laid over each
-    other and drawn into --out, by default runs/A-vs-B. Nothing is simulated.
+    One run, sweep or leaderboard is drawn into its own folder, without a name the newest in runs/;
+    several runs are laid over each other and drawn into --out, by default runs/A-vs-B. All is drawn
+    from tables; nothing is simulated.
 
     \b
     Examples:
+      hilc plot
       hilc plot runs/fig3-circle --kind error --format svg
       hilc plot runs/fig7a runs/fig7b --out limit --iterations 0,1,10,100
       hilc plot runs/fig8a-sweep --format pdf
       hilc plot runs/leaderboard --format svg --format pdf
     """
     from hilc_cli import api
+    from hilc_cli.cli.default_folders import RUNS
+    from hilc_cli.cli.newest_results import newest_results
     from hilc_cli.cli.ranges import parse_whole_numbers
     from hilc_cli.cli.several_runs import (
         check_shared_folder,
-        read_runs,
         shared_folder,
         without_comparisons,
     )
+    from hilc_cli.cli.terminal import say
     from hilc_cli.errors import UsageError
     from hilc_cli.results.run_folder import ITERATIONS
 
+    if not runs:
+        runs = [newest_results(RUNS)]
+        if not quiet:
+            say(f"no run is named: drawing the newest, {runs[0]}")
     kinds = [choice.value for choice in kind or []]
     suffixes = [choice.value for choice in formats or [PictureFormat.PNG]]
     if any(map(api.is_sweep, runs)):
@@ -115,7 +126,7 @@ def plot(
             f"{runs[0]}: holds neither a run nor a sweep nor a leaderboard; "
             "give a folder that hilc has written"
         )
-    results = read_runs(runs)
+    results = api.as_runs(runs)
     chosen: set[int] | None = None
     if wanted is not None:
         chosen = {*wanted.single, *(i for run in results for i in run.trials if i in wanted)}
@@ -138,8 +149,9 @@ def plot(
 
 def _tell(folder: Path, pictures: list[Path], *, json: bool, quiet: bool) -> None:
     from hilc_cli.cli.terminal import print_json, print_text
+    from hilc_cli.errors import printable
 
     if json:
         print_json({"folder": str(folder), "files": [str(picture) for picture in pictures]})
     elif not quiet:
-        print_text("\n".join(map(str, pictures)))
+        print_text("\n".join(printable(str(picture)) for picture in pictures))

@@ -37,7 +37,7 @@ def reproduce(
     figures: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[FIG]...",
+            metavar="FIG",
             help="Figures of the paper, fig3 to fig8. [default: all, and the claims]",
             autocompletion=complete_figure,
             show_default=False,

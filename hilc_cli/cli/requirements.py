@@ -1,4 +1,7 @@
-"""``--require 'METRIC<=VALUE'``: what the last iteration must have reached, or the law learned."""
+"""``--require METRIC:le:VALUE``: what the last iteration must have reached, or the law learned.
+
+``'METRIC<=VALUE'`` says the same with characters that a shell must be kept from.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ _RELATIONS: Mapping[str, Callable[[float, float], bool]] = {
     "<": operator.lt,
     ">": operator.gt,
 }
-_FORM = re.compile(r"\s*(\w+)\s*(<=|>=|<|>)\s*([^<>=\s].*)")
+_IN_WORDS = {"le": "<=", "ge": ">=", "lt": "<", "gt": ">"}
+"""As in the shell's own comparisons."""
+_FORM = re.compile(r"\s*(\w+)\s*(<=|>=|<|>|:(?:le|ge|lt|gt):)\s*([^<>=:\s].*)")
 _UNITS = {
     "_rad_s": Unit(angle=1, time=-1),
     "_rad": Unit(angle=1),
@@ -70,8 +75,12 @@ def _parse(text: str, known: Sequence[str]) -> Requirement:
     label = f"--require {text}"
     match = _FORM.fullmatch(text)
     if match is None:
-        raise UsageError(f"{label}: must read METRIC<=VALUE, such as max_position_error_m<=0.01")
+        raise UsageError(
+            f"{label}: must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in "
+            "quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >"
+        )
     metric, relation, value = match.groups()
+    relation = _IN_WORDS.get(relation.strip(":"), relation)
     if metric not in known:
         raise UsageError(f"{label}: '{metric}' is no metric; {suggestion(metric, known)}")
     try:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hilc_cli.cli.candidates import complete_metric
 from hilc_cli.cli.options import (
     Force,
     Formats,
@@ -41,9 +42,10 @@ def run(
     require: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="'METRIC<=VALUE'",
+            metavar="METRIC:le:VALUE",
             help="Exit with 3 unless a metric of the last iteration, or a figure that its law "
-            "tells, keeps a bound; repeatable.",
+            "tells, keeps a bound (le, lt, ge, gt, or in quotes 'METRIC<=VALUE'); repeatable.",
+            autocompletion=complete_metric,
             show_default=False,
         ),
     ] = None,
@@ -56,25 +58,28 @@ def run(
 ) -> None:
     """Simulate a scenario.
 
-    Writes tables and pictures to a run folder, by default runs/NAME, and prints a summary.
+    Writes tables and pictures to a run folder, by default runs/NAME, or with --set KEY=VALUE
+    runs/NAME+key=value, and prints a summary. Pictures that are there stay if the tables are the
+    same.
 
     \b
     Examples:
       hilc run scenarios/fig3-circle.yaml
-      hilc run example:fig6c --set controller.b_w=null --set iterations=20 --out runs/free
-      hilc run my.yaml --json --no-plots --require 'max_position_error_m<=0.05'
+      hilc run example:fig6c --set controller.b_w=null --set iterations=20
+      hilc run my.yaml --json --no-plots --require max_position_error_m:le:0.05
     """
     from hilc_cli import api
+    from hilc_cli.cli.default_folders import default_folder
     from hilc_cli.cli.requirements import parse_requirements
     from hilc_cli.cli.terminal import print_json, print_table, print_text, progress, say
 
     valid = api.load_scenario(scenario, set_ or [])
     requirements = parse_requirements(require or [], valid.spec.controller.figures())
-    folder = Path("runs") / valid.name if out is None else out
+    folder = out or default_folder(valid.name, set_)
     api.check_folder(valid, folder, force=force)
-    warnings = api.forewarnings(valid)
+    known = api.forewarnings(valid)
     if not quiet:
-        for warning in warnings:
+        for warning in known:
             say(f"warning: {warning}")
     session: Session = context.obj
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet) as advance:
@@ -92,14 +97,17 @@ def run(
         command=sys.argv,
     )
     summary = result.summary()
+    if not quiet:
+        for warning in summary.warnings[len(known) :]:
+            say(f"warning: {warning}")
     reached = summary.reached
     unmet = [requirement for requirement in requirements if not requirement.met(reached)]
     if json:
-        print_json(_document(result, summary, folder, requirements, warnings))
+        print_json(_document(result, summary, folder, requirements))
     elif not quiet:
-        from hilc_cli.cli.summary_table import summary_table
+        from hilc_cli.cli.summary_table import summary_report
 
-        print_table(summary_table(summary, valid.speed_limit))
+        print_table(summary_report(summary, valid.speed_limit))
         print_text(f"Written to {folder}")
     if verbose:
         for step, seconds in {**result.timings, **timings}.items():
@@ -123,7 +131,6 @@ def _document(
     summary: Summary,
     folder: Path,
     requirements: list[Requirement],
-    warnings: list[str],
 ) -> dict[str, object]:
     last = result.last.iteration
     gravity_x, gravity_y, heading = result.gravity_center_path(last)
@@ -132,6 +139,7 @@ def _document(
         del figures["learning"]
     return {
         "folder": str(folder),
+        "headline": summary.headline,
         **figures,
         "compensation": result.scenario.compensates,
         "final_gravity_center": {
@@ -139,7 +147,6 @@ def _document(
             "y_m": float(gravity_y[-1]),
             "heading_rad": float(heading[-1]),
         },
-        "warnings": warnings,
         "requirements": [
             {"text": requirement.text, "met": requirement.met(summary.reached)}
             for requirement in requirements

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hilc_cli.errors import printable
 from hilc_cli.results.search import BEST
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ def search_table(summary: SweepSummary, as_it_is: AsItIs) -> Table:
     of_best = math.nan if best is None else best.metric
     table.add_row(summary.metric, _number(as_it_is.metric), _number(of_best))
     for key, value in as_it_is.values.items():
-        table.add_row(key, shown(value), _NOTHING if best is None else shown(best.values[key]))
+        found = _NOTHING if best is None else shown(best.values[key])
+        table.add_row(*map(printable, (key, shown(value), found)))
     return table
 
 

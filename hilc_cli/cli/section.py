@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from hilc_cli.cli.terminal import is_decorated, print_table, print_text, two_columns
+from hilc_cli.errors import printable
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-    from hilc_cli.analysis.findings import Findings
+    from rich.text import Text
 
 _WIDEST = 100
 
@@ -43,40 +43,66 @@ class Section:
         title: Above its rows.
         rows: Names and what there is to say of them.
         grids: Tables below the rows.
-        findings: What is wrong, and what is legal but unwise.
         document: Its part of the JSON document.
         notes: Paragraphs below the tables.
+        brief: What the report of one screen has of it, among the rows of the other parts, and the
+            long one need not repeat; None: all of `rows`.
     """
 
     key: str
     title: str
     rows: Sequence[tuple[str, str]] = ()
     grids: Sequence[Grid] = ()
-    findings: Findings | None = None
     document: Mapping[str, object] = field(default_factory=dict)
     notes: Sequence[str] = ()
+    brief: Sequence[tuple[str, str]] | None = None
+
+    @property
+    def in_brief(self) -> Sequence[tuple[str, str]]:
+        """What the report of one screen has of it."""
+        return self.rows if self.brief is None else self.brief
+
+    @property
+    def beyond_brief(self) -> Sequence[tuple[str, str]]:
+        """The rows that the report of one screen leaves out."""
+        return () if self.brief is None else self.rows
 
 
 def print_section(section: Section) -> None:
-    """A section to stdout."""
-    print_table(two_columns(section.title, section.rows, numbers=False))
+    """What the report of one screen leaves out of a section, if anything, to stdout."""
+    rows = section.beyond_brief
+    if not (rows or section.grids or section.notes):
+        return
+    print_text("")
+    print_table(two_columns(section.title, rows, numbers=False) if rows else title(section.title))
     for grid in section.grids:
         print_text("")
-        print_table(_table(grid))
-        if grid.note:
-            print_text(textwrap.fill(grid.note, _width()))
+        print_grid(grid)
     if section.notes:
         print_text("")
     for note in section.notes:
         print_text(textwrap.fill(note, _width(), subsequent_indent="  "))
-    found = section.findings
-    if found is None or not (found.failures or found.warnings):
-        return
-    print_text("")
-    for failure in found.failures:
-        _print_finding(f"error: {failure}")
-    for warning in found.warnings:
-        _print_finding(f"warning: {warning}")
+
+
+def title(text: str) -> Text:
+    """What stands above rows: bold on a terminal."""
+    from rich.text import Text
+
+    return Text(text, style="bold")
+
+
+def print_grid(grid: Grid) -> None:
+    """A table and its note to stdout."""
+    print_table(_table(grid))
+    if grid.note:
+        print_text(textwrap.fill(grid.note, _width()))
+
+
+def finding_lines(text: str) -> list[str]:
+    """A finding in lines as wide as the terminal if there is one, in one line for grep if not."""
+    if not is_decorated(sys.stdout):
+        return [text]
+    return textwrap.wrap(text, _width(), subsequent_indent="  ", break_long_words=False)
 
 
 def counted(count: int, name: str) -> str:
@@ -86,25 +112,17 @@ def counted(count: int, name: str) -> str:
 
 def _table(grid: Grid) -> Table:
     from rich import box
-    from rich.markup import escape  # units stand in brackets, as Rich's markup does
     from rich.table import Table
 
     table = Table(box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False, show_edge=False)
     for index, (name, unit) in enumerate(grid.header):
         text = f"{name}\n[{unit}]" if unit else name
         table.add_column(
-            escape(text), justify="right" if index else "left", no_wrap=not index, overflow="fold"
+            text, justify="right" if index else "left", no_wrap=not index, overflow="fold"
         )
     for row in grid.rows:
-        table.add_row(*row)
+        table.add_row(*map(printable, row))
     return table
-
-
-def _print_finding(text: str) -> None:
-    """A text, in lines as wide as the terminal if there is one, in one line for grep if not."""
-    if is_decorated(sys.stdout):
-        text = textwrap.fill(text, _width(), subsequent_indent="  ", break_long_words=False)
-    print_text(text)
 
 
 def _width() -> int:

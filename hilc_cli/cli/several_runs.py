@@ -1,36 +1,16 @@
-"""What commands on several run folders share: names that differ, and where the results go."""
+"""What commands on several run folders share: which are runs, and where the results go."""
 
 from __future__ import annotations
 
 import hashlib
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from hilc_cli.errors import UsageError
+from hilc_cli.cli.default_folders import RUNS
+from hilc_cli.errors import UsageError, printable
 
-if TYPE_CHECKING:
-    from hilc_cli.api import RunData
-
-
-def read_runs(folders: Sequence[Path]) -> list[RunData]:
-    """The runs in some folders, told apart by the names of the folders if two are called alike.
-
-    Raises:
-        HilcError: One is no run folder, or damaged.
-    """
-    from hilc_cli.api import read_run
-
-    runs = [read_run(folder) for folder in folders]
-    choices = (
-        [run.name for run in runs],
-        [folder.resolve().name for folder in folders],
-        [str(folder) for folder in folders],
-    )
-    names = next((names for names in choices if len(set(names)) == len(names)), choices[1])
-    return [replace(run, name=name) for run, name in zip(runs, names, strict=True)]
+_LONGEST = 200  # bytes of a folder's name, which the system lets have 255
 
 
 def without_comparisons(folders: Sequence[Path]) -> list[Path]:
@@ -56,25 +36,30 @@ def without_comparisons(folders: Sequence[Path]) -> list[Path]:
 def shared_folder(folders: Sequence[Path]) -> Path:
     """Where the results of several runs go by default, such as runs/A-vs-B.
 
-    More than two are told from other such sets by a few digits, which follow from where they are.
+    More than two, and names too long for one, are told from other such sets by a few digits, which
+    follow from where they are.
     """
-    names = [folder.resolve().name for folder in folders]
-    if len(names) == 2:
-        return Path("runs") / f"{names[0]}-vs-{names[1]}"
+    names = [printable(folder.resolve().name) for folder in folders]
+    both = f"{names[0]}-vs-{names[1]}"
+    if len(names) == 2 and len(os.fsencode(both)) <= _LONGEST:
+        return RUNS / both
     places = "\0".join(os.path.relpath(folder.resolve()) for folder in folders)
     digits = hashlib.sha256(os.fsencode(places)).hexdigest()[:6]
-    return Path("runs") / f"{names[0]}-and-{len(names) - 1}-more-{digits}"
+    first = os.fsdecode(os.fsencode(names[0])[: _LONGEST // 2])
+    return RUNS / f"{first}-and-{len(names) - 1}-more-{digits}"
 
 
 def check_shared_folder(folder: Path) -> None:
     """Makes sure that results of several runs do not end up among those of one.
 
     Raises:
-        UsageError: The folder is that of a run, of a sweep or of a leaderboard.
+        UsageError: The folder is that of a run, of a sweep or of a leaderboard, or a link.
     """
     from hilc_cli.api import is_leaderboard, is_sweep
     from hilc_cli.results.run_folder import is_run_folder
 
+    if folder.is_symlink():
+        raise UsageError(f"--out {folder}: is a link; name the folder that it leads to")
     kinds = {"run": is_run_folder, "sweep": is_sweep, "leaderboard": is_leaderboard}
     what = next((name for name, is_one in kinds.items() if is_one(folder)), "")
     if what:

@@ -9,6 +9,11 @@ from typing import Annotated, Any
 
 import typer
 
+from hilc_cli.cli.candidates import (
+    complete_case_metric,
+    complete_scenario,
+    complete_varied_key,
+)
 from hilc_cli.cli.options import (
     Force,
     Json,
@@ -17,7 +22,6 @@ from hilc_cli.cli.options import (
     Quiet,
     Verbose,
     Version,
-    complete_scenario,
 )
 from hilc_cli.cli.resumable import resumable
 from hilc_cli.cli.session import Session
@@ -59,6 +63,7 @@ def sweep(
             "--vary",
             metavar="KEY=VALUES",
             help="0.1,1,10 or 0.1:10:20 or 0.1:10:20:log or 1..30; several make a grid.",
+            autocompletion=complete_varied_key,
             show_default=False,
         ),
     ] = None,
@@ -78,6 +83,7 @@ def sweep(
         typer.Option(
             metavar="METRIC",
             help="Search the ranges, in --cases N, for the case in which this is smallest.",
+            autocompletion=complete_case_metric,
             show_default=False,
         ),
     ] = None,
@@ -95,7 +101,9 @@ def sweep(
     metric: Annotated[
         str | None,
         typer.Option(
+            metavar="METRIC",
             help="What cases are ranked by and pictures report. [default: max_position_error_m]",
+            autocompletion=complete_case_metric,
             show_default=False,
         ),
     ] = None,
@@ -122,7 +130,9 @@ def sweep(
     shard: Annotated[
         str | None,
         typer.Option(
-            metavar="K/N", help="Compute the K-th of N parts, for --merge.", show_default=False
+            metavar="K/N",
+            help="Compute the K-th of N parts into DIR.K-of-N, for --merge.",
+            show_default=False,
         ),
     ] = None,
     merge: Annotated[
@@ -145,22 +155,27 @@ def sweep(
     verbose: Verbose = False,
     version: Version = False,
 ) -> None:
-    """Run a scenario many times with other values, or search for the best ones.
+    """Run a scenario with many values, or search for the best ones.
 
     Writes a row per case to runs/NAME-sweep/cases.csv, and pictures; --minimise also the best
-    case, as a scenario, to best.yaml there. Results of an unfinished sweep stay in
-    runs/NAME-sweep.part, for --resume.
+    case, as a scenario, to best.yaml there. With --set KEY=VALUE the folder is
+    runs/NAME+key=value-sweep. Results of an unfinished sweep stay in runs/NAME-sweep.part, for
+    --resume.
 
     \b
     Examples:
       hilc sweep example:fig8a --vary controller.gains.l1=0.05:1:20
-      hilc sweep my.yaml --vary controller.gains.l1=0.1:10:40:log --vary controller.h=100,200
-      hilc sweep my.yaml --vary disturbance.seed=1..100 --bands --tolerance '5 cm'
-      hilc sweep my.yaml --vary robot.wheel_radius=0.15:0.25 --sample sobol --cases 1000
-      hilc sweep my.yaml --vary controller.gains.l1=0:20 --minimise max_position_error_m --cases 200
+      hilc sweep my.yaml --vary controller.gains.l1=0.1:10:40:log \\
+          --vary controller.h=100,200
+      hilc sweep my.yaml --vary disturbance.seed=1..100 --bands --tolerance 5cm
+      hilc sweep my.yaml --vary robot.wheel_radius=0.15:0.25 --sample sobol \\
+          --cases 1000
+      hilc sweep my.yaml --vary controller.gains.l1=0:20 --cases 200 \\
+          --minimise max_position_error_m
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
     from hilc_cli import api
+    from hilc_cli.cli.default_folders import SWEEP, default_folder, folder_of_shards, shard_folder
     from hilc_cli.cli.sweep_report import AGAIN, SHARDS_AGAIN, SweepReport
 
     session: Session = context.obj
@@ -179,7 +194,7 @@ def sweep(
         _check_merge(vary, sample, cases, seed, minimise, tolerance, bands, metric, set_, workers,
                      scheduler, shard, resume, fail_fast, dry_run)  # fmt: skip
         result = api.merge_shards([Path(folder) for folder in targets], go_on=session.go_on)
-        folder = out or Path("runs") / f"{result.name}-sweep"
+        folder = out or folder_of_shards(result.name, [Path(target) for target in targets])
         result.write(folder, **writing)
         report.result(result, folder, SHARDS_AGAIN)
         return
@@ -208,15 +223,14 @@ def sweep(
         computed = len(plan.cases if part is None else api.shard_cases(len(plan.cases), *part))
         report.estimate(plan, api.estimate(plan, workers or api.available_cores(), computed))
         return
-    place = Path("runs") / f"{plan.name}-sweep"
+    folder = out or default_folder(plan.name, set_, SWEEP)
     kept = {"resume": resume, "force": force}
     if part is not None:
-        folder = out or place.with_name(f"{place.name}.{part[0]}-of-{part[1]}")
+        folder = shard_folder(folder, *part)
         with resumable(folder), report.progress(plan, part) as on_cases:
             failures = api.sweep_shard(plan, part, folder, how.telling(on_cases), **kept)
         report.shard(plan, part, failures, folder)
         return
-    folder = out or place
     api.check_sweep_output(plan, folder, force=force)
     work = api.work_folder(folder)
     if resume and not api.is_resumable(work) and api.is_complete(plan, folder):

@@ -1,4 +1,8 @@
-"""What goes to the terminal: results to stdout, everything else to stderr."""
+"""What goes to the terminal: results to stdout, everything else to stderr.
+
+Names, keys and texts may be anybody's. Here they lose what would steer the terminal, and nothing in
+them is taken for Rich's markup.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +12,14 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TextIO
 
-from hilc_cli.errors import FileAccessError
+from hilc_cli.errors import FileAccessError, printable
 from hilc_cli.files import reason
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
     from rich.table import Table
 
 _WIDTH_WITHOUT_TERMINAL = 500  # no line of a table is broken where grep reads it
@@ -22,16 +27,24 @@ _WIDTH_WITHOUT_TERMINAL = 500  # no line of a table is broken where grep reads i
 
 def say(message: str) -> None:
     """A message to the user, on stderr."""
-    print(f"hilc: {message}", file=sys.stderr, flush=True)
+    print(f"hilc: {printable(message)}", file=sys.stderr, flush=True)
 
 
 def print_text(text: str) -> None:
-    """Results to stdout.
+    """Results to stdout, line by line.
 
     Raises:
         BrokenPipeError: Nobody reads any more.
         FileAccessError: They cannot be written.
     """
+    _write(_printable_lines(text))
+
+
+def _printable_lines(text: str) -> str:
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def _write(text: str) -> None:
     try:
         sys.stdout.write(text + "\n")
         sys.stdout.flush()
@@ -56,8 +69,12 @@ def _with_nulls(value: Any) -> Any:
     return value
 
 
-def print_table(table: RenderableType) -> None:
-    """A table to stdout, with colours on a terminal only."""
+def print_table(table: RenderableType) -> int:
+    """A table to stdout, with colours on a terminal only.
+
+    Returns:
+        The number of its lines.
+    """
     from rich.console import Console
 
     decorated = is_decorated(sys.stdout)
@@ -65,19 +82,36 @@ def print_table(table: RenderableType) -> None:
         force_terminal=decorated,
         no_color=not decorated,
         highlight=False,
+        markup=False,
+        emoji=False,
         width=None if decorated else _WIDTH_WITHOUT_TERMINAL,
     )
     with console.capture() as capture:
-        console.print(table)
-    lines = (line.rstrip() for line in capture.get().splitlines())
-    print_text("\n".join(lines).rstrip("\n"))
+        console.print(_Harmless(table))
+    lines = (line.rstrip() for line in capture.get().split("\n"))
+    text = "\n".join(lines).rstrip("\n")
+    _write(text)
+    return text.count("\n") + 1
+
+
+@dataclass(frozen=True, slots=True)
+class _Harmless:
+    """What Rich makes of something, with no escape codes but its own."""
+
+    content: RenderableType
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        from rich.segment import Segment
+
+        for text, style, control in console.render(self.content, options):
+            yield Segment(_printable_lines(text), style, control)
 
 
 def two_columns(title: str, rows: Sequence[tuple[str, str]], *, numbers: bool = True) -> Table:
     """A table of names and values under a title.
 
     Args:
-        title: The title.
+        title: The title; empty for none.
         rows: Name and value of each row.
         numbers: The values are numbers, which stand at the right.
     """
@@ -85,7 +119,7 @@ def two_columns(title: str, rows: Sequence[tuple[str, str]], *, numbers: bool = 
     from rich.table import Table
 
     table = Table(
-        title=title,
+        title=printable(title) or None,
         box=box.SIMPLE_HEAD,
         show_header=False,
         title_justify="left",
@@ -94,7 +128,7 @@ def two_columns(title: str, rows: Sequence[tuple[str, str]], *, numbers: bool = 
     table.add_column()
     table.add_column(justify="right" if numbers else "left")
     for name, value in rows:
-        table.add_row(name, value)
+        table.add_row(printable(name), printable(value))
     return table
 
 
@@ -131,7 +165,7 @@ def progress(
     )
 
     bar = Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
@@ -139,5 +173,6 @@ def progress(
         transient=True,
     )
     with bar:
+        title = printable(title)
         task = bar.add_task(f"{title}{stage(0)}", total=total)
         yield lambda done: bar.update(task, completed=done, description=f"{title}{stage(done)}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +12,10 @@ from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.figures import labels, layout, logarithmic, style
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import MAX_ERROR_SECOND_HALF
 from hilc_cli.results.run import RunData
+
+LineStyle = str | tuple[int, tuple[float, ...]]
 
 ZERO_LABEL = "Exactly zero"
 STRIP_LABEL = "Samples at speed limit (0 to 100 %)"
@@ -33,6 +36,10 @@ _SINGLE = (
 )
 SINGLE_METRICS = tuple(column[0] for column in _SINGLE)
 """What is drawn of a single run."""
+SECOND_HALF_LABEL = "Maximum, second half"
+_DASH_DOTTED = (0, (6, 1.6, 1.2, 1.6))
+_SECOND_HALF = (MAX_ERROR_SECOND_HALF, SECOND_HALF_LABEL, style.WINE, _DASH_DOTTED)
+"""What is drawn as well where a start beside the path decides the maximum."""
 
 
 def drawable(errors: Floats) -> Floats:
@@ -49,21 +56,30 @@ def saturated_share(run: RunData) -> Floats:
 def draw_error(
     axes: Axes,
     runs: Sequence[RunData],
-    metrics: Collection[str] = SINGLE_METRICS,
+    metrics: Collection[str] | None = None,
     entitle: labels.Entitle = labels.set_title,
 ) -> None:
     """Draws the position error against the iteration.
 
     Of a single run the maximum, RMS and mean; of several the maximum, and the mean as a thin line;
-    of more than ``MOST_DETAILED`` the maximum alone.
+    of more than ``MOST_DETAILED`` the maximum alone. Where a start beside the path decides the
+    maximum of a run, the maximum of the second half is drawn as well: of a single run as one more
+    line, of several in the place of the mean.
 
     Args:
         axes: Where to draw.
         runs: At least one.
-        metrics: Which of ``SINGLE_METRICS`` to draw of a single run.
+        metrics: Which of ``SINGLE_METRICS`` to draw of a single run, and nothing else.
         entitle: Puts the title above the panel.
     """
     several, detailed = len(runs) > 1, len(runs) <= MOST_DETAILED
+    off = metrics is None and any(run.start_decides for run in runs)
+    single = (*_SINGLE, *((_SECOND_HALF,) if off else ()))
+    thin, thin_label, thin_style = (
+        (MAX_ERROR_SECOND_HALF, SECOND_HALF_LABEL, _DASH_DOTTED)
+        if off
+        else (_SINGLE[2][0], "Mean", style.DOTTED)
+    )
     shares = [share for share in map(saturated_share, runs) if detailed and share.any()]
     strip = min(_STRIP, _STRIPS / max(1, len(shares)))
     strips = strip * len(shares)
@@ -75,10 +91,10 @@ def draw_error(
         columns = (
             (
                 (_SINGLE[0][0], name, color, "-"),
-                (_SINGLE[2][0], "_mean", color, style.DOTTED),
+                (thin, "_second half" if off else "_mean", color, thin_style),
             )[: 2 if detailed else 1]
             if several
-            else tuple(column for column in _SINGLE if column[0] in metrics)
+            else tuple(column for column in single if metrics is None or column[0] in metrics)
         )
         for place, (metric, label, line_color, line_style) in enumerate(columns):
             errors = drawable(run.metrics[metric])
@@ -119,7 +135,8 @@ def draw_error(
                 linewidth=1.0,
                 label="_diverged",
             )
-    _legend_proxies(axes, several=several, means=detailed, zeros=zeros)
+    shared = {"Maximum": "-"} | ({thin_label: thin_style} if detailed else {})
+    _legend_proxies(axes, shared if several else {}, zeros=zeros)
     scale_iterations(axes, runs)
     _scale_errors(axes, lines, strips)
     if detailed:
@@ -127,18 +144,11 @@ def draw_error(
     entitle(axes, "Position error", [*_gap_notes(runs), *labels.divergence_notes(runs)])
 
 
-def _legend_proxies(axes: Axes, *, several: bool, means: bool, zeros: bool) -> None:
+def _legend_proxies(axes: Axes, lines: Mapping[str, LineStyle], *, zeros: bool) -> None:
     """Names what the lines of a kind have in common."""
-    if several:
-        axes.plot([], [], color="black", linewidth=style.PATH_WIDTH, label="Maximum")
-    if several and means:
-        axes.plot(
-            *([], []),
-            color="black",
-            linewidth=style.THIN,
-            linestyle=style.DOTTED,
-            label="Mean",
-        )
+    for place, (label, line_style) in enumerate(lines.items()):
+        width = style.THIN if place else style.PATH_WIDTH
+        axes.plot([], [], color="black", linewidth=width, linestyle=line_style, label=label)
     if zeros:
         axes.plot(
             *([], []),

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from matplotlib.axes import Axes
 from matplotlib.ticker import Formatter
 
+from hilc_cli.errors import printable
 from hilc_cli.figures.style import NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
 from hilc_cli.results.run import RunData, distinct_names
 
@@ -24,13 +25,14 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 def run_labels(runs: Sequence[RunData]) -> list[str]:
     """The names of runs, shortened where they are very long and told apart where they are equal."""
-    names = [shortened(run.name) for run in runs]
+    names = [shortened(run.name).strip() or "(no name)" for run in runs]
     # Matplotlib leaves labels that start with an underscore out of the legend.
     return distinct_names([f" {name}" if name.startswith("_") else name for name in names])
 
 
 def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
-    """A name that is not longer than so many characters; both its ends stay, they differ most."""
+    """A name in at most so many printable characters; both its ends stay, they differ most."""
+    name = printable(name)
     if len(name) <= longest:
         return name
     head = (longest - 1) // 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -17,6 +18,7 @@ RUN_COLORS = (
     *(BLUE, ORANGE, "#882255", "#56B4E9", VERMILLION, GREEN),
     *("#332288", "#CC79A7", "#666666", "#999933"),
 )
+WINE = RUN_COLORS[2]
 # Sparse markers tell runs apart where colour cannot.
 RUN_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p")
 REFERENCE_COLOR = "black"
@@ -102,7 +104,9 @@ def applied(*, in_print: bool = False) -> Iterator[None]:
     Args:
         in_print: With the text sizes of a journal's page, where many panels share one.
     """
-    with matplotlib.rc_context():
+    with matplotlib.rc_context(), warnings.catch_warnings():
+        # A name may have letters that the font lacks, which are drawn as boxes.
+        warnings.filterwarnings("ignore", r"Glyph .* missing from font")
         # As a dictionary: what comes with Matplotlib needs no validation, which takes its time
         # and warns of settings that it is about to drop.
         dict.update(matplotlib.rcParams, _DEFAULTS)

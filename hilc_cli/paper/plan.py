@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hilc_cli.figures.paper.panel import SHOWN_ITERATIONS
+from hilc_cli.named import in_short, listed
 from hilc_cli.paper.claim import Claim
 from hilc_cli.paper.contents import FIGURE_NAMES, PaperFigure, figures_named
 from hilc_cli.results.recording import recorded_iterations
@@ -16,7 +17,7 @@ from hilc_cli.spec.loading import load_scenario
 from hilc_cli.spec.valid import Scenario
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ReproductionPlan:
     """Some of the paper's figures, and its claims if all figures are among them.
 
@@ -29,6 +30,12 @@ class ReproductionPlan:
     figures: tuple[PaperFigure, ...]
     scenarios: Mapping[str, Scenario]
     claims: tuple[Claim, ...]
+
+    def __repr__(self) -> str:
+        figures = listed(figure.name for figure in self.figures)
+        return in_short(
+            f"Plan to reproduce {figures}: {len(self.scenarios)} runs, {len(self.claims)} claims"
+        )
 
     @property
     def steps(self) -> int:

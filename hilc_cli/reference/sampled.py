@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Reference:
     """A reference trajectory y_d, sampled at equal times.
 
@@ -33,6 +33,9 @@ class Reference:
     segment_ends: tuple[int, ...] = ()
     lengths: tuple[float, ...] = ()
     corners: tuple[float, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"Reference {self.name!r}: {self.samples} samples of {self.sample_time:g} s"
 
     @property
     def samples(self) -> int:

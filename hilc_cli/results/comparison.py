@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import UnknownNameError, UsageError
+from hilc_cli.named import in_short, listed
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.results.summary import summarise
@@ -71,7 +72,7 @@ class Row:
     may_be_best: bool = True
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class ComparisonTable:
     """What was compared, row by row.
 
@@ -89,15 +90,21 @@ class ComparisonTable:
     note: str = ""
     mark_note: str = ""
 
+    def __repr__(self) -> str:
+        return in_short(
+            f"{self.title}: {len(self.rows)} rows, {len(self.columns)} columns",
+            listed(column.name for column in self.columns),
+        )
+
     def values(self, name: str) -> list[Value]:
         """A column by its name.
 
         Raises:
-            KeyError: There is no such column.
+            UnknownNameError: There is no such column; names those that there are.
         """
         names = [column.name for column in self.columns]
         if name not in names:
-            raise KeyError(name)
+            raise UnknownNameError("column", name, names)
         place = names.index(name)
         return [row.values[place] for row in self.rows]
 

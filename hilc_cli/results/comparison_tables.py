@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from hilc_cli.results.comparison import ComparisonTable, Value
 from hilc_cli.results.comparison_layout import Cell, Grid, for_page, note_of
-from hilc_cli.results.tables import quoted
+from hilc_cli.results.tables import text_cell
 
 _MARKDOWN = str.maketrans({character: f"\\{character}" for character in "\\`*_<>|#~&$"})
 _LATEX = str.maketrans(
@@ -26,7 +26,7 @@ _LATEX = str.maketrans(
 
 def csv_text(table: ComparisonTable) -> str:
     """The stored values under machine names; numbers read back exactly, no value is no text."""
-    rows = [[column.name for column in table.columns]]
+    rows = [[text_cell(column.name) for column in table.columns]]
     rows += [[_stored(value) for value in row.values] for row in table.rows]
     return "".join(f"{','.join(cells)}\n" for cells in rows)
 
@@ -77,7 +77,7 @@ FILES: Mapping[str, str] = {
 def _stored(value: Value) -> str:
     if value is None:
         return ""
-    return quoted(value) if isinstance(value, str) else repr(value)
+    return text_cell(value) if isinstance(value, str) else repr(value)
 
 
 def _markdown_grid(grid: Grid) -> str:

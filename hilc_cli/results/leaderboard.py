@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from hilc_cli.named import in_short, listed
+
 
 @dataclass(frozen=True, slots=True)
 class Entry:
@@ -58,7 +60,7 @@ class Entry:
         return None if limit is None else self.fastest_wheel_rad_s <= limit
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class LeaderboardData:
     """The entries of a leaderboard.
 
@@ -73,6 +75,10 @@ class LeaderboardData:
     after: tuple[int, ...]
     tolerance: float
     entries: tuple[Entry, ...]
+
+    def __repr__(self) -> str:
+        title = f"LeaderboardData {self.name!r}: {len(self.entries)} runs"
+        return in_short(title, f"laws: {listed(self.laws)}")
 
     @property
     def laws(self) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from typing import Any
 
 from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file
+from hilc_cli.names import name_from
 from hilc_cli.results.leaderboard import Entry
 from hilc_cli.results.leaderboard_tables import ERRORS, NAMES, OTHERS, error_name
 from hilc_cli.results.tables import MAX_CSV_BYTES
@@ -37,7 +38,10 @@ def read_entries(path: Path, after: Sequence[int]) -> tuple[Entry, ...]:
         if next(rows, []) != columns:
             raise UsageError(f"{path}: is no table of these runs; its first line does not fit")
         for row in rows:
-            entries.append(_entry(dict(zip(columns, row, strict=True)), after))
+            cells = dict(zip(columns, row, strict=True))
+            for name in NAMES:
+                name_from(cells[name], f"{path}:{len(entries) + 2}: {name}")
+            entries.append(_entry(cells, after))
     except (ValueError, csv.Error):
         raise UsageError(f"{path}:{len(entries) + 2}: is damaged") from None
     if not entries:

@@ -9,6 +9,7 @@ from typing import Any
 
 from hilc_cli.errors import UsageError
 from hilc_cli.files import write_folder
+from hilc_cli.names import name_from
 from hilc_cli.results.leaderboard import LeaderboardData
 from hilc_cli.results.leaderboard_csv import read_entries
 from hilc_cli.results.output_folder import check_replaceable, read_manifest
@@ -114,7 +115,8 @@ def read_leaderboard_folder(path: Path) -> LeaderboardData:
     if not manifest:
         raise UsageError(f"{path}: is no leaderboard folder: it has no {MANIFEST} of {KIND}")
     try:
-        name, tolerance = str(manifest["name"]), float(manifest["tolerance_m"])
+        name = name_from(manifest["name"], f"{path / MANIFEST}: name")
+        tolerance = float(manifest["tolerance_m"])
         after = tuple(int(count) for count in manifest["after"])
         if not after:
             raise ValueError("no number of iterations")

@@ -12,6 +12,7 @@ import numpy as np
 
 from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file
+from hilc_cli.named import in_short, listed, named
 from hilc_cli.reference.sampled import Floats
 
 _ITERATION = "iteration"
@@ -43,9 +44,12 @@ class LearningTable:
         """A column, shape (iterations,); not-a-number where there is no such figure.
 
         Raises:
-            KeyError: There is no such column.
+            UnknownNameError: There is no such column; names those that there are.
         """
-        return np.array(self._columns[name], dtype=np.float64)
+        return np.array(named("figure", self._columns)[name], dtype=np.float64)
+
+    def __repr__(self) -> str:
+        return in_short(f"What the law tells of {len(self)} iterations", listed(self.names, most=3))
 
     def last(self) -> dict[str, float]:
         """Figures of the last iteration by name; not-a-number where there is no such figure."""
@@ -77,7 +81,7 @@ def read_learning(path: Path) -> LearningTable:
     rows = csv.reader(read_file(path, _MOST_BYTES).decode("utf-8", "replace").splitlines())
     try:
         header = next(rows, [])
-        if len(header) < 2 or header[0] != _ITERATION:
+        if len(header) < 2 or header[0] != _ITERATION or not all(map(str.isidentifier, header)):
             raise UsageError(f"{path}: is no such table; its first line must begin with iteration,")
         for row in rows:
             where = f"{path}:{rows.line_num}: is damaged"

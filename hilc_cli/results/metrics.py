@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hilc_cli.named import Named, in_short, listed
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 
@@ -115,9 +116,10 @@ class MetricsTable:
     """Metrics of iterations 0, 1, ...: a column of eight-byte numbers each, nothing else."""
 
     def __init__(self) -> None:
-        self._columns = {
-            name: array("q" if name in INTEGER_METRICS else "d") for name in METRIC_NAMES
-        }
+        self._columns = Named(
+            "metric",
+            {name: array("q" if name in INTEGER_METRICS else "d") for name in METRIC_NAMES},
+        )
 
     def append(self, metrics: IterationMetrics) -> None:
         """Adds the next iteration."""
@@ -131,9 +133,12 @@ class MetricsTable:
         """A column, shape (iterations,).
 
         Raises:
-            KeyError: There is no such metric.
+            UnknownNameError: There is no such metric; names those that there are.
         """
         return np.array(self._columns[name], dtype=np.float64)
+
+    def __repr__(self) -> str:
+        return in_short(f"Metrics of {len(self)} iterations", listed(METRIC_NAMES, most=3))
 
     def row(self, iteration: int) -> dict[str, float]:
         """All metrics of one iteration by name; -1 is the last."""

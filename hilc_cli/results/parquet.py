@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import MissingPackageError
 from hilc_cli.results.sweep import WHOLE_COLUMNS, SweepData
 from hilc_cli.results.sweep_tables import CASE, value_text
 
@@ -24,7 +24,7 @@ def write_parquet(path: Path, data: SweepData, go_on: Callable[[], None]) -> Non
         go_on: Called between blocks; may raise to stop.
 
     Raises:
-        UsageError: The package for that is not installed.
+        MissingPackageError: The package for that is not installed.
     """
     pyarrow, parquet = require_parquet()
     writer = None
@@ -53,13 +53,11 @@ def require_parquet() -> tuple[Any, Any]:
     """The package that writes Parquet.
 
     Raises:
-        UsageError: It is not installed.
+        MissingPackageError: It is not installed.
     """
     try:
         import pyarrow
         from pyarrow import parquet
     except ImportError:
-        raise UsageError(
-            "--format parquet needs the package pyarrow; pip install 'hilc-cli[parquet]'"
-        ) from None
+        raise MissingPackageError("--format parquet", "pyarrow", "parquet") from None
     return pyarrow, parquet

@@ -7,14 +7,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from hilc_cli.named import in_short, named
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.learning import LearningTable
-from hilc_cli.results.metrics import MetricsTable
+from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, MetricsTable
 from hilc_cli.results.trial import Trial
 from hilc_cli.robot import gravity_center_position
 
+_SAME_POSE = 1e-9  # of the path's size, or in radians
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class RunData:
     """Everything that tables and figures show of a run; it does not say who made it.
 
@@ -31,6 +34,7 @@ class RunData:
             start_offset; what is not known is left out.
         yardsticks: Values to hold what the law tells against, by column of ``learning.csv`` and
             by name, such as ``true`` and ``believed``; what is not known is left out.
+        warnings: What was probably not meant: first what was known beforehand, then what happened.
     """
 
     name: str
@@ -43,6 +47,10 @@ class RunData:
     learning: LearningTable = field(default_factory=LearningTable)
     settings: Mapping[str, str] = field(default_factory=dict)
     yardsticks: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "trials", named("recorded iteration", self.trials))
 
     @property
     def last(self) -> Trial:
@@ -54,11 +62,47 @@ class RunData:
         """Left and right wheel speeds [rad/s] that were learned last, shape (n,) each."""
         return self.last.left, self.last.right
 
+    @property
+    def starts_off(self) -> bool:
+        """Whether the last completed iteration starts at another pose than the trajectory does."""
+        if not self.trials:
+            return False
+        reference, trial = self.reference, self.last
+        return bool(
+            max(abs(reference.x[0] - trial.x[0]), abs(reference.y[0] - trial.y[0]))
+            > _SAME_POSE * reference.size
+            or abs(reference.heading[0] - trial.heading[0]) > _SAME_POSE
+        )
+
+    @property
+    def start_decides(self) -> bool:
+        """Whether a start beside the trajectory decides the maximum position error.
+
+        That error then tells nothing of what is learned; the one of the second half does.
+        """
+        if not self.starts_off:
+            return False
+        last = self.metrics.row(-1)
+        return last[MAX_ERROR_SECOND_HALF] < last[MAX_ERROR]
+
+    def __repr__(self) -> str:
+        from hilc_cli.results.summary import summarise  # which is made of this
+
+        title = f"{type(self).__name__} {self.name!r}: {self.reference.name}"
+        if not len(self.metrics):
+            return in_short(f"{title}, no iteration completed")
+        last = self.metrics.row(-1)
+        return in_short(
+            f"{title}, after {len(self.metrics) - 1} iterations, {len(self.trials)} recorded",
+            summarise(self).headline,
+            *(f"{name}[-1] = {last[name]:.6g}" for name in (MAX_ERROR, MAX_ERROR_SECOND_HALF)),
+        )
+
     def position_error(self, iteration: int) -> Floats:
         """Distance from the reference at each sample of a recorded iteration [m].
 
         Raises:
-            KeyError: The samples of that iteration were not recorded.
+            UnknownNameError: That iteration was not recorded; names those that were.
         """
         trial = self.trials[iteration]
         return np.hypot(self.reference.x - trial.x, self.reference.y - trial.y)
@@ -67,7 +111,7 @@ class RunData:
         """Position x, y [m] and heading [rad] of the gravity centre in a recorded iteration.
 
         Raises:
-            KeyError: The samples of that iteration were not recorded.
+            UnknownNameError: That iteration was not recorded; names those that were.
 
         Source:
             Qiao et al. 2021, Eq. 7.

@@ -11,15 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import UsageError, printable
 from hilc_cli.files import read_file, write_folder
+from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import read_learning, write_learning
-from hilc_cli.results.output_folder import check_replaceable, read_manifest
+from hilc_cli.results.output_folder import check_replaceable, keep_pictures, read_manifest
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
     read_iterations,
     read_samples,
+    read_stored_input,
     write_gravity_center,
     write_input,
     write_iterations,
@@ -88,6 +90,7 @@ def write_run_folder(
             write_gravity_center(folder / GRAVITY_CENTER, run.reference.times, paths)
         if draw is not None:
             draw(folder)
+        keep_pictures(path, folder, TABLES - {MANIFEST}, PICTURES)
         files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
         text = json.dumps({"kind": KIND, **manifest(), "files": files}, indent=2)
         (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
@@ -143,14 +146,19 @@ def read_run_folder(path: Path) -> RunData:
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
     manifest = read_manifest(path / MANIFEST)
     metrics = read_iterations(path / ITERATIONS)
-    reference, trials = read_samples(path / SAMPLES, str(manifest.get("trajectory", path.name)))
+    own_name = printable(path.resolve().name)
+    name, trajectory = (
+        name_from(manifest[key], f"{path / MANIFEST}: {key}") if key in manifest else own_name
+        for key in ("name", "trajectory")
+    )
+    reference, trials = read_samples(path / SAMPLES, trajectory)
     if max(trials) >= len(metrics):
         raise UsageError(f"{path / SAMPLES}: is damaged: it has iterations that {ITERATIONS} lacks")
     saturated = metrics["saturated_samples"]
     limit, diverged_at = manifest.get("speed_limit_rad_s"), manifest.get("diverged_at")
     ahead, aside = _pair(manifest.get("gravity_center_m"))
     return RunData(
-        name=str(manifest.get("name", path.resolve().name)),
+        name=name,
         reference=reference,
         metrics=metrics,
         trials={
@@ -163,6 +171,7 @@ def read_run_folder(path: Path) -> RunData:
         learning=read_learning(path / LEARNING),
         settings=_texts(manifest.get("settings")),
         yardsticks=_numbers(manifest.get("yardsticks")),
+        warnings=_lines(manifest.get("warnings")),
     )
 
 
@@ -177,14 +186,22 @@ def _pair(value: object) -> tuple[float, float]:
 def _texts(value: object) -> dict[str, str]:
     if not isinstance(value, dict):
         return {}
-    return {key: text for key, text in value.items() if isinstance(text, str)}
+    return {key: printable(text) for key, text in value.items() if isinstance(text, str)}
+
+
+def _lines(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list):
+        return ()
+    return tuple(printable(text) for text in value if isinstance(text, str))
 
 
 def _numbers(value: object) -> dict[str, dict[str, float]]:
     if not isinstance(value, dict):
         return {}
     return {
-        column: {name: float(number) for name, number in named.items() if _is_number(number)}
+        column: {
+            printable(name): float(number) for name, number in named.items() if _is_number(number)
+        }
         for column, named in value.items()
         if isinstance(named, dict)
     }
@@ -206,10 +223,10 @@ def _same_scenario(
     if initial_input is None:
         return True
     try:
-        stored = np.loadtxt(path / INITIAL_INPUT, delimiter=",", skiprows=1, ndmin=2)
-    except (OSError, ValueError):
+        _, *stored = read_stored_input(path / INITIAL_INPUT)
+    except UsageError:
         return False
-    return np.array_equal(stored[:, 2:], np.stack(initial_input, axis=1))
+    return all(map(np.array_equal, stored, initial_input))
 
 
 def _is_own(name: str) -> bool:

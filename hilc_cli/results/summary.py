@@ -4,13 +4,42 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from hilc_cli.named import in_short
+from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, settled_at
 from hilc_cli.results.run import RunData
 
 RELATIVE_TOLERANCES = {"1 %": 0.01, "0.1 %": 0.001}
 """Shares of the path's size that the error is to fall below."""
 
 
+_SHORT = 0.1  # lengths below are told in millimetres [m]
+_MUCH_LESS = 0.5
+"""An earlier error this many times the last one tells that learning has gone on too long."""
+_MOST_WARNINGS = 3
+
+
 @dataclass(frozen=True, slots=True)
+class OnPath:
+    """How near to the path a run has come, and from when on.
+
+    The tolerance is the smallest share of the path's size in ``RELATIVE_TOLERANCES`` that the last
+    iteration keeps: on the whole path, or, if it starts beside it, in the second half.
+
+    Attributes:
+        tolerance_m: The tolerance.
+        from_s: Time from which on the last iteration stays within it; 0 if it does from sample 0.
+        from_iteration: First iteration from which on each keeps it, on the whole path if
+            ``from_s`` is 0, else in the second half; None if that was not recorded.
+    """
+
+    tolerance_m: float
+    from_s: float
+    from_iteration: int | None
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Summary:
     """A run in a few figures.
 
@@ -19,28 +48,72 @@ class Summary:
         trajectory: Name of the trajectory.
         iterations: Number of the last completed iteration.
         path_size_m: Longer side of the trajectory's bounding box.
+        starts_off: Whether the last iteration starts at another pose than the trajectory does; the
+            maximum error is then never below the initial one.
+        on_path: How near to the path the last iteration is, and from when on; None if it is not
+            even within the largest of ``RELATIVE_TOLERANCES``.
         final: All metrics of the last completed iteration.
         settled_at: By share of the path's size: the first iteration from which on the maximum
             position error stays at or below it; None if it does not.
+        settled_second_half_at: The same for the error of the second half.
+        least_error_m: Smallest maximum error of all iterations; of the second half if the last
+            iteration starts beside the path.
+        least_error_iteration: The iteration that had it.
         peak_max_position_error_m: Largest maximum position error of all iterations.
         peak_iteration: The iteration that had it.
         saturated_share: Share of all samples of all iterations at which the speed limit acted.
         diverged_at: The iteration that left the finite numbers; None if none did.
         learning: What the law tells of the last completed iteration, by column of
             ``learning.csv``; not-a-number where there is no such figure.
+        warnings: What was probably not meant, known beforehand or seen in the results.
     """
 
     name: str
     trajectory: str
     iterations: int
     path_size_m: float
+    starts_off: bool
+    on_path: OnPath | None
     final: dict[str, float]
     settled_at: dict[str, int | None]
+    settled_second_half_at: dict[str, int | None]
+    least_error_m: float
+    least_error_iteration: int
     peak_max_position_error_m: float
     peak_iteration: int
     saturated_share: float
     diverged_at: int | None
     learning: dict[str, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def headline(self) -> str:
+        """What matters, in one line."""
+        on_path = self.on_path
+        if self.diverged_at is not None:
+            return f"diverged in iteration {self.diverged_at}; what follows is of the one before it"
+        if on_path is not None:
+            within = f"within {_length(on_path.tolerance_m)}"
+            iteration = on_path.from_iteration
+            since = "" if iteration is None else f" from iteration {iteration}"
+            if on_path.from_s == 0:
+                return f"on the path from the start; {within}{since}"
+            return f"on the path from {on_path.from_s:.4g} s; second half {within}{since}"
+        error = self.final[MAX_ERROR_SECOND_HALF if self.starts_off else MAX_ERROR]
+        where = " in the second half" if self.starts_off else ""
+        text = f"not on the path: up to {_length(error)} off{where}"
+        if self.least_error_m < _MUCH_LESS * error:
+            least = _length(self.least_error_m)
+            text += f"; iteration {self.least_error_iteration} was within {least}"
+        return text
+
+    def __repr__(self) -> str:
+        return in_short(
+            f"Summary of {self.name!r}: {self.trajectory}, after {self.iterations} iterations",
+            self.headline,
+            *(f"{name} = {self.final[name]:.6g}" for name in (MAX_ERROR, MAX_ERROR_SECOND_HALF)),
+            *(f"warning: {warning}" for warning in self.warnings[:_MOST_WARNINGS]),
+        )
 
     @property
     def reached(self) -> dict[str, float]:
@@ -48,9 +121,16 @@ class Summary:
         return {**self.final, **self.learning}
 
 
+def _length(length: float) -> str:
+    return f"{1000 * length:.3g} mm" if 0 < length < _SHORT else f"{length:.3g} m"
+
+
 def summarise(run: RunData) -> Summary:
     """The summary of a run with at least one completed iteration."""
-    errors = run.metrics["max_position_error_m"]
+    errors, second_half = run.metrics[MAX_ERROR], run.metrics[MAX_ERROR_SECOND_HALF]
+    # Folders of before the metric was have no numbers there.
+    known = run.starts_off and bool(np.isfinite(second_half).any())
+    telling = np.nan_to_num(second_half if known else errors, nan=np.inf, posinf=np.inf)
     size = run.reference.size
     saturated = run.metrics["saturated_samples"].sum()
     return Summary(
@@ -58,14 +138,40 @@ def summarise(run: RunData) -> Summary:
         trajectory=run.reference.name,
         iterations=len(run.metrics) - 1,
         path_size_m=size,
+        starts_off=run.starts_off,
+        on_path=_on_path(run),
         final=run.metrics.row(-1),
         settled_at={
             label: run.metrics.settled_at(share * size)
             for label, share in RELATIVE_TOLERANCES.items()
         },
+        settled_second_half_at={
+            label: settled_at(second_half, share * size)
+            for label, share in RELATIVE_TOLERANCES.items()
+        },
+        least_error_m=float(telling.min()),
+        least_error_iteration=int(telling.argmin()),
         peak_max_position_error_m=float(errors.max()),
         peak_iteration=int(errors.argmax()),
         saturated_share=float(saturated) / (len(run.metrics) * run.reference.samples),
         diverged_at=run.diverged_at,
         learning=run.learning.last(),
+        warnings=run.warnings,
     )
+
+
+def _on_path(run: RunData) -> OnPath | None:
+    if not run.trials:
+        return None
+    errors = run.position_error(run.last.iteration)
+    half = len(errors) // 2  # samples k >= n / 2, as in the metrics
+    for share in sorted(RELATIVE_TOLERANCES.values()):
+        tolerance = share * run.reference.size
+        first = settled_at(errors, tolerance)
+        if first == 0:
+            whole = settled_at(run.metrics[MAX_ERROR], tolerance)
+            return OnPath(tolerance, 0.0, whole)
+        if first is not None and run.starts_off and first <= half:
+            later = settled_at(run.metrics[MAX_ERROR_SECOND_HALF], tolerance)
+            return OnPath(tolerance, first * run.reference.sample_time, later)
+    return None

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hilc_cli.named import in_short, listed, named
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import INTEGER_METRICS, METRIC_NAMES
 from hilc_cli.results.search import AsItIs
@@ -43,7 +44,7 @@ def as_numbers(values: list[Value]) -> Numbers | list[Value]:
     return np.array(whole, np.uint64) if max(whole) >= 2**63 else np.array(whole, np.int64)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Bands:
     """How the maximum position error is spread over the cases, iteration by iteration.
 
@@ -56,8 +57,11 @@ class Bands:
     cases: Floats
     quantiles: Floats
 
+    def __repr__(self) -> str:
+        return f"Bands of {len(self.cases)} iterations"
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SweepData:
     """The results of a sweep, from wherever they come.
 
@@ -88,8 +92,23 @@ class SweepData:
     bands: Bands | None = None
     as_it_is: AsItIs | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "columns", named("column", self.columns))
+        object.__setattr__(self, "values", named("varied key", self.values))
+
     def __len__(self) -> int:
         return len(self.columns[DIVERGED])
+
+    def __repr__(self) -> str:
+        ranked = self.ranked()
+        lines = [f"varied: {listed(self.axes)}"]
+        if self.failed.any() or self.diverged.any():
+            lines.append(f"{self.failed.sum()} failed, {self.diverged.sum()} diverged")
+        if ranked:
+            best = ", ".join(f"{key}={value}" for key, value in self.case(ranked[0]).items())
+            lines.append(f"smallest {self.metric}: {self.columns[self.metric][ranked[0]]:.6g}")
+            lines.append(f"in case {ranked[0]}: {best}")
+        return in_short(f"{type(self).__name__} of {self.name!r}: {len(self)} cases", *lines)
 
     @property
     def diverged(self) -> NDArray[np.bool_]:

@@ -9,14 +9,15 @@ from typing import Any
 
 from hilc_cli.errors import UsageError
 from hilc_cli.files import write_folder
+from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.output_folder import check_replaceable, read_manifest
+from hilc_cli.results.output_folder import check_replaceable, keep_pictures, read_manifest
 from hilc_cli.results.run_folder import INITIAL_INPUT, PICTURE_FORMATS, SCENARIO
 from hilc_cli.results.search import BEST, AsItIs
 from hilc_cli.results.sweep import SweepData
 from hilc_cli.results.sweep_tables import read_bands, read_cases, write_bands, write_cases
 from hilc_cli.results.tables import write_input
-from hilc_cli.variation.axes import axis_from_data, axis_to_data
+from hilc_cli.variation.axes import axes_from_data, axis_to_data
 
 KIND = "hilc sweep"
 MANIFEST = "sweep.json"
@@ -25,7 +26,8 @@ BANDS = "bands.csv"
 PARQUET = "cases.parquet"
 SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
 _PICTURES = {f"{kind}.{suffix}" for kind in SWEEP_PICTURE_KINDS for suffix in PICTURE_FORMATS}
-_OWN = frozenset({MANIFEST, CASES, BANDS, PARQUET, SCENARIO, INITIAL_INPUT, BEST}) | _PICTURES
+_TABLES = frozenset({CASES, BANDS, SCENARIO, INITIAL_INPUT, BEST})
+_OWN = _TABLES | {MANIFEST, PARQUET} | _PICTURES
 
 
 def write_sweep_folder(
@@ -78,6 +80,7 @@ def write_sweep_folder(
             write_parquet(folder / PARQUET, data, go_on)
         if draw is not None:
             draw(folder)
+        keep_pictures(path, folder, _TABLES, _PICTURES)
         go_on()
         files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
         document = {
@@ -137,9 +140,10 @@ def read_sweep_folder(path: Path) -> SweepData:
     if not manifest:
         raise UsageError(f"{path}: is no sweep folder: it has no {MANIFEST} of hilc sweep")
     try:
-        axes = {str(key): axis_from_data(data) for key, data in manifest["axes"].items()}
+        axes = axes_from_data(manifest["axes"])
         is_grid, tolerance = bool(manifest["grid"]), manifest["tolerance_m"]
-        metric, name = str(manifest["metric"]), str(manifest["name"])
+        metric = str(manifest["metric"])
+        name = name_from(manifest["name"], f"{path / MANIFEST}: name")
         as_it_is = AsItIs.from_data(manifest["as_it_is"]) if "as_it_is" in manifest else None
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(f"{path / MANIFEST}: is damaged: {error}") from None

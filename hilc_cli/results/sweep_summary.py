@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hilc_cli.named import in_short
 from hilc_cli.results.sweep import ITERATIONS_TO_TOLERANCE, SweepData
 from hilc_cli.variation.axes import Value
 
@@ -31,7 +32,7 @@ class BestCase:
     metric: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class SweepSummary:
     """How a sweep went.
 
@@ -62,6 +63,11 @@ class SweepSummary:
     tolerance: float | None
     within_tolerance: int | None
     best: list[BestCase]
+
+    def __repr__(self) -> str:
+        counts = f"{self.cases} cases, {self.diverged} diverged, {self.failed} failed"
+        lines = [f"{self.metric} = {best.metric:.6g} in case {best.case}" for best in self.best[:1]]
+        return in_short(f"Summary of {self.name!r}: {counts}", *lines)
 
 
 def summarise_sweep(data: SweepData, best: int = 5) -> SweepSummary:

@@ -22,7 +22,7 @@ from hilc_cli.results.sweep import (
     Numbers,
     as_numbers,
 )
-from hilc_cli.results.tables import MAX_CSV_BYTES, quoted
+from hilc_cli.results.tables import MAX_CSV_BYTES, quoted, text_cell, unrun
 from hilc_cli.variation.axes import Axis, Choices, Value
 
 CASE = "case"
@@ -51,7 +51,7 @@ def write_cases(
     """
     cases = len(columns[DIVERGED])
     with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(",".join([CASE, *map(quoted, values), *columns]) + "\n")
+        file.write(",".join([CASE, *map(text_cell, values), *columns]) + "\n")
         for first in range(0, cases, _BLOCK):
             last = min(first + _BLOCK, cases)
             cells: list[Sequence[str]] = [list(map(str, range(first, last)))]
@@ -75,11 +75,15 @@ def _words(column: Numbers | Sequence[Value], first: int, last: int) -> list[str
     if isinstance(column, np.ndarray):
         return list(map(repr, column[first:last].tolist()))
     known: dict[Value, str] = {}
-    return [known.setdefault(value, value_text(value)) for value in column[first:last]]
+    return [known.setdefault(value, _cell(value)) for value in column[first:last]]
+
+
+def _cell(value: Value) -> str:
+    return text_cell(value) if isinstance(value, str) else value_text(value)
 
 
 def value_text(value: Value) -> str:
-    """A value as a table or a command line shows it; it reads back as the same value."""
+    """A value as a command line takes it; it reads back as the same value."""
     if value is None:
         return "null"
     if isinstance(value, bool):
@@ -105,7 +109,7 @@ def read_cases(
     rows = _rows(path)
     header = next(rows, [])
     keys = list(axes)
-    if header != [CASE, *keys, *CASE_COLUMNS]:
+    if header != [CASE, *map(unrun, keys), *CASE_COLUMNS]:
         raise UsageError(f"{path}: is no table of these cases; its first line does not fit")
     raw: list[list[Value]] = [[] for _ in keys]
     numbers: list[list[float]] = [[] for _ in CASE_COLUMNS]
@@ -132,7 +136,7 @@ def _reader(axis: Axis) -> Callable[[str], Value]:
     if isinstance(axis, Choices):
         known = {value_text(value): value for value in axis.values}
         # The cell of a text comes without the quotes that the table needs.
-        known |= {value: value for value in axis.values if isinstance(value, str)}
+        known |= {unrun(value): value for value in axis.values if isinstance(value, str)}
         return lambda cell: known[cell]
     return _number
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import UsageError, printable
 from hilc_cli.files import read_file
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import INTEGER_METRICS, METRIC_NAMES, IterationMetrics, MetricsTable
@@ -34,6 +34,12 @@ INPUT_HEADER = ("sample", "t_s", "left_wheel_rad_s", "right_wheel_rad_s")
 GRAVITY_CENTER_HEADER = ("iteration", "sample", "t_s", "x_m", "y_m", "heading_rad")
 
 MAX_CSV_BYTES = 2_000_000_000
+
+_RUN = tuple(
+    "=+-@\N{FULLWIDTH EQUALS SIGN}\N{FULLWIDTH PLUS SIGN}"
+    "\N{FULLWIDTH HYPHEN-MINUS}\N{FULLWIDTH COMMERCIAL AT}"
+)
+"""What formulas of spreadsheets begin with."""
 
 _REFERENCE_COLUMNS = slice(2, 6)
 
@@ -197,6 +203,28 @@ def read_input(path: Path, content: bytes, steps: int, sample_time: float) -> tu
             )
     table = np.array([row for _, row in rows], dtype=np.float64)
     return table[:, 2].copy(), table[:, 3].copy()
+
+
+def read_stored_input(path: Path) -> tuple[float, Floats, Floats]:
+    """Sample time [s], left and right wheel speeds [rad/s] of what `write_input` has written.
+
+    Raises:
+        HilcError: There is no such table, or it is damaged.
+    """
+    table = _array(path, INPUT_HEADER)
+    sample_time = float(table[1, 1]) if len(table) > 1 else 0.0  # of one sample it is not known
+    return sample_time, table[:, 2], table[:, 3]
+
+
+def text_cell(text: str) -> str:
+    """A text as a cell of a CSV file: on one line, and for a spreadsheet never a formula."""
+    return quoted(unrun(text))
+
+
+def unrun(text: str) -> str:
+    """A text without what steers a terminal, and with ``'`` before what a spreadsheet would run."""
+    text = printable(text)
+    return f"'{text}" if text.startswith(_RUN) else text
 
 
 def quoted(text: str) -> str:

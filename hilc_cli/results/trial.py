@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from hilc_cli.reference.sampled import Floats
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trial:
     """The true motion of one iteration and the wheel speeds that caused it.
 
@@ -31,3 +31,6 @@ class Trial:
     right: Floats
     saturated_samples: int = 0
     figures: Mapping[str, float] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"Trial of iteration {self.iteration}: {len(self.left)} samples"

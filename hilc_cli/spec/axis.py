@@ -18,10 +18,7 @@ from hilc_cli.results.sweep_tables import value_text
 from hilc_cli.spec.expressions import ExpressionError, evaluate
 from hilc_cli.spec.model import wrong
 from hilc_cli.spec.scalars import resolve_plain
-from hilc_cli.variation.axes import Axis, Choices, Range, Spacing, Value
-
-MOST_VALUES = 1_000_000
-"""Of one key, so that they can be listed."""
+from hilc_cli.variation.axes import MOST_VALUES, Axis, Choices, Range, Spacing, Value
 
 _AnyAxis = TypeVar("_AnyAxis", Choices, Range)
 _WHOLE_NUMBERS = re.compile(r"\s*([-+]?[0-9]{1,20})\s*\.\.\s*([-+]?[0-9]{1,20})\s*")

@@ -5,6 +5,7 @@ Grammar::
     sum     = product { ("+" | "-") product }
     product = factor { ("*" | "/") factor | unit }
     factor  = { "+" | "-" } ( number | name | "(" sum ")" | unit )
+    unit    = ( "deg" | "rad" | ... | "km/h" ) [ "^" digit ]
 
 A unit stands behind a number. The first unit of a product applies to the whole product so far
 (``pi/2 rad`` is half of pi radians), a later one to the factor that it follows
@@ -30,7 +31,7 @@ LONGEST_EXPRESSION = 120
 _DEEPEST = 20
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)"
-    r"|(?P<word>[^\W\d]\w*)|(?P<mark>[-+*/()]))"
+    r"|(?P<word>km/h(?!\w)|[^\W\d]\w*)|(?P<mark>[-+*/()^]))"
 )
 
 
@@ -48,7 +49,7 @@ class Unit(NamedTuple):
 
 PLAIN = Unit()
 
-_UNITS: Mapping[str, tuple[float, Unit]] = {
+UNITS: Mapping[str, tuple[float, Unit]] = {
     "deg": (math.pi / 180, Unit(angle=1)),
     "rad": (1.0, Unit(angle=1)),
     "ms": (1e-3, Unit(time=1)),
@@ -57,11 +58,11 @@ _UNITS: Mapping[str, tuple[float, Unit]] = {
     "cm": (1e-2, Unit(length=1)),
     "m": (1.0, Unit(length=1)),
     "rpm": (2 * math.pi / 60, Unit(angle=1, time=-1)),
+    "km/h": (1e3 / 3600, Unit(length=1, time=-1)),
     "Hz": (1.0, Unit(time=-1)),
 }
-
-
-_UNIT_NAMES = "deg, rad, ms, s, mm, cm, m, rpm and Hz"
+_HIGHEST_POWER = 4
+_POWERS = [str(power) for power in range(1, _HIGHEST_POWER + 1)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,15 +93,13 @@ def evaluate(text: str, names: Mapping[str, Affine] | None = None, *, units: boo
     if len(text) > LONGEST_EXPRESSION:
         raise ExpressionError(f"is longer than {LONGEST_EXPRESSION} characters")
     known = {"pi": Affine(math.pi), **(names or {})}
-    parser = _Parser(_tokens(text), known, _UNITS if units else {})
+    parser = _Parser(_tokens(text), known, UNITS if units else {})
     value = parser.sum()
     if not parser.token:
         return value
-    is_word = parser.token[0] not in "0123456789.+-*/()_"
-    if units and is_word and parser.token not in (*known, *_UNITS):
-        near = near_word(parser.token, _UNITS)
-        hint = f"did you mean '{near}'?" if near else f"units are {_UNIT_NAMES}"
-        raise ExpressionError(f"has the unknown unit '{parser.token}'; {hint}")
+    is_word = parser.token[0] not in "0123456789.+-*/()^_"
+    if units and is_word and parser.token not in (*known, *UNITS):
+        raise ExpressionError(f"has the unknown unit '{parser.token}'")
     raise ExpressionError(f"has '{parser.token}' where it should end or have an operator")
 
 
@@ -157,7 +156,7 @@ class _Parser:
                     _multiply(product, factor) if operator == "*" else _divide(product, factor)
                 )
                 unit_seen = unit_seen or is_unit
-            elif self.token in self.units and self.tokens[self.next - 1] not in self.units:
+            elif self.token in self.units and not self.follows_unit():
                 unit = self.unit()
                 divides = unit_seen and operator == "/"
                 product = _divide(product, unit) if divides else _multiply(product, unit)
@@ -189,17 +188,28 @@ class _Parser:
             return Value(self.names[token])
         if token in self.units:
             raise ExpressionError(f"has the unit '{token}' without a number before it")
-        if token and token not in "+-*/()":
-            near = near_word(token, [*self.names, *self.units])
+        if token and token not in "+-*/()^":
+            near = near_word(token, self.names)
             hint = f"; did you mean '{near}'?" if near else ""
             raise ExpressionError(f"has the unknown name '{token}'{hint}")
         if token:
             raise ExpressionError(f"has '{token}' where a number should be")
         raise ExpressionError("ends where a number should be")
 
+    def follows_unit(self) -> bool:
+        """Whether what stands before is a unit, or its power."""
+        before = self.tokens[max(self.next - 3, 0) : self.next]
+        return before[-1] in self.units or (before[-2:-1] == ["^"] and before[0] in self.units)
+
     def unit(self) -> Value:
         factor, unit = self.units[self.take()]
-        return Value(Affine(factor), unit)
+        power = 1
+        if self.token == "^":
+            self.take()
+            if self.token not in _POWERS:
+                raise ExpressionError(f"has no power from 1 to {_HIGHEST_POWER} behind '^'")
+            power = int(self.take())
+        return Value(Affine(factor**power), Unit(*(power * each for each in unit)))
 
 
 def _add(a: Value, b: Value, sign: float) -> Value:

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.named import in_short, listed
 from hilc_cli.robot import Robot
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
 from hilc_cli.spec.controllers import ControllerSpec
@@ -19,7 +20,7 @@ from hilc_cli.spec.disturbance import DisturbanceSpec
 from hilc_cli.spec.kinds import mistaken
 from hilc_cli.spec.loading import load_scenario
 from hilc_cli.spec.model import Located, Model, Name, Text
-from hilc_cli.spec.nodes import MapNode, Node, describe, nearest, to_data
+from hilc_cli.spec.nodes import MapNode, Node, nearest, to_data
 from hilc_cli.spec.problems import located_problem, problems_of
 from hilc_cli.spec.quantities import (
     Iterations,
@@ -101,7 +102,7 @@ class Contest:
     scenario: Scenario
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Leaderboard:
     """A valid leaderboard.
 
@@ -114,6 +115,10 @@ class Leaderboard:
     spec: LeaderboardSpec
     cases: Mapping[str, Scenario]
     checksums: Mapping[str, str]
+
+    def __repr__(self) -> str:
+        title = f"Leaderboard {self.name!r}: {self.size} runs in {len(self.cases)} cases"
+        return in_short(title, f"laws: {listed(self.spec.laws)}")
 
     @property
     def name(self) -> str:
@@ -162,11 +167,12 @@ class Leaderboard:
                         yield Contest(case, belief, disturbance, law, made)
 
 
-def load_leaderboard(path: str | Path) -> Leaderboard:
+def load_leaderboard(source: str | Path | Mapping[str, object]) -> Leaderboard:
     """Reads and validates a leaderboard with the scenarios that it names.
 
     Args:
-        path: A file, ``-`` for standard input, or ``example:leaderboard``.
+        source: A file, ``-`` for standard input, ``example:leaderboard``, or what would stand in a
+            file as a dictionary.
 
     Raises:
         InvalidInputError: It is not valid, or one of its scenarios is not; names every problem.
@@ -174,10 +180,8 @@ def load_leaderboard(path: str | Path) -> Leaderboard:
         FileAccessError: A file cannot be read.
     """
     inputs = Inputs()
-    tree = inputs.tree(str(path), LEADERBOARDS)
-    if not isinstance(tree, MapNode):
-        message = f"is no leaderboard, got {describe(tree)}; write a mapping of keys and values"
-        raise InvalidInputError([Problem(str(tree.place), "", message)])
+    tree = inputs.tree(source, LEADERBOARDS)
+    assert isinstance(tree, MapNode)  # anything else has been refused
     other = mistaken(tree.entries, LEADERBOARDS)
     if other is not None:
         raise InvalidInputError([Problem(str(tree.place), "", other)])

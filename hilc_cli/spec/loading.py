@@ -14,7 +14,7 @@ from hilc_cli.shipped_files import SCENARIOS
 from hilc_cli.spec.kinds import mistaken
 from hilc_cli.spec.model import Model
 from hilc_cli.spec.model_paths import model_in
-from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
+from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, nearest, to_data
 from hilc_cli.spec.overrides import apply_override, data_override, parse_override
 from hilc_cli.spec.problems import problems_of
 from hilc_cli.spec.reading import Inputs
@@ -24,11 +24,25 @@ from hilc_cli.spec.valid import NAMED_INPUTS, Scenario
 Overrides = Mapping[str, object] | Sequence[str]
 
 
-def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
+ScenarioSource = Scenario | str | Path | Mapping[str, object]
+"""A scenario, or what one can be read from: a file, ``example:NAME``, or its content as data."""
+
+
+def as_scenario(source: ScenarioSource) -> Scenario:
+    """The scenario itself, or what it is read from, read.
+
+    Raises:
+        HilcError: As for `load_scenario`.
+    """
+    return source if isinstance(source, Scenario) else load_scenario(source)
+
+
+def load_scenario(source: str | Path | Mapping[str, object], overrides: Overrides = ()) -> Scenario:
     """Reads and validates a scenario with everything that it refers to.
 
     Args:
-        path: A file, ``-`` for standard input, or ``example:NAME``.
+        source: A file, ``-`` for standard input, ``example:NAME``, or what would stand in a file as
+            a dictionary, whose paths start from the working folder.
         overrides: Values by dotted key, or texts ``KEY=VALUE`` as on the command line.
 
     Raises:
@@ -37,7 +51,7 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
         FileAccessError: A file cannot be read.
     """
     inputs = Inputs()
-    tree = inputs.tree(str(path))
+    tree = inputs.tree(source)
     changes = _changes(overrides)
     _check_kind(tree)
     assert isinstance(tree, MapNode)  # _check_kind
@@ -85,11 +99,8 @@ def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
 
 
 def _check_kind(tree: Node) -> None:
-    message: str | None = (
-        f"is no scenario, got {describe(tree)}; write a mapping of keys and values"
-    )
-    if isinstance(tree, MapNode):
-        message = mistaken(tree.entries, SCENARIOS)
+    assert isinstance(tree, MapNode)  # anything else has been refused
+    message = mistaken(tree.entries, SCENARIOS)
     if message is not None:
         raise InvalidInputError([Problem(str(tree.place), "", message)])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import (
@@ -17,11 +17,10 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
+from hilc_cli.names import LONGEST_NAME, NAME_PATTERN
 from hilc_cli.spec.nodes import PathKeys
 
-NAME_PATTERN = r"^[A-Za-z0-9._-]*[A-Za-z0-9_-][A-Za-z0-9._-]*$"  # not only dots
-
-Name = Annotated[str, StringConstraints(pattern=NAME_PATTERN, max_length=100)]
+Name = Annotated[str, StringConstraints(pattern=NAME_PATTERN, max_length=LONGEST_NAME)]
 Text = Annotated[str, StringConstraints(max_length=10_000)]
 Flag = Annotated[bool, Strict()]
 
@@ -37,6 +36,9 @@ class Model(BaseModel):
 
     exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = ()
     """Groups of keys of which each must have exactly one."""
+
+    other_names: ClassVar[Mapping[str, str]] = {}
+    """What to write for keys that other programs have, by their letters in lower case alone."""
 
     @classmethod
     def chosen_by(cls) -> tuple[str, str] | None:

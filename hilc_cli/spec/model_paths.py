@@ -68,20 +68,21 @@ def steps_to(tree: Node, keys: PathKeys, model: type[Model]) -> list[Step]:
             found.append(Step(here, None, ()))
         else:
             part = to_data(nearest(tree, here)[0])
-            found.append(Step(here, model_in(annotation, part), tuple(_models_in(annotation))))
+            found.append(Step(here, model_in(annotation, part), tuple(models_in(annotation))))
     return found
 
 
 def model_in(annotation: object, data: object = None) -> type[Model] | None:
     """The model within an optional or a list of it; of several the one that data is meant for."""
-    models = _models_in(annotation)
+    models = models_in(annotation)
     return next((model for model in models if model.is_meant(data)), models[0] if models else None)
 
 
-def _models_in(annotation: object) -> list[type[Model]]:
+def models_in(annotation: object) -> list[type[Model]]:
+    """All models within an annotation, such as those of an optional one or a union."""
     if isinstance(annotation, type) and issubclass(annotation, Model):
         return [annotation]
-    return [model for part in get_args(annotation) for model in _models_in(part)]
+    return [model for part in get_args(annotation) for model in models_in(part)]
 
 
 def _has(model: type[Model], keys: Sequence[str]) -> bool:
@@ -90,4 +91,4 @@ def _has(model: type[Model], keys: Sequence[str]) -> bool:
     field = model.model_fields.get(first)
     if field is None or not below:
         return field is not None
-    return any(_has(part, below) for part in _models_in(field.annotation))
+    return any(_has(part, below) for part in models_in(field.annotation))

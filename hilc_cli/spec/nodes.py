@@ -42,11 +42,12 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A single value, and its text as it was written."""
+    """A single value, its text as it was written, and whether in double quotes."""
 
     place: Place
     value: str | int | float | bool | None
     text: str
+    quoted: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from hilc_cli.errors import InvalidInputError, Problem
+from hilc_cli.errors import InvalidInputError, Problem, shortened
 from hilc_cli.spec.nodes import (
     ListNode,
     MapNode,
@@ -17,7 +17,9 @@ from hilc_cli.spec.nodes import (
     from_data,
     with_entry,
 )
-from hilc_cli.spec.yaml_tree import parse_yaml
+from hilc_cli.spec.yaml_tree import LONGEST_KEY, parse_yaml
+
+_SHOWN_OF_LONG_KEYS = 40
 
 
 def parse_override(text: str) -> tuple[tuple[str, ...], Node]:
@@ -28,7 +30,7 @@ def parse_override(text: str) -> tuple[tuple[str, ...], Node]:
     """
     key, equals, value = text.partition("=")
     source = _source(f"--set {text}")
-    keys = tuple(key.strip().split("."))
+    keys = parts_of_key(key.strip(), "--set")
     if not equals or not all(keys):
         message = "must read KEY=VALUE, such as controller.gains.l1=0.5"
         raise InvalidInputError([Problem(source.label, "", message)])
@@ -41,10 +43,27 @@ def parse_override(text: str) -> tuple[tuple[str, ...], Node]:
         raise InvalidInputError(problems) from None
 
 
+def parts_of_key(key: str, option: str) -> tuple[str, ...]:
+    """The parts of a dotted key; some may be empty.
+
+    Args:
+        key: The key.
+        option: What it has been given with.
+
+    Raises:
+        InvalidInputError: It is so long that it is no key, whatever it says.
+    """
+    if len(key) > LONGEST_KEY:
+        shown = f"{option} {shortened(key, _SHOWN_OF_LONG_KEYS)}"
+        message = f"has a key of {len(key)} characters; give keys with dots between them, such as "
+        raise InvalidInputError([Problem(shown, "", f"{message}controller.gains.l1")])
+    return tuple(key.split("."))
+
+
 def data_override(key: str, value: object) -> tuple[tuple[str, ...], Node]:
     """Keys and value of an override that comes from Python."""
+    keys = parts_of_key(key, "override")
     place = Place(_source(f"override {key}"))
-    keys = tuple(key.split("."))
     if not all(keys):
         message = "must be keys with dots between them, such as controller.gains.l1"
         raise InvalidInputError([Problem(str(place), "", message)])

@@ -4,22 +4,32 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 from pydantic import ValidationError
 
-from hilc_cli.errors import Problem, near_word, suggestion
-from hilc_cli.spec.model import NAME_PATTERN, Model, listed
+from hilc_cli.errors import Problem, near_word
+from hilc_cli.names import NAME_PATTERN, name_remedy
+from hilc_cli.spec.known_keys import meant
+from hilc_cli.spec.model import Model, listed
 from hilc_cli.spec.model_paths import steps_to
-from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, describe, nearest, to_data
+from hilc_cli.spec.nodes import (
+    ListNode,
+    MapNode,
+    Node,
+    PathKeys,
+    Place,
+    Scalar,
+    describe,
+    nearest,
+    to_data,
+)
+from hilc_cli.spec.odd_characters import hint
 
 # What is wrong and what is allowed, by Pydantic's name of the error.
 _MESSAGES: Mapping[str, tuple[str, str]] = {
     "string_type": ("must be text", "put it in quotes"),
-    "string_pattern_mismatch": (
-        "has characters that are not allowed",
-        "use letters, digits, '.', '_' and '-'",
-    ),
     "string_too_long": ("is too long", "shorten it"),
     "bool_type": ("must be true or false", "give true or false"),
     "model_type": ("must be a mapping of keys and values", "write its keys below it"),
@@ -56,8 +66,8 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         keys: PathKeys = details["loc"]
         if keys and keys[-1] == "[key]":  # what is wrong is the key itself
             keys = keys[:-1]
-            message = "is no name; use letters, digits, '.', '_' and '-'"
             if context.get("pattern") == NAME_PATTERN:
+                message = f"is no name; {name_remedy(keys[-1])}"
                 found.append(_at(tree, keys, message, point_at_key=True))
                 continue
             message = "is no key; give keys with dots between them, such as controller.gains.l1"
@@ -69,6 +79,9 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
                 found.append(_located(tree, (*keys, *at), problem, remedy, show_all=show_all))
         elif details["type"] == "too_short" and _has_enough(tree, keys, context):
             continue  # what is wrong with its entries is told
+        elif details["type"] == "too_long" and _has_decimal_commas(nearest(tree, keys)[0]):
+            message = "has decimal commas, which part the entries of a list; write decimal points"
+            found.append(_at(tree, keys, message))
         elif details["type"] == "missing":
             if not any(keys[: len(above)] == above for above in unchosen):
                 found.append(_at(tree, keys, f"is missing; {_how_to_give(tree, keys, model)}"))
@@ -77,6 +90,11 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         elif details["type"] == "literal_error":
             remedy = _choice(str(context["expected"]), nearest(tree, keys)[0])
             found.append(_located(tree, keys, "is not one of the choices", remedy))
+        elif details["type"] == "string_pattern_mismatch":
+            text = details["input"]
+            problem = "has characters that are not allowed"
+            problem = "has a first character that is not allowed" if text[:1] == "-" else problem
+            found.append(_located(tree, keys, problem, name_remedy(text), show_all=True))
         else:
             other = (details["msg"], "correct it")
             problem, remedy = _MESSAGES.get(details["type"], other)
@@ -100,13 +118,26 @@ def _located(
     """
     node, _, found = nearest(tree, keys)
     shown = f", got {describe(node)}" if found and (show_all or isinstance(node, Scalar)) else ""
-    return _at(tree, keys, f"{problem}{shown}; {remedy}")
+    odd = hint(node.text, quoted=node.quoted) if found and isinstance(node, Scalar) else ""
+    return _at(tree, keys, f"{problem}{shown}; {remedy}{odd}".replace("?; it", "? It"))
 
 
 def _has_enough(tree: Node, keys: PathKeys, context: Mapping[str, Any]) -> bool:
     """Whether a list or mapping is too short only without its wrong entries."""
     data = to_data(nearest(tree, keys)[0])
     return isinstance(data, list | dict) and len(data) >= context["min_length"]
+
+
+def _has_decimal_commas(node: Node) -> bool:
+    """Whether a list is of pairs without a space behind their comma, with spaces between them."""
+    items = node.items if isinstance(node, ListNode) else ()
+    if len(items) % 2 or not all(isinstance(item, Scalar) for item in items):
+        return False
+    close = [
+        isinstance(one, Scalar) and other.place.column == one.place.column + len(one.text) + 1
+        for one, other in pairwise(items)
+    ]
+    return all(close[::2]) and not any(close[1::2])
 
 
 def _choice(expected: str, given: Node) -> str:
@@ -143,7 +174,7 @@ def _unknown(tree: Node, keys: PathKeys, model: type[Model]) -> tuple[str, PathK
         has been, the path of what has made no choice.
     """
     *above, last = steps_to(tree, keys[:-1], model)
-    known = suggestion(str(keys[-1]), last.fields)
+    known = meant(tree, keys, model) or f"known: {', '.join(sorted(last.fields))}"
     step = next((step for step in (last, *reversed(above)) if step.choice), None)
     if step is None or step.choice is None:
         return f"is an unknown key; {known}", None

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import core_schema
+from pydantic_core import PydanticCustomError, core_schema
 
+from hilc_cli.spec.corrections import corrected
 from hilc_cli.spec.expressions import PLAIN, ExpressionError, Unit, evaluate
 from hilc_cli.spec.model import wrong
 from hilc_cli.spec.scalars import LONGEST_NUMBER
 
 MOST_CASES = 100_000_000
 _LARGEST = 1e9  # keeps squares and products far from overflow; nothing real is larger
+_SMALLEST = 1e-30  # keeps quotients far from overflow; nothing real is smaller, but for 0
 _FAR = 1e6
 """Bounds from here on only keep out what nobody means: they are told to whoever passes them."""
 
@@ -30,6 +33,7 @@ class Quantity:
         above: Exclusive lower bound.
         least: Inclusive lower bound.
         most: Inclusive upper bound.
+        smallest: What is nearer to 0 and not 0 is nothing real.
         whole: Only whole numbers, as int.
     """
 
@@ -38,6 +42,7 @@ class Quantity:
     above: float | None = None
     least: float | None = None
     most: float | None = None
+    smallest: float | None = None
     whole: bool = False
 
     def __call__(self, value: object) -> float:
@@ -55,14 +60,25 @@ class Quantity:
 
     @property
     def remedy(self) -> str:
-        """What is allowed, as a sentence."""
-        return self._allowed(self.most if self.most is not None and self.most < _FAR else None)
+        """What is allowed, as a sentence; ends that only nonsense passes are left out."""
+        far = self.most is not None and (self.most >= _FAR or self.smallest is not None)
+        return self._allowed(self.above, None if far else self.most)
 
-    def _allowed(self, most: float | None) -> str:
+    @property
+    def _whole_remedy(self) -> str:
+        """What is allowed, with both ends."""
+        if self.smallest is None:
+            return self._allowed(self.above, self.most)
+        or_nothing = "" if self.above is not None else "0, or "
+        ends = f"{or_nothing}a number from {_shown(self.smallest)}"
+        ends += "" if self.most is None else f" to {_shown(self.most)}"
+        return f"give {ends}, such as {self.example}"
+
+    def _allowed(self, above: float | None, most: float | None) -> str:
         kind = "a whole number" if self.whole else "a number"
         bound = ""
-        if self.above is not None:
-            bound = f" above {_shown(self.above)}"
+        if above is not None:
+            bound = f" above {_shown(above)}"
             bound += "" if most is None else f" and up to {_shown(most)}"
         elif self.least is not None and (self.least > -_FAR or most is not None):
             bound = f" from {_shown(self.least)}"
@@ -80,7 +96,7 @@ class Quantity:
             try:
                 result = evaluate(value)
             except ExpressionError as error:
-                raise wrong(str(error).partition("; ")[0], _remedy(error, self.remedy)) from None
+                raise self._no_expression(value, error) from None
             if result.unit not in (PLAIN, self.unit):
                 problem = "must have no unit" if self.unit == PLAIN else "has the wrong unit"
                 raise wrong(problem, self.remedy)
@@ -94,13 +110,26 @@ class Quantity:
             raise wrong("must be finite", self.remedy)
         return number
 
+    def _no_expression(self, text: str, error: ExpressionError) -> PydanticCustomError:
+        problem, _, remedy = str(error).partition("; ")
+        if "has ','" in problem and re.search(r"[0-9],[0-9]", text):
+            problem = "has a decimal comma"
+        meant = corrected(text, self.unit)
+        if meant is not None:
+            return wrong(problem, f"did you mean '{meant}'?")
+        if "unknown unit" in problem and self.unit in _NAMES:
+            return wrong(problem, f"give it in {_NAMES[self.unit]}")
+        return wrong(problem, remedy or self.remedy)
+
     def _bounded(self, number: float) -> float:
         if self.above is not None and not number > self.above:
             raise wrong(f"must be above {_shown(self.above)}", self.remedy)
         if self.least is not None and not number >= self.least:
             raise wrong(f"must be at least {_shown(self.least)}", self.remedy)
         if self.most is not None and not number <= self.most:
-            raise wrong(f"must be at most {_shown(self.most)}", self._allowed(self.most))
+            raise wrong(f"must be at most {_shown(self.most)}", self._whole_remedy)
+        if self.smallest is not None and 0 < abs(number) < self.smallest:
+            raise wrong(f"must be at least {_shown(self.smallest)}", self._whole_remedy)
         return number
 
     def __get_pydantic_core_schema__(
@@ -114,15 +143,20 @@ class Quantity:
     ) -> JsonSchemaValue:
         """Pydantic's hook: a number within the bounds, or an expression."""
         number: dict[str, object] = {"type": "integer" if self.whole else "number"}
-        if self.above is not None:
+        nothing: list[dict[str, object]] = []
+        if self.smallest is not None:
+            number["minimum"] = self.smallest
+            nothing = [] if self.above is not None else [{"const": 0}]
+        elif self.above is not None:
             number["exclusiveMinimum"] = self.above
-        if self.least is not None:
+        elif self.least is not None:
             number["minimum"] = self.least
         if self.most is not None:
             number["maximum"] = self.most
         return {
             "anyOf": [
                 number,
+                *nothing,
                 {"type": "string", "description": f"an expression, such as {self.example}"},
             ]
         }
@@ -144,37 +178,65 @@ def _shown(bound: float) -> str:
     return str(bound) if isinstance(bound, int) else f"{bound:g}"
 
 
-def _remedy(error: ExpressionError, fallback: str) -> str:
-    """The remedy that the error itself carries, or the field's."""
-    return str(error).partition("; ")[2] or fallback
-
-
 _LENGTH, _TIME, _ANGLE = Unit(length=1), Unit(time=1), Unit(angle=1)
+_SPEED, _WHEEL_SPEED = Unit(length=1, time=-1), Unit(angle=1, time=-1)
+_NAMES = {
+    _LENGTH: "mm, cm or m",
+    _TIME: "ms or s",
+    _ANGLE: "deg or rad",
+    _SPEED: "m/s or km/h",
+    _WHEEL_SPEED: "rad/s, deg/s or rpm",
+}
 
-Coordinate = Annotated[float, Quantity(_LENGTH, "1.5 or 20 cm", least=-_LARGEST, most=_LARGEST)]
-PositiveLength = Annotated[float, Quantity(_LENGTH, "0.2 or 20 cm", above=0, most=_LARGEST)]
-LengthBound = Annotated[float, Quantity(_LENGTH, "0.001 or 1 mm", least=0, most=_LARGEST)]
-Angle = Annotated[float, Quantity(_ANGLE, "pi/2 or 90 deg", least=-_LARGEST, most=_LARGEST)]
-PositiveAngle = Annotated[float, Quantity(_ANGLE, "pi or 180 deg", above=0, most=_LARGEST)]
-AngleBound = Annotated[float, Quantity(_ANGLE, "0.001 or 0.1 deg", least=0, most=_LARGEST)]
-PositiveTime = Annotated[float, Quantity(_TIME, "0.5 or 500 ms", above=0, most=_LARGEST)]
-PositiveSpeed = Annotated[
-    float, Quantity(Unit(length=1, time=-1), "2 or 2 m/s", above=0, most=_LARGEST)
+Coordinate = Annotated[float, Quantity(_LENGTH, "1.5 or 20 cm", least=-1e8, most=1e8)]
+RobotLength = Annotated[float, Quantity(_LENGTH, "0.2 or 20 cm", above=0, smallest=1e-5, most=1e3)]
+WheelSeparation = Annotated[  # twice a half track
+    float, Quantity(_LENGTH, "0.4 or 40 cm", above=0, smallest=2e-5, most=2e3)
 ]
+PositiveLength = Annotated[
+    float, Quantity(_LENGTH, "0.2 or 20 cm", above=0, smallest=1e-12, most=1e8)
+]
+LengthBound = Annotated[
+    float, Quantity(_LENGTH, "0.001 or 1 mm", least=0, smallest=_SMALLEST, most=1e8)
+]
+Angle = Annotated[float, Quantity(_ANGLE, "pi/2 or 90 deg", least=-1e6, most=1e6)]
+PositiveAngle = Annotated[
+    float, Quantity(_ANGLE, "pi or 180 deg", above=0, smallest=1e-12, most=1e6)
+]
+AngleBound = Annotated[
+    float, Quantity(_ANGLE, "0.001 or 0.1 deg", least=0, smallest=_SMALLEST, most=1e6)
+]
+PositiveTime = Annotated[
+    float, Quantity(_TIME, "0.5 or 500 ms", above=0, smallest=1e-9, most=_LARGEST)
+]
+SampleTime = Annotated[float, Quantity(_TIME, "0.001 or 1 ms", above=0, smallest=1e-6, most=1e4)]
+PositiveSpeed = Annotated[float, Quantity(_SPEED, "2 or 2 m/s", above=0, smallest=1e-9, most=1e6)]
 PositiveWheelSpeed = Annotated[
-    float, Quantity(Unit(angle=1, time=-1), "180 or 1700 rpm", above=0, most=1e12)
+    float, Quantity(_WHEEL_SPEED, "180 or 1700 rpm", above=0, smallest=1e-9, most=_LARGEST)
 ]
-PositiveNumber = Annotated[float, Quantity(PLAIN, "0.8", above=0, most=_LARGEST)]
-Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, most=1e12)]
-GainPerSecond = Annotated[float, Quantity(Unit(time=-1), "0.5", least=0, most=1e12)]
+PositiveNumber = Annotated[float, Quantity(PLAIN, "0.8", above=0, smallest=1e-6, most=1e6)]
+Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, smallest=_SMALLEST, most=1e12)]
+GainPerSecond = Annotated[
+    float, Quantity(Unit(time=-1), "0.5", least=0, smallest=_SMALLEST, most=1e12)
+]
 CurvatureGain = Annotated[
-    float, Quantity(Unit(angle=1, length=-2), "8 or 8 rad/m/m", least=0, most=_LARGEST)
+    float,
+    Quantity(
+        Unit(angle=1, length=-2), "8 or 8 rad/m/m", least=0, smallest=_SMALLEST, most=_LARGEST
+    ),
 ]
-Duration = Annotated[float, Quantity(_TIME, "0.5 or 500 ms", least=0, most=_LARGEST)]
-Frequency = Annotated[float, Quantity(Unit(time=-1), "20 or 20 Hz", above=0, most=_LARGEST)]
+Duration = Annotated[
+    float, Quantity(_TIME, "0.5 or 500 ms", least=0, smallest=_SMALLEST, most=_LARGEST)
+]
+Frequency = Annotated[
+    float, Quantity(Unit(time=-1), "20 or 20 Hz", above=0, smallest=1e-9, most=_LARGEST)
+]
 Share = Annotated[float, Quantity(PLAIN, "0.1", least=0, most=1)]
 LateralGain = Annotated[
-    float, Quantity(Unit(angle=1, length=-1), "0.3 or 0.3 rad/m", least=0, most=_LARGEST)
+    float,
+    Quantity(
+        Unit(angle=1, length=-1), "0.3 or 0.3 rad/m", least=0, smallest=_SMALLEST, most=_LARGEST
+    ),
 ]
 Tolerance = Annotated[float, Quantity(PLAIN, "1e-9, in m and rad", least=0, most=_LARGEST)]
 Iterations = Annotated[int, Quantity(PLAIN, "100", least=0, most=10_000_000, whole=True)]

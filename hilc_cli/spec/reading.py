@@ -5,14 +5,25 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
 from hilc_cli.files import read_file, reason
-from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, resolve_example
-from hilc_cli.spec.kinds import mistaken, mistaken_example
-from hilc_cli.spec.nodes import MapNode, Node, Scalar, Source, describe, with_entry
+from hilc_cli.shipped_files import PREFIX, SCENARIOS, TRAJECTORIES, example_meant, resolve_example
+from hilc_cli.spec.kinds import is_no, mentions_keys_of, mistaken, mistaken_example
+from hilc_cli.spec.nodes import (
+    MapNode,
+    Node,
+    Place,
+    Scalar,
+    Source,
+    describe,
+    from_data,
+    with_entry,
+)
+from hilc_cli.spec.odd_characters import hint
 from hilc_cli.spec.yaml_tree import MAX_BYTES, parse_yaml
 
 STDIN = "-"
@@ -40,23 +51,26 @@ class Inputs:
         self.checksums[str(path)] = hashlib.sha256(content).hexdigest()
         return content
 
-    def tree(self, name: str, kind: str = SCENARIOS) -> Node:
-        """The YAML tree of a file, of standard input (``-``), or of an example.
+    def tree(self, source: str | Path | Mapping[str, object], kind: str = SCENARIOS) -> Node:
+        """The YAML tree of a file, of standard input (``-``), of an example, or of data.
 
         Args:
-            name: Which.
+            source: Which.
             kind: Of the example.
 
         Raises:
             HilcError: It cannot be read, or is no valid YAML.
         """
+        if isinstance(source, Mapping):
+            return from_data(source, Place(Source(kind.removesuffix("s"), Path(), has_lines=False)))
+        name = str(source)
         if name == STDIN:
             content = _read_stdin()
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
-            return parse_yaml(content, Source("<stdin>", Path()), self.problems)
+            return self._parsed(content, Source("<stdin>", Path()), kind)
         path = _example_or_path(name, kind)
-        content = self.file(path, MAX_BYTES)
-        return parse_yaml(content, Source(str(path), path.parent), self.problems)
+        content = self.file(_there(path, name, kind), MAX_BYTES)
+        return self._parsed(content, Source(str(path), path.parent), kind)
 
     def with_trajectory(self, tree: MapNode) -> MapNode:
         """The scenario with its trajectory file, if it names one, in the place of the path.
@@ -76,7 +90,8 @@ class Inputs:
         try:
             trajectory = self._trajectory_tree(node.value, node.place.source.folder)
         except (UsageError, FileAccessError) as error:
-            raise InvalidInputError([Problem(str(node.place), "trajectory", str(error))]) from None
+            message = f"{error}{hint(node.value, quoted=node.quoted)}"
+            raise InvalidInputError([Problem(str(node.place), "trajectory", message)]) from None
         if isinstance(trajectory, MapNode):
             other = mistaken(trajectory.entries, TRAJECTORIES, node.value)
             if other is not None:
@@ -87,9 +102,24 @@ class Inputs:
         if name.startswith(PREFIX):
             path = _example_or_path(name, TRAJECTORIES)
         else:
-            path = _short(folder / name)
+            path = _there(_short(folder / name), name, TRAJECTORIES)
         content = self.file(path, MAX_BYTES)
-        return parse_yaml(content, Source(str(path), path.parent), self.problems)
+        return self._parsed(content, Source(str(path), path.parent), TRAJECTORIES)
+
+    def _parsed(self, content: bytes, source: Source, kind: str) -> Node:
+        """The tree of a file that is of a kind, or of another one that is known.
+
+        A path may lead to anything. Nothing of a file that hilc has no business with is shown,
+        only where it stops being what it should be.
+        """
+        problems: list[Problem] = []
+        shown = mentions_keys_of(content.decode("utf-8", "replace"), kind)
+        tree = parse_yaml(content, source, problems, show=shown)
+        message = is_no(kind, tree)
+        if message is not None:
+            raise InvalidInputError([Problem(str(tree.place), "", message)])
+        self.problems.extend(problems)
+        return tree
 
 
 def _example_or_path(name: str, kind: str) -> Path:
@@ -98,6 +128,14 @@ def _example_or_path(name: str, kind: str) -> Path:
     if other is not None:
         raise UsageError(f"{name}: {other}")
     return resolve_example(name, kind)
+
+
+def _there(path: Path, name: str, kind: str) -> Path:
+    """The path, if something is there or no example is meant."""
+    meant = None if os.path.lexists(path) else example_meant(name, kind)
+    if meant is not None:
+        raise UsageError(f"{path}: there is no such file; did you mean '{meant}'?")
+    return path
 
 
 def _read_stdin() -> bytes:

@@ -2,29 +2,61 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from hilc_cli.robot import Robot, TurnConvention
 from hilc_cli.spec.model import Model, wrong_at
-from hilc_cli.spec.quantities import Coordinate, PositiveLength, PositiveNumber
+from hilc_cli.spec.quantities import Coordinate, PositiveNumber, RobotLength, WheelSeparation
+
+_OTHER_NAMES = {"ros": "rep103"}
+
+
+def _usual_name(value: object) -> object:
+    """The name by which results call a convention."""
+    return _OTHER_NAMES.get(value, value) if isinstance(value, str) else value
+
+
+TurnConventionName = Annotated[
+    TurnConvention,
+    BeforeValidator(_usual_name),
+    WithJsonSchema({"enum": ["paper", "rep103", "ros"], "type": "string"}),
+]
+
+
+_SEPARATION = "the distance between the left and the right wheel is wheel_separation"
+_OTHER_KEYS = {
+    **dict.fromkeys(("wheeldiameter", "diameter"), "half of it is wheel_radius"),
+    **dict.fromkeys(
+        (
+            "track", "trackwidth", "trackgauge", "wheeltrack", "axletrack", "axlewidth",
+            "axlelength", "base", "baseline", "wheelbase", "wheelwidth", "wheeldistance",
+            "wheelspacing", "wheelsdistance", "wheelseparationm", "distancebetweenwheels",
+            "tread",
+        ),
+        _SEPARATION,
+    ),
+}  # fmt: skip
 
 
 class RobotSpec(Model):
     """The plant as it really is."""
 
+    other_names = _OTHER_KEYS
+
     exactly_one = (("half_track", "wheel_separation"),)
 
-    wheel_radius: PositiveLength = Field(description="R_c [m]")
-    half_track: PositiveLength | None = Field(
+    wheel_radius: RobotLength = Field(description="R_c [m]")
+    half_track: RobotLength | None = Field(
         None, description="B_c [m] as Eq. 2 uses it: half the distance between the wheels"
     )
-    wheel_separation: PositiveLength | None = Field(
+    wheel_separation: WheelSeparation | None = Field(
         None, description="distance between the wheels [m], instead of half_track"
     )
-    turn_convention: TurnConvention = Field(
-        "paper", description="paper: left wheel faster turns left; rep103: right wheel does"
+    turn_convention: TurnConventionName = Field(
+        description="paper: left wheel faster turns left; "
+        "rep103 or ros: right wheel faster turns left"
     )
     gravity_center: tuple[Coordinate, Coordinate] = Field(
         (0.0, 0.0), description="D_cx, D_cy [m] in the platform's frame; only reported"
@@ -45,9 +77,11 @@ class RobotSpec(Model):
 class ModelSpec(Model):
     """What the controller believes; what is left out is as the robot really is."""
 
-    wheel_radius: PositiveLength | None = Field(None, description="R_rs [m]")
-    half_track: PositiveLength | None = Field(None, description="B_rs [m]")
-    wheel_separation: PositiveLength | None = Field(
+    other_names = _OTHER_KEYS
+
+    wheel_radius: RobotLength | None = Field(None, description="R_rs [m]")
+    half_track: RobotLength | None = Field(None, description="B_rs [m]")
+    wheel_separation: WheelSeparation | None = Field(
         None, description="distance between the wheels [m], instead of half_track"
     )
 

@@ -11,12 +11,13 @@ from hilc_cli.results.sweep import CASE_METRICS, ITERATIONS_TO_TOLERANCE
 from hilc_cli.spec.axis import AxisSpec, read_axis
 from hilc_cli.spec.model import Flag, Located, Model
 from hilc_cli.spec.quantities import CaseCount, PositiveLength, Seed, such_as
+from hilc_cli.spec.yaml_tree import LONGEST_KEY
 from hilc_cli.variation.axes import Choices
 from hilc_cli.variation.cases import Sampling
 
 MOST_KEYS = 100
 
-Key = Annotated[str, StringConstraints(pattern=r"^[^.\s=]+(\.[^.\s=]+)*$", max_length=200)]
+Key = Annotated[str, StringConstraints(pattern=r"^[^.\s=]+(\.[^.\s=]+)*$", max_length=LONGEST_KEY)]
 
 
 class SweepSpec(Model):

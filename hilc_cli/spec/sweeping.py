@@ -15,6 +15,7 @@ from hilc_cli.errors import InvalidInputError, Problem, UsageError
 from hilc_cli.spec.axis import read_axis, shown_axis
 from hilc_cli.spec.checked_values import vary
 from hilc_cli.spec.nodes import MapNode, Node, PathKeys, Place, Scalar, Source, from_data, to_data
+from hilc_cli.spec.overrides import parts_of_key
 from hilc_cli.spec.problems import problems_of
 from hilc_cli.spec.quantities import MOST_CASES
 from hilc_cli.spec.sweep import CompleteSweepSpec, SweepSpec
@@ -145,13 +146,15 @@ def _tree(
 
 def _nodes(variations: Variations) -> dict[str, Node]:
     if isinstance(variations, Mapping):
+        for key in variations:
+            parts_of_key(key, "vary")
         return {key: from_data(value, _place(f"vary {key}")) for key, value in variations.items()}
     nodes: dict[str, Node] = {}
     problems = []
     for text in [variations] if isinstance(variations, str) else variations:
         key, equals, values = text.partition("=")
         key, place = key.strip(), _place(f"--vary {text}")
-        if not equals or not all(key.split(".")) or not values.strip():
+        if not all(parts_of_key(key, "--vary")) or not equals or not values.strip():
             message = "must read KEY=VALUES, such as controller.gains.l1=0:1:11"
             problems.append(Problem(str(place), "", message))
         elif key in nodes:

@@ -27,8 +27,12 @@ from hilc_cli.spec.quantities import (
     PositiveLength,
     PositiveSpeed,
     PositiveTime,
+    SampleTime,
     such_as,
 )
+
+_MOST_DEGREES = 3600
+"""Larger numbers are hardly meant to be degrees."""
 
 Point = tuple[Coordinate, Coordinate]
 
@@ -123,7 +127,7 @@ class TrajectorySpec(Model):
 
     name: Name
     description: Text = ""
-    sample_time: Annotated[float, such_as(PositiveTime, "0.001 or 1 ms")] = Field(description="s")
+    sample_time: SampleTime = Field(description="s")
     start: PoseSpec
     segments: list[SegmentSpec] = Field(min_length=1, max_length=4_000)
     closed: Flag = Field(False, description="the path must end where it starts")
@@ -149,6 +153,18 @@ class TrajectorySpec(Model):
     def _reference(self) -> Reference:
         return self._path().sample(self.name)
 
+    def _degrees_meant(self, last: int) -> str:
+        """What of the angles up to a segment looks like degrees, as the end of a message."""
+        angles = {"start.heading": self.start.heading}
+        for index, segment in enumerate(self.segments[: last + 1]):
+            if segment.arc is not None:
+                angles[f"segments.{index}.arc.sweep"] = segment.arc.sweep
+        for key, angle in angles.items():
+            if 2 * math.pi < abs(angle) <= _MOST_DEGREES and angle == round(angle):
+                turns = f"{abs(angle) / (2 * math.pi):.3g} turns"
+                return f"; {key} is {angle:g} rad = {turns} ({angle:g} deg?)"
+        return ""
+
     def _path(self) -> PathBuilder:
         """The path with its segments in place.
 
@@ -166,6 +182,7 @@ class TrajectorySpec(Model):
             except PathError as error:
                 field = (error.field,) if error.field else ()
                 problem, _, remedy = str(error).partition("; ")
+                remedy += self._degrees_meant(index)
                 problems.append((("segments", index, segment.kind, *field), problem, remedy))
                 if not isinstance(error, SamplesError):
                     break
@@ -177,6 +194,6 @@ class TrajectorySpec(Model):
             raise wrong_at(
                 ("segments", last, self.segments[last].kind),
                 f"ends {gap:.3g} m from the start of the path, which is said to be closed",
-                "close the gap or set 'closed: false'",
+                f"close the gap or set 'closed: false'{self._degrees_meant(last)}",
             )
         return path

@@ -6,21 +6,26 @@ it recurse deeply, expand aliases without end, or construct objects.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import yaml
 
 from hilc_cli.errors import InvalidInputError, Problem
 from hilc_cli.spec.nodes import ListNode, MapNode, Node, Place, Scalar, Source
+from hilc_cli.spec.odd_characters import odd_character, told
 from hilc_cli.spec.scalars import resolve_plain
+from hilc_cli.spec.yaml_errors import explained
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
+LONGEST_KEY = 200
 MAX_VALUES = 50_000
 """Values in a file, each use of an alias counted with all that it stands for."""
 
 _Loader: type = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_WHOLE_NUMBER = re.compile(r"[-+]?[0-9]+")
 _SYNTAX_HELP = "check quotes, colons, brackets and indentation"
 
 
@@ -28,7 +33,13 @@ class _Stop(Exception):
     """Reading cannot go on."""
 
 
-def parse_yaml(content: bytes, source: Source, problems: list[Problem] | None = None) -> Node:
+def parse_yaml(
+    content: bytes,
+    source: Source,
+    problems: list[Problem] | None = None,
+    *,
+    show: bool = True,
+) -> Node:
     """One YAML document as a tree.
 
     Args:
@@ -36,6 +47,7 @@ def parse_yaml(content: bytes, source: Source, problems: list[Problem] | None = 
         source: Where it comes from.
         problems: Takes what is wrong with single values, so that it can be told together with
             what validation finds in the rest; None: that is an error at once.
+        show: Whether messages may tell what stands in the text.
 
     Raises:
         InvalidInputError: It is no UTF-8 or YAML, holds several documents, or exceeds a budget;
@@ -48,9 +60,10 @@ def parse_yaml(content: bytes, source: Source, problems: list[Problem] | None = 
         before = content[content.rfind(b"\n", 0, error.start) + 1 : error.start]
         column = len(before.decode("utf-8", "replace")) + 1
         byte = content[error.start]
-        message = f"is not UTF-8 text, got byte 0x{byte:02x}; save the file as UTF-8"
+        got = f", got byte 0x{byte:02x}" if show else ""
+        message = f"is not UTF-8 text{got}; save the file as UTF-8"
         raise InvalidInputError([Problem(str(Place(source, line, column)), "", message)]) from None
-    composer = _Composer(source)
+    composer = _Composer(source, show)
     tree: Node | None = None
     loader = _Loader(text)
     try:
@@ -58,11 +71,8 @@ def parse_yaml(content: bytes, source: Source, problems: list[Problem] | None = 
     except _Stop:
         tree = None
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        composer.problem(
-            composer.place(mark),
-            f"is not valid YAML: {error.problem or error.context}; {_SYNTAX_HELP}",
-        )
+        line, column, message = explained(text, error)
+        composer.problem(Place(source, line, column), message)
     except yaml.YAMLError as error:
         why = str(error).splitlines()[0]
         composer.problem(_unreadable(text, source), f"is not valid YAML: {why}; {_SYNTAX_HELP}")
@@ -89,9 +99,23 @@ def _events(loader: yaml.SafeLoader) -> Iterator[yaml.Event]:
         yield loader.get_event()  # type: ignore[no-untyped-call]
 
 
+def _goes_on(number: yaml.Event, key: yaml.Event, value: yaml.Event) -> bool:
+    """Whether a key with nothing behind it is what follows the comma of a number."""
+    return (
+        isinstance(number, yaml.ScalarEvent)
+        and isinstance(key, yaml.ScalarEvent)
+        and isinstance(value, yaml.ScalarEvent)
+        and not value.value
+        and _WHOLE_NUMBER.fullmatch(number.value) is not None
+        and key.value[:1].isdecimal()
+        and key.start_mark.index == number.end_mark.index + 1
+    )
+
+
 @dataclass(slots=True)
 class _Composer:
     source: Source
+    show: bool
     problems: list[Problem] = field(default_factory=list)
     values: int = 0
     anchors: dict[str, tuple[Node, int] | None] = field(default_factory=dict)  # None: unfinished
@@ -102,7 +126,7 @@ class _Composer:
         return Place(self.source, mark.line + 1, mark.column + 1)
 
     def problem(self, place: Place, message: str, path: str = "") -> None:
-        self.problems.append(Problem(str(place), path, message))
+        self.problems.append(Problem(str(place), path if self.show else "", message))
 
     def stop(self, place: Place, message: str) -> _Stop:
         self.problem(place, message)
@@ -136,32 +160,56 @@ class _Composer:
         if anchor is not None:
             self.anchors[anchor] = None
         if event.tag is not None:
-            self.problem(place, f"has the tag {event.tag}; leave tags out", ".".join(path))
+            tag = f"the tag {event.tag}" if self.show else "a tag"
+            self.problem(place, f"has {tag}; leave tags out", ".".join(path))
         node: Node
         if isinstance(event, yaml.ScalarEvent):
             value = resolve_plain(event.value) if event.implicit[0] else event.value
-            node = Scalar(place, value, event.value)
+            node = Scalar(place, value, event.value, quoted=event.style == '"')
         elif isinstance(event, yaml.SequenceStartEvent):
             items: list[Node] = []
             while not isinstance(event := next(events), yaml.SequenceEndEvent):
                 items.append(self.node(event, events, (*path, str(len(items)))))
             node = ListNode(place, tuple(items))
         else:
-            node = self.mapping(place, events, path)
+            node = self.mapping(place, events, path, in_braces=bool(event.flow_style))
         if anchor is not None:
             self.anchors[anchor] = (node, self.values - before)
         return node
 
-    def mapping(self, place: Place, events: Iterator[yaml.Event], path: tuple[str, ...]) -> MapNode:
+    def mapping(
+        self,
+        place: Place,
+        events: Iterator[yaml.Event],
+        path: tuple[str, ...],
+        *,
+        in_braces: bool,
+    ) -> MapNode:
         entries: dict[str, Node] = {}
         key_places: dict[str, Place] = {}
+        before: tuple[str, yaml.Event] | None = None
         while not isinstance(event := next(events), yaml.MappingEndEvent):
             key_place = self.place(event.start_mark)
             if not isinstance(event, yaml.ScalarEvent):
                 raise self.stop(key_place, "has a key that is no plain word; use words as keys")
             key: str = event.value
             here = (*path, key)
-            value = self.node(next(events), events, here)
+            if len(key) > LONGEST_KEY:
+                raise self.stop(key_place, f"has a key of {len(key)} characters; shorten it")
+            odd = odd_character(key)
+            if odd is not None:
+                key_place = replace(key_place, column=key_place.column + odd.start())
+                raise self.stop(key_place, told(odd.group()))
+            start = next(events)
+            if in_braces and before is not None and _goes_on(before[1], event, start):
+                # A decimal comma; what takes the number will say so.
+                node = entries[before[0]]
+                assert isinstance(node, Scalar)  # it goes on
+                number = f"{node.text},{key}"
+                entries[before[0]], before = Scalar(node.place, number, number), None
+                continue
+            before = (key, start)
+            value = self.node(start, events, here)
             if key == "<<" and event.implicit[0]:
                 self.problem(
                     key_place, "merge keys are not part of YAML 1.2; write the keys out", "<<"
@@ -178,11 +226,12 @@ class _Composer:
         return MapNode(place, entries, key_places)
 
     def alias(self, anchor: str, place: Place) -> Node:
+        name, defined = (f"*{anchor} ", f"&{anchor}") if self.show else ("", "one")
         if anchor not in self.anchors:
-            raise self.stop(place, f"alias *{anchor} has no anchor; define &{anchor} before it")
+            raise self.stop(place, f"alias {name}has no anchor; define {defined} before it")
         found = self.anchors[anchor]
         if found is None:
-            raise self.stop(place, f"alias *{anchor} contains itself; write the value out")
+            raise self.stop(place, f"alias {name}contains itself; write the value out")
         node, size = found
         self.count(size, place)
         return node

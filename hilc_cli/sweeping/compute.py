@@ -23,7 +23,8 @@ from hilc_cli.sweeping.sizing import cases_per_chunk, seconds_per_case
 _ALONE = 0.5
 """Seconds of work that one process does sooner than worker processes start."""
 
-_ADDRESS = re.compile(r"[a-z]+://\S+")
+_ADDRESS = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9A-Fa-f:.]+\]):([0-9]{1,5})", re.ASCII)
+_LAST_PORT = 65535
 _LOOKED_AT, _MOST_VALUES = 16, 500
 """Cases, and values of a key, from which it is told whether something must be compiled."""
 
@@ -57,7 +58,10 @@ class Execution:
     go_on: Callable[[], None] = _nothing
 
     def __post_init__(self) -> None:
-        if self.scheduler is not None and not _ADDRESS.fullmatch(self.scheduler):
+        if self.scheduler is None:
+            return
+        place = _ADDRESS.fullmatch(self.scheduler)
+        if place is None or not 0 < int(place[1]) <= _LAST_PORT:
             raise UsageError(f"--scheduler {self.scheduler}: must read tcp://HOST:PORT")
 
     def telling(self, on_cases: Callable[[int], None]) -> Execution:

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import pickle
 import queue
+import socket
+import threading
+import time
 import uuid
 import warnings
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
+from urllib.parse import urlsplit
 
-from hilc_cli.errors import HilcError, UsageError
+from hilc_cli.errors import HilcError, MissingPackageError, UsageError
+from hilc_cli.files import reason
 from hilc_cli.sweeping.chunks import Chunk, ChunkResult, run_chunk
 from hilc_cli.sweeping.crew import PATIENCE, Outcome
 from hilc_cli.sweeping.plan import Plan
 from hilc_cli.version import __version__
 
-_CONNECT = 10  # [s]
+_CONNECT = 5  # [s]
 _WAIT_FOR_WORKERS = 30  # [s]
 _IN_FLIGHT = 2
 """Chunks for each thread of the cluster, so that none waits for the next."""
@@ -42,17 +48,16 @@ class DaskCrew:
             go_on: Called now and then while waiting; may raise to stop.
 
         Raises:
-            UsageError: The package for that is not installed.
+            MissingPackageError: The package for that is not installed.
             ClusterError: There is no scheduler, or it has no workers.
         """
         try:
             import distributed
         except ImportError:
-            raise UsageError(
-                "--scheduler needs the package distributed; pip install 'hilc-cli[dask]'"
-            ) from None
+            raise MissingPackageError("--scheduler", "distributed", "dask") from None
         self._distributed = distributed
         _silence()
+        _greet(address, go_on)
         self._address, self._go_on = address, go_on
         self._plan = pickle.dumps(plan)
         self._name = uuid.uuid4().hex
@@ -153,10 +158,70 @@ class DaskCrew:
         )
 
 
+def _greet(address: str, go_on: Callable[[], None]) -> None:
+    """Makes sure that a scheduler answers, which Dask's client may do for minutes.
+
+    In a thread that is left alone in the end: to look a name up, for one, cannot be stopped.
+
+    Raises:
+        ClusterError: None answers in time.
+    """
+    answers: list[object] = []
+    end = time.monotonic() + _CONNECT
+
+    def ask() -> None:
+        try:
+            _reach(address, end)
+            answers.append(asyncio.run(asyncio.wait_for(_identity(address), _CONNECT)))
+        except Exception as error:  # a server of another kind makes Dask stumble anywhere
+            answers.append(error)
+
+    thread = threading.Thread(target=ask, daemon=True)
+    thread.start()
+    while thread.is_alive() and time.monotonic() < end + PATIENCE:
+        go_on()
+        thread.join(0.05)
+    match answers:
+        case [{"type": "Scheduler"}]:
+            return
+        case [] | [TimeoutError()]:
+            why = f"nothing within {_CONNECT} s"
+        case [OSError(strerror=str()) as error]:
+            why = reason(error)
+        case _:
+            why = "what answers there is none"
+    raise ClusterError(f"{address}: there is no scheduler that answers: {why}")
+
+
+def _reach(address: str, end: float) -> None:
+    """Waits for a scheduler that is only starting, until some time."""
+    place = urlsplit(address)
+    while True:
+        try:
+            socket.create_connection((place.hostname, place.port), _CONNECT).close()
+        except ConnectionRefusedError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.1)
+        else:
+            return
+
+
+async def _identity(address: str) -> object:
+    from distributed import rpc  # an extra
+    from distributed.security import Security
+
+    server = rpc(address, connection_args=Security().get_connection_args("client"))
+    try:
+        return await server.identity()
+    finally:
+        await server.close_rpc()
+
+
 def _silence() -> None:
     """Stops Dask's own messages, each part of which has a level of its own: crews tell instead."""
     for name in list(logging.root.manager.loggerDict):
-        if name.partition(".")[0] == "distributed":
+        if name.partition(".")[0] in ("distributed", "asyncio", "tornado"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
 
 

@@ -13,20 +13,22 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.files import writing
+from hilc_cli.files import open_to_read, open_to_write, writing
+
+_MOST_BYTES = 2_000_000_000
 
 
 class Journal:
     """Appends entries, each whole or not at all.
 
     Raises:
-        FileAccessError: The file cannot be written; what is in it stays good.
+        UsageError: The file is no regular file of this folder alone.
+        FileAccessError: It cannot be read or written; what is in it stays good.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, read_only: bool = False) -> None:
         self._path = path
-        with writing(path):
-            self._descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+        self._descriptor = open_to_read(path) if read_only else open_to_write(path)
 
     @property
     def descriptor(self) -> int:
@@ -39,6 +41,7 @@ class Journal:
         # The line break before it ends whatever a crash or a full disk has left unfinished.
         line = f"\n{zlib.crc32(text.encode()):08x} {text}\n".encode()
         with writing(self._path):
+            os.lseek(self._descriptor, 0, os.SEEK_END)  # nobody else writes: it is locked
             written = os.write(self._descriptor, line)
             if written != len(line):
                 raise OSError(28, "No space left on device")
@@ -46,7 +49,10 @@ class Journal:
 
     def entries(self) -> Iterator[dict[str, Any]]:
         """All entries that are whole, in order."""
-        for line in self._path.read_bytes().split(b"\n"):
+        os.lseek(self._descriptor, 0, os.SEEK_SET)
+        with os.fdopen(self._descriptor, "rb", closefd=False) as file:
+            content = file.read(_MOST_BYTES)
+        for line in content.split(b"\n"):
             checksum, _, text = line.partition(b" ")
             if text and checksum == f"{zlib.crc32(text):08x}".encode():
                 yield json.loads(text)

@@ -10,6 +10,7 @@ from functools import cached_property
 from importlib.metadata import version
 from typing import Any
 
+from hilc_cli.named import in_short, listed
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.results.sweep import SEED_KEY
 from hilc_cli.spec.axis import axis_text
@@ -23,7 +24,7 @@ from hilc_cli.variation.cases import Cases
 from hilc_cli.version import __version__
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plan:
     """A sweep, every value validated.
 
@@ -34,6 +35,11 @@ class Plan:
 
     varied: Varied
     spec: SweepSpec
+
+    def __repr__(self) -> str:
+        what = "search" if self.searches else "sweep"
+        title = f"Plan of a {what} of {self.name!r}: {len(self.cases)} cases"
+        return in_short(title, f"varied: {listed(self.axes)}")
 
     @property
     def name(self) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import MissingPackageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.variation.axes import Axis, Choices, Value
 from hilc_cli.variation.cases import Cases
@@ -48,7 +48,7 @@ class Sampler:
             cases: Drawn from the ranges; it takes as many of them as it needs.
 
         Raises:
-            UsageError: The package for that is not installed.
+            MissingPackageError: The package for that is not installed.
         """
         self._optuna = require_optuna()
         self._axes = cases.axes
@@ -126,14 +126,12 @@ def require_optuna() -> Any:
     """The package that thinks of the next case.
 
     Raises:
-        UsageError: It is not installed.
+        MissingPackageError: It is not installed.
     """
     try:
         import optuna
     except ImportError:
-        raise UsageError(
-            "--minimise needs the package optuna; pip install 'hilc-cli[tune]'"
-        ) from None
+        raise MissingPackageError("--minimise", "optuna", "tune") from None
     return optuna
 
 

@@ -8,14 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import MissingFileError, UsageError
+from hilc_cli.files import read_file
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.run_folder import INITIAL_INPUT
+from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
+from hilc_cli.results.tables import read_stored_input
 from hilc_cli.sweeping.chunks import Chunk, Failure
 from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.store import FolderStore
-from hilc_cli.variation.axes import axis_from_data
+from hilc_cli.sweeping.work_folder import HEADER
+from hilc_cli.variation.axes import axes_from_data
 from hilc_cli.variation.cases import Cases
+
+_MOST_SCENARIO_BYTES = 1_000_000_000  # a million values of a key are in it
 
 
 def shard_cases(cases: int, number: int, shards: int) -> Chunk:
@@ -62,9 +67,15 @@ class Merged:
     def __init__(self, stores: Sequence[FolderStore]) -> None:
         self._stores = sorted(stores, key=lambda store: store.cases)
         self.header: dict[str, Any] = stores[0].header
-        axes = {key: axis_from_data(data) for key, data in self.header["axes"].items()}
-        drawn = self.header["cases"]
-        self.cases = Cases(axes, self.header["sample"], drawn, self.header["seed"])
+        damaged = UsageError(f"{stores[0].folder / HEADER}: is damaged: its axes do not fit")
+        try:
+            axes = axes_from_data(self.header["axes"])
+            drawn = self.header["cases"]
+            self.cases = Cases(axes, self.header["sample"], drawn, self.header["seed"])
+            if len(self.cases) != sum(len(store.cases) for store in stores):
+                raise damaged
+        except (KeyError, TypeError, ValueError, AttributeError):
+            raise damaged from None
 
     def rows(self) -> Floats:
         """All rows, shape (cases, columns)."""
@@ -116,10 +127,21 @@ def merge(stores: Sequence[FolderStore]) -> Merged:
     return Merged(stores)
 
 
+def read_scenario(folder: Path) -> str:
+    """The resolved scenario of a shard, with its sweep, as text.
+
+    Raises:
+        HilcError: It cannot be read, or is no text.
+    """
+    try:
+        return read_file(folder / SCENARIO, _MOST_SCENARIO_BYTES).decode("utf-8")
+    except UnicodeDecodeError:
+        raise UsageError(f"{folder / SCENARIO}: is damaged: it is no UTF-8 text") from None
+
+
 def read_initial_input(folder: Path) -> tuple[float, Floats, Floats] | None:
     """Sample time, left and right wheel speeds of a shard's input file, if it has one."""
-    path = folder / INITIAL_INPUT
-    if not path.exists():
+    try:
+        return read_stored_input(folder / INITIAL_INPUT)
+    except MissingFileError:
         return None
-    table = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
-    return float(table[1, 1]), table[:, 2], table[:, 3]

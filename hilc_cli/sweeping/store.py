@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from hilc_cli.errors import FileAccessError, UsageError
-from hilc_cli.files import sync, write_folder, writing
+from hilc_cli.files import open_to_read, open_to_write, sync, write_folder, writing
+from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.results.sweep import CASE_COLUMNS
@@ -30,6 +31,7 @@ from hilc_cli.sweeping.work_folder import (
     ROWS,
     locked_journal,
     read_header,
+    remove,
 )
 from hilc_cli.variation.axes import axis_to_data
 
@@ -48,11 +50,15 @@ class FolderStore:
         cases: The cases that belong into it.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, read_only: bool = False) -> None:
         """Opens a folder that `create` has made.
 
+        Args:
+            folder: The folder.
+            read_only: Nothing is to be kept, so that it may be anybody's.
+
         Raises:
-            UsageError: It is no such folder.
+            UsageError: It is no such folder, or something else than its files stands in it.
             ExistingResultsError: Another program has it open.
             FileAccessError: It cannot be read or written.
         """
@@ -62,18 +68,25 @@ class FolderStore:
             raise UsageError(f"{folder}: is no folder of a sweep in progress, and no shard")
         if not self.header.keys() >= KEYS:
             raise UsageError(f"{folder / HEADER}: is damaged, or of another version of hilc")
+        name_from(self.header["name"], f"{folder / HEADER}: name")
         self.cases = Chunk(self.header["first"], self.header["last"])
         self._iterations = int(self.header["iterations"])
         self._bands = bool(self.header["bands"])
-        self._journal = locked_journal(folder, self.header)
-        self._files = {ROWS: _open(folder / ROWS)}
-        if self._bands:
-            self._files[ERRORS] = _open(folder / ERRORS)
-        with writing(folder):
-            sync(folder)
+        self._journal = locked_journal(folder, self.header, read_only=read_only)
+        self._files: dict[str, int] = {}
         self._done: dict[Chunk, tuple[Failure, ...]] = {}
-        for entry in self._journal.entries():
-            self._recall(entry)
+        opened = open_to_read if read_only else open_to_write
+        try:
+            for name in (ROWS, ERRORS) if self._bands else (ROWS,):
+                self._files[name] = opened(folder / name)
+            if not read_only:
+                with writing(folder):
+                    sync(folder)
+            for entry in self._journal.entries():
+                self._recall(entry)
+        except BaseException:
+            self.close()
+            raise
 
     @classmethod
     def create(cls, folder: Path, plan: Plan, cases: Chunk, shard: str | None) -> FolderStore:
@@ -186,6 +199,15 @@ class FolderStore:
         for iteration in range(self._iterations + 1) if self._bands else ():
             yield self._read(ERRORS, iteration * len(self.cases), len(self.cases))
 
+    def discard_if_empty(self) -> None:
+        """Removes the folder if it holds no results, so that it is not in the way of others.
+
+        Raises:
+            FileAccessError: It cannot be removed.
+        """
+        if not self._done:
+            remove(self.folder)
+
     def close(self) -> None:
         """Closes the folder, for others to open."""
         for descriptor in self._files.values():
@@ -201,14 +223,25 @@ class FolderStore:
         chunk = Chunk(entry["first"], entry["last"], values)
         if not self.cases.first <= chunk.first < chunk.last <= self.cases.last:
             return  # the journal has come here from another sweep
+        if self._checksum(chunk) == entry["checksum"]:
+            failed = entry["failures"]
+            self._count(chunk, tuple(Failure(Chunk(a, b), reason) for a, b, reason in failed))
+
+    def _checksum(self, chunk: Chunk) -> int | None:
+        """Of what the files hold of a chunk; None if they end before it, whatever is said of it."""
         offset = chunk.first - self.cases.first
-        checksum = zlib.crc32(self._read(ROWS, offset * _COLUMNS, len(chunk) * _COLUMNS).tobytes())
+        parts = [(ROWS, offset * _COLUMNS, len(chunk) * _COLUMNS)]
+        if self._bands:
+            last = self._iterations * len(self.cases) + offset
+            parts.append((ERRORS, last, len(chunk)))
+        for name, first, count in parts:
+            if os.fstat(self._files[name]).st_size < 8 * (first + count):
+                return None
+        checksum = zlib.crc32(self._read(*parts[0]).tobytes())
         for iteration in range(self._iterations + 1) if self._bands else ():
             errors = self._read(ERRORS, iteration * len(self.cases) + offset, len(chunk))
             checksum = zlib.crc32(errors.tobytes(), checksum)
-        if checksum == entry["checksum"]:
-            failed = entry["failures"]
-            self._count(chunk, tuple(Failure(Chunk(a, b), reason) for a, b, reason in failed))
+        return checksum
 
     def _count(self, chunk: Chunk, failures: tuple[Failure, ...]) -> None:
         """Takes a chunk for done; one that has been tried again is what the last try made it."""
@@ -241,8 +274,3 @@ class FolderStore:
         except OSError as error:
             raise FileAccessError(f"{self.folder / name}: cannot be read: {error}") from error
         return numbers
-
-
-def _open(path: Path) -> int:
-    with writing(path):
-        return os.open(path, os.O_RDWR | os.O_CREAT, 0o666)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.errors import ExistingResultsError
+from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.files import writing
 from hilc_cli.results.output_folder import read_manifest
 from hilc_cli.results.run_folder import INITIAL_INPUT, SCENARIO
@@ -33,29 +33,37 @@ def read_header(folder: Path) -> dict[str, Any]:
 
 def is_empty(folder: Path) -> bool:
     """Whether a folder is there with nothing in it, as one is whose removal was cut short."""
-    return folder.is_dir() and not any(folder.iterdir())
+    return not folder.is_symlink() and folder.is_dir() and not any(folder.iterdir())
 
 
 def remove(folder: Path) -> None:
     """Removes a folder of a sweep in progress, but nothing that somebody else has put there."""
-    with writing(folder):
-        # Without its journal the folder holds no results, without its header it is nobody's:
-        # at whatever moment this is stopped, it can be resumed or replaced.
-        for name in (JOURNAL, *sorted(FILES - {JOURNAL, HEADER}), HEADER):
+    # Without its journal the folder holds no results, without its header it is nobody's:
+    # at whatever moment this is stopped, it can be resumed or replaced.
+    for name in (JOURNAL, *sorted(FILES - {JOURNAL, HEADER}), HEADER):
+        with writing(folder / name):
             (folder / name).unlink(missing_ok=True)
+    with writing(folder):
         if not any(folder.iterdir()):
             folder.rmdir()
 
 
-def locked_journal(folder: Path, header: Mapping[str, Any]) -> Journal:
-    """The journal, with which nobody else can have the folder open.
+def locked_journal(folder: Path, header: Mapping[str, Any], *, read_only: bool = False) -> Journal:
+    """The journal, with which nobody else can have the folder open, unless all only read it.
 
     Raises:
         ExistingResultsError: Somebody has, or has replaced it since its header was read.
+        UsageError: The folder or the journal is a link, or none of the kind.
+        FileAccessError: It cannot be read or written.
     """
-    journal = Journal(folder / JOURNAL)
+    if folder.is_symlink() and not read_only:
+        raise UsageError(
+            f"{folder}: is a link, and nothing is written through links; name what it leads to"
+        )
+    journal = Journal(folder / JOURNAL, read_only=read_only)
     try:
-        fcntl.flock(journal.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock = fcntl.LOCK_SH if read_only else fcntl.LOCK_EX
+        fcntl.flock(journal.descriptor, lock | fcntl.LOCK_NB)
         here = os.path.samestat(os.fstat(journal.descriptor), (folder / JOURNAL).stat())
         free = here and read_header(folder) == header
     except OSError:

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, Literal
 
+from hilc_cli.errors import printable
+
 Value = float | int | str | bool | None
 Spacing = Literal["linear", "log", "integer"]
+
+_KEY = re.compile(r"\w[\w-]*(\.\w[\w-]*)*")
+MOST_VALUES = 1_000_000
+"""Of one key, so that they can be listed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,12 +191,30 @@ def axis_to_data(axis: Axis) -> dict[str, Any]:
     }
 
 
+def axes_from_data(data: Mapping[str, Mapping[str, Any]]) -> dict[str, Axis]:
+    """The axes of a document, by key.
+
+    Raises:
+        KeyError: Something is missing.
+        ValueError: A key is none, or an axis has more values than can be.
+    """
+    for key in data:
+        if not _KEY.fullmatch(key):
+            raise ValueError(f"{printable(key)} is no key")
+    return {key: axis_from_data(axis) for key, axis in data.items()}
+
+
 def axis_from_data(data: Mapping[str, Any]) -> Axis:
     """The axis that `axis_to_data` has written.
 
     Raises:
         KeyError: Something is missing.
+        ValueError: There are more values than can be.
     """
     if "values" in data:
         return Choices(tuple(data["values"]))
-    return Range(data["low"], data["high"], data["spacing"], data["count"], data["whole"])
+    axis = Range(data["low"], data["high"], data["spacing"], data["count"], data["whole"])
+    asked = axis.count if axis.spacing == "integer" else axis.values_asked
+    if (asked or 0) > MOST_VALUES:
+        raise ValueError(f"an axis of {asked} values")
+    return axis

@@ -8,7 +8,7 @@ from pathlib import Path
 SCENARIO = """\
 name: test
 trajectory: path.yaml
-robot: {wheel_radius: 0.2, half_track: 0.5}
+robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}
 iterations: 2
 controller:
   gains: {l1: 0.5}

@@ -18,7 +18,7 @@ SAMPLE_TIME, LENGTH, ITERATIONS = 0.1, 1.0, 3
 SCENARIO = """\
 name: test
 trajectory: path.yaml
-robot: {wheel_radius: 0.2, half_track: 0.5}
+robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}
 iterations: 3
 controller: {gains: {l1: 4}}
 """

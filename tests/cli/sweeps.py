@@ -31,7 +31,7 @@ trajectory:
   segments:
     - line: {length: 1, duration: 0.25 s}
     - arc: {radius: 1, turn: left, sweep: 1, duration: 0.25 s}
-robot: {wheel_radius: 0.2, half_track: 0.5}
+robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}
 initial_pose: {x: 0.1, y: 0.05, heading: 0.1}
 iterations: 20
 controller: {gains: {l1: 0.5}, h: 20, b_w: 180}

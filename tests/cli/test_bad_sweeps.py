@@ -223,12 +223,12 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "gains.l1=1,2"],
         2,
-        "--vary gains.l1=1,2: gains: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory",
+        "--vary gains.l1=1,2: gains: is an unknown key; did you mean 'controller.gains.l1'?",
     ),
     (
         ["--vary", "l1=1,2"],
         2,
-        "--vary l1=1,2: l1: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory",
+        "--vary l1=1,2: l1: is an unknown key; did you mean 'controller.gains.l1'?",
     ),
     (
         ["--vary", "name=a,b"],
@@ -384,9 +384,14 @@ CASES: list[tuple[list[str], int, str]] = [
         "--vary robot.wheel_separation=1,2: robot: needs exactly one of half_track and wheel_separation; give one of them",
     ),
     (
-        ["--vary", "robot.turn_convention=paper,ros"],
+        ["--vary", "robot.turn_convention=paper,rosy"],
         2,
-        "--vary robot.turn_convention=paper,ros: robot.turn_convention: is not one of the choices, got 'ros'; give paper or rep103",
+        "--vary robot.turn_convention=paper,rosy: robot.turn_convention: is not one of the choices, got 'rosy'; give paper or rep103",
+    ),
+    (
+        ["--vary", "robot.turn_convention=paper,ros,rep103"],
+        2,
+        "--vary robot.turn_convention=paper,ros,rep103: robot.turn_convention: has the value rep103 more than once; remove one",
     ),
     (
         ["--vary", "robot.gravity_center.0=1,2"],
@@ -563,7 +568,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "trajectory=input.csv"],
         2,
-        "input.csv:1:1: trajectory: must be a mapping of keys and values, got 'sample,t_s,left_wheel_rad_s,right_wheel_...'; write its keys below it",
+        "input.csv:1:1: is no trajectory, got a single value; write a mapping of keys and values",
     ),
     (
         ["--vary", "trajectory.segments.0.line.length=-1,2"],
@@ -802,12 +807,12 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l1=0,1", "--sed", "3"],
         2,
-        "hilc: no such option: --sed (Possible options: --seed, --set, --shard); see 'hilc sweep --help'",
+        "hilc: no such option: --sed; did you mean: --seed",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--out", "path.yaml"],
-        1,
-        "hilc: path.yaml: is no folder; choose another with --out",
+        2,
+        "hilc: --out path.yaml: is the name of a file; give the name of a folder, such as path",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--out", "."],
@@ -888,8 +893,8 @@ CASES: list[tuple[list[str], int, str]] = [
         ["--vary", "controller.gains.l1='0.1,0.2'"],
         2,
         (
-            "--vary controller.gains.l1='0.1,0.2': controller.gains.l1: has ''', which is no part of it, got ''0.1'; give a number from 0 up, such as 0.5\n"
-            "--vary controller.gains.l1='0.1,0.2': controller.gains.l1: has ''', which is no part of it, got '0.2''; give a number from 0 up, such as 0.5"
+            "--vary controller.gains.l1='0.1,0.2': controller.gains.l1: has ''', which is no part of it, got ''0.1'; did you mean '0.1'?\n"
+            "--vary controller.gains.l1='0.1,0.2': controller.gains.l1: has ''', which is no part of it, got '0.2''; did you mean '0.2'?"
         ),
     ),
     (

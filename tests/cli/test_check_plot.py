@@ -30,7 +30,8 @@ def test_picture_goes_to_a_folder_of_its_own(hilc: Hilc, write: Write, folder: P
     outcome = hilc(*PLOT)
     assert (outcome.code, outcome.err) == (0, "")
     assert outcome.out.endswith(
-        ".\n\nWritten to runs/test-check/transient.png\nWritten to runs/test-check/transient.csv\n"
+        "--simulate\n\nWritten to runs/test-check/transient.png\n"
+        "Written to runs/test-check/transient.csv\n"
     )
     assert set(listing(folder)) - set(before) == {
         *(
@@ -87,17 +88,17 @@ def test_options_of_the_picture_need_one(
 
 
 def test_folder_that_cannot_be_written_is_explained(hilc: Hilc, write: Write, folder: Path) -> None:
-    write()
-    outcome = hilc(*PLOT, "--format", "svg", "--out", "scenario.yaml", "-q")
+    write({"file": ""})
+    outcome = hilc(*PLOT, "--format", "svg", "--out", "file", "-q")
     assert (outcome.code, outcome.out, outcome.err.count("\n")) == (1, "", 1)
-    assert outcome.err.startswith("hilc: scenario.yaml: cannot be written: ")
+    assert outcome.err.startswith("hilc: file: cannot be written: ")
 
 
 def test_what_cannot_work_is_drawn_all_the_same(hilc: Hilc, write: Write, folder: Path) -> None:
     write()
     outcome = hilc(*PLOT, "--format", "svg", "--set", "controller.gains.l1=50", "--simulate")
     assert outcome.code == 3
-    assert (folder / "runs/test-check/transient.svg").is_file()
+    assert (folder / "runs/test+l1=50-check/transient.svg").is_file()
 
 
 def test_lines_carry_what_the_report_says(

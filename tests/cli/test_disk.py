@@ -17,7 +17,7 @@ from tests.cli.inputs import SCENARIO, TRAJECTORY, listing
 from tests.cli.processes import HILC, environment, outcome_of, run_hilc, started
 from tests.conftest import Hilc, Outcome, Write
 
-CIRCLE = ("run", "example:fig3-circle", "--no-plots", "--set")
+CIRCLE = ("run", "example:fig3-circle", "--no-plots", "--out", "runs/fig3-circle", "--set")
 SMALLEST_FILE = 300_000  # samples.csv of the circle is larger
 
 
@@ -113,7 +113,7 @@ def test_replacement_works_without_the_exchange_of_linux(
     write()
     assert hilc("run", "scenario.yaml", "--no-plots", "-q").code == 0
     monkeypatch.setattr(files, "_rename_exchange", lambda one, other: False)
-    changes = ("--set", "iterations=1", "--force")
+    changes = ("--set", "iterations=1", "--force", "--out", "runs/test")
     assert hilc("run", "scenario.yaml", "--no-plots", "-q", *changes) == Outcome(0, "", "")
     assert [path.name for path in (folder / "runs").iterdir()] == ["test"]
     assert len(hilc_api.read_run(folder / "runs/test").metrics) == 2
@@ -123,7 +123,7 @@ def test_replacement_works_without_the_exchange_of_linux(
 def test_two_runs_into_the_same_folder_at_once(tmp_path: Path, round_: int) -> None:
     (tmp_path / "scenario.yaml").write_text(SCENARIO)
     (tmp_path / "path.yaml").write_text(TRAJECTORY)
-    command = ("run", "scenario.yaml", "--no-plots", "-q", "--force", "--set")
+    command = ("run", "scenario.yaml", "--no-plots", "-q", "--force", "--out", "runs/test", "--set")
     with (
         started(*command, "iterations=20", cwd=tmp_path) as one,
         started(*command, "iterations=10", cwd=tmp_path) as other,

@@ -19,13 +19,19 @@ HEAVY = {"numpy", "matplotlib", "pydantic", "yaml"}
 
 @pytest.mark.parametrize("command", [[], *([command] for command in COMMANDS)])
 @pytest.mark.parametrize("option", ["--help", "-h"])
-def test_every_help_carries_an_example(hilc: Hilc, command: list[str], option: str) -> None:
+def test_every_help_carries_an_example(
+    hilc: Hilc, monkeypatch: pytest.MonkeyPatch, command: list[str], option: str
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
     outcome = hilc(*command, option)
     assert (outcome.code, outcome.err) == (0, "")
     assert "Example:\n" in outcome.out or "Examples:\n" in outcome.out
     assert f"\n    hilc {' '.join(command)}" in outcome.out
     assert "\x1b" not in outcome.out
-    assert max(map(len, outcome.out.splitlines())) <= 100
+    lines = outcome.out.splitlines()
+    assert max(map(len, lines)) <= 80
+    # The usage has dots behind what may be repeated; anywhere else they are a text cut short.
+    assert not [line for line in lines[1:] if line.endswith(("...", "\N{HORIZONTAL ELLIPSIS}"))]
 
 
 def test_no_command_shows_the_help(hilc: Hilc) -> None:

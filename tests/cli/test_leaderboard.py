@@ -24,7 +24,7 @@ trajectory:
   start: {x: 1, y: 2, heading: 1}
   segments:
     - arc: {radius: 2 m, sweep: 60 deg, turn: left, duration: 0.3 s}
-robot: {wheel_radius: 0.2, half_track: 0.5}
+robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}
 iterations: 7
 controller: {gains: {l1: 0.1}}
 """

@@ -96,7 +96,14 @@ def test_fewest_iterations_to_a_tolerance(hilc: Hilc) -> None:
 
 
 def test_best_scenario_runs_to_the_metric(hilc: Hilc) -> None:
-    changes = ("--set", "disturbance.output.bound=[1 cm, 1 cm, 0.1]", "--set", "iterations=5")
+    changes = (
+        "--set",
+        "disturbance.output.bound=[1 cm, 1 cm, 0.1]",
+        "--set",
+        "iterations=5",
+        "--out",
+        str(sweeps.FOLDER),
+    )
     keys = ("--vary", f"{L1}=0.1:10:log", "--vary", f"{L2}=0:5", "--vary", "controller.h=1..1")
     assert hilc(*SWEEP, *changes, *keys, "--minimise", METRIC, "--cases", "30") == DONE
     text = (sweeps.FOLDER / "best.yaml").read_text()
@@ -116,7 +123,8 @@ def test_best_scenario_takes_the_input_file_along(hilc: Hilc) -> None:
     header = "sample,t_s,left_wheel_rad_s,right_wheel_rad_s\n"
     Path("input.csv").write_text(f"{header}0,0.0,30,30\n")
     options = ("--set", "initial_input=input.csv", "--minimise", METRIC, "--cases", "14")
-    assert hilc(*SWEEP, "--vary", f"{L1}=0:20", *options) == DONE
+    out = ("--out", str(sweeps.FOLDER))
+    assert hilc(*SWEEP, "--vary", f"{L1}=0:20", *options, *out) == DONE
     outcome = hilc("run", str(sweeps.FOLDER / "best.yaml"), "--json", "--no-plots")
     found = json.loads(outcome.out)["final"][METRIC]
     assert found == pytest.approx(min(float(row[METRIC]) for row in table()), rel=1e-9)
@@ -211,7 +219,8 @@ def test_nothing_is_found(hilc: Hilc) -> None:
 def test_cases_that_diverge_are_the_worst(hilc: Hilc) -> None:
     """Without a limit |1 - d_t l1|^500 overflows from l1 = 30 on."""
     options = ("--set", "iterations=500", "--vary", f"{L1}=1:1e4:log", "--minimise", METRIC)
-    outcome = hilc(*SWEEP, *options, "--cases", "30", "--json")
+    out = ("--out", str(sweeps.FOLDER))
+    outcome = hilc(*SWEEP, *options, "--cases", "30", "--json", *out)
     assert (outcome.code, outcome.err) == (0, "")
     document = json.loads(outcome.out, parse_constant=pytest.fail)
     assert 0 < document["diverged"] < 20
@@ -296,7 +305,9 @@ def test_optuna_is_an_extra(hilc: Hilc, folder: Path, monkeypatch: pytest.Monkey
     with monkeypatch.context() as patch:
         patch.setitem(sys.modules, "optuna", None)
         outcome = hilc(*SEARCH)
-    message = "hilc: --minimise needs the package optuna; pip install 'hilc-cli[tune]'\n"
+    message = (
+        "hilc: --minimise needs the package optuna; pip install '.[tune]' in a checkout of hilc\n"
+    )
     assert outcome == Outcome(2, "", message)
     assert listing(folder) == before
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import struct
 from pathlib import Path
@@ -14,15 +15,18 @@ from tests.cli.inputs import listing
 from tests.conftest import Hilc, Outcome, Write
 
 KINDS = ["path-change", "final-path", "error", "wheel-speeds", "summary"]
-RUN = ("run", "scenario.yaml", "--no-plots", "-q")
+RUN = ("run", "scenario.yaml", "--no-plots", "-q", "--out")
 
 
 @pytest.fixture
 def runs(hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Two finished runs, and no engine to make others."""
     write()
-    assert hilc(*RUN, "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
-    assert hilc(*RUN, "--set", "name=other", "--set", "controller.gains.l1=0.2").code == 0
+    assert (
+        hilc(*RUN, "runs/test", "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
+    )
+    changes = ("--set", "name=other", "--set", "controller.gains.l1=0.2")
+    assert hilc(*RUN, "runs/other", *changes).code == 0
 
     def simulate(experiment: object) -> None:
         raise AssertionError("hilc plot has simulated")
@@ -74,7 +78,9 @@ def test_run_stays_a_run_folder(hilc: Hilc, runs: Path, monkeypatch: pytest.Monk
     assert hilc("plot", "runs/test", "--format", "svg", "-q").code == 0
     monkeypatch.undo()
     monkeypatch.chdir(runs.parent)
-    assert hilc(*RUN, "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
+    assert (
+        hilc(*RUN, "runs/test", "--set", "record.iterations=[1]", "--set", "iterations=4").code == 0
+    )
 
 
 def test_kinds_and_formats_asked_for(hilc: Hilc, runs: Path) -> None:
@@ -187,3 +193,28 @@ def test_plot_of_a_missing_run_makes_no_folder(hilc: Hilc, runs: Path, folder: P
     before = listing(folder)
     assert hilc("plot", "runs/test", "runs/nosuch", "--out", "new").code == 2
     assert listing(folder) == before
+
+
+def test_without_a_name_the_newest_results_are_drawn(hilc: Hilc, runs: Path) -> None:
+    (runs / "drawing").mkdir()  # neither results nor an unfinished folder are meant
+    (runs / ".test-draft").mkdir()
+    (runs / ".test-draft/iterations.csv").touch()
+    for name, age in (("test", 50), ("other", 100)):
+        written = (runs / name / "iterations.csv").stat().st_mtime - age
+        os.utime(runs / name / "iterations.csv", (written, written))
+    outcome = hilc("plot", "--kind", "error")
+    told = "hilc: no run is named: drawing the newest, runs/test\n"
+    assert outcome == Outcome(0, "runs/test/error.png\n", told)
+    # Its picture is younger than the run that becomes the newest now.
+    written = (runs / "test/iterations.csv").stat().st_mtime + 1
+    os.utime(runs / "other/iterations.csv", (written, written))
+    outcome = hilc("plot", "--kind", "error", "-q")
+    assert outcome == Outcome(0, "", "")
+    assert pictures(runs / "other") == ["error.png"]
+
+
+def test_newest_results_may_be_a_sweep(hilc: Hilc, runs: Path) -> None:
+    sweep = ("sweep", "scenario.yaml", "--vary", "controller.gains.l1=0.1:0.4:4", "--no-plots")
+    assert hilc(*sweep, "-q").code == 0
+    outcome = hilc("plot", "--format", "svg")
+    assert (outcome.code, outcome.out) == (0, "runs/test-sweep/curve.svg\n")

@@ -166,7 +166,7 @@ def test_data_are_those_of_the_scenario(
     reproduced, _ = whole
     options = ("--set", f"iterations={ITERATIONS}", "--no-plots", "-q")
     assert hilc("run", "example:fig7c", *options).code == 0
-    run = folder / "runs/fig7c"
+    run = folder / f"runs/fig7c+iterations={ITERATIONS}"
     columns = {
         ("fig7c2", "input"): ("t_s", "left_wheel_rad_s", "right_wheel_rad_s"),
         ("fig7c3", "iterations"): ("iteration", "max_position_error_m", "saturated_samples"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,24 @@ def test_requirement_that_is_not_met(hilc: Hilc, write: Write, text: str) -> Non
     write()
     outcome = hilc(*RUN, "--require", text)
     assert outcome == Outcome(3, "", f"hilc: not met: {text}, got 0\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "at_zero", "at_one"),  # of no saturated sample
+    [(":le:", 0, 0), (" :lt: ", 3, 0), (":ge:", 0, 3), (":gt:", 3, 3)],
+)
+def test_relation_in_words(hilc: Hilc, write: Write, words: str, at_zero: int, at_one: int) -> None:
+    write()
+    codes = [hilc(*RUN, f"--require=saturated_samples{words}{bound}").code for bound in "01"]
+    assert codes == [at_zero, at_one]
+
+
+def test_relation_in_words_takes_units_and_needs_no_quotes(hilc: Hilc, write: Write) -> None:
+    write()
+    text = "max_position_error_m:lt:5mm"
+    assert shlex.quote(text) == text
+    outcome = hilc(*RUN, "--require", text)
+    assert outcome.code == 3 and outcome.err.startswith(f"hilc: not met: {text}, got ")
 
 
 @pytest.mark.parametrize("name", METRIC_NAMES)

@@ -65,7 +65,16 @@ def test_warnings_go_to_stderr(inputs: Path) -> None:
     changes = ("--set", "initial_pose.y=1", "--set", "controller.gains.l2=1")
     outcome = run_hilc(*RUN, *changes, cwd=inputs)
     assert (outcome.code, outcome.err) == (0, WARNING)
-    assert "warning" not in outcome.out
+
+
+def test_warnings_are_part_of_the_summary(inputs: Path) -> None:
+    changes = ("--set", "initial_pose.y=1", "--set", "controller.gains.l2=1")
+    outcome = run_hilc(*RUN, *changes, cwd=inputs)
+    assert outcome.out.splitlines().count(WARNING.removeprefix("hilc: ").rstrip()) == 1
+    folder = "runs/test+y=1+l2=1"
+    assert outcome.out.endswith(f"\nWritten to {folder}\n")
+    manifest = json.loads((inputs / folder / "manifest.json").read_text())
+    assert [f"hilc: warning: {text}\n" for text in manifest["warnings"]] == [WARNING]
 
 
 def test_json_is_one_document_and_nothing_else(inputs: Path) -> None:

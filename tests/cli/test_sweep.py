@@ -51,13 +51,14 @@ def test_case_has_the_numbers_of_a_run(number: int, name: str) -> None:
 @pytest.mark.parametrize("name", ["gain-map", "gain-map-no-limit"])
 def test_map_of_gains(hilc: Hilc, folder: Path, name: str) -> None:
     assert hilc("sweep", f"example:{name}", "--set", "iterations=3", "-q") == Outcome(0, "", "")
-    rows = table(folder / "runs" / f"{name}-sweep" / "cases.csv")
+    results = folder / "runs" / f"{name}+iterations=3-sweep"
+    rows = table(results / "cases.csv")
     assert len(rows) == 40 * 40
     gains = 0.02 * 1000 ** (np.arange(40) / 39)
     np.testing.assert_allclose([float(row[L1]) for row in rows[::40]], gains, rtol=1e-12)
     limited = max(float(row["max_wheel_speed_rad_s"]) for row in rows) <= 180
     assert limited == (name == "gain-map")
-    assert (folder / "runs" / f"{name}-sweep" / "map.png").stat().st_size > 0
+    assert (results / "map.png").stat().st_size > 0
 
 
 def test_seeds_are_separate_runs(write: Write) -> None:

@@ -26,7 +26,7 @@ KEY = "controller.gains.l1"
 VARY = f"{KEY}=0.1:0.8:8"
 SWEEP = ("sweep", "scenario.yaml", "--vary", VARY, "--no-plots", "-q")
 OTHER = ("sweep", "scenario.yaml", "--vary", f"{KEY}=0.1:0.9:9", "--no-plots", "-q")
-SEED = (*SWEEP, "--set", "disturbance.seed=1")
+SEED = (*SWEEP, "--set", "disturbance.seed=1", "--out", "runs/test-sweep")
 DONE = Outcome(0, "", "")
 UNFINISHED = (
     "hilc: runs/test-sweep.part: holds results of this sweep; "
@@ -120,11 +120,11 @@ def test_foreign_folders_are_left_alone(
 
 def test_shard_into_a_foreign_folder(hilc: Hilc, write: Write, folder: Path) -> None:
     write()
-    (folder / "own").mkdir()
-    (folder / "own/scenario.yaml").write_text("somebody's own")
+    (folder / "own.1-of-2").mkdir()
+    (folder / "own.1-of-2/scenario.yaml").write_text("somebody's own")
     outcome = hilc(*SWEEP, "--shard", "1/2", "--out", "own", "--force")
     assert (outcome.code, outcome.err.count("\n")) == (1, 1)
-    assert listing(folder / "own") == {"scenario.yaml": b"somebody's own"}
+    assert listing(folder / "own.1-of-2") == {"scenario.yaml": b"somebody's own"}
 
 
 def test_nothing_to_resume(hilc: Hilc, write: Write) -> None:
@@ -362,3 +362,13 @@ def test_cases_that_kill_their_worker(
     assert all(row.endswith(",,,") for row in rows[25:49])
     assert hilc(*sixty, "--resume") == DONE
     assert (sweeps.FOLDER / "cases.csv").read_text().splitlines() == whole
+
+
+def test_same_tables_keep_the_pictures_that_are_there(hilc: Hilc, write: Write) -> None:
+    write()
+    assert hilc(*SWEEP) == DONE
+    (sweeps.FOLDER / "curve.svg").write_text("drawn before")
+    assert hilc(*SWEEP) == DONE
+    assert (sweeps.FOLDER / "curve.svg").read_text() == "drawn before"
+    assert hilc(*OTHER, "--force") == DONE
+    assert not (sweeps.FOLDER / "curve.svg").exists()

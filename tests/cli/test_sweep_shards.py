@@ -94,9 +94,9 @@ def test_shard_given_twice(hilc: Hilc, shards: list[str], again: str) -> None:
 )
 def test_shard_of_another_sweep(hilc: Hilc, shards: list[str], more: tuple[str, ...]) -> None:
     assert hilc(*SWEEP, *more, "--shard", "3/3", "--out", "other") == DONE
-    outcome = hilc(*MERGE, *shards[:2], "other")
+    outcome = hilc(*MERGE, *shards[:2], "other.3-of-3")
     assert (outcome.code, outcome.out, outcome.err.count("\n")) == (2, "", 1)
-    assert "other: is a shard of another sweep than" in outcome.err
+    assert "other.3-of-3: is a shard of another sweep than" in outcome.err
 
 
 def test_unfinished_shard(hilc: Hilc, shards: list[str]) -> None:
@@ -135,7 +135,8 @@ def test_finished_shard_is_not_computed_again(hilc: Hilc, shards: list[str]) -> 
 
 
 def test_folder_of_another_shard(hilc: Hilc, shards: list[str]) -> None:
-    outcome = hilc(*SWEEP, "--shard", "1/2", "--resume", "--out", shards[0])
+    Path(shards[0]).rename("other.1-of-2")
+    outcome = hilc(*SWEEP, "--shard", "1/2", "--resume", "--out", "other")
     assert (outcome.code, outcome.err.count("\n")) == (1, 1)
 
 
@@ -159,7 +160,7 @@ def test_other_initial_input_is_another_sweep(hilc: Hilc, write: Write) -> None:
     table = Path("input.csv").read_text()
     Path("input.csv").write_text(table.replace("1,0.1,1,2", "1,0.1,1,3"))
     assert hilc(*SWEEP, "--shard", "3/3", "--out", "other") == DONE
-    outcome = hilc(*MERGE, *shards[:2], "other")
+    outcome = hilc(*MERGE, *shards[:2], "other.3-of-3")
     assert outcome.code == 2 and "is a shard of another sweep" in outcome.err
 
 

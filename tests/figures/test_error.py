@@ -1,20 +1,24 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.patches import StepPatch
 
 from hilc_cli.figures.error import (
     MOST_DETAILED,
+    SECOND_HALF_LABEL,
     STRIP_LABEL,
     ZERO_LABEL,
     drawable,
     error_figure,
     saturated_share,
 )
-from hilc_cli.results.metrics import measure
+from hilc_cli.results.metrics import MetricsTable, measure
+from hilc_cli.results.run import RunData
 from tests.figures.conftest import SAMPLES, MakeRun
-from tests.figures.reading import legend, line, lines, texts
+from tests.figures.reading import legend, line, lines, overlaps, texts
 
 
 def test_lines_are_the_metrics(make_run: MakeRun) -> None:
@@ -138,3 +142,43 @@ def test_errors_beyond_all_numbers_are_counted(make_run: MakeRun) -> None:
         again.metrics.append(measure(run.trials[1], run.reference, None))
 
     assert "1 errors above 1e300 m are not drawn" in texts(error_figure([again]))
+
+
+def beside_its_start(run: RunData, offset: float) -> RunData:
+    """The run with another first sample."""
+    trials = {
+        number: replace(trial, x=np.concatenate([trial.x[:1] + offset, trial.x[1:]]))
+        for number, trial in run.trials.items()
+    }
+    metrics = MetricsTable()
+    for trial in trials.values():
+        metrics.append(measure(trial, run.reference, None))
+    return replace(run, metrics=metrics, trials=trials)
+
+
+def test_second_half_is_drawn_where_the_start_decides_the_maximum(make_run: MakeRun) -> None:
+    off = beside_its_start(make_run(), 30.0)
+    (axes,) = error_figure([off]).axes
+    shown = line(axes, SECOND_HALF_LABEL)
+
+    np.testing.assert_array_equal(
+        shown.get_ydata(), off.metrics["max_position_error_second_half_m"]
+    )
+    np.testing.assert_allclose(np.asarray(line(axes, "Maximum").get_ydata(), float), 30)
+    assert legend(axes) == ["Maximum", "RMS", "Mean", SECOND_HALF_LABEL]
+    styles = {str(line(axes, label)._dash_pattern) for label in legend(axes)}  # type: ignore[attr-defined]
+    assert len(styles) == 4
+    assert not overlaps(error_figure([off]))
+    assert legend(error_figure([make_run()]).axes[0]) == ["Maximum", "RMS", "Mean"]
+
+
+def test_second_half_takes_the_place_of_the_mean_among_several(make_run: MakeRun) -> None:
+    runs = [beside_its_start(make_run("off"), 30.0), make_run("right")]
+    (axes,) = error_figure(runs).axes
+
+    shown = lines(axes, "_second half")
+    assert len(shown) == 2 and not lines(axes, "_mean")
+    for each, run in zip(shown, runs, strict=True):
+        expected = run.metrics["max_position_error_second_half_m"]
+        np.testing.assert_array_equal(each.get_ydata(), expected)
+    assert legend(axes) == ["off", "right", "Maximum", SECOND_HALF_LABEL]

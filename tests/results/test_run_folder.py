@@ -24,6 +24,7 @@ from tests.cli.inputs import SCENARIO, TABLES, listing, plus, replaced, scenario
 from tests.conftest import Hilc, Outcome, Write
 
 QUIET = ("--no-plots", "-q")
+OTHER = ("--set", "iterations=3", "--out", "runs/test")
 PICTURES = ["error", "final-path", "path-change", "summary", "wheel-speeds"]
 
 
@@ -132,7 +133,7 @@ def test_scenario_that_only_looks_different_is_the_same(
 
 def test_results_of_another_scenario_are_kept(hilc: Hilc, done: Path) -> None:
     before = listing(done)
-    outcome = hilc("run", "scenario.yaml", "--set", "iterations=3", *QUIET)
+    outcome = hilc("run", "scenario.yaml", *OTHER, *QUIET)
     assert outcome == Outcome(
         1,
         "",
@@ -143,7 +144,7 @@ def test_results_of_another_scenario_are_kept(hilc: Hilc, done: Path) -> None:
 
 
 def test_force_replaces_results_of_another_scenario(hilc: Hilc, done: Path) -> None:
-    outcome = hilc("run", "scenario.yaml", "--set", "iterations=3", "--force", *QUIET)
+    outcome = hilc("run", "scenario.yaml", *OTHER, "--force", *QUIET)
     assert outcome == Outcome(0, "", "")
     assert last_iteration(done) == 3
 
@@ -239,7 +240,7 @@ def test_foreign_files_survive_a_replacement(
     (done / "deeper" / "still" / "more.txt").write_text("more")
     (done / "link").symlink_to("notes.txt")
     (done / "nowhere").symlink_to("nothing")
-    changes = ["--set", "iterations=3"] if force else []
+    changes = OTHER if force else ()
     assert hilc("run", "scenario.yaml", *QUIET, *changes, *force) == Outcome(0, "", "")
     assert (done / "notes.txt").read_text() == "look at iteration 2"
     assert stat.S_IMODE((done / "notes.txt").stat().st_mode) == 0o640
@@ -251,14 +252,14 @@ def test_foreign_files_survive_a_replacement(
 def test_pictures_of_the_run_before_do_not_survive(hilc: Hilc, write: Write, folder: Path) -> None:
     write()
     hilc("run", "scenario.yaml", "-q")
-    assert hilc("run", "scenario.yaml", "--set", "iterations=3", "--force", *QUIET).code == 0
+    assert hilc("run", "scenario.yaml", *OTHER, "--force", *QUIET).code == 0
     assert not [name for name in names(folder / "runs/test") if name.endswith(".png")]
 
 
 def test_pictures_redrawn_by_plot_do_not_survive_either(hilc: Hilc, done: Path) -> None:
     # They would show the results of the run before beside the tables of this one.
     assert hilc("plot", "runs/test", "--kind", "error", "--format", "svg", "-q").code == 0
-    assert hilc("run", "scenario.yaml", "--set", "iterations=3", "--force", *QUIET).code == 0
+    assert hilc("run", "scenario.yaml", *OTHER, "--force", *QUIET).code == 0
     assert "error.svg" not in names(done)
 
 
@@ -276,8 +277,8 @@ def test_optional_tables_of_the_run_before_do_not_survive(
 
 def test_no_drafts_are_left_behind(hilc: Hilc, done: Path, folder: Path) -> None:
     hilc("run", "scenario.yaml", *QUIET)
-    hilc("run", "scenario.yaml", "--set", "iterations=3", *QUIET)
-    hilc("run", "scenario.yaml", "--set", "iterations=3", "--force", *QUIET)
+    hilc("run", "scenario.yaml", *OTHER, *QUIET)
+    hilc("run", "scenario.yaml", *OTHER, "--force", *QUIET)
     hilc("plot", "runs/test", "-q")
     assert names(folder / "runs") == ["test"]
     assert not [name for name in names(done) if name.startswith(".")]
@@ -287,7 +288,7 @@ def test_link_to_a_run_folder_is_followed(hilc: Hilc, done: Path, folder: Path) 
     (folder / "disk").mkdir()
     done.rename(folder / "disk" / "test")
     done.symlink_to(folder / "disk" / "test")
-    assert hilc("run", "scenario.yaml", "--set", "iterations=3", "--force", *QUIET).code == 0
+    assert hilc("run", "scenario.yaml", *OTHER, "--force", *QUIET).code == 0
     assert names(folder / "runs") == ["test"], "a draft was left behind"
     assert done.is_symlink()
     assert last_iteration(folder / "disk" / "test") == 3
@@ -346,7 +347,8 @@ def test_recorded_iterations(
 ) -> None:
     write()
     changes = (f"record.iterations={record}", f"iterations={iterations}")
-    outcome = hilc("run", "scenario.yaml", *QUIET, *(f"--set={change}" for change in changes))
+    options = (*QUIET, "--out", "runs/test", *(f"--set={change}" for change in changes))
+    outcome = hilc("run", "scenario.yaml", *options)
     if expected is None:
         assert outcome.code == 2
         return
@@ -370,7 +372,7 @@ def test_automatic_record_of_many_iterations_stays_small(write: Write) -> None:
 def test_diverged_run_keeps_its_finite_iterations(hilc: Hilc, folder: Path) -> None:
     outcome = hilc(
         *("run", "example:fig6c", *QUIET, "--set", "controller.b_w=null"),
-        *("--set", "controller.gains.l1=1e9", "--set", "iterations=100"),
+        *("--set", "controller.gains.l1=1e9", "--set", "iterations=100", "--out", "runs/fig6c"),
     )
     manifest = json.loads((folder / "runs/fig6c/manifest.json").read_text())
     at = manifest["diverged_at"]
@@ -392,7 +394,7 @@ def test_diverged_run_keeps_its_finite_iterations(hilc: Hilc, folder: Path) -> N
 
 def test_diverged_run_is_drawn(hilc: Hilc, write: Write, folder: Path) -> None:
     write({"scenario.yaml": scenario("b_w: 180", "b_w: null").replace("l1: 0.5", "l1: 1e9")})
-    outcome = hilc("run", "scenario.yaml", "--set", "iterations=100")
+    outcome = hilc("run", "scenario.yaml", "--set", "iterations=100", "--out", "runs/test")
     assert outcome.code == 3
     assert outcome.err.count("\n") == 1
     assert {f"{kind}.png" for kind in PICTURES} < set(names(folder / "runs/test"))
@@ -416,7 +418,7 @@ def test_run_that_diverges_at_once_writes_nothing(hilc: Hilc, write: Write, fold
 def test_shortest_run_of_the_shortest_path(hilc: Hilc, write: Write, folder: Path) -> None:
     path = "name: p\nsample_time: 1\nstart: {x: 0, y: 0, heading: 0}\n"
     write({"path.yaml": path + "segments:\n  - line: {length: 1, duration: 1}\n"})
-    outcome = hilc("run", "scenario.yaml", "--set", "iterations=0")
+    outcome = hilc("run", "scenario.yaml", "--set", "iterations=0", "--out", "runs/test")
     assert (outcome.code, outcome.err) == (0, "")
     assert len((folder / "runs/test/samples.csv").read_text().splitlines()) == 3
     assert hilc("plot", "runs/test", "-q") == Outcome(0, "", "")
@@ -562,3 +564,24 @@ def test_check_before_a_long_simulation(write: Write, folder: Path) -> None:
 def test_folder_that_is_none_cannot_be_read(folder: Path) -> None:
     with pytest.raises(UsageError, match=r"^nowhere: is no run folder"):
         hilc_api.read_run("nowhere")
+
+
+def test_same_tables_keep_the_pictures_that_are_there(hilc: Hilc, done: Path, write: Write) -> None:
+    own = {"error.svg": b"drawn by plot", "final-path.pdf": b"too", "summary.png": b"third"}
+    for name, content in own.items():
+        (done / name).write_bytes(content)
+    (done / "learning.png").symlink_to("../../path.yaml")
+    assert hilc("run", "scenario.yaml", *QUIET) == Outcome(0, "", "")
+    assert {name: (done / name).read_bytes() for name in own} == own
+    assert not (done / "learning.png").exists(), "a link is no picture"
+    assert json.loads((done / "manifest.json").read_text())["files"] == names(done)
+    # Those of the formats that are drawn are new, the others stay.
+    assert hilc("run", "scenario.yaml", "-q") == Outcome(0, "", "")
+    assert (done / "summary.png").read_bytes().startswith(b"\x89PNG")
+    assert (done / "error.svg").read_bytes() == own["error.svg"]
+    # The same scenario and other tables, such as those of another version: nothing stays.
+    table = (done / "samples.csv").read_text()
+    (done / "samples.csv").write_text(table.replace(",0.0,", ",0.125,", 1))
+    assert hilc("run", "scenario.yaml", *QUIET) == Outcome(0, "", "")
+    assert (done / "samples.csv").read_text() == table
+    assert not [name for name in names(done) if name.endswith((".png", ".svg", ".pdf"))]

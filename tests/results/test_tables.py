@@ -39,7 +39,7 @@ trajectory:
   sample_time: 1
   start: {x: 0, y: 0, heading: 0}
   segments: [{line: {length: 3, duration: 3}}]
-robot: {wheel_radius: 0.2, half_track: 0.5, gravity_center: [0.5, 0.25]}
+robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper, gravity_center: [0.5, 0.25]}
 iterations: 1
 controller: {gains: {l1: 0.5}, b_w: 6}
 record: {gravity_center: true}

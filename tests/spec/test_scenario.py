@@ -65,6 +65,15 @@ def test_model_is_the_robot_where_it_is_left_out() -> None:
     assert resolved["robot"]["half_track"] == 0.5
 
 
+def test_ros_is_another_name_of_rep103() -> None:
+    ros, rep103 = (
+        load_scenario("scenario.yaml", {"robot.turn_convention": name})
+        for name in ("ros", "rep103")
+    )
+    assert ros.resolved_yaml() == rep103.resolved_yaml()
+    assert ros.experiment().robot.signed_half_track == -0.5
+
+
 def test_friction_is_resolved_if_it_is_given(folder: Path) -> None:
     # Left out, it leaves no trace: run folders of scenarios that do not know it stay theirs.
     assert "friction" not in load_scenario("scenario.yaml").resolved_yaml()

@@ -30,7 +30,7 @@ segments:
 BASE = """\
 name: base
 trajectory: curve.yaml
-robot: {wheel_radius: 0.2, half_track: 0.5}
+robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}
 iterations: 3
 controller:
   gains: {l1: 0.5}

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import distributed
 import pytest
 
+from hilc_cli.errors import UsageError
+from hilc_cli.sweeping import dask_crew
 from hilc_cli.sweeping.chunks import Chunk, ChunkResult, run_chunk
+from hilc_cli.sweeping.compute import Execution
 from hilc_cli.sweeping.dask_crew import ClusterError, DaskCrew
 from hilc_cli.sweeping.execute import execute
 from hilc_cli.sweeping.memory_store import MemoryStore
@@ -65,6 +72,7 @@ class Client:
 
 def execute_with(plan: Plan, monkeypatch: pytest.MonkeyPatch, *fates: str) -> MemoryStore:
     monkeypatch.setattr(distributed, "Client", Client)
+    monkeypatch.setattr(dask_crew, "_greet", lambda address, go_on: None)
     monkeypatch.setattr(Client, "fates", fates)
     crew = DaskCrew(plan, "tcp://nowhere", lambda: None)
     store = MemoryStore(plan)
@@ -98,3 +106,61 @@ def test_chunk_that_kills_workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def test_dropped_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ClusterError, match="the scheduler has dropped cases 0 to 15"):
         execute_with(small_plan(tmp_path), monkeypatch, "cancelled")
+
+
+@contextmanager
+def server(says: bytes | None) -> Iterator[str]:
+    """Accepts whoever comes, says the same to all and waits; with nothing to say it hangs up."""
+    with socket.create_server(("127.0.0.1", 0)) as listening, ExitStack() as stack:
+
+        def serve() -> None:
+            with suppress(OSError):
+                while True:
+                    guest = listening.accept()[0]
+                    if says is None:
+                        guest.close()
+                        continue
+                    stack.callback(guest.close)
+                    guest.sendall(says)
+
+        threading.Thread(target=serve, daemon=True).start()
+        yield f"tcp://127.0.0.1:{listening.getsockname()[1]}"
+        listening.shutdown(socket.SHUT_RDWR)
+
+
+@pytest.mark.parametrize(
+    ("says", "why"),
+    [
+        pytest.param(None, "what answers there is none", id="hangs-up"),
+        pytest.param(b"", "nothing within 0.3 s", id="silent"),
+        pytest.param(b"220 mail.example ESMTP\r\n" * 40, "what answers there is none", id="mail"),
+        pytest.param(b"\xff" * 4096, "what answers there is none", id="endless-frames"),
+        pytest.param(bytes(4096), "what answers there is none", id="empty-frames"),
+    ],
+)
+def test_server_of_another_kind(
+    says: bytes | None, why: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dask_crew, "_CONNECT", 0.3 if says == b"" else 20)
+    start = time.monotonic()
+    with server(says) as address, pytest.raises(ClusterError) as failure:
+        dask_crew._greet(address, lambda: None)
+    assert str(failure.value) == f"{address}: there is no scheduler that answers: {why}"
+    assert time.monotonic() - start < 10
+
+
+def test_host_of_no_such_name() -> None:
+    with pytest.raises(ClusterError, match=r"^tcp://nowhere.invalid:8786: there is no scheduler"):
+        dask_crew._greet("tcp://nowhere.invalid:8786", lambda: None)
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        *("inproc://x", "ucx://10.0.0.1:8786", "ws://a:1", "tcp://a", "tcp://a:0", "tcp://a:65536"),
+        *("tcp://:8786", "a:8786", "tcp://a:1\n", "tcp://a b:1", "tcp://[::1]"),
+    ],
+)
+def test_address_of_another_form(address: str) -> None:
+    with pytest.raises(UsageError, match=r"must read tcp://HOST:PORT$"):
+        Execution(scheduler=address)

@@ -1,0 +1,87 @@
+"""Where results go if no --out is given: a folder that tells what ``--set`` has changed."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+RUNS = Path("runs")
+SWEEP = "-sweep"
+_LONGEST = 80  # characters of all changes together: a name has 255 bytes, and others come behind
+_DIGITS = 6
+_UNSAFE = r"[^A-Za-z0-9._-]+"
+
+
+def default_folder(name: str, overrides: Sequence[str] | None, ending: str = "") -> Path:
+    """The folder of a scenario's results, such as ``runs/NAME+l1=0.5-sweep``.
+
+    What ``--set`` has changed stands behind the name: the last part of the key, or more of it where
+    two keys end alike, and the value, with ``-`` for characters that a shell or a file system could
+    take for something else. A text that is cut short has digits of the whole one behind it. Whether
+    a folder may be written is not told by its name: two values that are spelled alike are found out
+    when the scenario that stands there is compared.
+
+    Args:
+        name: Of the scenario, as it is after all changes.
+        overrides: ``KEY=VALUE`` as on the command line.
+        ending: What kind of results they are, such as ``-sweep``.
+    """
+    return RUNS / f"{name}{_changes(overrides or [])}{ending}"
+
+
+def shard_folder(folder: Path, number: int, shards: int) -> Path:
+    """Where one of several shards of a sweep goes that is to end up in a folder."""
+    return folder.with_name(f"{folder.name}.{number}-of-{shards}")
+
+
+def folder_of_shards(name: str, shards: Sequence[Path]) -> Path:
+    """The default folder of a sweep that is put together of shards.
+
+    Args:
+        name: Of the scenario.
+        shards: Their folders. What ``--set`` has changed is known by their names alone.
+    """
+    plain = f"{name}{SWEEP}"
+    found = {re.sub(r"\.[0-9]+-of-[0-9]+$", "", shard.name) for shard in shards}
+    with_changes = min(found)
+    # Its folders may come from anybody: what hilc has made has no other characters.
+    own = re.fullmatch(rf"{re.escape(name)}\+[A-Za-z0-9._+=-]+{SWEEP}", with_changes)
+    if len(found) == 1 and own is not None:
+        return RUNS / with_changes
+    return RUNS / plain
+
+
+def _changes(overrides: Sequence[str]) -> str:
+    values: dict[tuple[str, ...], str] = {}
+    for text in overrides:
+        key, _, value = text.partition("=")
+        keys = tuple(key.strip().split("."))
+        values.pop(keys, None)  # the last of several values counts, and its place
+        values[keys] = value.strip() or "null"
+    values.pop(("name",), None)  # is what the folder is called anyway
+    shown = "".join(
+        f"+{_safe(_ending(keys, list(values)))}={_safe(value)}" for keys, value in values.items()
+    )
+    if len(shown) <= _LONGEST and "=+" not in f"{shown}+":
+        return shown
+    whole = "\0".join(f"{'.'.join(keys)}={value}" for keys, value in values.items())
+    digits = hashlib.sha256(whole.encode("utf-8", "surrogateescape")).hexdigest()[:_DIGITS]
+    return f"{shown[: _LONGEST - _DIGITS - 1]}-{digits}"
+
+
+def _ending(keys: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> str:
+    """The fewest last parts of a key that name something and tell it from the others."""
+    for count in range(1, len(keys)):
+        ending = keys[-count:]
+        alike = sum(other[-count:] == ending for other in others)
+        if alike == 1 and not ending[0].isdecimal():
+            return ".".join(ending)
+    return ".".join(keys)
+
+
+def _safe(text: str) -> str:
+    """The text without brackets and quotes around it, and ``-`` for what is unsafe within."""
+    bare = re.sub(rf"^{_UNSAFE}|{_UNSAFE}$", "", text)
+    return re.sub(_UNSAFE, "-", bare)

@@ -1,0 +1,123 @@
+"""The reference pages: each key is there with its default and range, each command and column."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from hilc_cli.cli.app import app
+from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.tables import INPUT_HEADER, SAMPLES_HEADER
+from hilc_cli.spec.quantities import Quantity
+from hilc_cli.spec.scenario import ScenarioSpec
+from hilc_cli.spec.trajectory import TrajectorySpec
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+DISTURBED = re.compile(r"disturbance\.(state|output|initial_pose)\.")  # one row for the three
+ELSEWHERE = ("controller", "trajectory", "sweep.vary")  # their keys have pages of their own
+
+
+def table_rows(page: str) -> dict[str, list[str]]:
+    """The cells behind each cell that begins a row of a table and names one thing in code."""
+    text = (DOCS / page).read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `([^`|]+)` \| (.*) \|$", text, re.MULTILINE)
+    return {name: [cell.strip() for cell in cells.split("|")] for name, cells in rows}
+
+
+def keys(model: type[BaseModel], before: str = "") -> Iterator[tuple[str, FieldInfo]]:
+    """The dotted keys of a model that hold values, each with its field."""
+    for name, field in model.model_fields.items():
+        key = before + name
+        part = next(models_in(field.annotation), None)
+        if part is None or key in ELSEWHERE:
+            yield key, field
+        elif name == "segments":
+            for kind, inner in part.model_fields.items():
+                (shape,) = models_in(inner.annotation)
+                yield from keys(shape, f"{kind}.")
+        else:
+            yield from keys(part, f"{key}.")
+
+
+def models_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    """The models in an annotation such as ``Model | None`` or ``list[Model]``."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for inside in get_args(annotation):
+        yield from models_in(inside)
+
+
+def default_cell(field: FieldInfo) -> str:
+    """How a page tells a default: ``required``, ``-`` for none, or the value as YAML has it."""
+    default = field.get_default(call_default_factory=True)
+    if field.is_required():
+        return "required"
+    if default is None or isinstance(default, BaseModel) or default in ("", {}):
+        return "-"
+    if isinstance(default, tuple):
+        return f"[{', '.join(f'{value:g}' for value in default)}]"
+    if isinstance(default, bool):
+        return str(default).lower()
+    return f"{default:g}" if isinstance(default, int | float) else str(default)
+
+
+def quantity_of(field: FieldInfo) -> Quantity | None:
+    """The number that a field holds; None if it holds words, several numbers, or a switch."""
+    found = [part for part in field.metadata if isinstance(part, Quantity)]
+    for inside in get_args(field.annotation):
+        found += [
+            part for part in getattr(inside, "__metadata__", ()) if isinstance(part, Quantity)
+        ]
+    return found[0] if found and "tuple" not in str(field.annotation) else None
+
+
+def range_cell(quantity: Quantity) -> str:
+    """How a page tells a range: ``above 0``, ``whole, from 1 to 1000000``, ``any``."""
+    found = re.match(r"give a (whole )?number(.*), such as", quantity.remedy)
+    assert found
+    words = ["whole" if found[1] else "", found[2].strip()]
+    return ", ".join(word for word in words if word) or "any"
+
+
+@pytest.mark.parametrize(
+    ("page", "model"),
+    [("scenario.md", ScenarioSpec), ("trajectory.md", TrajectorySpec)],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_each_key_is_on_its_page_with_its_default_and_range(
+    page: str, model: type[BaseModel]
+) -> None:
+    rows = table_rows(page)
+    known = {DISTURBED.sub("disturbance.*.", key): field for key, field in keys(model)}
+    assert set(known) <= set(rows)
+    for key, field in known.items():
+        assert rows[key][0] == default_cell(field), key
+        quantity = quantity_of(field)
+        if quantity is not None:
+            assert rows[key][1] == range_cell(quantity), key
+
+
+def test_each_command_is_on_its_page() -> None:
+    table = (DOCS / "commands.md").read_text(encoding="utf-8").partition("\n\n`SCENARIO`")[0]
+    told = re.findall(r"^\| `hilc (\w+)", table, re.MULTILINE)
+    names = [
+        command.name or getattr(command.callback, "__name__", "")
+        for command in app.registered_commands
+    ]
+    assert sorted(told) == sorted(names)
+
+
+def test_each_column_is_on_its_page() -> None:
+    page = (DOCS / "files.md").read_text(encoding="utf-8")
+    parts = dict(re.findall(r"^## (\S+)\n(.*?)(?=^## )", page, re.MULTILINE | re.DOTALL))
+    rows = re.findall(r"^\| `(\w+)`", parts["iterations.csv"], re.MULTILINE)
+    assert rows == ["iteration", *METRIC_NAMES]
+    for file, header in (("samples.csv", SAMPLES_HEADER), ("input.csv", INPUT_HEADER)):
+        told = re.findall(r"`(\w+)`", parts[file])
+        assert told[: len(header)] == list(header)
