@@ -6,7 +6,6 @@ import ctypes
 import errno
 import filecmp
 import os
-import shutil
 import stat
 import tempfile
 from collections.abc import Callable, Iterator
@@ -139,15 +138,11 @@ def write_file(path: Path, write: Callable[[Path], None]) -> None:
     with writing(path):
         remove_stale(path, path.parent)
         with draft_file(path) as draft:
-            try:
-                write(draft)
-                _open_to_others(draft, 0o666)
-                sync(draft)
-                draft.replace(path)
-                sync(path.parent)
-            except BaseException:
-                draft.unlink(missing_ok=True)
-                raise
+            write(draft)
+            _open_to_others(draft, 0o666)
+            sync(draft)
+            draft.replace(path)
+            sync(path.parent)
 
 
 def write_folder(
@@ -172,23 +167,24 @@ def write_folder(
     with writing(path):
         place = path.resolve()
         place.parent.mkdir(parents=True, exist_ok=True)
-        remove_stale(place, place.parent, lambda old: _give_up(old, place, keeps))
-        with draft_folder(place, place.parent) as draft:
-            identity = draft.stat().st_ino
-            try:
-                fill(draft)
-                _open_to_others(draft, 0o777)
-                for file in draft.rglob("*"):
-                    sync(file)
-                sync(draft)
-                _put_in_place(draft, place, may_replace)
-                sync(place.parent)
-            finally:
-                # After an exchange this is the old folder, after a failure the unfinished new one.
-                # What somebody has put into the old one goes on, however this ends.
-                is_old = draft.is_dir() and draft.stat().st_ino != identity
-                if not is_old or _give_up(draft, place, keeps):
-                    shutil.rmtree(draft, ignore_errors=True)
+
+        own = 0
+
+        def give_up(draft: Path) -> bool:
+            # After an exchange this is the old folder, after a failure the unfinished new one.
+            # What somebody has put into the old one goes on, however this ends.
+            return draft.stat().st_ino == own or _move_kept(draft, place, keeps)
+
+        remove_stale(place, place.parent, give_up)
+        with draft_folder(place, place.parent, give_up) as draft:
+            own = draft.stat().st_ino
+            fill(draft)
+            _open_to_others(draft, 0o777)
+            for file in draft.rglob("*"):
+                sync(file)
+            sync(draft)
+            _put_in_place(draft, place, may_replace)
+            sync(place.parent)
 
 
 def merge_folder(
@@ -216,27 +212,24 @@ def merge_folder(
         for folder in {existing, path.parent}:
             remove_stale(path, folder)
         with draft_folder(path, existing) as draft:
-            try:
-                fill(draft)
-                path.mkdir(parents=True, exist_ok=True)
-                files = sorted(draft.iterdir())
-                for file in files:
-                    there = path / file.name
-                    if (
-                        os.path.lexists(there)
-                        and not may_replace(there)
-                        and not (or_same and _is_same(file, there))
-                    ):
-                        raise ExistingResultsError(
-                            f"{there}: exists; choose another folder with --out, "
-                            "or replace it with --force"
-                        )
-                    sync(file)
-                for file in files:
-                    file.replace(path / file.name)
-                sync(path)
-            finally:
-                shutil.rmtree(draft, ignore_errors=True)
+            fill(draft)
+            path.mkdir(parents=True, exist_ok=True)
+            files = sorted(draft.iterdir())
+            for file in files:
+                there = path / file.name
+                if (
+                    os.path.lexists(there)
+                    and not may_replace(there)
+                    and not (or_same and _is_same(file, there))
+                ):
+                    raise ExistingResultsError(
+                        f"{there}: exists; choose another folder with --out, "
+                        "or replace it with --force"
+                    )
+                sync(file)
+            for file in files:
+                file.replace(path / file.name)
+            sync(path)
 
 
 def _is_same(one: Path, other: Path) -> bool:
@@ -244,8 +237,8 @@ def _is_same(one: Path, other: Path) -> bool:
     return other.is_file() and filecmp.cmp(one, other, shallow=False)
 
 
-def _give_up(old: Path, new: Path, keeps: Callable[[str], bool]) -> bool:
-    """Moves what is to be kept; whether nothing of it is left, since it could not be moved."""
+def _move_kept(old: Path, new: Path, keeps: Callable[[str], bool]) -> bool:
+    """Moves what is to be kept; False if some of it could not be moved."""
     for name in _names(old):
         if keeps(name) and new.is_dir() and not os.path.lexists(new / name):
             with suppress(OSError):

@@ -81,14 +81,14 @@ def euler_step(
 
 
 def advance(
-    x: float,
-    y: float,
-    heading: float,
-    cos_heading: float,
-    sin_heading: float,
-    distance: float,
-    turn: float,
-) -> tuple[float, float, float]:
+    x: Number,
+    y: Number,
+    heading: Number,
+    cos_heading: Number,
+    sin_heading: Number,
+    distance: Number,
+    turn: Number,
+) -> tuple[Number, Number, Number]:
     """Pose after a step straight ahead, then a turn.
 
     Args:

@@ -32,17 +32,20 @@ def hidden(file: str, variables: Mapping[str, str | None]) -> Iterator[None]:
         _put(before)
 
 
-def without_settings_of_numba() -> None:
-    """Takes Numba's settings out of the environment of this process and those that it starts.
+def settle() -> None:
+    """Sets the environment of this process, and of those that it starts, for the libraries.
 
-    Called by the program alone, whose results, output and errors are not to depend on them; who
-    calls hilc from Python may have code of his own that they are meant for.
+    Called by the program alone, whose results, output and errors are not to depend on settings of
+    Numba; who calls hilc from Python may have code of his own that they are meant for. One thread
+    for linear algebra, if nothing else is asked for, since several make small things slower, not
+    each process may have them, and workers would have them all at once.
     """
     for name in list(os.environ):
         if name.startswith("NUMBA_") and name not in _KEPT:
             del os.environ[name]
     if os.environ.get("NUMBA_DISABLE_JIT") != "1":
         os.environ.pop("NUMBA_DISABLE_JIT", None)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _put(variables: Mapping[str, str | None]) -> None:

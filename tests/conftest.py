@@ -14,6 +14,7 @@ import hypothesis
 import pytest
 
 from hilc_cli.cli.main import main
+from hilc_cli.cli.session import STOPPED
 from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY
 
 # How long an example takes says nothing on a loaded machine.
@@ -103,6 +104,7 @@ def hilc(
         assert isinstance(stop.value.code, int)
         return Outcome(stop.value.code, printed.out, printed.err)
 
-    before = signal.getsignal(signal.SIGTERM)
+    before = {number: signal.getsignal(number) for number in STOPPED}
     yield hilc
-    signal.signal(signal.SIGTERM, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)

@@ -47,10 +47,11 @@ def test_examples_of_the_page_run_one_after_the_other(
 ) -> None:
     # Sweeps then start no processes of their own, each of which would import everything anew.
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0}, raising=False)
+    names: dict[str, object] = {"__name__": "__main__"}  # of all Python blocks of the page
     for block in filter(lambda block: block.is_run, blocks(page)):
         keep(block)
         if block.language == "python":
-            exec(compile(block.text, page, "exec"), {"__name__": "__main__"})
+            exec(compile(block.text, page, "exec"), names)
         for command in commands(block) if block.language == "sh" else ():
             code, said = run(command, hilc)
             assert code == command.code, f"{command.line}\n{said}"

@@ -60,6 +60,38 @@ def test_figures_of_the_leaderboard(law: str, disturbance: str) -> None:
     assert told == pytest.approx(worse, rel=0.05)
 
 
+@pytest.mark.parametrize(("radius", "separation"), [(0.031, 0.18), (0.035, 0.15)])
+def test_other_guesses_are_learned_in_three_laps(radius: float, separation: float) -> None:
+    changes = {
+        "iterations": 3,
+        "robot.wheel_radius": radius,
+        "robot.wheel_separation": separation,
+    }
+    run = hilc.run(hilc.load_scenario("example:small-robot", changes))
+    (told,) = re.findall(r"the worst is within (\S+) mm over the second half", PAGE)
+    assert run.metrics["max_position_error_second_half_m"][-1] < float(told) / 1000
+
+
+def test_figures_of_the_playback(folder: Path) -> None:
+    learned = hilc.load_scenario("example:small-robot", {"controller.feedback": "none"})
+    hilc.run(learned).write("plan", plots=False)
+    played = {"initial_input": "plan/input.csv", "iterations": 0}
+
+    def error(changes: dict[str, object]) -> float:
+        run = hilc.run(hilc.load_scenario("example:small-robot", {**played, **changes}))
+        return 1000 * float(run.metrics["max_position_error_m"][0])
+
+    scattered = sorted(error({"disturbance.seed": seed}) for seed in range(101, 121))
+    exact = error({"disturbance": {}})
+    told = (
+        f"within {exact:.1f} mm, and within {scattered[0]:.0f} to {scattered[-1]:.0f} mm "
+        f"(median {np.median(scattered):.0f} mm)"
+    )
+    assert told in " ".join(PAGE.split())
+    for robot in ({"robot.wheel_radius": 0.0323}, {"robot.wheel_separation": 0.1703}):
+        assert 50 < error({"disturbance": {}, **robot}) < 60
+
+
 def test_twists_turn_the_wheels_as_learned(folder: Path) -> None:
     run = hilc.run(hilc.load_scenario("example:small-robot", {"iterations": 1}))
     run.write("runs/plan", plots=False)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import hilc_cli as hilc_api
+from hilc_cli.api import search_results
 from hilc_cli.errors import ExistingResultsError, UsageError
 from tests.cli.inputs import plus
 from tests.conftest import Hilc, Write
@@ -92,3 +93,21 @@ def test_interface_loads_when_it_is_used() -> None:
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, check=False)
     assert (done.returncode, done.stderr.decode()) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("set_", "separations"),
+    [
+        ({"robot.half_track": 0.25, "model": {"wheel_separation": 0.62}}, (0.5, 0.62, 0.31)),
+        ({"robot.half_track": 0.25}, (0.5, 0.5, 0.25)),
+    ],
+)
+def test_search_tells_keys_by_whatever_name_and_by_default(
+    set_: dict[str, object], separations: tuple[float, float, float]
+) -> None:
+    scenario = hilc_api.load_scenario("scenario.yaml", {**set_, "iterations": 0})
+    own = scenario.resolved()
+    keys = ("robot.wheel_separation", "model.wheel_separation", "model.half_track")
+    told = [search_results.value_of(own, key) for key in keys]
+    assert told == pytest.approx(separations)
+    assert search_results.value_of(own, "model.wheel_radius") == own["robot"]["wheel_radius"]

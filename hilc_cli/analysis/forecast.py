@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from hilc_cli.analysis.extent import extent
 from hilc_cli.analysis.fixed_point import FixedPoint, fixed_point
 from hilc_cli.analysis.lifted import LiftedIteration
 from hilc_cli.analysis.matrices import learning_law
-from hilc_cli.analysis.outcome import Outcome, predicted_outcome
+from hilc_cli.analysis.noisy_learning import NoisyLearning, noisy_learning
+from hilc_cli.analysis.outcome import Outcome, Prospects, predicted_outcome
 from hilc_cli.analysis.reasons import reasons_of
 from hilc_cli.analysis.ripples import RippleGrowth, ripple_growth
 from hilc_cli.analysis.singular_value import SingularValue
@@ -16,30 +20,39 @@ from hilc_cli.analysis.step_gain import StepGain, step_gain
 from hilc_cli.analysis.transient import Transient, predict_transient
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.pid import PidLaw
+from hilc_cli.reference.sampled import Floats
 
+FAR_HEADING = 0.7
+"""Heading errors up to which the last iteration is as the linear theory has it [rad]."""
 MARGIN = 1e-9
 """Beyond what rounding may make of a limiting case."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Forecast:
-    """Learning along the reference, without the speed limit and disturbances.
+    """Learning along the reference.
 
     Attributes:
+        iterations: Number of learning updates of the experiment.
+        extent_m: Beside which errors are large or small.
         radius: Spectral radius of one iteration; below 1 learning settles in the end.
         singular_value: The largest one of an iteration; below 1 each brings the input nearer to
             the one where learning rests.
         ripple: The ripple of the wheel speeds that fares worst in an iteration.
-        transient: Predicted errors.
+        transient: Predicted errors without the speed limit and disturbances.
+        ensemble: Predicted errors with both, of the experiment's iterations.
         rest: Where learning rests; None if that is no single motion, or not evaluated.
         rest_from: The first sample at which an initial error should be gone there.
         step_gain: Of law pid, what a sample's correction does; None for the hybrid law.
     """
 
+    iterations: int
+    extent_m: float
     radius: SpectralRadius
     singular_value: SingularValue
     ripple: RippleGrowth
     transient: Transient
+    ensemble: NoisyLearning
     rest: FixedPoint | None
     rest_from: int
     step_gain: StepGain | None
@@ -69,16 +82,47 @@ class Forecast:
         """Whether an iteration makes some ripple of the wheel speeds grow."""
         return self.ripple.factor > 1 + MARGIN
 
-    def outcome(self, iterations: int) -> Outcome:
-        """What is expected of an experiment with so many learning updates."""
-        if iterations and not self.settles:
-            return Outcome.CANNOT_CONVERGE
-        near = self.rest is None or self.rest.max_position_error_m <= self.transient.range_m
+    @property
+    def is_limited(self) -> bool:
+        """Whether the speed limit acts, disturbances left out."""
+        return bool(self.ensemble.at_limit[:, 0].any())
+
+    @property
+    def errors_m(self) -> Floats:
+        """Largest position errors of the experiment's iterations, without disturbances [m].
+
+        With the speed limit, as far as it can be followed.
+        """
+        last = min(self.iterations, self.transient.iterations)
+        if self.is_limited or self.ensemble.iterations > last:
+            return self.ensemble.position_m[:, 0]
+        return self.transient.max_position_error_m[: last + 1]
+
+    @property
+    def later_m(self) -> Floats:
+        """Likewise of the iterations after the experiment, as far as they can be foretold [m]."""
+        if self.ensemble.at_limit[-1, 0] > 0:
+            return np.zeros(0)
+        return self.transient.max_position_error_m[self.iterations + 1 :]
+
+    @property
+    def outcome(self) -> Outcome:
+        """What is expected of the experiment."""
+        rest, transient, ensemble = self.rest, self.transient, self.ensemble
+        near = rest is None or rest.max_position_error_m <= transient.range_m
+        is_disturbed = ensemble.seeds > 1
         return predicted_outcome(
-            self.transient,
-            iterations,
-            rests=near,
-            ripples_grow=self.ripples_grow,
+            Prospects(
+                self.errors_m,
+                self.later_m,
+                self.extent_m,
+                settles=self.settles,
+                rests=near,
+                ripples_grow=self.ripples_grow,
+                is_far=bool(ensemble.heading_rad[-1, 0] > FAR_HEADING),
+                disturbed_first=ensemble.position_m[0, 1:] if is_disturbed else np.zeros(0),
+                disturbed_last=ensemble.position_m[-1, 1:] if is_disturbed else np.zeros(0),
+            )
         )
 
 
@@ -90,10 +134,13 @@ def forecast(experiment: Experiment) -> Forecast:
     """
     lifted, law = LiftedIteration(experiment), experiment.law
     return Forecast(
+        experiment.iterations,
+        extent(experiment),
         lifted.spectral_radius_found(),
         lifted.largest_singular_value_found(),
         ripple_growth(experiment),
         predict_transient(experiment),
+        noisy_learning(experiment),
         fixed_point(experiment),
         reasons_of(experiment, learning_law(experiment)).rest_from,
         step_gain(experiment, law) if isinstance(law, PidLaw) else None,

@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 
+from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.forecast import MARGIN, Forecast, rest_error
 from hilc_cli.analysis.matrices import desired_motion, learning_law
-from hilc_cli.analysis.outcome import Outcome
+from hilc_cli.analysis.noise_findings import share_of_path
+from hilc_cli.analysis.outcome import CLEARLY, Outcome
 from hilc_cli.analysis.reasons import Reasons, reasons_of
 from hilc_cli.analysis.transient import FAR_HEADING
 from hilc_cli.engine.experiment import Experiment
@@ -17,23 +19,27 @@ from hilc_cli.engine.experiment import Experiment
 _FAR = 0.01  # of the path's size: what is further off does not count as on the reference
 
 
-def forecast_findings(experiment: Experiment, found: Forecast) -> Findings:
-    """What the figures mean for the experiment."""
-    if experiment.iterations == 0:
+def forecast_findings(experiment: Experiment, found: Forecast, expected: ExpectedError) -> Findings:
+    """What the figures mean for the experiment.
+
+    Args:
+        experiment: The experiment.
+        found: What is predicted of it.
+        expected: What its last iteration is expected to be.
+    """
+    outcome = found.outcome
+    if outcome is Outcome.NOTHING:
         return Findings()  # nothing is to be learned
-    if not found.settles:
+    if outcome is Outcome.CANNOT_CONVERGE:
         return Findings(failures=(_why_it_does_not_settle(experiment, found),))
-    hopeless = (
-        found.rest is not None
-        and not found.rest.is_finite
-        and found.outcome(experiment.iterations) is Outcome.DOES_NOT_LEARN
-    )
-    of_errors = tuple(_of_errors(experiment, found))
+    of_errors = tuple(_of_errors(found, expected))
+    fails = outcome is Outcome.MADE_WORSE
     return Findings(
-        failures=of_errors if hopeless else (),
+        failures=of_errors if fails else (),
         warnings=(
             *_of_the_start(experiment),
-            *(() if hopeless else of_errors),
+            *(() if fails else of_errors),
+            *(() if found.settles else (_why_it_does_not_settle(experiment, found),)),
             *_of_ripples(experiment, found),
             *_of_rest(experiment, found),
             *_of_limit(experiment, found),
@@ -65,29 +71,35 @@ def _of_the_start(experiment: Experiment) -> list[str]:
     ]
 
 
-def _of_errors(experiment: Experiment, found: Forecast) -> list[str]:
-    """Of predicted errors that do not fall, and of those that say nothing any more."""
-    errors = found.transient.max_position_error_m
-    last = min(experiment.iterations, found.transient.iterations)
-    outcome, rough = found.outcome(last), found.transient.rough_from
-    if rough is not None and rough <= last:
-        largest = found.transient.range_m
-        grown = f"the predicted error grows beyond {largest:.3g} m in iteration {rough}"
-        if outcome is Outcome.DOES_NOT_LEARN:
-            return [
-                f"no learning is to be expected: {grown}, and there is no motion near the "
-                "path to rest at; change the gains or controller.gain_matrix"
-            ]
+def _of_errors(found: Forecast, expected: ExpectedError) -> list[str]:
+    """Of predicted errors that do not fall."""
+    errors, outcome = found.errors_m, found.outcome
+    last, best = len(errors) - 1, int(errors.argmin())
+    went = f"from {errors[0]:.3g} m in iteration 0 to {errors[-1]:.3g} m in iteration {last}"
+    low = f"{errors[best]:.3g} m in iteration {best}"
+    stop = f"stop at {low}, or " if errors[best] < errors[0] / CLEARLY else ""
+    if outcome is Outcome.MADE_WORSE and errors[-1] >= CLEARLY * errors[0]:
+        rests = found.rest is None or found.rest.is_finite
+        nowhere = "" if rests else ", and there is no motion near the path to rest at"
         return [
-            f"{grown}, out of the linear theory's range: from there on its errors and counts are "
-            "rough, without a limit off by orders; see what a simulation says (--simulate), or "
-            "change the gains"
+            f"no learning is to be expected: the predicted error grows {went}{nowhere}; {stop}"
+            "change the gains or controller.gain_matrix"
         ]
-    if outcome is not Outcome.DOES_NOT_LEARN or errors[last] < errors[0]:
+    if outcome in (Outcome.MADE_WORSE, Outcome.DROWNED):
+        does = "cannot help much" if outcome is Outcome.DROWNED else "makes disturbances larger"
+        return [
+            f"learning {does}: without them the error goes {went}, with them it may be "
+            f"{expected.foretold_m:.3g} m; lower the gains, or make the disturbances smaller"
+        ]
+    if expected.unsure is not None:
+        return []
+    if outcome is Outcome.GROWS_WITHIN:
+        return [f"the predicted error grows again, {went}; {stop}change the gains"]
+    if outcome is not Outcome.DOES_NOT_LEARN or errors[-1] < errors[0]:
         return []
     return [
         f"no learning is to be expected within {last} iterations: the predicted error is "
-        f"{errors[0]:.3g} m in iteration 0 and {errors[last]:.3g} m in the last; change the gains, "
+        f"{errors[0]:.3g} m in iteration 0 and {errors[-1]:.3g} m in the last; change the gains, "
         "or raise iterations"
     ]
 
@@ -119,7 +131,7 @@ def _of_rest(experiment: Experiment, found: Forecast) -> list[str]:
     where = " after sample h" if found.rest_from > 1 else " after the start"
     return [
         f"learning does not rest on the reference: there its position error{where} is up to "
-        f"{error:.3g} m, {_share(error, experiment)} the path's size; {why}"
+        f"{error:.3g} m, {share_of_path(error, experiment)}; {why}"
     ]
 
 
@@ -135,14 +147,8 @@ def _of_filter(experiment: Experiment, found: Forecast) -> list[str]:
         return []
     return [
         f"learning does not rest on the reference: the predicted error ends at {last:.3g} m, "
-        f"{_share(last, experiment)} the path's size; {_reasons(experiment).rest_off()}"
+        f"{share_of_path(last, experiment)}; {_reasons(experiment).rest_off()}"
     ]
-
-
-def _share(error: float, experiment: Experiment) -> str:
-    """An error as a share of the path's size, or as a multiple of it."""
-    sizes = error / experiment.reference.size if experiment.reference.size else math.inf
-    return f"{100 * sizes:.2g} % of" if sizes < 1 else f"{sizes:.3g} times"
 
 
 def _of_limit(experiment: Experiment, found: Forecast) -> list[str]:

@@ -50,6 +50,8 @@ class LiftedIteration:
         l2: Gain of e_{i+1}(k); 0 with compensation, and in law pid.
         l3: Gain of e_{i+1}(k-1), likewise.
         start: e_i(0), the initial error of every iteration [m, m, rad], shape (3,).
+        first_input: u_0 - u_d [rad/s], shape (n, 2).
+        added: What every iteration adds to what is learned [rad/s], likewise; None for nothing.
 
     Source:
         Qiao et al. 2021, Eqs. 8, 17 and 21, linearised.
@@ -61,6 +63,8 @@ class LiftedIteration:
     l2: float
     l3: float
     start: Floats
+    first_input: Floats
+    added: Floats | None
 
     def __init__(self, experiment: Experiment) -> None:
         """Linearises an experiment.
@@ -86,14 +90,14 @@ class LiftedIteration:
             ]
         )
         initial = np.array([experiment.initial_left, experiment.initial_right]).T
-        self._first_input = initial - self.plant.feedforward
-        self._added = self.update.constant(self._first_input, self.plant.feedforward)
+        self.first_input = initial - self.plant.feedforward
+        self.added = self.update.constant(self.first_input, self.plant.feedforward)
         self._learn_in_first = experiment.learn_in_first
         self._constant = np.asfortranarray(np.vstack([self.start, self.plant.residual]))
         self._undriven = np.zeros_like(self._constant)
         self._open = DriftRecursion(self.plant.states)
         self._closed: DriftRecursion | ErrorRecursion = self._open
-        if self._has_feedback:
+        if self.has_feedback:
             with np.errstate(over="ignore", invalid="ignore"):  # absurd gains: nothing is finite
                 loop = self.plant.inputs @ self.gains
                 before = -self.l3 * loop if self.l3 else None
@@ -105,7 +109,8 @@ class LiftedIteration:
         return len(self.gains)
 
     @property
-    def _has_feedback(self) -> bool:
+    def has_feedback(self) -> bool:
+        """Whether the law acts on errors of the running iteration."""
         return self.l2 != 0 or self.l3 != 0
 
     def apply(self, inputs: Floats) -> Floats:
@@ -130,7 +135,7 @@ class LiftedIteration:
             Shape (n, 2) [rad/s].
         """
         plant = self.plant.inputs.transpose(0, 2, 1)
-        if self._has_feedback:
+        if self.has_feedback:
             errors = times(self.gains.transpose(0, 2, 1), inputs)
             weighted = np.zeros_like(self._constant)
             weighted[:-1] = self.l2 * errors
@@ -143,9 +148,9 @@ class LiftedIteration:
     def first(self) -> LinearPass:
         """Iteration 0: the initial input as it is, or with the law's feedback."""
         if self._learn_in_first:
-            return self.next(LinearPass(self._first_input, self._undriven))
-        errors = self._open.solve(self._driven(self._constant, self._first_input))
-        return LinearPass(self._first_input, errors)
+            return self.next(LinearPass(self.first_input, self._undriven))
+        errors = self._open.solve(self._driven(self._constant, self.first_input))
+        return LinearPass(self.first_input, errors)
 
     def next(self, previous: LinearPass) -> LinearPass:
         """The iteration after a given one.
@@ -154,9 +159,20 @@ class LiftedIteration:
             previous: The iteration that is learned from.
         """
         learned = self.update.learned(previous.inputs, previous.errors)
-        if self._added is not None:
-            learned = learned + self._added
+        if self.added is not None:
+            learned = learned + self.added
         return self._fed_back(learned, self._constant)
+
+    def closed_loop(self, right: Floats) -> Floats:
+        """The errors of the plant with the law's feedback, of many right sides at once.
+
+        Args:
+            right: What is added to the error of each sample, shape (n + 1, 3, m).
+
+        Returns:
+            The errors, shape (n + 1, 3, m).
+        """
+        return self._closed.solve(right)
 
     def spectral_radius(self) -> float:
         """The value of `spectral_radius_found`."""
@@ -223,7 +239,7 @@ class LiftedIteration:
     def _fed_back(self, learned: Floats, constant: Floats) -> LinearPass:
         """An iteration whose input is what was learned before it, and the feedback in it."""
         errors = self._closed.solve(self._driven(constant, learned))
-        if not self._has_feedback:
+        if not self.has_feedback:
             return LinearPass(learned, errors)
         now = errors[:-1]
         before = np.zeros_like(now)

@@ -9,6 +9,7 @@ import numpy as np
 
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.matrices import desired_motion, desired_poses
+from hilc_cli.analysis.start import cannot_be_reached, near
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
@@ -36,6 +37,9 @@ class Merging:
             none.
         planned: First sample from which the law's own path stays on the trajectory within a
             millimetre, with the true wheel radius and half track; None if it does not get there.
+        left: Position error of that path at the end [m].
+        near: Position error up to which a platform counts as on the trajectory [m].
+        out_of_reach: Why no controller gets onto the trajectory; empty if one does.
         fastest: Largest wheel speed that the trajectory asks of the true robot [rad/s].
         fastest_believed: Likewise of the one that the law believes in at first.
     """
@@ -48,6 +52,9 @@ class Merging:
     is_off: bool
     earliest: int | None
     planned: int | None
+    left: float
+    near: float
+    out_of_reach: str
     fastest: float
     fastest_believed: float
 
@@ -76,12 +83,14 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
     is_off = max(position, heading) > _NONE
     earliest: int | None = 0
     planned: int | None = 0
+    left, out_of_reach = 0.0, ""
     if is_off:
         top_speed = robot.wheel_radius * experiment.speed_limit
         earliest = earliest_merge(
             trajectory, start, top_speed, robot.half_track, reference.sample_time
         )
-        planned = _planned(experiment, law, trajectory, start)
+        planned, left = _planned(experiment, law, trajectory, start)
+        out_of_reach = cannot_be_reached(experiment)
     believed = feedforward(reference, law.model)
     return Merging(
         reference.sample_time,
@@ -92,6 +101,9 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
         is_off,
         earliest,
         planned,
+        left,
+        near(experiment),
+        out_of_reach,
         float(np.abs(desired_motion(experiment).inputs).max()),
         float(np.abs(believed).max()),
     )
@@ -99,13 +111,14 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
 
 def _planned(
     experiment: Experiment, law: NormOptimalLaw, trajectory: Floats, start: Floats
-) -> int | None:
-    """The merge sample of the law's path on the true robot, which identification leads to."""
+) -> tuple[int | None, float]:
+    """Where the law's path on the true robot, which identification leads to, merges and ends."""
     from hilc_cli.laws.norm_optimal.learner import rectified_for  # the compiler starts slowly
 
     robot, sample_time = experiment.robot, experiment.reference.sample_time
     gains = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
-    return rectified_for(law.parameters, trajectory, start, *gains, experiment.speed_limit).merged
+    way = rectified_for(law.parameters, trajectory, start, *gains, experiment.speed_limit)
+    return way.merged, math.dist(way.motion[-1, :2], trajectory[-1, :2])
 
 
 def merging_findings(found: Merging) -> Findings:
@@ -121,27 +134,22 @@ def merging_findings(found: Merging) -> Findings:
     if not found.is_off:
         return Findings()
     limit = f"controller.b_w of {found.speed_limit:g} rad/s"
-    if found.earliest is None:
-        return Findings(
-            failures=(
-                f"from initial_pose no sample of the trajectory can be reached in time within "
-                f"{limit}, whatever the law; start nearer, or run the trajectory slower",
-            )
-        )
+    if found.out_of_reach:
+        return Findings(failures=(found.out_of_reach,))
     if found.planned is None:
-        return Findings(
-            warnings=(
-                "from initial_pose the law does not get onto the trajectory before its end within "
-                f"{limit}; start nearer, or run the trajectory slower",
-            )
+        late = (
+            "from initial_pose the law does not get onto the trajectory before its end within "
+            f"{limit}; start nearer, or run the trajectory slower"
         )
-    if found.planned <= found.h + (_LATE if found.h >= found.earliest else 0):
+        return Findings((late,)) if found.left > found.near else Findings(warnings=(late,))
+    is_too_soon = found.earliest is not None and found.h < found.earliest
+    if found.planned <= found.h + (0 if is_too_soon else _LATE):
         return Findings()
     merges = (
         f"the law merges into the trajectory at sample {found.planned} "
         f"({_seconds(found, found.planned)}), later than controller.h of {found.h}"
     )
-    if found.h < found.earliest:
+    if found.earliest is not None and is_too_soon:
         return Findings(
             warnings=(
                 f"{merges}: within {limit} no sample before {found.earliest} "

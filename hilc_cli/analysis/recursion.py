@@ -91,10 +91,10 @@ class ErrorRecursion:
         """The errors e.
 
         Args:
-            right: r, shape (n + 1, 3).
+            right: r, shape (n + 1, 3), or (n + 1, 3, m) for m of them.
 
         Returns:
-            e, shape (n + 1, 3); infinite or not-a-number from where it leaves the finite numbers.
+            e, of the same shape; infinite or not-a-number from where it leaves the finite numbers.
         """
         return self._solve(right, b"N")
 
@@ -112,10 +112,9 @@ class ErrorRecursion:
     def _solve(self, right: Floats, transposed: bytes) -> Floats:
         from scipy.linalg.lapack import dtbtrs  # starts slowly, and not every law has feedback
 
-        solution, _ = dtbtrs(
-            self._bands, right.reshape(-1, 1), uplo=b"L", trans=transposed, diag=b"U"
-        )
-        errors: Floats = np.asfortranarray(solution.reshape(-1, 3))
+        many = right.reshape(3 * (self._steps + 1), -1)
+        solution, _ = dtbtrs(self._bands, many, uplo=b"L", trans=transposed, diag=b"U")
+        errors: Floats = np.asfortranarray(solution.reshape(right.shape))
         return errors
 
 

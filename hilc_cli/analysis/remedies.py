@@ -101,8 +101,8 @@ def _corners(feasibility: Feasibility) -> list[str]:
     return [
         f"trajectory.{sharpest.name} starts with a corner of {in_degrees(sharpest.corner)}{among}: "
         f"turned in one sample, it takes wheels of {sharpest.corner_wheel:.4g} rad/s and "
-        f"{sharpest.corner_lateral:.3g} m/s^2 sideways; a robot has to stop for it: round it with "
-        "an arc"
+        f"{rounded(sharpest.corner_lateral)} m/s^2 sideways; a robot has to stop for it: round it "
+        "with an arc"
     ]
 
 
@@ -118,8 +118,8 @@ def _friction(feasibility: Feasibility) -> list[str]:
         return []
     return [
         f"trajectory.{segment.name} needs {segment.lateral_acceleration:.4g} m/s^2 of lateral "
-        f"acceleration, a friction of {needed:.3g}, where tyres on dry ground have about "
-        f"{GOOD_FRICTION:g}; run it slower, or give robot.friction if yours hold more"
+        f"acceleration, {needed:.3g} g where tyres hold about {GOOD_FRICTION:g} g; run it slower, "
+        "or give robot.friction"
     ]
 
 
@@ -133,7 +133,7 @@ def _traction(feasibility: Feasibility) -> list[str]:
     return [
         f"trajectory.{found.name} {how}: {found.change:.3g} m/s in one sample, "
         f"{rounded(found.demanded / GRAVITY)} g where tyres hold {found.held / GRAVITY:g} g: a "
-        f"real robot gets up to {found.behind:.2g} m behind; lead up to it with slower segments"
+        f"robot gets {found.behind:.2g} m behind; lead up to it slowly"
     ]
 
 

@@ -22,16 +22,21 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.analysis.findings import Findings
+from hilc_cli.analysis.tracking_response import TrackingResponse
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.feedforward import reference_twist
 from hilc_cli.reference.sampled import Floats
 
 _MARGIN = 1e-9  # beyond what rounding may make of a limiting case
-_FAR = 0.01  # of the path's size: what is further off does not count as on the reference
+_SOFT = 0.25  # of an error to the side: who leaves more of it at the end hardly acts
+_SWINGS = 0.2  # damping below which an error swings for long
+_TURNED = 0.05  # [rad]; heading that a turn in place may leave
 _HOPELESS = 3.0  # decades by which an error grows over the path
+_REACHED = 0.05  # of the way to a point of rest: who has no more left is there
 _SINGULAR = 1e13  # condition beyond which there is no single point of rest
 
 
@@ -46,13 +51,17 @@ class TrackingLoop:
         length_aside: l = 1 / sqrt(t k_y) [m]: over the path a small error to the side follows
             l^2 e'' + 2 D l e' + e = 0; infinite for k_y = 0.
         damping: D; 1 is critical.
+        swings: The same as the sampling makes of it, where the reference is fastest: the damping of
+            the swings in which an error to the side falls from sample to sample, 1 if it does not
+            swing, 0 if it swings for ever.
+        lasts: Whether the path goes on along any line or circle until its point of rest is reached.
         lag: Largest error ahead at a point of rest, about v (R_b / R - 1) / k_x [m]: above 0 the
             platform is behind.
-        rest: Largest distance from the reference at a point of rest [m]; infinite if there is none.
+        rest: Largest distance from the reference at a point of rest [m], of the lines and circles
+            that last, if any does; infinite if there is none.
         most_ahead: k_theta / k_y [m]: a platform that would rest further ahead of the reference
             swings about it instead; infinite for k_y = 0.
         model_is_right: Whether p = t = 1.
-        path_size: Longer side of the trajectory's bounding box [m].
     """
 
     growth: float
@@ -60,11 +69,12 @@ class TrackingLoop:
     time_ahead: float
     length_aside: float
     damping: float
+    swings: float
+    lasts: bool
     lag: float
     rest: float
     most_ahead: float
     model_is_right: bool
-    path_size: float
 
     @property
     def is_stable(self) -> bool:
@@ -82,13 +92,19 @@ def tracking_loop(experiment: Experiment, law: FeedbackLaw) -> TrackingLoop:
     reference, robot, model = experiment.reference, experiment.robot, law.model
     driven = robot.wheel_radius / model.wheel_radius
     turned = driven * model.signed_half_track / robot.signed_half_track
-    twists, samples = np.unique(
-        np.stack(reference_twist(reference), axis=1).round(9), axis=0, return_counts=True
+    twists, which, samples = np.unique(
+        np.stack(reference_twist(reference), axis=1).round(9),
+        axis=0,
+        return_inverse=True,
+        return_counts=True,
     )
     matrices, offsets = _loop(law, twists, driven, turned, reference.sample_time)
     growths = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
+    runs = _longest_runs(which.ravel(), len(twists))
     grown = np.log10(np.maximum(growths, 1.0)) @ samples
-    ahead, away = _at_rest(matrices, offsets)
+    lasting = growths**runs < _REACHED
+    rests = lasting if lasting.any() else np.ones_like(lasting)
+    ahead, away = _at_rest(matrices[rests], offsets[rests])
     stiffness = math.sqrt(max(turned * law.k_y, 0.0))
     return TrackingLoop(
         float(growths.max()),
@@ -96,45 +112,89 @@ def tracking_loop(experiment: Experiment, law: FeedbackLaw) -> TrackingLoop:
         1 / (driven * law.k_x) if law.k_x else math.inf,
         1 / stiffness if stiffness else math.inf,
         turned * law.k_theta / (2 * stiffness) if stiffness else math.inf,
+        _swings(turned, law, float(twists[:, 0].max()) * reference.sample_time),
+        bool(lasting.any()),
         float(ahead[np.abs(ahead).argmax()]),
         float(away.max()),
         law.k_theta / law.k_y if law.k_y else math.inf,
         abs(driven - 1) <= _MARGIN and abs(turned - 1) <= _MARGIN,
-        reference.size,
     )
 
 
-def tracking_findings(found: TrackingLoop) -> Findings:
-    """What the closed loop means for the experiment."""
-    failures: list[str] = []
-    warnings: list[str] = []
+def tracking_findings(found: TrackingLoop, response: TrackingResponse) -> Findings:
+    """What the closed loop and its response along the path mean for the experiment."""
+    failures, warnings = _along_the_path(found, response)
     if not found.is_stable:
-        (failures if found.decades >= _HOPELESS else warnings).append(
+        (failures if found.decades >= _HOPELESS else warnings).insert(
+            0,
             f"the feedback is unstable: an error grows to {found.growth:.4g} times its size from "
-            "sample to sample; lower controller.gains, or shorten sample_time"
+            "sample to sample; lower controller.gains, or shorten sample_time",
         )
-    elif math.isinf(found.rest):
-        cause = "the sampling" if found.model_is_right else "the wrong model"
-        warnings.append(
-            f"{cause} leaves the platform ever further off the reference, since nothing brings it "
-            "back; raise those of controller.gains that are 0"
-        )
-    elif not found.stays:
-        warnings.append(
-            f"the wrong model drives the platform up to {-found.lag:.3g} m ahead of the reference, "
-            f"and beyond k_theta / k_y, {found.most_ahead:.3g} m, it turns away from it: correct "
-            "model, or raise controller.gains.k_x"
-        )
-    elif found.growth >= 1 - _MARGIN and math.inf in (found.time_ahead, found.length_aside):
+        return Findings(tuple(failures), tuple(warnings))
+    if found.growth >= 1 - _MARGIN and math.inf in (found.time_ahead, found.length_aside):
         warnings.append(
             "there are errors that do not fall: raise those of controller.gains that are 0"
         )
-    elif not found.model_is_right and found.rest > _FAR * found.path_size:
+    elif found.stays and response.aside_left > _SOFT:
         warnings.append(
-            f"the wrong model leaves the platform up to {found.rest:.3g} m off the reference, in "
-            "each iteration again; correct model, raise controller.gains, or take a law that learns"
+            f"controller.gains.k_y is too soft for this path: of an error to the side at the start "
+            f"{100 * response.aside_left:.0f} % is left at its end, since it falls over a length "
+            f"of {found.length_aside:.3g} m only; raise k_y, or make the path longer"
+        )
+    if found.swings < _SWINGS:
+        warnings.append(
+            "controller.gains.k_y is too stiff: at this sample_time and speed an error to the side "
+            f"swings with a damping of {found.swings:.2g} (1 is critical, 0 never ends); lower "
+            "k_y, raise k_theta, or shorten sample_time"
         )
     return Findings(tuple(failures), tuple(warnings))
+
+
+def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[list[str], list[str]]:
+    """Failures and warnings of the response."""
+    failures, warnings = [], []
+    if not math.isfinite(response.expected.final_m):
+        failures.append(
+            "the feedback drives the platform beyond all numbers along this path; lower "
+            "controller.gains, or set controller.b_w"
+        )
+    elif response.joins_s is None and response.is_off:
+        failures.append(
+            f"from initial_pose, {response.start_off_m:.3g} m off, the platform does not get onto "
+            f"the trajectory before its end, where {response.end_off_m:.3g} m are left; start "
+            "nearer, raise controller.gains, or make the path longer"
+        )
+    if response.error_m > response.near_m:
+        error = f"up to {response.error_m:.3g} m off the reference"
+        if not found.stays and found.is_stable and math.isfinite(found.rest):
+            warnings.append(
+                f"the wrong model drives the platform {error}, ahead of it, and beyond "
+                f"k_theta / k_y, {found.most_ahead:.3g} m, it turns away from it: correct "
+                "model, or raise controller.gains.k_x"
+            )
+        elif not found.model_is_right:
+            warnings.append(
+                f"the wrong model leaves the platform {error} along this path, in each iteration "
+                "again; correct model, raise controller.gains, or take a law that learns"
+            )
+        elif response.at_limit:
+            warnings.append(
+                f"controller.b_w acts in {100 * response.at_limit:.2g} % of the samples and leaves "
+                f"the platform {error}; make the trajectory slower"
+            )
+        else:
+            warnings.append(
+                f"the feedback leaves the platform {error} along this path, though its model is "
+                "right: raise controller.gains, shorten sample_time, or round its corners"
+            )
+    if response.heading_error_rad > _TURNED:
+        warnings.append(
+            f"for {response.standing_s:.4g} s the reference turns in place, where its speed is 0 "
+            "and the law steers neither heading nor side: the heading is up to "
+            f"{response.heading_error_rad:.3g} rad off there; correct model, or take a law that "
+            "learns"
+        )
+    return failures, warnings
 
 
 def _loop(
@@ -156,6 +216,26 @@ def _loop(
     rotation[:, 0, 1], rotation[:, 1, 0] = np.sin(turn), -np.sin(turn)
     rotation[:, 2, 2] = 1.0
     return rotation @ matrices, np.einsum("kab,kb->ka", rotation, offsets)
+
+
+def _longest_runs(which: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """For how many samples each twist lasts at a time, at most, shape (count,)."""
+    begins = np.flatnonzero(np.concatenate([[True], np.diff(which) != 0, [True]]))
+    longest = np.zeros(count, dtype=np.intp)
+    np.maximum.at(longest, which[begins[:-1]], np.diff(begins))
+    return longest
+
+
+def _swings(turned: float, law: FeedbackLaw, step: float) -> float:
+    """Least damping of what z^2 - (2 - t k_theta s) z + 1 - t k_theta s + t k_y s^2 = 0 has."""
+    steered = turned * law.k_theta * step
+    roots = np.roots([1.0, steered - 2, 1 - steered + turned * law.k_y * step**2]).astype(complex)
+    damping = 1.0
+    for root in roots:
+        if abs(root) > _MARGIN and (root.real < 0 or abs(root.imag) > _MARGIN):
+            decay = -np.log(root)
+            damping = min(damping, float(decay.real / abs(decay)))
+    return damping
 
 
 def _at_rest(matrices: Floats, offsets: Floats) -> tuple[Floats, Floats]:

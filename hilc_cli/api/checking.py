@@ -11,14 +11,19 @@ import numpy as np
 from hilc_cli.analysis.advice import advice
 from hilc_cli.analysis.bounds import Bounds
 from hilc_cli.analysis.conditions import Conditions, conditions
+from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.feasibility import Feasibility
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.forecast import Forecast
 from hilc_cli.analysis.law_theory import LawTheory, law_theory
 from hilc_cli.analysis.matrices import is_hybrid
+from hilc_cli.analysis.noise_findings import unsure_findings
+from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.remedies import feasibility_findings
+from hilc_cli.analysis.start import start_findings
 from hilc_cli.analysis.theories import theories
-from hilc_cli.api.check_simulation import Simulated, simulated, theory_findings
+from hilc_cli.analysis.unavoidable import with_what_is_left
+from hilc_cli.api.check_simulation import Simulated, decided, simulated, theory_findings
 from hilc_cli.api.running import OnIteration
 from hilc_cli.files import merge_folder
 from hilc_cli.named import in_short
@@ -28,6 +33,8 @@ from hilc_cli.spec.loading import ScenarioSource, as_scenario
 from hilc_cli.spec.pid import PidController
 from hilc_cli.spec.valid import Scenario
 
+_RANKS = {"feasibility": 1, "advice": 2}
+"""Parts whose warnings come after those of learning, which are of this very scenario."""
 _MOST_TOLD = 4  # findings that a check shows of itself
 
 
@@ -43,7 +50,7 @@ class Check:
         theories: Bounds of the paper's theory, by name; None likewise.
         simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
-            ``learning``, ``simulation``, ``theory``.
+            ``start``, ``learning``, ``prediction``, ``simulation``, ``theory``, ``advice``.
     """
 
     scenario: Scenario
@@ -66,14 +73,27 @@ class Check:
         return self.law.forecast
 
     @property
+    def outcome(self) -> Outcome | None:
+        """What comes of learning: as simulated, else as expected; None if that is not known."""
+        if self.simulated is not None:
+            return self.simulated.outcome if self.scenario.spec.controller.learns else None
+        return None if self.forecast is None else self.forecast.outcome
+
+    @property
+    def expected(self) -> ExpectedError | None:
+        """How large the error of the last iteration will be; None if theory does not tell."""
+        return self.law.expected
+
+    @property
     def failures(self) -> tuple[str, ...]:
         """Why the scenario cannot work, each with its remedy; empty if nothing is wrong."""
         return tuple(text for part in self.findings.values() for text in part.failures)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is legal but unwise."""
-        return tuple(text for part in self.findings.values() for text in part.warnings)
+        """What is legal but unwise, what matters most first."""
+        ranked = sorted(self.findings, key=lambda part: _RANKS.get(part, 0))
+        return tuple(text for part in ranked for text in self.findings[part].warnings)
 
     def plot(
         self,
@@ -160,12 +180,16 @@ def check(
     # Where numbers leave the range of floating point, they end as infinite: above any limit.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         feasibility = scenario.feasibility()
-        findings = {
-            "settings": Findings(warnings=(*scenario.warnings(), *advice(experiment))),
-            "feasibility": feasibility_findings(feasibility),
-        }
         theory = law_theory(experiment)
-        findings["learning"] = theory.findings
+        found = feasibility_findings(feasibility)
+        findings = {
+            "settings": Findings(warnings=tuple(scenario.warnings())),
+            "feasibility": with_what_is_left(
+                found, feasibility, experiment, scenario.setting.model, theory.expected
+            ),
+            "start": start_findings(experiment, theory.forecast),
+            "learning": theory.findings,
+        }
         premises, bounds = None, None
         if is_hybrid(experiment.law):
             premises, bounds = conditions(experiment), theories(experiment)
@@ -174,5 +198,11 @@ def check(
             findings["simulation"], beside = simulated(
                 scenario, experiment, bounds or {}, on_iteration
             )
+        if beside is None:
+            findings["prediction"] = unsure_findings(experiment, theory.expected)
+        else:
+            learns = scenario.spec.controller.learns
+            findings["learning"] = decided(theory.findings, beside, theory.expected, learns=learns)
         findings["theory"] = theory_findings(beside)
+        findings["advice"] = Findings(warnings=tuple(advice(experiment)))
     return Check(scenario, feasibility, theory, premises, bounds, beside, findings)

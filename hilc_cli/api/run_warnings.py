@@ -7,6 +7,7 @@ keeps both, its manifest too; the summary, the terminal and ``--json`` take them
 from __future__ import annotations
 
 from hilc_cli.analysis.remedies import beyond_wheels
+from hilc_cli.analysis.wheel_noise import seen_in, seen_warnings
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.results.run import RunData
 from hilc_cli.spec.loading import ScenarioSource, as_scenario
@@ -25,5 +26,4 @@ def what_happened(run: RunData, experiment: Experiment) -> list[str]:
         run: The results, with at least one completed iteration.
         experiment: What was simulated.
     """
-    found: list[str] = []
-    return found
+    return seen_warnings(seen_in(run.last, experiment))

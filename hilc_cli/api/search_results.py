@@ -27,7 +27,7 @@ def beside_cases(plan: Plan, data: SweepData, metric: float) -> dict[str, Any]:
         metric: What it minimises, of the scenario as it is.
     """
     own = plan.varied.scenario.resolved()
-    values = {key: _value_at(own, key) for key in plan.axes}
+    values = {key: value_of(own, key) for key in plan.axes}
     return {"as_it_is": AsItIs(values, metric), "best_yaml": _best_yaml(plan, data, metric)}
 
 
@@ -56,16 +56,25 @@ def _best_yaml(plan: Plan, data: SweepData, as_it_is: float) -> str | None:
     return f"{title}{to_yaml(scenario)}"
 
 
-def _value_at(data: Any, key: str) -> Value:
-    """What stands at a dotted key; None for what is no single value."""
+def value_of(resolved: Mapping[str, Any], key: str) -> Value:
+    """What a resolved scenario has at a dotted key; None for what is no single value.
+
+    Args:
+        resolved: The scenario; of the names that a platform's width goes by it has one.
+        key: The key, with whichever of them.
+    """
     if key == TRAJECTORY:
-        return str(data[TRAJECTORY]["name"])
+        return str(resolved[TRAJECTORY]["name"])
+    platform, _, field = key.partition(".")
+    if field == "wheel_separation":
+        return 2 * float(resolved[platform]["half_track"])
+    found: Any = resolved
     for part in parts(key):
-        is_there = part in data if isinstance(data, Mapping) else _is_place(part, data)
+        is_there = part in found if isinstance(found, Mapping) else _is_place(part, found)
         if not is_there:
             return None
-        data = data[part]
-    return data if isinstance(data, bool | int | float | str) else None
+        found = found[part]
+    return found if isinstance(found, bool | int | float | str) else None
 
 
 def _is_place(part: str | int, data: Any) -> bool:

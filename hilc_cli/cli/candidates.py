@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
 from hilc_cli.cli.default_folders import RUNS
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX, examples
+
+_PLAIN = re.compile(r"[\w./:=+,@%~-]+")
+"""What a shell takes for one word: a file may be called ``x;reboot``, by whoever has made it."""
 
 _YAML = (".yaml", ".yml")
 _WITHOUT_EFFECT = ("name", "description", "record.", "sweep", "trajectory.name")
@@ -58,7 +62,7 @@ def complete_results(incomplete: str) -> list[str]:
 
 
 def _begun(names: Iterable[str], incomplete: str) -> list[str]:
-    return [name for name in names if name.startswith(incomplete)]
+    return [name for name in names if name.startswith(incomplete) and _PLAIN.fullmatch(name)]
 
 
 def _files(incomplete: str) -> list[str]:

@@ -5,11 +5,16 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from hilc_cli.analysis.expected_error import LEVEL
 from hilc_cli.analysis.outcome import NEAR
 from hilc_cli.cli.section import Grid
+from hilc_cli.results.metrics import first_within, settled_at
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
 if TYPE_CHECKING:
+    from hilc_cli.analysis.expected_error import ExpectedError
     from hilc_cli.analysis.forecast import Forecast
     from hilc_cli.analysis.transient import Transient
     from hilc_cli.api import Check
@@ -45,6 +50,8 @@ def errors_grid(check: Check) -> Grid | None:
             f"Predicted for {transient.iterations} iterations by the linear theory, which knows no "
             "disturbances, and is rough while headings are off by 1 rad and more."
         )
+        if check.forecast.is_limited:
+            columns["Predicted", "with limit"] = _predicted_with_limit(check.forecast)
         if transient.rough_from is not None:
             notes.append(
                 "rough: out of its range, which ends in iteration "
@@ -67,33 +74,58 @@ def errors_grid(check: Check) -> Grid | None:
     return Grid(header, rows, " ".join(notes))
 
 
-def errors_in_brief(found: Forecast, iterations: int) -> list[tuple[str, str]]:
-    """The predicted errors in two rows.
+def errors_in_brief(
+    found: Forecast, expected: ExpectedError, iterations: int
+) -> list[tuple[str, str]]:
+    """The predicted errors in a few rows, with the speed limit where it acts.
 
     Args:
         found: What learning is expected to do.
+        expected: The error to be expected of the last iteration.
         iterations: Of the scenario.
     """
-    transient = found.transient
-    errors = transient.max_position_error_m
-    first = f"{_length(errors[0])} in iteration 0"
+    transient, errors = found.transient, np.concatenate([found.errors_m, found.later_m])
+    first, limited = f"{_length(errors[0])} in iteration 0", found.is_limited
+    disturbed = _disturbed(expected)
     if not iterations:
-        return [("Error, predicted", first)]
-    last = _told(transient, _at(transient, iterations), iterations)
+        return [("Predicted", first), *disturbed]
+    reached = len(found.errors_m) - 1
+    last = _length(found.errors_m[-1])
+    if not limited and transient.rough_from is not None and reached >= transient.rough_from:
+        last += " (rough)"
     half = next((i for i, error in enumerate(errors) if error <= errors[0] / 2), None)
     halves = "does not halve" if half is None else f"halves by iteration {half}"
-    small = transient.settled_at(NEAR)
+    bound, share = NEAR * transient.path_size_m, f"within {NEAR:.0%} of the path's size"
+    small, early = settled_at(errors, bound), first_within(errors, bound)
     if small is not None:
-        within = f"within {NEAR:.0%} of the path's size after {small}"
+        within = f"{share} after {small}"
+    elif early is None:
+        within = f"not {share} in {len(errors) - 1}"
     else:
-        spell = transient.spell_within(NEAR, iterations)
-        within = f"not within {NEAR:.0%} of the path's size in {transient.iterations}"
-        if spell is not None:
-            within = f"within {NEAR:.0%} of the path's size from {spell[0]} to {spell[1]}"
+        until = early + int((errors[early:] > bound).argmax()) - 1
+        within = f"{share} from {early} to {until}"
+    within_limit = ", with b_w" if limited else ""
+    alone = ", without disturbances" if disturbed else ""
     return [
-        ("Error, predicted", f"{first}, {last} in iteration {iterations}"),
+        ("Predicted", f"{first}, {last} in iteration {reached}{within_limit}{alone}"),
         ("", f"{halves}; {within}"),
+        *disturbed,
     ]
+
+
+def _disturbed(expected: ExpectedError) -> list[tuple[str, str]]:
+    """What disturbances make of the last iteration, together and each alone."""
+    parts = {
+        "start": expected.of_start_m,
+        "readings": expected.of_readings_m,
+        "state": expected.of_state_m,
+    }
+    made = [f"{name} {error:.2g} m" for name, error in parts.items() if error > 0]
+    if not made:
+        return []
+    alone = f" ({', '.join(made)} alone)" if len(made) > 1 else ""
+    shown = f"up to {expected.foretold_m:.4g} m in the last iteration, in {LEVEL:.0%} of runs"
+    return [("Disturbed", shown + alone)]
 
 
 def _predicted(transient: Transient, iterations: int) -> list[str]:
@@ -105,6 +137,21 @@ def _predicted(transient: Transient, iterations: int) -> list[str]:
         f"{peak}",
         f"{transient.peak_growth:.4g}",
         *(_reached(transient, share, iterations) for share in RELATIVE_TOLERANCES.values()),
+    ]
+
+
+def _predicted_with_limit(found: Forecast) -> list[str]:
+    """The same of the scenario's iterations alone."""
+    errors, size = found.errors_m, found.transient.path_size_m
+    first, peak = float(errors[0]), float(errors.max())
+    settled = (settled_at(errors, share * size) for share in RELATIVE_TOLERANCES.values())
+    return [
+        _length(first),
+        _length(errors[-1]),
+        _length(peak),
+        f"{int(errors.argmax())}",
+        f"{peak / first:.4g}" if first else "-",
+        *(f"not in {len(errors) - 1}" if at is None else f"{at}" for at in settled),
     ]
 
 

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from hilc_cli.analysis.feasibility import Feasibility
     from hilc_cli.api import Check
 
+_NOTHING = 1e-6
+"""[m/s^2]; of a turn on the spot that is written as a very small arc."""
 _MOST_ROWS = 24
 """So many segments are shown if not all are asked for."""
 
@@ -29,7 +31,8 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
     feasibility = check.feasibility
     demand = feasibility.demand
     shown = demand.segments if verbose else _shown(feasibility)
-    grids = [_segments(feasibility, shown, accelerations=verbose)]
+    accelerate = any(segment.wheel_acceleration for segment in shown)
+    grids = [_segments(feasibility, shown, accelerations=accelerate)]
     if verbose:
         grids.append(_joints(demand.joints))
     return Section(
@@ -45,42 +48,30 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
 def _brief(feasibility: Feasibility) -> list[tuple[str, str]]:
     """What limits."""
     demand, limits = feasibility.demand, feasibility.limits
+    fastest = f"{demand.fastest.value:.4g} rad/s"
     share = feasibility.share(demand.fastest.value)
-    of_limit = "no limit" if share is None else f"{share:.1%} of b_w, {limits.wheel_speed:g} rad/s"
-    rows = [
-        ("Fastest wheel", f"{demand.fastest.value:.4g} rad/s {_at(demand.fastest)}; {of_limit}")
-    ]
-    if demand.lateral.value:
-        held = (
-            "robot.friction not given"
-            if limits.friction is None
-            else f"tyres hold {limits.lateral:.4g} m/s^2"
-        )
-        rows.append(
-            (
-                "Sideways",
-                f"{demand.lateral.value:.4g} m/s^2 ({feasibility.needed_friction:.3g} g) "
-                f"{_at(demand.lateral)}; {held}",
-            )
-        )
+    if share is not None:
+        fastest = f"{demand.fastest.value:.4g} of {limits.wheel_speed:g} rad/s, {share:.1%} of b_w,"
+    rows = [("Fastest wheel", f"{fastest} {_at(demand.fastest)}")]
+    if demand.lateral.value > _NOTHING:
+        held = "" if limits.friction is None else f"; tyres hold {limits.lateral:.4g} m/s^2"
+        lateral = f"{demand.lateral.value:.4g} m/s^2 ({feasibility.needed_friction:.3g} g)"
+        rows.append(("Sideways", f"{lateral} {_at(demand.lateral)}{held}"))
     sharpest = demand.sharpest_corner
     if sharpest is not None:
         among = f", of {len(demand.corners)} corners" if len(demand.corners) > 1 else ""
-        text = f"{in_degrees(sharpest.corner)} at {sharpest.name}{among}; in one sample"
+        text = f"{in_degrees(sharpest.corner)} at {sharpest.name}{among}"
         rows.append(("Sharpest corner", text))
     rows.append(("From rest", _jump(demand.from_rest, feasibility)))
     if demand.largest_jump is not None:
-        where = _where(demand.largest_jump.name, in_corner=demand.largest_jump.at_corner)
-        rows.append(("Largest jump", f"{_jump(demand.largest_jump, feasibility)}, {where}"))
+        at = "the corner at " if demand.largest_jump.at_corner else ""
+        text = f"{_jump(demand.largest_jump, feasibility)} at {at}{demand.largest_jump.name}"
+        rows.append(("Largest jump", text))
     return rows
 
 
 def _at(peak: Peak) -> str:
-    return _where(peak.name, in_corner=peak.in_corner)
-
-
-def _where(name: str, *, in_corner: bool) -> str:
-    return f"in the corner at {name}" if in_corner else f"in {name}"
+    return f"in the corner at {peak.name}" if peak.in_corner else f"in {peak.name}"
 
 
 def _jump(jump: Jump, feasibility: Feasibility) -> str:
@@ -91,7 +82,7 @@ def _jump(jump: Jump, feasibility: Feasibility) -> str:
     if not math.isclose(jump.left, jump.right, rel_tol=1e-9):
         speeds = f"left {jump.left:.4g}, right {jump.right:.4g}"
     rim = jump.size * feasibility.robot.wheel_radius / feasibility.demand.sample_time
-    return f"{speeds} rad/s in one sample, {rounded(rim / GRAVITY)} g at the rim"
+    return f"{speeds} rad/s in one sample ({rounded(rim / GRAVITY)} g)"
 
 
 def _inside(demand: Demand) -> str:

@@ -5,10 +5,21 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
 from hilc_cli.cli.check_errors import errors_grid, errors_in_brief
-from hilc_cli.cli.check_other_laws import feedback_law, other_law, step_gain_document, step_gain_row
+from hilc_cli.cli.check_other_laws import (
+    feedback_law,
+    other_law,
+    response_rows,
+    step_gain_document,
+    step_gain_row,
+    way_in_brief,
+    wheel_document,
+    wheel_rows,
+)
 from hilc_cli.cli.section import Section, counted
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 
@@ -23,30 +34,36 @@ _ROUNDING = 1e-12  # of the path's size
 
 def learning_section(check: Check) -> Section:
     """The theory's figures; of a law that it does not know, that it does not."""
-    title, found, notes, brief = "Does learning converge?", check.forecast, [], None
+    title, found = "Does learning converge?", check.forecast
+    brief, noise = None, check.law.wheels
     if found is not None:
         title += f" ({WHERE})"
         rows, document = _rows(check, found), _document(check, found)
         brief = _brief(check, found)
     elif check.law.tracking is not None:
-        title, notes = "What does the feedback reach?", [f"{WHERE.capitalize()}."]
-        rows, document = feedback_law(check.law.tracking)
+        title = "What does the feedback reach?"
+        rows, document = feedback_law(check.law)
+        brief = [*response_rows(check.law), *wheel_rows(noise)]
     else:
         rows, document = other_law(check.law)
+        if check.law.merging is not None:
+            brief = [*way_in_brief(check.law, check.law.merging), *wheel_rows(noise)]
+    document |= wheel_document(noise)
     if check.simulated is not None:
         document["simulated"] = _simulated(check.simulated.summary)
     errors = errors_grid(check)
     grids = [] if errors is None else [errors]
-    return Section("learning", title, rows, grids, document, notes, brief)
+    return Section("learning", title, [*rows, *wheel_rows(noise)], grids, document, (), brief)
 
 
 def _brief(check: Check, found: Forecast) -> list[tuple[str, str]]:
     """What learning does, for the report of one screen."""
-    last = check.scenario.spec.iterations
+    last, expected = check.scenario.spec.iterations, check.expected
     return [
         ("Learning", _verdict(found, last)),
-        *errors_in_brief(found, last),
-        *_rest(check, found),
+        *([] if expected is None else errors_in_brief(found, expected, last)),
+        ("Learning rests", _rest(check, found)),
+        *wheel_rows(check.law.wheels),
     ]
 
 
@@ -84,47 +101,41 @@ def _rows(check: Check, found: Forecast) -> list[tuple[str, str]]:
 
 def _verdict(found: Forecast, iterations: int) -> str:
     """The outcome in words, with its iterations."""
-    transient = found.transient
-    within, best = f"within {counted(iterations, 'iteration')}", transient.best_until(iterations)
-    later = "grows again later"
-    ahead = transient.best_until(transient.iterations)
-    if iterations < ahead < transient.iterations:
+    errors = np.concatenate([found.errors_m, found.later_m])
+    within, later = f"within {counted(iterations, 'iteration')}", "grows again later"
+    best, ahead = int(found.errors_m.argmin()), int(errors.argmin())
+    if iterations < ahead < len(errors) - 1:
         later = f"grows again after iteration {ahead}"
     return {
         Outcome.CANNOT_CONVERGE: "cannot converge",
-        Outcome.DOES_NOT_LEARN: f"does not learn {within}",
-        Outcome.OUT_OF_RANGE: (
-            "unclear: predicted errors leave the linear theory's range in iteration "
-            f"{transient.rough_from}"
-        ),
+        Outcome.DOES_NOT_LEARN: f"does not halve the error {within}",
+        Outcome.OUT_OF_RANGE: "unclear: the last error is out of the linear theory's range",
+        Outcome.MADE_WORSE: "makes the error larger",
+        Outcome.DROWNED: "what is learned drowns in disturbances",
         Outcome.GROWS_WITHIN: f"learns until iteration {best}, then its error grows again",
         Outcome.GROWS_LATER: f"learns {within}, but its error {later}",
         Outcome.LEARNS: f"learns {within}",
         Outcome.NOTHING: "nothing to learn: no iterations",
-    }[found.outcome(iterations)]
+    }[found.outcome]
 
 
-def _rest(check: Check, found: Forecast) -> list[tuple[str, str]]:
+def _rest(check: Check, found: Forecast) -> str:
     """Where learning rests, if it does."""
-    name, rest = "Learning rests", found.rest
+    rest = found.rest
     if not found.settles:
-        return [(name, "nowhere")]
+        return "nowhere"
     if found.smooths:
-        return [(name, "not evaluated with a Q-filter; see the predicted errors")]
+        return "not evaluated with a Q-filter; see the predicted errors"
     if rest is None:
-        return [(name, "at no single motion")]
+        return "at no single motion"
     if not rest.is_finite:
-        return [(name, "at no finite motion")]
+        return "at no finite motion"
     size = found.transient.path_size_m
-    error = f"at a position error of up to {_metres(rest.max_position_error_m, size)}"
+    text = f"up to {_metres(rest.max_position_error_m, size)} off"
     after, settled = "sample h" if found.rest_from > 1 else "the start", check.law.rest_error_m
     if settled is not None and settled < rest.max_position_error_m:
-        error += f", {_metres(settled, size)} after {after}"
-    more = (
-        f"{_metres(rest.end_position_error_m, size)} at the end, with wheels of up to "
-        f"{rest.max_wheel_speed_rad_s:.4g} rad/s"
-    )
-    return [(name, error), ("", more)]
+        text += f", {_metres(settled, size)} after {after}"
+    return f"{text}, {_metres(rest.end_position_error_m, size)} at the end"
 
 
 def _metres(error: float, size: float) -> str:
@@ -135,7 +146,7 @@ def _document(check: Check, found: Forecast) -> dict[str, object]:
     transient, rest = found.transient, found.rest
     predicted = transient.at(check.scenario.spec.iterations)
     return {
-        "verdict": found.outcome(check.scenario.spec.iterations).value,
+        "verdict": found.outcome.value,
         **({} if found.step_gain is None else step_gain_document(found.step_gain)),
         "settles": found.settles,
         "spectral_radius": found.spectral_radius,

@@ -27,11 +27,12 @@ if TYPE_CHECKING:
 
 _SCREEN = 24
 """Lines that a report has if nothing more is asked for."""
-_LEAST_SHOWN = 3
-"""So many errors, and so many warnings, are shown however long they are."""
+_LEAST_SHOWN = 2
+"""So many errors, or warnings if there are no errors, are shown however long they are."""
 _UNSURE = {
     Outcome.OUT_OF_RANGE: "unclear",
-    Outcome.DOES_NOT_LEARN: "does not learn",
+    Outcome.DOES_NOT_LEARN: "does not halve the error",
+    Outcome.DROWNED: "does not learn",
 }
 """What is expected of learning where that is neither that it works nor that it cannot."""
 
@@ -46,7 +47,7 @@ def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -
     """
     print_table(title(f"{check.scenario.name}: {verdict(check)}"))
     errors = [f"error: {text}" for text in check.failures]
-    lines = 1 + _print_findings(errors, _LEAST_SHOWN, show_all=verbose, kind="error")
+    lines = 1 + _print_findings(errors, 0, _LEAST_SHOWN, show_all=verbose)
     lines += print_table(two_columns("", _rows(check), numbers=False))
     if check.simulated is not None and not verbose:
         errors_beside = errors_grid(check)
@@ -57,7 +58,7 @@ def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -
         print_text("")
         warnings = [f"warning: {text}" for text in check.warnings]
         left = _SCREEN - lines - 4  # blank lines and the hint
-        _print_findings(warnings, left, show_all=verbose, kind="warning")
+        _print_findings(warnings, left, 1 if errors else _LEAST_SHOWN, show_all=verbose)
     if verbose:
         print_section(feasibility_section(check, verbose=True))
         print_section(learning_section(check))
@@ -94,10 +95,8 @@ def verdict(check: Check) -> str:
     warned = f", {counted(len(check.warnings), 'warning')}" if check.warnings else ""
     if check.failures:
         return f"cannot work, {counted(len(check.failures), 'error')}{warned}"
-    expected = check.forecast
-    outcome = None if expected is None else expected.outcome(check.scenario.spec.iterations)
-    if outcome in _UNSURE:
-        return f"{_UNSURE[outcome]}{warned}"
+    if check.outcome in _UNSURE:
+        return f"{_UNSURE[check.outcome]}{warned}"
     return f"works{warned}" if warned else "nothing wrong"
 
 
@@ -112,13 +111,13 @@ def _rows(check: Check) -> list[tuple[str, str]]:
     )
     rows = [
         ("Path", path),
-        ("Robot", f"{_platform(robot)}; turn convention: {robot.turn_convention}"),
+        ("Robot", f"{_platform(robot)}; convention: {robot.turn_convention}"),
     ]
     if _platform(model) != _platform(robot):
         rows.append(("Model", _platform(model)))
     return [
         *rows,
-        ("Law", f"{scenario.law_in_words}; {counted(spec.iterations, 'iteration')}"),
+        ("Law", scenario.law_in_words),
         *feasibility_section(check).in_brief,
         *learning_section(check).in_brief,
     ]
@@ -128,22 +127,25 @@ def _platform(platform: Robot) -> str:
     return f"wheel radius {platform.wheel_radius:g} m, half track {platform.half_track:g} m"
 
 
-def _print_findings(findings: Sequence[str], most_lines: int, *, show_all: bool, kind: str) -> int:
+def _print_findings(
+    findings: Sequence[str], most_lines: int, least_shown: int, *, show_all: bool
+) -> int:
     """Findings; on a terminal only the first of them and how many there are more.
 
     Args:
-        findings: In their order.
-        most_lines: So many lines are for them; the first `_LEAST_SHOWN` are shown in any case.
+        findings: In their order, each with what it is: error, warning.
+        most_lines: So many lines are for them.
+        least_shown: So many are shown in any case.
         show_all: All are shown in any case.
-        kind: What they are: error, warning.
 
     Returns:
         The number of lines printed.
     """
     lines = 0
     for number, wrapped in enumerate(map(finding_lines, findings)):
-        is_over = number >= _LEAST_SHOWN and lines + len(wrapped) > most_lines
+        is_over = number >= least_shown and lines + len(wrapped) > most_lines
         if is_over and not show_all and is_decorated(sys.stdout):
+            kind = findings[number].partition(":")[0]
             print_text(f"{counted(len(findings) - number, f'more {kind}')}: -v")
             return lines + 1
         print_text("\n".join(wrapped))
@@ -153,7 +155,7 @@ def _print_findings(findings: Sequence[str], most_lines: int, *, show_all: bool,
 
 def _hint(check: Check, *, verbose: bool, theory: bool) -> str:
     """Which options show more; empty if all is shown."""
-    more = [] if verbose else ["-v (each segment, the linear theory's figures)"]
+    more = [] if verbose else ["-v (segments, figures)"]
     if check.conditions is not None and not theory:
         more.append("--theory (the paper's theorems)")
     if check.simulated is None:

@@ -46,7 +46,9 @@ def folder_of_shards(name: str, shards: Sequence[Path]) -> Path:
     plain = f"{name}{SWEEP}"
     found = {re.sub(r"\.[0-9]+-of-[0-9]+$", "", shard.name) for shard in shards}
     with_changes = min(found)
-    if len(found) == 1 and with_changes.startswith(f"{name}+") and with_changes.endswith(SWEEP):
+    # Its folders may come from anybody: what hilc has made has no other characters.
+    own = re.fullmatch(rf"{re.escape(name)}\+[A-Za-z0-9._+=-]+{SWEEP}", with_changes)
+    if len(found) == 1 and own is not None:
         return RUNS / with_changes
     return RUNS / plain
 

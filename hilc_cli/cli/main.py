@@ -17,11 +17,18 @@ from typing import NoReturn
 
 from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
 from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
-from hilc_cli.surroundings import without_settings_of_numba
+from hilc_cli.surroundings import settle
 
 DONE = 0
 COULD_NOT = 1
 WRONG_USAGE = 2
+_SHORTAGES = (
+    "start new thread",
+    "Too many open files",
+    "Cannot allocate memory",
+    "failed to map segment",
+)
+"""What libraries say for which the system has nothing more."""
 AFTER_SIGNAL = 128  # plus its number: 129, 130, 131, 143
 
 
@@ -30,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     arguments = sys.argv[1:] if arguments is None else arguments
     session = Session()
     _open_closed_streams()
-    without_settings_of_numba()
+    settle()
     try:
         session.listen()
         code = _invoke(arguments, session)
@@ -104,6 +111,9 @@ def _exit_code(error: BaseException, session: Session) -> int:
             return COULD_NOT
         case MemoryError():
             _say("hilc: out of memory; record fewer iterations")
+            return COULD_NOT
+        case ImportError() | RuntimeError() if any(words in str(error) for words in _SHORTAGES):
+            _say(f"hilc: the system refused: {printable(str(error))}; see 'ulimit -a'")
             return COULD_NOT
         case _:
             _trace(error)

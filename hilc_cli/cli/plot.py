@@ -149,8 +149,9 @@ def plot(
 
 def _tell(folder: Path, pictures: list[Path], *, json: bool, quiet: bool) -> None:
     from hilc_cli.cli.terminal import print_json, print_text
+    from hilc_cli.errors import printable
 
     if json:
         print_json({"folder": str(folder), "files": [str(picture) for picture in pictures]})
     elif not quiet:
-        print_text("\n".join(map(str, pictures)))
+        print_text("\n".join(printable(str(picture)) for picture in pictures))

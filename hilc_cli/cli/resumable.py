@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from hilc_cli.cli.session import InterruptedBySignal
-from hilc_cli.errors import ExistingResultsError, HilcError
+from hilc_cli.errors import ExistingResultsError, HilcError, UsageError
 
 
 @contextmanager
@@ -21,7 +21,8 @@ def resumable(work: Path) -> Iterator[None]:
         from hilc_cli import api
         from hilc_cli.cli.terminal import say
 
-        if api.is_resumable(work) and not isinstance(error, ExistingResultsError):
+        useless = isinstance(error, ExistingResultsError | UsageError)
+        if not useless and api.is_resumable(work):
             words = [word for word in sys.argv[1:] if word != "--resume"]
             say(f"go on with: {shlex.join(['hilc', *words, '--resume'])}")
         raise

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hilc_cli.cli.default_folders import RUNS
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import UsageError, printable
 
 _LONGEST = 200  # bytes of a folder's name, which the system lets have 255
 
@@ -39,7 +39,7 @@ def shared_folder(folders: Sequence[Path]) -> Path:
     More than two, and names too long for one, are told from other such sets by a few digits, which
     follow from where they are.
     """
-    names = [folder.resolve().name for folder in folders]
+    names = [printable(folder.resolve().name) for folder in folders]
     both = f"{names[0]}-vs-{names[1]}"
     if len(names) == 2 and len(os.fsencode(both)) <= _LONGEST:
         return RUNS / both

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from hilc_cli.cli.terminal import two_columns
 from hilc_cli.errors import printable
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF
-from hilc_cli.results.quantities import quantities
+from hilc_cli.results.quantities import quantities, says_more
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -77,8 +77,10 @@ def _table(summary: Summary, speed_limit: float | None) -> Table:
 
 def _learned(figures: Mapping[str, float]) -> list[tuple[str, str]]:
     """What the law has learned by the last iteration, estimates with their standard errors."""
-    rows = []
+    rows, known = [], {column for column, value in figures.items() if not math.isnan(value)}
     for quantity in quantities(figures):
+        if not says_more(quantity, known):
+            continue
         series, unit = quantity.best, quantity.unit
         value = figures[series.value]
         if series.error is not None:
@@ -95,8 +97,9 @@ def _learned(figures: Mapping[str, float]) -> list[tuple[str, str]]:
 def _estimate(value: float, error: float, unit: str) -> str:
     """An estimate, with about as many digits as its standard error leaves."""
     if math.isnan(error):
-        return "not measured"
+        return f"not measured, taken as {value:.{_FEWEST}g} {unit}".rstrip()
     size = math.floor(math.log10(abs(value))) if value else 0
     sure = size - math.floor(math.log10(error)) + 2 if error else _MOST
     places = max(0, min(max(sure, _FEWEST), _MOST) - 1 - size)
-    return f"{value:.{places}f} {unit}, standard error {error:.2g} {unit}"
+    shown = (f"{number} {unit}".rstrip() for number in (f"{value:.{places}f}", f"{error:.2g}"))
+    return ", standard error ".join(shown)

@@ -15,7 +15,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.figures import labels, layout, style
 from hilc_cli.figures.error import MARKED_UP_TO, scale_iterations
 from hilc_cli.figures.estimates import draw_estimates, show_estimates
-from hilc_cli.results.quantities import BELIEVED, TRUE, Quantity, quantities
+from hilc_cli.results.quantities import BELIEVED, TRUE, Quantity, quantities, says_more
 from hilc_cli.results.run import RunData
 
 NEVER = "Not by the end"
@@ -37,7 +37,11 @@ def quantities_to_draw(runs: Iterable[RunData]) -> dict[str, Quantity]:
     """
     found: dict[str, Quantity] = {}
     for run in runs:
-        for quantity in quantities(run.learning.names):
+        table = run.learning
+        known = {name for name in table.names if np.isfinite(table[name]).any()}
+        for quantity in quantities(table.names):
+            if not says_more(quantity, known):
+                continue
             if quantity.best.error is not None or run.yardsticks.get(quantity.column):
                 found.setdefault(quantity.column, quantity)
     return found

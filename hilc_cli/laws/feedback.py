@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from hilc_cli.laws.feedforward import reference_twist
 from hilc_cli.laws.law import LastIteration, Learner, Task, WheelController
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.robot import Robot, wheel_speeds_from_twist
+from hilc_cli.robot import Number, Robot, wheel_speeds_from_twist
 
 
 def tracking_twist(
     speed: float,
     yaw_rate: float,
-    ahead: float,
-    aside: float,
-    error_heading: float,
+    ahead: Number,
+    aside: Number,
+    turned: tuple[Number, Number],
     gains: tuple[float, float, float],
-) -> tuple[float, float]:
+) -> tuple[Number, Number]:
     """Forward speed [m/s] and yaw rate [rad/s] that bring a platform back to its reference.
 
     Args:
@@ -26,7 +26,7 @@ def tracking_twist(
         yaw_rate: omega_r of the reference [rad/s].
         ahead: Error along the platform's heading [m].
         aside: Error to its left [m].
-        error_heading: Error of the heading [rad].
+        turned: Cosine and sine of the heading's error, computed by the caller its own way.
         gains: K_x [1/s], K_y [rad/m^2] and K_theta [rad/m].
 
     Source:
@@ -35,8 +35,8 @@ def tracking_twist(
     """
     k_x, k_y, k_theta = gains
     return (
-        speed * math.cos(error_heading) + k_x * ahead,
-        yaw_rate + speed * (k_y * aside + k_theta * math.sin(error_heading)),
+        speed * turned[0] + k_x * ahead,
+        yaw_rate + speed * (k_y * aside + k_theta * turned[1]),
     )
 
 
@@ -66,20 +66,39 @@ class FeedbackLaw:
         """The controller of every iteration."""
         forward, turning = reference_twist(reference)
         speeds, yaw_rates = forward.tolist(), turning.tolist()
-        gains = self.k_x, self.k_y, self.k_theta
-        wheel_radius, half_track = self.model.wheel_radius, self.model.signed_half_track
 
         def wheel_speeds(
             k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
         ) -> tuple[float, float]:
-            speed, yaw_rate = tracking_twist(
-                speeds[k],
-                yaw_rates[k],
-                cos * error_x + sin * error_y,
-                cos * error_y - sin * error_x,
-                error_heading,
-                gains,
+            turned = math.cos(error_heading), math.sin(error_heading)
+            return self.wheel_speeds(
+                (speeds[k], yaw_rates[k]), (cos, sin), (error_x, error_y), turned
             )
-            return wheel_speeds_from_twist(speed, yaw_rate, wheel_radius, half_track)
 
         return wheel_speeds
+
+    def wheel_speeds(
+        self,
+        twist: tuple[float, float],
+        heading: tuple[Number, Number],
+        error: tuple[Number, Number],
+        turned: tuple[Number, Number],
+    ) -> tuple[Number, Number]:
+        """Left and right wheel speed [rad/s] at one sample of one pass, or of many.
+
+        Args:
+            twist: Speed [m/s] and yaw rate [rad/s] of the reference.
+            heading: Cosine and sine of the measured heading.
+            error: Measured error in x and y [m].
+            turned: Cosine and sine of the measured heading error.
+        """
+        (cos, sin), (error_x, error_y) = heading, error
+        speed, yaw_rate = tracking_twist(
+            *twist,
+            cos * error_x + sin * error_y,
+            cos * error_y - sin * error_x,
+            turned,
+            (self.k_x, self.k_y, self.k_theta),
+        )
+        model = self.model
+        return wheel_speeds_from_twist(speed, yaw_rate, model.wheel_radius, model.signed_half_track)

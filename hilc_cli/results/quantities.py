@@ -7,12 +7,15 @@ a standard error of its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 _UNITS = {"_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad", "_m": "m", "_s": "s", "_percent": "%"}
 _STANDARD_ERROR = "_standard_error"
 _MODEL = "model_"
+
+_TOLD_BY = {"wheel_radius_per_half_track": "model_half_track_standard_error_m"}
+"""Quantities that say nothing new where another column has a number, by that column."""
 
 TRUE, BELIEVED = "true", "believed"
 """Names of yardsticks: what a quantity really is, and what the law believed at first."""
@@ -72,6 +75,16 @@ def quantities(columns: Iterable[str]) -> list[Quantity]:
         )
         for column in dict.fromkeys(name.removeprefix(_MODEL) for name in values)
     ]
+
+
+def says_more(quantity: Quantity, known: Collection[str]) -> bool:
+    """Whether a quantity says more than others do.
+
+    Args:
+        quantity: The quantity.
+        known: The columns that have a number.
+    """
+    return _TOLD_BY.get(quantity.column) not in known
 
 
 def _series(column: str, columns: list[str]) -> Series | None:

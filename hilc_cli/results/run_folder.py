@@ -192,7 +192,7 @@ def _texts(value: object) -> dict[str, str]:
 def _lines(value: object) -> tuple[str, ...]:
     if not isinstance(value, list):
         return ()
-    return tuple(text for text in value if isinstance(text, str))
+    return tuple(printable(text) for text in value if isinstance(text, str))
 
 
 def _numbers(value: object) -> dict[str, dict[str, float]]:

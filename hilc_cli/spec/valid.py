@@ -12,6 +12,7 @@ import numpy as np
 
 from hilc_cli.analysis.demand import demand_of
 from hilc_cli.analysis.feasibility import Feasibility, Limits
+from hilc_cli.analysis.plausibility import implausible
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.named import in_short
@@ -114,7 +115,7 @@ class Scenario:
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        found = self.spec.controller.warnings(self.setting)
+        found = [*self._implausible(), *self.spec.controller.warnings(self.setting)]
         found += self._without_learning()
         if abs(self.spec.initial_error[2]) > math.pi:
             found.append(
@@ -122,6 +123,14 @@ class Scenario:
                 "start; headings are not wrapped, so the robot will turn all the way back"
             )
         return found
+
+    def _implausible(self) -> list[str]:
+        """Numbers that hardly anybody means."""
+        spec, robot = self.spec, self.spec.robot.robot()
+        headings = {"trajectory.start.heading": spec.trajectory.start.heading}
+        if spec.initial_pose.heading is not None:
+            headings["initial_pose.heading"] = spec.initial_pose.heading
+        return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)
 
     def _without_learning(self) -> list[str]:
         """What a law that does not learn makes no use of."""

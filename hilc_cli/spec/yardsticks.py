@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.results.quantities import BELIEVED, TRUE
 from hilc_cli.spec.valid import Scenario
 
@@ -18,6 +19,10 @@ def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
     known = {
         "wheel_radius_m": {TRUE: robot.wheel_radius, BELIEVED: model.wheel_radius},
         "half_track_m": {TRUE: robot.half_track, BELIEVED: model.half_track},
+        RATIO: {
+            TRUE: robot.wheel_radius / robot.half_track,
+            BELIEVED: model.wheel_radius / model.half_track,
+        },
         **controller.yardsticks(setting),
     }
     told = controller.figures()

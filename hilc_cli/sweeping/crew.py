@@ -187,6 +187,8 @@ class Processes(Generic[Result]):
             answer = member.here.recv()
         except (EOFError, OSError):
             return self._lost(member, chunk)
+        if isinstance(answer, ImportError):
+            raise WorkersError(f"worker processes cannot start: {answer}")
         self._has_begun = True
         if isinstance(answer, str):
             return Outcome(chunk, None, answer, is_final=True)

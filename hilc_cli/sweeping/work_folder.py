@@ -38,11 +38,12 @@ def is_empty(folder: Path) -> bool:
 
 def remove(folder: Path) -> None:
     """Removes a folder of a sweep in progress, but nothing that somebody else has put there."""
-    with writing(folder):
-        # Without its journal the folder holds no results, without its header it is nobody's:
-        # at whatever moment this is stopped, it can be resumed or replaced.
-        for name in (JOURNAL, *sorted(FILES - {JOURNAL, HEADER}), HEADER):
+    # Without its journal the folder holds no results, without its header it is nobody's:
+    # at whatever moment this is stopped, it can be resumed or replaced.
+    for name in (JOURNAL, *sorted(FILES - {JOURNAL, HEADER}), HEADER):
+        with writing(folder / name):
             (folder / name).unlink(missing_ok=True)
+    with writing(folder):
         if not any(folder.iterdir()):
             folder.rmdir()
 

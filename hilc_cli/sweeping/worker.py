@@ -21,10 +21,16 @@ def serve(pipe: Connection) -> None:
 
     Args:
         pipe: Gives a function first, then chunks; takes what it returns for each, or a text that
-            says why there is no result.
+            says why there is no result, or an ImportError if there can be none at all.
     """
     try:
-        work = pipe.recv()
+        try:
+            work = pipe.recv()
+        except EOFError:
+            raise
+        except Exception as error:  # its modules cannot be loaded
+            pipe.send(ImportError(f"{type(error).__name__}: {error}"))
+            return
         while True:
             chunk = pipe.recv()
             try:
@@ -46,7 +52,8 @@ def _end_with(owner: int) -> None:
             time.sleep(_LOOK_AROUND)
         os._exit(1)
 
-    threading.Thread(target=watch, daemon=True).start()
+    with suppress(RuntimeError):  # as many threads as there may be
+        threading.Thread(target=watch, daemon=True).start()
 
 
 if __name__ == "__main__":

@@ -84,6 +84,7 @@ def test_line_turns_both_wheels_alike() -> None:
     (start,) = found.joints
     assert (start.left_jump, start.right_jump) == pytest.approx((6.0, 6.0), rel=1e-10)
     assert found.largest_jump is None
+    assert found.from_rest.size == pytest.approx(6.0, rel=1e-10)
 
 
 def test_acceleration_inside_a_segment_is_that_of_its_speed() -> None:
@@ -111,16 +112,20 @@ def test_jumps_between_segments_are_no_acceleration_inside_them() -> None:
         # Chord for arc: relative 1e-3^2 / 24 of 20 rad/s.
         assert (joint.left_jump, joint.right_jump) == pytest.approx(jumps, abs=1e-6)
     assert [joint.sample for joint in found.joints] == [0, 2000, 4000]
-    assert found.largest_jump == found.joints[2]
+    largest = found.largest_jump
+    assert largest is not None
+    assert (largest.name, largest.at_corner) == ("segments.2", False)
+    assert (largest.left, largest.right) == (found.joints[2].left_jump, found.joints[2].right_jump)
 
 
 def test_equal_segments_are_told_by_the_first() -> None:
     arc = ArcPlan(1.0, "left", radius=0.7, duration=0.3)
     line = LinePlan(length=0.1, duration=0.3)
     found = demand(reference_of([line, arc, line, arc, line, arc]))
-    assert found.fastest == found.segments[1]
-    assert found.sharpest == found.segments[1]
-    assert found.largest_jump == found.joints[1]
+    assert (found.fastest.name, found.lateral.name) == ("segments.1", "segments.1")
+    assert found.sharpest_segment == found.segments[1]
+    assert found.largest_jump is not None
+    assert found.largest_jump.name == "segments.1"
 
 
 @pytest.mark.parametrize("first", [True, False])
@@ -134,10 +139,110 @@ def test_corner_is_kept_apart_from_its_segment(first: bool) -> None:
     assert corner.corner == pytest.approx(math.pi / 2, rel=1e-14)
     assert corner.corner_wheel == pytest.approx((1 + 0.518 * math.pi / 2 / 0.01) / 0.2, rel=1e-9)
     assert corner.corner_lateral == pytest.approx(math.pi / 2 / 0.01, rel=1e-9)
-    assert corner.jump == pytest.approx(5.0 if first else 0.0, abs=1e-9)
+    turning = 0.518 * math.pi / 2 / 0.01 / 0.2
+    # At the start of the path from rest into the corner; later out of it.
+    expected = (5 + turning, 5 - turning) if first else (-turning, turning)
+    assert (corner.left_jump, corner.right_jump) == pytest.approx(expected, rel=1e-9)
     for segment in found.segments:
         assert segment.fastest_wheel == pytest.approx(5.0, rel=1e-9)
         assert (segment.turn, segment.yaw_rate, segment.wheel_acceleration) == (0, 0, 0)
+
+
+def polyline(points: Sequence[tuple[float, float]]) -> list[SegmentPlan]:
+    """One line of one sample of 20 ms to each point."""
+    return [LinePlan(to=point, duration=0.02) for point in points]
+
+
+# Start heading, plans, and of each sampling interval its chord and its turn, all in 20 ms. A corner
+# is turned in the interval before the joint, one at the start in the first.
+ARC = 2 * 0.4 * math.sin(0.05)  # chord of 0.1 rad of a radius of 0.4 m
+CORNERS = {
+    "one-sample segments": (
+        0.0,
+        polyline([(0.03, 0.0), (0.05, 0.01), (0.05, 0.03)]),
+        [
+            (0.03, math.atan2(1, 2)),
+            (math.hypot(0.02, 0.01), math.pi / 2 - math.atan2(1, 2)),
+            (0.02, 0.0),
+        ],
+        ("segments.2", math.pi / 2 - math.atan2(1, 2), 2),
+    ),
+    "the first has a corner at its start, too": (
+        0.7,
+        polyline([(0.03, 0.0), (0.03, 0.02)]),
+        [(0.03, math.pi / 2 - 0.7), (0.02, 0.0)],  # both at once
+        ("segments.1", math.pi / 2, 2),
+    ),
+    "at the start": (
+        -0.3,
+        [LinePlan(to=(0.06, 0.0), duration=0.06)],
+        [(0.02, 0.3), (0.02, 0.0), (0.02, 0.0)],
+        ("segments.0", 0.3, 1),
+    ),
+    "between arcs": (
+        0.0,
+        [
+            ArcPlan(0.2, "left", radius=0.4, duration=0.04),
+            # About a point straight ahead of where the first one ends: a right angle to the left.
+            ArcPlan(
+                0.2,
+                "right",
+                center=(
+                    0.4 * math.sin(0.2) + 0.4 * math.cos(0.2),
+                    0.4 * (1 - math.cos(0.2)) + 0.4 * math.sin(0.2),
+                ),
+                duration=0.04,
+            ),
+        ],
+        [(ARC, 0.1), (ARC, 0.1 + math.pi / 2), (ARC, -0.1), (ARC, -0.1)],
+        ("segments.1", math.pi / 2, 1),
+    ),
+    "a square that is closed": (  # the corner at its closure is not driven
+        0.0,
+        polyline([(0.02, 0.0), (0.02, 0.02), (0.0, 0.02), (0.0, 0.0)]),
+        [(0.02, math.pi / 2)] * 3 + [(0.02, 0.0)],
+        ("segments.1", math.pi / 2, 3),
+    ),
+}
+
+
+@pytest.mark.parametrize("robot", [PLATFORM, MIRRORED])
+@pytest.mark.parametrize("case", CORNERS)
+def test_corners_count_for_wheels_jumps_and_tyres(case: str, robot: Robot) -> None:
+    heading, plans, steps, (name, angle, count) = CORNERS[case]
+    reference = build_reference("path", (0, 0, heading), plans, 0.02, corners=True)
+    found = demand(reference, robot)
+    speed, yaw_rate = np.array(steps).T / 0.02
+    faster, slower = (speed + 0.518 * yaw_rate) / 0.2, (speed - 0.518 * yaw_rate) / 0.2
+    left, right = (faster, slower) if robot is PLATFORM else (slower, faster)
+    assert found.fastest.value == pytest.approx(np.abs([left, right]).max(), rel=1e-9)
+    assert found.fastest.in_corner
+    assert found.lateral.value == pytest.approx((speed * np.abs(yaw_rate)).max(), rel=1e-9)
+    assert found.lateral.in_corner
+    from_rest = found.from_rest.left, found.from_rest.right
+    assert from_rest == pytest.approx((left[0], right[0]), rel=1e-9)
+    jumps = np.abs(np.diff([left, right])).max(axis=0)
+    assert found.largest_jump is not None
+    assert found.largest_jump.size == pytest.approx(jumps.max(), rel=1e-9)
+    assert found.largest_jump.at_corner
+    sharpest = found.sharpest_corner
+    assert sharpest is not None
+    assert (sharpest.name, len(found.corners)) == (name, count)
+    assert sharpest.corner == pytest.approx(angle, rel=1e-9)
+
+
+def test_peak_outside_of_corners_is_that_of_its_segment() -> None:
+    # A gentle corner at 0.1 m/s, and an arc of 0.5 m at 2 m/s behind it.
+    plans = [
+        LinePlan(to=(0.1, 0.0), duration=1.0),
+        LinePlan(to=(0.2, 0.001), duration=1.0),
+        ArcPlan(1.0, "left", radius=0.5, duration=0.25),
+    ]
+    found = demand(reference_of(plans, 0.01, corners=True))
+    assert (found.fastest.name, found.fastest.in_corner) == ("segments.2", False)
+    assert (found.lateral.name, found.lateral.in_corner) == ("segments.2", False)
+    # The chord is shorter by 0.04^2 / 24.
+    assert found.lateral.value == pytest.approx(8.0, rel=1e-4)
 
 
 def test_corner_beyond_the_limit_is_told_before_the_segment_that_it_starts() -> None:

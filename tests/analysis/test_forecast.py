@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.analysis import transient
+from hilc_cli.analysis.expected_learning import expected_of_learning
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.forecast import forecast, rest_error
 from hilc_cli.analysis.forecast_findings import forecast_findings
@@ -34,7 +35,8 @@ def short_horizon(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def findings(experiment: Experiment) -> Findings:
-    return forecast_findings(experiment, forecast(experiment))
+    found = forecast(experiment)
+    return forecast_findings(experiment, found, expected_of_learning(experiment, found))
 
 
 def failure(experiment: Experiment) -> tuple[float, str]:

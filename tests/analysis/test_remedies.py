@@ -19,7 +19,13 @@ PLATFORM = Robot(0.2, 0.5)
 HALF_TURN = ArcPlan(math.pi, "left", radius=2.0, duration=1.0)
 AHEAD = LinePlan(to=(3.0, 0.0), duration=0.4)
 ASIDE = LinePlan(to=(3.0, 3.0), duration=2.0)
+ACROSS = LinePlan(to=(0.0, 0.0), duration=2.0)
 BACK = LinePlan(to=(0.0, 3.0), duration=2.0)
+
+
+def untold(found: Findings) -> list[str]:
+    """The warnings but for that of wheels that are to be fast at once."""
+    return [text for text in found.warnings if "where tyres hold" not in text]
 
 
 def findings(plans: Sequence[SegmentPlan], limits: Limits, sample_time: float = 0.001) -> Findings:
@@ -31,7 +37,7 @@ def findings(plans: Sequence[SegmentPlan], limits: Limits, sample_time: float = 
 
 
 def test_slow_path_is_not_spoken_of() -> None:
-    assert findings([LinePlan(length=1.0, duration=1.0)], Limits(5.0, 0.1)) == Findings()
+    assert findings([LinePlan(length=1.0, duration=10.0)], Limits(0.5, 0.1)) == Findings()
 
 
 def test_fast_line_is_to_take_longer() -> None:
@@ -117,24 +123,22 @@ def test_offences_are_told_in_the_order_of_the_path() -> None:
     )
 
 
-def test_corner_that_is_possible_is_warned_of_once() -> None:
-    assert findings([AHEAD, ASIDE, BACK], Limits()) == Findings(
-        warnings=(
-            "trajectory.segments.1.piece starts with a corner of 1.571 rad: here it is turned in "
-            "one sample, with a wheel speed of 3964 rad/s; a robot has to stop for it, so round "
-            "it with an arc; the path has 1 more",
-        )
-    )
+def test_sharpest_corner_that_is_possible_is_warned_of() -> None:
+    # Corners of 90 and 135 degrees, the second one at 1.5 m/s.
+    assert untold(findings([AHEAD, ASIDE, ACROSS], Limits())) == [
+        "trajectory.segments.2.piece starts with a corner of 2.356 rad (135 deg), the sharpest of "
+        "2: turned in one sample, it takes wheels of 5898 rad/s and 3530 m/s^2 sideways; a "
+        "robot has to stop for it: round it with an arc"
+    ]
 
 
 def test_friction_that_no_tyre_has_is_warned_of_if_none_is_given() -> None:
-    (text,) = findings([LinePlan(length=1.0, duration=1.0), HALF_TURN], Limits()).warnings
+    (text,) = untold(findings([LinePlan(length=1.0, duration=1.0), HALF_TURN], Limits()))
     assert text == (
-        "trajectory.segments.1.piece needs 19.74 m/s^2 of lateral acceleration, a friction of "
-        "2.01, where tyres on dry ground have about 1; run it slower, or give robot.friction if "
-        "yours hold more"
+        "trajectory.segments.1.piece needs 19.74 m/s^2 of lateral acceleration, 2.01 g where "
+        "tyres hold about 1 g; run it slower, or give robot.friction"
     )
-    assert findings([HALF_TURN], Limits(friction=2.1)) == Findings()
+    assert untold(findings([HALF_TURN], Limits(friction=2.1))) == []
 
 
 def test_coarse_turn_is_warned_of() -> None:
@@ -142,6 +146,31 @@ def test_coarse_turn_is_warned_of() -> None:
     assert findings([arc], Limits(), 0.5) == Findings()  # 0.157 rad in a sample
     (text,) = findings([arc], Limits(), 1.0).warnings
     assert text.startswith("trajectory.segments.0.piece turns by 0.314 rad in a sample, ")
+
+
+def test_speed_that_no_tyre_lets_a_robot_gain_at_once_is_warned_of() -> None:
+    # 7.5 m/s in a millisecond are 765 g; with 1 g it takes 0.765 s, longer than the line, over
+    # which g t^2 / 2 are driven instead of 3 m.
+    behind = 3.0 - 9.80665 * 0.4**2 / 2
+    assert findings([AHEAD], Limits(100.0)).warnings == (
+        "trajectory.segments.0.piece starts at once: 7.5 m/s in one sample, 765 g where tyres hold "
+        f"1 g: a robot gets {behind:.2g} m behind; lead up to it slowly",
+    )
+
+
+def test_speed_that_is_gained_in_steps_is_warned_of_where_it_is_gained() -> None:
+    # 0.1 m/s, then 4 m/s: v^2 / (2 mu g) = 3.9^2 / 9.80665 behind, of 10.1 m.
+    plans = [LinePlan(length=0.1, duration=1.0), LinePlan(length=10.0, duration=2.5)]
+    (text,) = findings(plans, Limits(friction=0.5)).warnings
+    assert text.startswith(
+        "trajectory.segments.1.piece changes wheel speeds at once: 3.9 m/s in one sample, 398 g "
+        "where tyres hold 0.5 g: a robot gets 1.6 m behind; "
+    )
+    # Ten times the length: less than a hundredth of it.
+    longer = [plans[0], LinePlan(length=200.0, duration=50.0)]
+    assert findings(longer, Limits(friction=0.5)).warnings == ()
+    # In a sample of 0.5 s the tyres hold it.
+    assert findings(plans, Limits(), 0.5).warnings == ()
 
 
 def test_remedy_beyond_the_longest_path_names_the_sample_time() -> None:

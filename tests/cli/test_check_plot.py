@@ -30,7 +30,8 @@ def test_picture_goes_to_a_folder_of_its_own(hilc: Hilc, write: Write, folder: P
     outcome = hilc(*PLOT)
     assert (outcome.code, outcome.err) == (0, "")
     assert outcome.out.endswith(
-        ".\n\nWritten to runs/test-check/transient.png\nWritten to runs/test-check/transient.csv\n"
+        "--simulate\n\nWritten to runs/test-check/transient.png\n"
+        "Written to runs/test-check/transient.csv\n"
     )
     assert set(listing(folder)) - set(before) == {
         *(

@@ -65,7 +65,7 @@ def complete(hilc: Hilc, monkeypatch: pytest.MonkeyPatch) -> Complete:
 def test_what_there_is_to_go_on_with(
     complete: Complete, folder: Path, words: str, found: list[str]
 ) -> None:
-    for name in ("a+h=1", "a+h=2", "b"):
+    for name in ("a+h=1", "a+h=2", "b", "b;reboot", "b$(reboot)", "b\nreboot"):
         (folder / "runs" / name).mkdir(parents=True)
         (folder / "runs" / name / "iterations.csv").touch()
     (folder / "runs/no-results").mkdir()

@@ -56,7 +56,7 @@ def test_summary_tells_what_was_identified(hilc: Hilc, folder: Path, scenario: s
 
 def learned(out: str) -> dict[str, str]:
     """What the summary says of what was learned."""
-    found = re.findall(r"^ *Learned: (\w+ \w+) +(.*)$", out, re.MULTILINE)
+    found = re.findall(r"^ *Learned: (\w+(?: \w+)+)  +(.*)$", out, re.MULTILINE)
     return dict(found)
 
 
@@ -67,9 +67,42 @@ def test_what_was_not_measured_is_not_told_as_learned(
     told = json.loads(hilc("run", scenario, *only_first, "--json").out)["learning"]
     # Nothing has moved: what the model is made of is what was believed.
     known = {name: value for name, value in told.items() if value is not None}
-    assert known == {"model_wheel_radius_m": 0.14, "model_half_track_m": 0.65}
+    assert known == {
+        "model_wheel_radius_m": 0.14,
+        "model_half_track_m": 0.65,
+        "model_wheel_radius_per_half_track": 0.14 / 0.65,
+    }
     rows = learned(hilc("run", scenario, *only_first).out)
-    assert rows == {"wheel radius": "not measured", "half track": "not measured"}
+    untold = "not measured, taken as "
+    assert rows == {
+        "wheel radius": f"{untold}0.14 m",
+        "half track": f"{untold}0.65 m",
+        "wheel radius per half track": f"{untold}0.2154",
+    }
+
+
+def test_turn_in_place_tells_the_ratio_and_a_line_the_radius(
+    hilc: Hilc, folder: Path, scenario: str
+) -> None:
+    def told(*settings: str) -> dict[str, str]:
+        always = "initial_pose=null", "controller.feedback=none", "initial_input=feedforward"
+        options = [word for text in (*always, *settings) for word in ("--set", text)]
+        return learned(hilc("run", scenario, "--no-plots", "--force", *options).out)
+
+    rows = told(
+        "trajectory.segments=[arc: {radius: 1e-9, turn: left, sweep: 5, speed: 1e-8}]",
+        "disturbance.output.bound=[0.1 mm, 0.1 mm, 1e-5]",
+    )
+    assert rows["wheel radius"] == "not measured, taken as 0.14 m"
+    assert rows["half track"] == "not measured, taken as 0.35 m"  # 0.14 / (0.2 / 0.5)
+    assert re.match(r"0\.4000\d*, standard error \d", rows["wheel radius per half track"])
+    rows = told(
+        "trajectory.segments=[line: {length: 2, duration: 1 s}]",
+        "trajectory.start={x: 0, y: 0, heading: 0}",
+    )
+    assert rows["wheel radius"].startswith("0.200000 m, standard error ")
+    assert rows["half track"] == "not measured, taken as 0.65 m"
+    assert rows["wheel radius per half track"].startswith("not measured, taken as ")
 
 
 def test_without_identification_nothing_is_told_of_it(
@@ -148,6 +181,7 @@ def test_picture_of_learning(hilc: Hilc, folder: Path, scenario: str) -> None:
     assert hilc_api.read_run("a").yardsticks == {
         "wheel_radius_m": {"true": 0.2, "believed": 0.14},
         "half_track_m": {"true": 0.5, "believed": 0.65},
+        "wheel_radius_per_half_track": {"true": 0.4, "believed": pytest.approx(0.14 / 0.65)},
         "merge_time_s": {"h": pytest.approx(0.2)},
     }
     other = ("--set", "controller={gains: {l1: 0.5}}")

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,6 +21,10 @@ from tests.conftest import Hilc, Outcome, Write
 SIGNALS = [
     (signal.SIGINT, 130, "hilc: interrupted; nothing was left half written\n"),
     (signal.SIGTERM, 143, "hilc: terminated; nothing was left half written\n"),
+]
+OF_TERMINALS = [
+    (signal.SIGHUP, 129, "hilc: hung up; nothing was left half written\n"),
+    (signal.SIGQUIT, 131, "hilc: quit; nothing was left half written\n"),
 ]
 # More than a pipe holds: it is written once the program, all imported, reads it.
 PADDING = b"# padding\n" * 30_000
@@ -54,7 +60,7 @@ def test_signal_in_mid_simulation_leaves_no_folder(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["path.yaml"]
 
 
-@pytest.mark.parametrize(("number", "code", "message"), SIGNALS, ids=["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize(("number", "code", "message"), OF_TERMINALS, ids=["SIGHUP", "SIGQUIT"])
 def test_signal_in_mid_check(tmp_path: Path, number: int, code: int, message: str) -> None:
     (tmp_path / "path.yaml").write_text(TRAJECTORY)
     changes = ("--simulate", "--plot", "--set", "iterations=10000000")
@@ -73,7 +79,19 @@ def terminate() -> None:
     os.kill(os.getpid(), signal.SIGTERM)
 
 
-@pytest.mark.parametrize(("stop", "code"), [(interrupt, 130), (terminate, 143)])
+def hang_up() -> None:
+    """As a terminal that closes, which several processes tell, and to which nobody can write."""
+    try:
+        os.kill(os.getpid(), signal.SIGHUP)
+    finally:
+        os.kill(os.getpid(), signal.SIGTERM)
+        raise OSError(errno.EIO, "Input/output error")
+
+
+STOPS = [(interrupt, 130), (terminate, 143), (hang_up, 129)]
+
+
+@pytest.mark.parametrize(("stop", "code"), STOPS)
 @pytest.mark.parametrize("step", ["write_samples", "write_input", "write_iterations"])
 def test_signal_while_results_are_written(
     hilc: Hilc,
@@ -95,6 +113,25 @@ def test_signal_while_results_are_written(
     outcome = hilc("run", "scenario.yaml", "--no-plots")
     assert (outcome.code, outcome.out, outcome.err.count("\n")) == (code, "", 1)
     assert listing(folder) == before
+
+
+def test_ignored_signals_stay_ignored(
+    hilc: Hilc, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write()
+    write_input = run_folder.write_input
+    sent = [signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM]
+
+    def with_signals(*arguments: Any) -> None:
+        for number in sent:
+            os.kill(os.getpid(), number)
+        write_input(*arguments)
+
+    monkeypatch.setattr(run_folder, "write_input", with_signals)
+    for number in sent:  # as nohup, and a shell that starts something in the background
+        signal.signal(number, signal.SIG_IGN)
+    assert hilc("run", "scenario.yaml", "--no-plots", "-q") == Outcome(0, "", "")
+    assert all(signal.getsignal(number) == signal.SIG_IGN for number in sent)
 
 
 def test_verbose_shows_where_it_was_interrupted(tmp_path: Path) -> None:

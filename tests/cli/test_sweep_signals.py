@@ -34,10 +34,21 @@ def interrupt_group(process: subprocess.Popen[bytes]) -> None:
     os.killpg(process.pid, signal.SIGINT)
 
 
+def hang_up_group(process: subprocess.Popen[bytes]) -> None:
+    """As a terminal that closes does."""
+    os.killpg(process.pid, signal.SIGHUP)
+
+
+def quit_group(process: subprocess.Popen[bytes]) -> None:
+    """As Ctrl-\\ does."""
+    os.killpg(process.pid, signal.SIGQUIT)
+
+
 SIGNALS = [
-    pytest.param(interrupt, 130, "interrupted", id="SIGINT"),
+    pytest.param(hang_up_group, 129, "hung up", id="SIGHUP"),
     pytest.param(terminate, 143, "terminated", id="SIGTERM"),
     pytest.param(interrupt_group, 130, "interrupted", id="Ctrl-C"),
+    pytest.param(quit_group, 131, "quit", id="Ctrl-backslash"),
 ]
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,34 @@ from hilc_cli.results.trial import Trial
 MakeRun = Callable[..., RunData]
 SAMPLES = 80
 YARDSTICKS = {"wheel_radius_m": {"true": 0.2, "believed": 0.14}, "merge_time_s": {"h": 0.2}}
+
+USERS_SETTINGS: dict[Any, Any] = {
+    "axes.facecolor": "black",
+    "axes.formatter.limits": (-1, 1),
+    "axes.prop_cycle": "cycler(color=['red', 'lime'])",
+    "axes.xmargin": 0.3,
+    "figure.dpi": 31,
+    "figure.subplot.left": 0.4,
+    "font.family": "serif",
+    "font.weight": "bold",
+    "hatch.color": "red",
+    "image.cmap": "jet",
+    "image.interpolation": "bicubic",
+    "legend.loc": "lower left",
+    "lines.linewidth": 9,
+    "lines.marker": "o",
+    "mathtext.fontset": "stix",
+    "patch.linewidth": 5,
+    "path.sketch": (5, 100, 2),
+    "pdf.compression": 0,
+    "savefig.dpi": 10,
+    "svg.fonttype": "none",
+    "text.usetex": True,
+    "xtick.direction": "in",
+    "xtick.minor.visible": True,
+    "ytick.right": True,
+}
+"""Of Matplotlib, in which nothing is as hilc has it."""
 
 
 def circle(radius: float = 10.0, samples: int = SAMPLES) -> Reference:

@@ -4,6 +4,7 @@ import time
 from io import BytesIO
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import pytest
 from PIL import Image
@@ -12,7 +13,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.figures.catalogue import KINDS, draw
 from hilc_cli.figures.png import encode_png
 from hilc_cli.figures.save import FORMATS, render, save_figure
-from tests.figures.conftest import MakeRun
+from tests.figures.conftest import USERS_SETTINGS, MakeRun
 
 
 # Fonts take long to put into a PDF: there the sheet stands for the four kinds that are on it.
@@ -24,7 +25,9 @@ def test_same_data_same_bytes(make_run: MakeRun, kind: str, picture_format: str)
     first = render(draw(kind, [make_run(saturated=3)]), picture_format, 50)
     if picture_format == "pdf":
         time.sleep(1.1)  # a date would differ by now
-    second = render(draw(kind, [make_run(saturated=3)]), picture_format, 50)
+    with matplotlib.rc_context(USERS_SETTINGS):
+        second = render(draw(kind, [make_run(saturated=3)]), picture_format, 50)
+        assert matplotlib.rcParams["lines.linewidth"] == 9
 
     assert first == second
 

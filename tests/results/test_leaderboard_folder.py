@@ -33,7 +33,7 @@ pairs = st.tuples(numbers, numbers)
 whole = st.none() | st.integers(0, 10**9)
 entries = st.builds(
     Entry,
-    *[st.from_regex(r"[A-Za-z0-9._-]+", fullmatch=True)] * 4,
+    *[st.from_regex(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,20}", fullmatch=True)] * 4,
     *[pairs] * 3,
     *(whole, st.none() | numbers, whole, st.none() | numbers, numbers, st.none() | numbers),
     *(whole, numbers),

@@ -12,6 +12,10 @@ from hilc_cli.spec.yardsticks import yardsticks_of
 PLATFORM = {
     "wheel_radius_m": {"true": 0.2, "believed": pytest.approx(0.14)},
     "half_track_m": {"true": 0.518, "believed": pytest.approx(0.6734)},
+    "wheel_radius_per_half_track": {
+        "true": pytest.approx(0.2 / 0.518),
+        "believed": pytest.approx(0.14 / 0.6734),
+    },
 }
 H = {"merge_time_s": {"h": pytest.approx(0.2)}}  # 200 samples of a millisecond
 

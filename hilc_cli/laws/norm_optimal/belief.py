@@ -28,12 +28,16 @@ class Identification:
         wheel_radius_error: Its standard error [m]; infinity if the iteration does not tell.
         half_track: B [m], > 0; likewise.
         half_track_error: Its standard error [m]; likewise.
+        ratio: R / B, which turning tells even where nothing is driven; likewise.
+        ratio_error: Its standard error; likewise.
     """
 
     wheel_radius: float
     wheel_radius_error: float
     half_track: float
     half_track_error: float
+    ratio: float
+    ratio_error: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,6 +73,16 @@ class Belief:
         # B is the quotient of both gains.
         return self.robot.half_track * _measured(float(_QUOTIENT @ self.covariance @ _QUOTIENT))
 
+    @property
+    def ratio(self) -> float:
+        """R / B."""
+        return self.robot.wheel_radius / self.robot.half_track
+
+    @property
+    def ratio_error(self) -> float:
+        """Standard error of R / B; infinity as long as it has not been measured."""
+        return self.ratio * _measured(float(self.covariance[1, 1]))
+
     def updated(self, fit: MotionFit, sample_time: float) -> tuple[Belief, Identification]:
         """The belief after an iteration, and what that iteration alone says.
 
@@ -77,6 +91,9 @@ class Belief:
         tell. The gains themselves are averaged, not R and B or their logarithms, of which noise
         shifts the mean; and standard errors are taken as they are, not as a share of the gain
         beside them, by which iterations that tell too large a gain would count more.
+
+        As long as nothing has told R, it stays as it is believed: turning alone tells R / B, and
+        all of its change then is B's.
 
         Args:
             fit: The gains that were measured.
@@ -92,6 +109,8 @@ class Belief:
             if known[which]:
                 share, spread = gain / believed[which] - 1, error / believed[which]
                 changes, covariance = _filtered(changes, covariance, which, share, spread)
+        if not known[0] and math.isinf(self.wheel_radius_error):
+            changes[0] = 0.0
         distance, turn = (1 + changes).tolist()
         found = replace(
             robot,
@@ -106,6 +125,10 @@ class Belief:
     ) -> Identification:
         radius, radius_error = self.robot.wheel_radius, math.inf
         half_track, half_track_error = self.robot.half_track, math.inf
+        ratio, ratio_error = self.ratio, math.inf
+        if turn_known:
+            ratio = 2 * abs(fit.turn_gain) / sample_time
+            ratio_error = 2 * fit.turn_error / sample_time
         if distance_known:
             radius = 2 * fit.distance_gain / sample_time
             radius_error = 2 * fit.distance_error / sample_time
@@ -114,7 +137,9 @@ class Belief:
                 half_track_error = half_track * math.hypot(
                     fit.distance_error / fit.distance_gain, fit.turn_error / fit.turn_gain
                 )
-        return Identification(radius, radius_error, half_track, half_track_error)
+        return Identification(
+            radius, radius_error, half_track, half_track_error, ratio, ratio_error
+        )
 
 
 def _known(fit: MotionFit, robot: Robot) -> tuple[bool, bool]:

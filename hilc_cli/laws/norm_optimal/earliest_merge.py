@@ -25,6 +25,28 @@ def earliest_merge(
     return int(np.flatnonzero(reached)[0]) if reached.any() else None
 
 
+def least_left(
+    trajectory: Floats, start: Floats, top_speed: float, half_track: float, sample_time: float
+) -> float:
+    """What no controller can make up for, at whichever sample that is least [m]; 0 for none.
+
+    A platform that at some sample is within a distance e and an angle p of the trajectory's pose
+    has a way to that pose itself that costs at most e + B p more than it has rolled by then.
+
+    Args:
+        trajectory: Poses, shape (n + 1, 3).
+        start: Pose of sample 0, shape (3,).
+        top_speed: R_c b_w [m/s].
+        half_track: B_c [m], > 0.
+        sample_time: d_t [s].
+
+    Returns:
+        The least position error plus B_c times the heading error that is left.
+    """
+    rolled = top_speed * np.arange(len(trajectory)) * sample_time
+    return max(0.0, float((shortest_way(trajectory, start, half_track) - rolled).min()))
+
+
 def shortest_way(poses: Floats, start: Floats, half_track: float) -> Floats:
     """Least of what the faster wheel rolls on the way to each pose [m], shape (n + 1,).
 

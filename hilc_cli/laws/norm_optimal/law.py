@@ -19,11 +19,16 @@ if TYPE_CHECKING:
 MERGE_TIME = "merge_time_s"
 """Column of the time from which the plan stays on the trajectory."""
 
+RATIO = "wheel_radius_per_half_track"
+"""Column of R / B, which a turn in place tells, though neither R nor B."""
+
 _IDENTIFIED = (
     "wheel_radius_m", "wheel_radius_standard_error_m",
     "half_track_m", "half_track_standard_error_m",
+    RATIO, f"{RATIO}_standard_error",
     "model_wheel_radius_m", "model_wheel_radius_standard_error_m",
     "model_half_track_m", "model_half_track_standard_error_m",
+    f"model_{RATIO}", f"model_{RATIO}_standard_error",
 )  # fmt: skip
 """Columns of what each iteration alone tells, and of what the model takes from all so far."""
 
@@ -112,6 +117,7 @@ def _alone(said: Identification) -> tuple[float, ...]:
     return (
         *_if_told(said.wheel_radius, said.wheel_radius_error),
         *_if_told(said.half_track, said.half_track_error),
+        *_if_told(said.ratio, said.ratio_error),
     )
 
 
@@ -123,6 +129,8 @@ def _together(belief: Belief) -> tuple[float, ...]:
         _if_told(robot.wheel_radius, belief.wheel_radius_error)[1],
         robot.half_track,
         _if_told(robot.half_track, belief.half_track_error)[1],
+        belief.ratio,
+        _if_told(belief.ratio, belief.ratio_error)[1],
     )
 
 

@@ -19,6 +19,7 @@ from hilc_cli.figures.sweep.catalogue import (
 )
 from hilc_cli.results.sweep import Bands, SweepData
 from hilc_cli.variation.axes import Axis, Choices, Range, Value
+from tests.figures.conftest import USERS_SETTINGS
 from tests.figures.reading import overlaps
 from tests.figures.sweep.conftest import (
     FAILED,
@@ -149,7 +150,8 @@ def test_same_data_same_bytes(picture_format: str) -> None:
     data = sweep(axes, bowl, "random", 6000)
     for kind in kinds_for(data):
         first = render(draw_sweep(kind, data), picture_format, 40)
-        assert render(draw_sweep(kind, data), picture_format, 40) == first
+        with matplotlib.rc_context(USERS_SETTINGS):
+            assert render(draw_sweep(kind, data), picture_format, 40) == first
         assert len(first) < 500_000
 
 

@@ -84,10 +84,26 @@ def test_straight_run_leaves_the_half_track() -> None:
 
 def test_turn_on_the_spot_tells_the_ratio() -> None:
     fit = MotionFit(0.0, math.inf, SAMPLE_TIME * 0.2 / (2 * 0.518), 1e-12, NO_POSES)
-    belief, _ = Belief.at_first(Robot(0.14, 0.67)).updated(fit, SAMPLE_TIME)
-    ratio = belief.robot.wheel_radius / belief.robot.half_track
-    assert ratio == pytest.approx(0.2 / 0.518, rel=1e-6)
+    belief, said = Belief.at_first(Robot(0.14, 0.67)).updated(fit, SAMPLE_TIME)
+    assert belief.ratio == pytest.approx(0.2 / 0.518, rel=1e-6)
+    assert belief.ratio_error == pytest.approx(2e-12 / SAMPLE_TIME, rel=1e-3)
+    assert (said.ratio, said.ratio_error) == pytest.approx((0.2 / 0.518, 2e-12 / SAMPLE_TIME))
     assert (belief.wheel_radius_error, belief.half_track_error) == (math.inf, math.inf)
+
+
+def test_turns_on_the_spot_leave_the_radius_until_it_is_told() -> None:
+    # Turns tell 0.4 and, by their noise, something near to it: nothing of that is the radius'.
+    belief = Belief.at_first(Robot(0.14, 0.67))
+    for ratio in (0.41, 0.39, 0.4):
+        turned = MotionFit(0.0, math.inf, SAMPLE_TIME * ratio / 2, 1e-5, NO_POSES)
+        belief, said = belief.updated(turned, SAMPLE_TIME)
+        assert belief.robot.wheel_radius == said.wheel_radius == 0.14
+        assert belief.robot.half_track == pytest.approx(0.14 / belief.ratio, rel=1e-12)
+    assert belief.ratio == pytest.approx(0.4, rel=1e-3)
+    driven = MotionFit(SAMPLE_TIME * 0.2 / 2, 1e-9, 0.0, math.inf, NO_POSES)
+    belief, _ = belief.updated(driven, SAMPLE_TIME)
+    assert belief.robot.wheel_radius == pytest.approx(0.2, rel=1e-5)
+    assert belief.robot.half_track == pytest.approx(0.5, rel=1e-3)
 
 
 def test_turn_the_wrong_way_is_not_believed() -> None:

@@ -40,7 +40,11 @@ def test_iteration_at_rest_tells_what_is_believed_and_nothing_else() -> None:
     figures = told(learning(NormOptimalParameters(h=30), initial_pose=OFF))
     assert tuple(figures) == figures_told(identify=True)
     at_first = {name: values[0] for name, values in figures.items()}
-    believed = {"model_wheel_radius_m": 0.14, "model_half_track_m": 0.67}
+    believed = {
+        "model_wheel_radius_m": 0.14,
+        "model_half_track_m": 0.67,
+        "model_wheel_radius_per_half_track": 0.14 / 0.67,
+    }
     known = {name: value for name, value in at_first.items() if not math.isnan(value)}
     assert known == pytest.approx(believed, rel=1e-12)
     for name, value in (("wheel_radius", 0.2), ("half_track", 0.518)):
