@@ -109,6 +109,8 @@ class Forecast:
     def outcome(self) -> Outcome:
         """What is expected of the experiment."""
         rest, transient, ensemble = self.rest, self.transient, self.ensemble
+        if self.iterations and not self.settles and transient.path_size_m == 0:
+            return Outcome.CANNOT_CONVERGE  # on the spot no position tells what becomes of it
         near = rest is None or rest.max_position_error_m <= transient.range_m
         is_disturbed = ensemble.seeds > 1
         return predicted_outcome(

@@ -116,8 +116,8 @@ def test_simulated_deviations_grow_beyond_the_condition_and_fall_before_it(
     found = findings(case.experiment(line(3)))
     told = [text for text in (*found.failures, *found.warnings) if text.startswith(CANNOT)]
     assert len(told) == (share > 1)
-    # By a gain that is just too large the error still falls within the first iterations.
-    assert len(found.failures) == (share == 1.5)
+    if share == 1.5:  # by a gain that is just too large errors may still fall at first
+        assert told == list(found.failures)
     if share > 1:
         bound = float(told[0].rpartition("below ")[2].removesuffix(" s"))
         assert bound == pytest.approx(2 / max(ahead, turning), rel=5e-3)
