@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hilc_cli.analysis.expected_error import ExpectedError
+from hilc_cli.analysis.extent import extent
 from hilc_cli.analysis.forecast import FAR_HEADING, Forecast
 from hilc_cli.analysis.matrices import desired_poses
 from hilc_cli.analysis.model_mismatch import ModelMismatch
@@ -23,8 +24,6 @@ from hilc_cli.reference.sampled import Floats
 
 RESOLUTION = 1e-3
 """Share of the path's size below which no error is foretold: what theory leaves out is as large."""
-_FEW_SEEDS = 9
-"""For the part of a single disturbance."""
 _SELDOM = 0.02
 """Share of an iteration's samples at the limit that a prediction without it need not mind."""
 
@@ -39,7 +38,7 @@ def expected_of_learning(experiment: Experiment, found: Forecast) -> ExpectedErr
     ensemble, errors = found.ensemble, found.errors_m
 
     def alone(part: Experiment) -> Floats:
-        return noisy_learning(part, _FEW_SEEDS).final_m
+        return noisy_learning(part).final_m
 
     start, readings, state = _parts(experiment, ensemble.final_m, alone)
     return ExpectedError(
@@ -86,7 +85,7 @@ def expected_of_norm_optimal(
 
 def _foretold(experiment: Experiment, final: float, errors: Floats) -> float:
     """What the errors of all seeds stay below; so many seeds are as many as the level asks for."""
-    return max(final, float(errors.max()), RESOLUTION * experiment.reference.size)
+    return max(final, float(errors.max()), RESOLUTION * extent(experiment))
 
 
 def _parts(

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hilc_cli.analysis.extent import extent
 from hilc_cli.analysis.fixed_point import FixedPoint, fixed_point
 from hilc_cli.analysis.lifted import LiftedIteration
 from hilc_cli.analysis.matrices import learning_law
@@ -33,6 +34,7 @@ class Forecast:
 
     Attributes:
         iterations: Number of learning updates of the experiment.
+        extent_m: Beside which errors are large or small.
         radius: Spectral radius of one iteration; below 1 learning settles in the end.
         singular_value: The largest one of an iteration; below 1 each brings the input nearer to
             the one where learning rests.
@@ -45,6 +47,7 @@ class Forecast:
     """
 
     iterations: int
+    extent_m: float
     radius: SpectralRadius
     singular_value: SingularValue
     ripple: RippleGrowth
@@ -106,13 +109,15 @@ class Forecast:
     def outcome(self) -> Outcome:
         """What is expected of the experiment."""
         rest, transient, ensemble = self.rest, self.transient, self.ensemble
+        if self.iterations and not self.settles and transient.path_size_m == 0:
+            return Outcome.CANNOT_CONVERGE  # on the spot no position tells what becomes of it
         near = rest is None or rest.max_position_error_m <= transient.range_m
         is_disturbed = ensemble.seeds > 1
         return predicted_outcome(
             Prospects(
                 self.errors_m,
                 self.later_m,
-                transient.path_size_m,
+                self.extent_m,
                 settles=self.settles,
                 rests=near,
                 ripples_grow=self.ripples_grow,
@@ -132,6 +137,7 @@ def forecast(experiment: Experiment) -> Forecast:
     lifted, law = LiftedIteration(experiment), experiment.law
     return Forecast(
         experiment.iterations,
+        extent(experiment),
         lifted.spectral_radius_found(),
         lifted.largest_singular_value_found(),
         ripple_growth(experiment),

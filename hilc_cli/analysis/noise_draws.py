@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from hilc_cli.disturbance.streams import Bounded, Disturbance
+from hilc_cli.disturbance.streams import Bounded, Disturbance, scaled
 from hilc_cli.reference.sampled import Floats
 
+_SMALLEST = 1e-10  # of a probability, as a random word of a run has it
 SEEDS = 17
 """Side by side, the first of them without disturbances."""
 
@@ -35,14 +36,10 @@ class NoiseDraws:
             return None
         if source.repeat and self._kept is not None:
             return self._kept
-        shape = samples, 3, self._seeds
-        bound = np.array(source.bound)[:, None]
-        found = self._random.uniform(-bound, bound, shape)
-        if source.distribution != "uniform":
-            drawn = np.array(source.deviation)[:, None] * self._random.standard_normal(shape)
-            # Those beyond the bound, few as a rule, are taken from the uniform distribution.
-            found = np.where(np.abs(drawn) <= bound, drawn, found)
-        found[:, :, 0] = 0.0
+        found = np.zeros((samples, 3, self._seeds))
+        for axis, (bound, deviation) in enumerate(zip(source.bound, source.deviation, strict=True)):
+            units = self._random.uniform(_SMALLEST, 1 - _SMALLEST, (samples, self._seeds - 1))
+            found[:, axis, 1:] = scaled(units, source.distribution, bound, deviation)
         self._kept = found
         return found
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from hilc_cli.analysis.expected_error import ExpectedError
+from hilc_cli.analysis.extent import extent
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.noise_draws import deviations
 from hilc_cli.analysis.open_loop import spread_of_start
@@ -14,8 +15,9 @@ from hilc_cli.engine.experiment import Experiment
 
 def share_of_path(error: float, experiment: Experiment) -> str:
     """An error as a share of the path's size, or as a multiple of it."""
-    sizes = error / experiment.reference.size if experiment.reference.size else math.inf
-    return f"{100 * sizes:.2g} % of the path's size" if sizes < 1 else f"{sizes:.3g} path sizes"
+    sizes = error / extent(experiment)
+    share = f"{100 * sizes:.2g} % of" if sizes < 1 else f"{sizes:.3g} times"
+    return f"{share} the path's size"
 
 
 def noise_findings(
@@ -28,7 +30,7 @@ def noise_findings(
         found: What each of them makes of the last iteration.
         learns: Whether the law learns from an iteration for the next one.
     """
-    if found.final_m > max(CLEARLY * found.first_m, NEAR * experiment.reference.size):
+    if found.final_m > max(CLEARLY * found.first_m, NEAR * extent(experiment)):
         return Findings()  # learning goes wrong by itself
     return Findings(
         warnings=(
@@ -63,7 +65,7 @@ def _of_start(experiment: Experiment, found: ExpectedError) -> list[str]:
         return []
     spread = float(spread_of_start(experiment.reference, start).max())
     passing = 0.0 if start.repeat else spread
-    if max(passing, found.of_start_m) <= NEAR * experiment.reference.size:
+    if max(passing, found.of_start_m) <= NEAR * extent(experiment):
         return []
     anew = "the same way in each iteration" if start.repeat else "anew in each iteration"
     return [
@@ -76,7 +78,7 @@ def _of_start(experiment: Experiment, found: ExpectedError) -> list[str]:
 
 def _of_readings(experiment: Experiment, found: ExpectedError, learns: bool) -> list[str]:
     output = experiment.disturbance.output
-    if not output.active or found.of_readings_m <= NEAR * experiment.reference.size:
+    if not output.active or found.of_readings_m <= NEAR * extent(experiment):
         return []
     x, y, heading = deviations(output)
     read = math.hypot(x, y)
@@ -90,7 +92,7 @@ def _of_readings(experiment: Experiment, found: ExpectedError, learns: bool) -> 
 
 def _of_state(experiment: Experiment, found: ExpectedError) -> list[str]:
     state = experiment.disturbance.state
-    if not state.active or found.of_state_m <= NEAR * experiment.reference.size:
+    if not state.active or found.of_state_m <= NEAR * extent(experiment):
         return []
     return [
         f"disturbance.state makes up to {found.of_state_m:.2g} m of the last iteration's error, "

@@ -91,7 +91,8 @@ class _Ensemble:
         self._experiment, self._seeds = experiment, seeds
         self._lifted = LiftedIteration(experiment)
         self._draws = DisturbanceDraws(experiment.disturbance, seeds)
-        self._limit = experiment.speed_limit * (1 + _WITHIN)
+        self._limit = experiment.speed_limit
+        self._held_from = self._limit * (1 + _WITHIN)
         self._steps_left = _MOST_STEPS
         self._is_limited = True
         plant = self._lifted.plant
@@ -179,10 +180,11 @@ class _Ensemble:
             return inputs, np.zeros(self._seeds)
         speeds = inputs + self._feedforward
         fastest = np.abs(speeds).max(axis=1)
-        if not (fastest > self._limit).any():
+        held = fastest > self._held_from
+        if not held.any():
             return inputs, np.zeros(self._seeds)
-        scale = np.minimum(1.0, self._limit / np.maximum(fastest, self._limit))
-        return speeds * scale[:, None] - self._feedforward, (scale < 1).mean(axis=0)
+        scale = np.where(held, self._limit / np.maximum(fastest, self._limit), 1.0)
+        return speeds * scale[:, None] - self._feedforward, held.mean(axis=0)
 
     def _drifted(self, right: Floats) -> Floats:
         errors = np.empty_like(right)
@@ -197,7 +199,7 @@ class _Ensemble:
         self, inputs: Floats, right: Floats, output: Floats | None
     ) -> tuple[Floats, Floats, Floats]:
         """A pass with feedback within the limit."""
-        lifted, limit, n = self._lifted, self._limit, self._lifted.samples
+        lifted, n = self._lifted, self._lifted.samples
         errors, applied = np.empty_like(right), np.empty_like(inputs)
         held = np.zeros(self._seeds)
         states = lifted.plant.states
@@ -209,10 +211,12 @@ class _Ensemble:
             speeds = wanted[k] + self._gains[k] @ (lifted.l2 * seen + lifted.l3 * before)
             before = seen
             fastest = np.abs(speeds).max(axis=0)
-            if (fastest > limit).any():
-                scale = np.minimum(1.0, limit / fastest)
-                held += scale < 1
-                speeds = speeds * scale
+            beyond = fastest > self._held_from
+            if beyond.any():
+                held += beyond
+                speeds = speeds * np.where(
+                    beyond, self._limit / np.maximum(fastest, self._limit), 1.0
+                )
             applied[k] = speeds - self._feedforward[k]
             now = states[k] @ now - self._inputs[k] @ applied[k] + right[k + 1]
             errors[k + 1] = now

@@ -46,7 +46,7 @@ class Prospects(NamedTuple):
     Attributes:
         errors: Largest position errors of the experiment's iterations, without disturbances [m].
         later: Likewise of later ones, as far as they can be foretold.
-        path_size: [m].
+        extent: Beside which errors are large or small [m].
         settles: Whether the spectral radius may be below 1.
         rests: Whether there may be a motion near the path to rest at.
         ripples_grow: Whether an iteration makes some ripple of the wheel speeds grow.
@@ -57,7 +57,7 @@ class Prospects(NamedTuple):
 
     errors: Floats
     later: Floats
-    path_size: float
+    extent: float
     settles: bool = True
     rests: bool = True
     ripples_grow: bool = False
@@ -73,7 +73,7 @@ def predicted_outcome(found: Prospects) -> Outcome:
     plain = _without_disturbances(found)
     if len(found.disturbed_last) == 0 or plain in FAILED:
         return plain
-    least_large = CLEARLY * max(float(found.disturbed_first.max()), NEAR * found.path_size)
+    least_large = CLEARLY * max(float(found.disturbed_first.max()), NEAR * found.extent)
     if found.disturbed_last.min() >= least_large:
         return Outcome.MADE_WORSE
     if plain in LEARNING and CLEARLY * found.disturbed_last.max() > least_large:
@@ -82,9 +82,9 @@ def predicted_outcome(found: Prospects) -> Outcome:
 
 
 def _without_disturbances(found: Prospects) -> Outcome:
-    errors, small = found.errors, NEAR * found.path_size
+    errors, small = found.errors, NEAR * found.extent
     first, last, least = float(errors[0]), float(errors[-1]), float(errors.min())
-    is_worse = not last < CLEARLY * max(first, small)
+    is_worse = not (last <= small or last < CLEARLY * first)
     # However rough a prediction is, an error that has nowhere to rest is none that has fallen.
     if found.is_far and (not is_worse or (found.settles and found.rests)):
         return Outcome.OUT_OF_RANGE
@@ -104,15 +104,15 @@ def _without_disturbances(found: Prospects) -> Outcome:
     return Outcome.LEARNS
 
 
-def seen_outcome(errors: Floats, path_size: float) -> Outcome:
+def seen_outcome(errors: Floats, extent: float) -> Outcome:
     """The outcome of an experiment that was run.
 
     Args:
         errors: Largest position errors of its iterations [m]; the last one infinite if it left the
             finite numbers.
-        path_size: [m].
+        extent: Beside which errors are large or small [m].
     """
-    return predicted_outcome(Prospects(errors, np.zeros(0), path_size))
+    return predicted_outcome(Prospects(errors, np.zeros(0), extent))
 
 
 LEARNING = (Outcome.LEARNS, Outcome.GROWS_LATER, Outcome.GROWS_WITHIN)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hilc_cli.analysis.expected_error import ExpectedError
+from hilc_cli.analysis.extent import extent
 from hilc_cli.analysis.feasibility import Feasibility
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.open_loop import open_loop_error, unlearned_error
@@ -68,7 +69,7 @@ def with_what_is_left(
     unlearned = unlearned_error(experiment, model)
     if not experiment.learn_in_first:
         unlearned = min(unlearned, open_loop_error(experiment))
-    least, small = least_error(experiment), NEAR * experiment.reference.size
+    least, small = least_error(experiment), NEAR * extent(experiment)
     if least > max(unlearned / CLEARLY, small):
         return found
     if expected is not None and expected.unsure is None and _starts_on(experiment):
@@ -88,4 +89,4 @@ def _starts_on(experiment: Experiment) -> bool:
     """Whether the platform starts on the reference."""
     reference, pose = experiment.reference, experiment.initial_pose
     off = math.hypot(reference.x[0] - pose[0], reference.y[0] - pose[1])
-    return off <= NEAR * reference.size
+    return off <= NEAR * extent(experiment)

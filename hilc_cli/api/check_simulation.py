@@ -12,6 +12,7 @@ import numpy as np
 from hilc_cli.analysis.bounds import Bounds
 from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.expected_learning import RESOLUTION
+from hilc_cli.analysis.extent import extent
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.measured import Comparison
 from hilc_cli.analysis.measured import compare as beside
@@ -33,11 +34,13 @@ class Simulated:
 
     Attributes:
         run: The run.
+        extent_m: Beside which errors are large or small.
         comparisons: The bounds of each theory beside the run, by the theory's name; empty if the
             law is another one than the hybrid law.
     """
 
     run: RunData
+    extent_m: float
     comparisons: Mapping[str, Comparison]
 
     @property
@@ -49,7 +52,7 @@ class Simulated:
     @property
     def outcome(self) -> Outcome:
         """What came of learning."""
-        return seen_outcome(self.errors_m, self.run.reference.size)
+        return seen_outcome(self.errors_m, self.extent_m)
 
     @property
     def summary(self) -> Summary:
@@ -102,7 +105,7 @@ def simulated(
         gravity_center=experiment.robot.gravity_center,
         diverged_at=diverged_at,
     )
-    return findings, Simulated(run, comparisons)
+    return findings, Simulated(run, extent(experiment), comparisons)
 
 
 def decided(
@@ -126,7 +129,7 @@ def decided(
     if outcome is Outcome.MADE_WORSE:
         if learns and not failures and math.isfinite(last):
             failures = (f"{went}: learning makes it worse; lower the gains, or disturbances",)
-    elif failures and last <= max(first / CLEARLY, NEAR * simulated.run.reference.size):
+    elif failures and last <= max(first / CLEARLY, NEAR * simulated.extent_m):
         warnings = (*(f"{text}; and yet {went}" for text in failures), *warnings)
         failures = ()
     elif learns and not failures and outcome is Outcome.DOES_NOT_LEARN:
@@ -135,7 +138,7 @@ def decided(
         best = int(errors.argmin())
         warnings = (f"{went}, and was {errors[best]:.3g} m in iteration {best}", *warnings)
     if expected is not None and expected.unsure is None and not failures:
-        foretold = max(expected.foretold_m, RESOLUTION * simulated.run.reference.size)
+        foretold = max(expected.foretold_m, RESOLUTION * simulated.extent_m)
         if last > CLEARLY * foretold:
             warnings = (f"{went}, where theory expects {expected.foretold_m:.3g} m", *warnings)
     return Findings(failures, warnings)

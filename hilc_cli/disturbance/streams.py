@@ -95,14 +95,14 @@ class Disturbance:
         # Three of the four words of one counter: x, y and heading of that sample.
         words = philox((sample, pass_word, stream_word, np.zeros_like(sample)), self.seed)[:3]
         columns = [
-            _scaled(open_unit_interval(word), source.distribution, bound, deviation)
+            scaled(open_unit_interval(word), source.distribution, bound, deviation)
             for word, bound, deviation in zip(words, source.bound, source.deviation, strict=True)
         ]
         offsets: Floats = np.stack(columns, axis=1)
         return offsets
 
 
-def _scaled(unit: Floats, distribution: Distribution, bound: float, deviation: float) -> Floats:
+def scaled(unit: Floats, distribution: Distribution, bound: float, deviation: float) -> Floats:
     """Numbers between 0 and 1 as draws from a bounded distribution about 0."""
     if distribution == "uniform" or bound == 0:
         centred: Floats = 2 * unit - 1

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.analysis import transient
+from hilc_cli.analysis.expected_learning import expected_of_learning
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.forecast import forecast
 from hilc_cli.analysis.forecast_findings import forecast_findings
@@ -26,6 +27,8 @@ from tests.engine.experiments import PLATFORM
 
 MODELS = [Robot(0.15, 0.6), Robot(0.3, 0.518), Robot(0.2, 0.3)]
 
+CANNOT = "learning cannot converge (spectral radius "
+
 
 @pytest.fixture(autouse=True)
 def short_horizon(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -41,7 +44,8 @@ def found_of(case: PidCase, experiment: Experiment | None = None) -> StepGain:
 
 
 def findings(experiment: Experiment) -> Findings:
-    return forecast_findings(experiment, forecast(experiment))
+    found = forecast(experiment)
+    return forecast_findings(experiment, found, expected_of_learning(experiment, found))
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -109,13 +113,15 @@ def test_simulated_deviations_grow_beyond_the_condition_and_fall_before_it(
         assert norms[12] / norms[11] == pytest.approx(slowest, rel=0.01)
     assert (norms[12] > norms[0]) == (share > 1)
     assert (found_of(case).left < 1) == (share < 1)
-    failures = findings(case.experiment(line(3))).failures
-    assert len(failures) == (share > 1)
+    found = findings(case.experiment(line(3)))
+    told = [text for text in (*found.failures, *found.warnings) if text.startswith(CANNOT)]
+    assert len(told) == (share > 1)
+    if share == 1.5:  # by a gain that is just too large errors may still fall at first
+        assert told == list(found.failures)
     if share > 1:
-        bound = float(failures[0].rpartition("below ")[2].removesuffix(" s"))
+        bound = float(told[0].rpartition("below ")[2].removesuffix(" s"))
         assert bound == pytest.approx(2 / max(ahead, turning), rel=5e-3)
-        assert failures[0].startswith("learning cannot converge (spectral radius ")
-        assert f"controller.gains.kd of {kd:g} s turns the error" in failures[0]
+        assert f"controller.gains.kd of {kd:g} s turns the error" in told[0]
 
 
 @pytest.mark.parametrize("forgetting", [0.2, 0.6])
@@ -127,7 +133,9 @@ def test_forgetting_lowers_the_bound(forgetting: float) -> None:
         changes = sizes(np.diff(deviations(case, 24), axis=0))
         # From iteration to iteration, of each wheel at each sample alike.
         assert changes[23] / changes[22] == pytest.approx(kd - 1 + forgetting, rel=1e-3)
-        assert len(findings(case.experiment(line(3))).failures) == grows
+        found = findings(case.experiment(line(3)))
+        told = [text for text in (*found.failures, *found.warnings) if text.startswith(CANNOT)]
+        assert len(told) == grows
 
 
 def test_sum_of_the_gains_is_told_with_its_bound() -> None:

@@ -1,0 +1,156 @@
+"""Verdicts of ``hilc check``: a part of the benchmark, and each kind of fault with its numbers."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+import hilc_cli as hilc
+from hilc_cli.analysis import transient
+from hilc_cli.analysis.outcome import Outcome
+
+BENCHMARK = Path(__file__).parents[1] / "benchmarks" / "check_verdicts.py"
+SEEDS = range(31_000, 31_016)
+STRAIGHT = {
+    "name": "straight",
+    "sample_time": "50 ms",
+    "start": {"x": 1, "y": 0, "heading": "20 deg"},
+    "segments": [{"line": {"length": 3, "speed": 0.25}}],
+}
+TURN = {
+    "name": "turn",
+    "sample_time": "50 ms",
+    "start": {"x": 0, "y": 0, "heading": 0},
+    "segments": [
+        {"line": {"length": 1, "speed": 0.2}},
+        {"arc": {"radius": 0.6, "turn": "right", "sweep": "150 deg", "speed": 0.2}},
+        {"line": {"length": 1, "speed": 0.2}},
+    ],
+}
+ROBOT = {"wheel_radius": 0.04, "wheel_separation": 0.2, "turn_convention": "rep103"}
+
+
+@pytest.fixture(autouse=True)
+def short_horizon(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What comes long after the scenarios' iterations is of no concern here."""
+    monkeypatch.setattr(transient, "ITERATIONS", 60)
+    yield
+
+
+@pytest.fixture(scope="module")
+def benchmark() -> ModuleType:
+    specification = importlib.util.spec_from_file_location("check_verdicts", BENCHMARK)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    sys.modules["check_verdicts"] = module  # its dataclasses look themselves up there
+    specification.loader.exec_module(module)
+    return module
+
+
+def test_random_scenarios_do_as_their_verdict_says(benchmark: ModuleType) -> None:
+    cases = benchmark.judge(SEEDS, 1)
+    assert {case.verdict for case in cases} == {
+        benchmark.FINE,
+        benchmark.WARNED,
+        benchmark.IMPOSSIBLE,
+    }
+    assert [case for case in cases if case.is_not_fine or case.is_not_impossible] == []
+
+
+def test_wrong_verdicts_are_counted(benchmark: ModuleType) -> None:
+    fine = benchmark.Case(1, "pid", benchmark.FINE, 0.1, 1.0, 1.0, 0.21, "", 0.1)
+    impossible = benchmark.Case(2, "pid", benchmark.IMPOSSIBLE, 0.1, 1.0, 0.9, 0.44, "", 0.1)
+    assert fine.is_not_fine
+    assert impossible.is_not_impossible
+    text = benchmark.table([fine, impossible])
+    assert "called fine and is not           1 of    1: 100.0 %" in text
+    assert "called impossible and is not     1 of    1: 100.0 %" in text
+
+
+def scenario(trajectory: object, controller: dict[str, Any], **more: Any) -> hilc.Scenario:
+    return hilc.load_scenario(
+        {
+            "name": "given",
+            "trajectory": trajectory,
+            "robot": ROBOT,
+            "initial_input": "feedforward",
+            "controller": controller,
+            **more,
+        }
+    )
+
+
+def amplified(**start: Any) -> hilc.Scenario:
+    """Learning by the error and its change on a straight line, from starts that are off."""
+    return scenario(
+        STRAIGHT,
+        {"law": "pid", "gains": {"kp": 0.6, "kd": 0.5}, "b_w": 9},
+        model={"wheel_radius": 0.039},
+        iterations=25,
+        disturbance={"seed": 11, "initial_pose": start},
+    )
+
+
+def test_starts_that_learning_multiplies_are_no_fine_scenario() -> None:
+    given = amplified(bound=["3 cm", "1 cm", "3 deg"])
+    before, found = hilc.check(given), hilc.check(given, simulate=True)
+    assert before.outcome is Outcome.DROWNED
+    assert any("learning cannot help much" in text for text in before.warnings)
+    assert found.failures[0].startswith("the simulated error goes from ")
+    (text,) = (text for text in found.warnings if "swings the whole path" in text)
+    # By hand: sqrt((0.03^2 + 0.01^2 + (3 deg * 3 m)^2) / 3) = 0.0925 m.
+    assert "0.093 m (RMS) off where it is worst, 3.3 % of the path's size, anew" in text
+    assert found.simulated is not None
+    assert found.simulated.errors_m[-1] > 2 * found.simulated.errors_m[0]
+    assert found.outcome is Outcome.MADE_WORSE
+
+
+def test_starts_that_are_off_the_same_way_are_learned() -> None:
+    found = hilc.check(amplified(bound=["2 mm", "2 mm", "0.1 deg"], repeat=True), simulate=True)
+    assert found.failures == ()
+    assert found.expected is not None
+    assert found.simulated is not None
+    assert found.simulated.errors_m[-1] < 2 * found.expected.foretold_m
+
+
+def test_learning_that_works_for_a_while_is_not_called_impossible() -> None:
+    gains = {"l1": 0.6, "l2": 16, "lateral": 0.2}
+    given = scenario(
+        TURN,
+        {"gains": gains, "compensation": "off", "b_w": 8.5},
+        model={"wheel_separation": 0.17},
+        iterations=20,
+    )
+    found, beside = hilc.check(given), hilc.check(given, simulate=True)
+    for each in (found, beside):
+        assert each.failures == ()
+        assert any("ripples" in text for text in each.warnings)
+    assert found.outcome is Outcome.GROWS_LATER
+    assert found.expected is not None
+    assert beside.simulated is not None
+    errors = beside.simulated.errors_m
+    assert errors[-1] < errors[0] / 10
+    assert found.expected.foretold_m == pytest.approx(errors[-1], rel=0.3)
+
+
+def test_simulation_has_the_last_word() -> None:
+    # From wheels at rest the theory is out of its range; the run tells.
+    given = scenario(
+        TURN,
+        {"gains": {"l1": 0.02}, "compensation": "off", "b_w": None},
+        iterations=6,
+        initial_input="zero",
+    )
+    found, beside = hilc.check(given), hilc.check(given, simulate=True)
+    assert found.outcome is Outcome.OUT_OF_RANGE
+    assert any("cannot be foretold" in text for text in found.warnings)
+    assert not any("cannot be foretold" in text for text in beside.warnings)
+    assert beside.outcome is not None
+    assert beside.outcome is not Outcome.OUT_OF_RANGE
