@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from hilc_cli.cli.session import InterruptedBySignal
-from hilc_cli.errors import ExistingResultsError, HilcError, UsageError
+from hilc_cli.errors import ExistingResultsError, UsageError
 
 
 @contextmanager
@@ -17,7 +16,7 @@ def resumable(work: Path) -> Iterator[None]:
     """Tells how to go on when a sweep has been stopped and left something to go on with."""
     try:
         yield
-    except (InterruptedBySignal, KeyboardInterrupt, HilcError, OSError, MemoryError) as error:
+    except BaseException as error:  # of any kind: a signal may end in another than its own
         from hilc_cli import api
         from hilc_cli.cli.terminal import say
 

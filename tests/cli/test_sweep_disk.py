@@ -101,11 +101,11 @@ def test_disk_without_room_for_anything(hilc: Hilc, folder: Path, resize: Resize
 
 def test_disk_without_room_for_a_shard(hilc: Hilc, folder: Path, resize: Resize) -> None:
     sweeps.put_sweep(folder)
-    resize("88k")
+    resize("112k")
     command = (*sweeps.COMMAND, "--shard", "1/1", "--out", "disk/shard")
     resume = check_refused(hilc(*command), "no space left on device")
     resize("4m")
     assert hilc(*resume, "-q") == Outcome(0, "", "")
-    merge = ("sweep", "--merge", "disk/shard", "--out", "sweep", "--no-plots", "-q")
+    merge = ("sweep", "--merge", "disk/shard.1-of-1", "--out", "sweep", "--no-plots", "-q")
     assert hilc(*merge) == Outcome(0, "", "")
     assert sweeps.tables(folder / "sweep") == sweeps.expected()

@@ -94,8 +94,9 @@ def test_line_to_go_on_replaces_what_may_be_replaced(hilc: Hilc, folder: Path) -
 
 def test_signal_in_mid_shard(hilc: Hilc, folder: Path) -> None:
     sweeps.put_sweep(folder)
-    name = "a folder's name"
-    command = (*sweeps.COMMAND, "--shard", "1/1", "--out", name, "-q")
+    given = "a folder's name"
+    name = f"{given}.1-of-1"
+    command = (*sweeps.COMMAND, "--shard", "1/1", "--out", given, "-q")
     with sweeps.started(*command, cwd=folder, script=sweeps.ALONE) as process:
         sweeps.wait_for_chunks(process, folder / name)
         terminate(process)

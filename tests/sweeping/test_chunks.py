@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import pytest
 
 import hilc_cli as hilc_api
+from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import LANES
 from hilc_cli.results.sweep import CASE_COLUMNS
+from hilc_cli.spec.varied import Varied
 from hilc_cli.sweeping.chunks import Chunk, run_chunk
 from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.sizing import cases_per_chunk
+from hilc_cli.variation.axes import Value
 from tests.conftest import Write
 
 ITERATIONS = [0, 1, 3, 300]
@@ -100,13 +104,20 @@ def test_chunks_are_whole_packs_of_lanes(plan: Plan, cases: int, workers: int) -
     assert size <= 4096
 
 
-def test_case_that_cannot_be_run_leaves_the_others(write: Write) -> None:
+def test_case_that_cannot_be_run_leaves_the_others(
+    write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
     write()
-    # A third of the smallest number is no standard deviation.
-    key = "disturbance.state.bound.0"
-    changes = {"disturbance.state.distribution": "truncated-normal"}
-    scenario = hilc_api.load_scenario("scenario.yaml", changes)
-    plan = hilc_api.plan_sweep(scenario, {key: [5e-324, 0.001, 0.002]})
+    whole = Varied.experiment
+    key = "controller.gains.l1"
+
+    def experiment(self: Varied, values: Mapping[str, Value]) -> Experiment:
+        if values[key] == 0.1:
+            raise ZeroDivisionError("nothing to divide by")
+        return whole(self, values)
+
+    monkeypatch.setattr(Varied, "experiment", experiment)
+    plan = hilc_api.plan_sweep(hilc_api.load_scenario("scenario.yaml"), {key: [0.1, 0.2, 0.3]})
     result = run_chunk(plan, Chunk(0, 3))
     (failure,) = result.failures
     assert failure.chunk == Chunk(0, 1) and failure.reason.startswith("ZeroDivisionError")
