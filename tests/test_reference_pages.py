@@ -79,7 +79,7 @@ def quantity_of(field: FieldInfo) -> Quantity | None:
 
 
 def range_cell(quantity: Quantity) -> str:
-    """How a page tells a range: ``1e-5 to 1000``, ``from 0``, ``whole, from 1 to 1000000``, ``any``."""
+    """How a page tells a range: ``1e-5 to 1000``, ``from 0``, ``whole, from 1 up``, ``any``."""
     if quantity.smallest is not None and quantity.above is not None and quantity.most is not None:
         near = quantity.smallest >= 1e-6  # other ends are nothing that anybody meets
         return f"{short(quantity.smallest)} to {short(quantity.most)}" if near else "above 0"

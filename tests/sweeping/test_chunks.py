@@ -120,7 +120,7 @@ def test_case_that_cannot_be_run_leaves_the_others(
     plan = hilc_api.plan_sweep(hilc_api.load_scenario("scenario.yaml"), {key: [0.1, 0.2, 0.3]})
     result = run_chunk(plan, Chunk(0, 3))
     (failure,) = result.failures
-    assert failure.chunk == Chunk(0, 1) and failure.reason.startswith("ZeroDivisionError")
+    assert failure.chunk == Chunk(0, 1) and failure.reason == "nothing to divide by"
     assert np.isnan(result.rows[:, -1]).tolist() == [True, False, False]
     sweep = hilc_api.sweep(plan)
     assert sweep.failures == (failure,)
