@@ -352,7 +352,8 @@ def test_unknown_figure_is_told(tmp_path: Path) -> None:
     assert run_hilc("reproduce", "fig2", cwd=tmp_path) == Outcome(
         2,
         "",
-        "hilc: fig2: is no figure of the paper's results; known: fig3, fig4, fig5, fig6, fig7, fig8\n",
+        "hilc: fig2: is no figure of the paper's results; "
+        "known: fig3, fig4, fig5, fig6, fig7, fig8\n",
     )
     assert list(tmp_path.iterdir()) == []
 
