@@ -47,11 +47,11 @@ def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
     name = _name(text)
     known = {path.stem: path for path in examples(kind)}
     if name not in known:
-        # Its last character may be the wrong one.
+        # Its last character may be the wrong one: of several that fit, none is guessed.
         begun = [stem for stem in known if name and stem.startswith(name)] or [
             stem for stem in known if name[:-1] and stem.startswith(name[:-1])
         ]
-        hint = suggestion(name, begun or known)
+        hint = f"known: {', '.join(begun)}" if len(begun) > 1 else suggestion(name, begun or known)
         raise UsageError(f"{text}: there is no such example; {hint}")
     return known[name]
 

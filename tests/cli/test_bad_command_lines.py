@@ -272,6 +272,12 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "hilc: example:fig5b: there is no such example; known: fig5-arc-and-line, fig5-cardioid, fig5-spiral",
     ),
     (
+        "several-examples-fit-as-well",
+        ["run", "example:fig7x"],
+        2,
+        "hilc: example:fig7x: there is no such example; known: fig7a, fig7b, fig7c, fig7d",
+    ),
+    (
         "no-figure-of-this-number",
         ["reproduce", "fig1"],
         2,
