@@ -205,7 +205,8 @@ class FolderStore:
         Raises:
             FileAccessError: It cannot be removed.
         """
-        if not self._done:
+        # The journal knows of a chunk before it counts as done: a signal may come between.
+        if not (self._done or any(self._journal.entries())):
             remove(self.folder)
 
     def close(self) -> None:
