@@ -99,7 +99,7 @@ def meant(tree: Node, keys: PathKeys, model: type[Model], known: Sequence[KnownK
         if not found and len(chain) > len(keys):
             near = near_word(word, step.fields)
             mended = [*map(str, keys[:-1]), str(near), *chain[len(keys) :]]
-            found = spelled_out(known, mended, len(mended))
+            found = spelled_out(known, mended, len(keys))
         if found or len(chain) > len(keys):
             return did_you_mean(found) if found else None
     elif "." in word and word in {key.dotted for key in known}:
