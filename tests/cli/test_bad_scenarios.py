@@ -871,7 +871,7 @@ CASES = [
         scenario(
             "robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}", "robot: *a"
         ),
-        "scenario.yaml:3:8: alias *a has no anchor; define it before",
+        "scenario.yaml:3:8: alias *a has no anchor; define &a before it",
     ),
     (
         "key-number",
