@@ -105,7 +105,7 @@ def errors_in_brief(
         until = early + int((errors[early:] > bound).argmax()) - 1
         within = f"{share} from {early} to {until}"
     within_limit = ", with b_w" if limited else ""
-    alone = ", without disturbances" if disturbed else ""
+    alone = ", undisturbed" if disturbed else ""
     return [
         ("Predicted", f"{first}, {last} in iteration {reached}{within_limit}{alone}"),
         ("", f"{halves}; {within}"),
@@ -123,8 +123,8 @@ def _disturbed(expected: ExpectedError) -> list[tuple[str, str]]:
     made = [f"{name} {error:.2g} m" for name, error in parts.items() if error > 0]
     if not made:
         return []
-    alone = f" ({', '.join(made)} alone)" if len(made) > 1 else ""
-    shown = f"up to {expected.foretold_m:.4g} m in the last iteration, in {LEVEL:.0%} of runs"
+    alone = f" ({', '.join(made)})" if len(made) > 1 else ""
+    shown = f"up to {expected.foretold_m:.4g} m in {LEVEL:.0%} of runs"
     return [("Disturbed", shown + alone)]
 
 
