@@ -98,12 +98,12 @@ def test_signal_in_mid_shard(hilc: Hilc, folder: Path) -> None:
     name = f"{given}.1-of-1"
     command = (*sweeps.COMMAND, "--shard", "1/1", "--out", given, "-q")
     with sweeps.started(*command, cwd=folder, script=sweeps.ALONE) as process:
-        sweeps.wait_for_chunks(process, folder / f"{name}.1-of-1")
+        sweeps.wait_for_chunks(process, folder / name)
         terminate(process)
         outcome = outcome_of(process)
     assert outcome.code == 143
     assert hilc(*sweeps.line_to_go_on(outcome.err)) == Outcome(0, "", "")
-    assert hilc("sweep", "--merge", f"{name}.1-of-1", "--no-plots", "-q") == Outcome(0, "", "")
+    assert hilc("sweep", "--merge", name, "--no-plots", "-q") == Outcome(0, "", "")
     assert sweeps.tables(sweeps.FOLDER) == sweeps.expected()
 
 
