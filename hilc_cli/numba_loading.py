@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from typing import Any
 
 from hilc_cli.surroundings import hidden
 
@@ -15,8 +16,9 @@ if "numba" not in sys.modules:
         import numba.core.config
     numba.core.config._config_fname = os.devnull  # it looks again before it compiles
 
-from numba import config, njit, typeof, types  # noqa: E402  # only now
-from numba.core.caching import FunctionCache, IndexDataCacheFile  # noqa: E402
+import numba  # noqa: E402  # only now
+from numba import njit, typeof, types  # noqa: E402
+from numba.core import caching  # noqa: E402
 from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
 
 __all__ = [
@@ -31,5 +33,8 @@ __all__ = [
     "types",
 ]
 
-DISABLED = bool(config.DISABLE_JIT)
+# Without types.
+FunctionCache: Any = caching.FunctionCache
+IndexDataCacheFile: Any = caching.IndexDataCacheFile
+DISABLED = bool(getattr(numba.config, "DISABLE_JIT"))  # noqa: B009  # made as it is loaded
 """Whether functions stay as they are: ``NUMBA_DISABLE_JIT`` is set."""

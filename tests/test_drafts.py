@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -51,7 +52,7 @@ getattr(test_drafts, sys.argv[1])(Path(sys.argv[2]), halt)
 @contextmanager
 def another_process(write: Write, place: Path) -> Iterator[None]:
     """A process that is in the middle of writing; in the end it is killed."""
-    command = [sys.executable, "-c", HALF, write.__name__, place]
+    command = [sys.executable, "-c", HALF, write.__name__, str(place)]
     variables = uncovered(dict(os.environ))
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=variables) as process:
         assert process.stdout is not None
@@ -159,7 +160,7 @@ def test_draft_goes_even_if_hardly_anything_can_be_opened(
         (draft / "deeper/new").write_text("half")
         raise OSError(errno.EMFILE, os.strerror(errno.EMFILE))
 
-    monkeypatch.setattr(drafts.shutil, "rmtree", lambda *_, **__: None)
+    monkeypatch.setattr(shutil, "rmtree", lambda *_, **__: None)
     with pytest.raises(FileAccessError, match=r"too many open files$"):
         as_folder(tmp_path / "place", fail)
     assert not list(tmp_path.iterdir())

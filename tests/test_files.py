@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import stat
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -34,6 +36,24 @@ def test_named_pipe_is_refused_without_waiting(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(UsageError, match=r"is a named pipe; give a regular file$"):
         read_file(tmp_path / "pipe", 10)
+
+
+def test_file_of_the_system_without_an_end_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # As the kernel's log: a regular file that has nothing to say yet.
+    class Silent(io.BytesIO):
+        def read(self, size: int | None = -1) -> Any:
+            return None
+
+    def opened(descriptor: int, mode: str) -> Silent:
+        os.close(descriptor)
+        return Silent()
+
+    (tmp_path / "log").touch()
+    monkeypatch.setattr(os, "fdopen", opened)
+    with pytest.raises(UsageError, match=r"log: has no end up to which it could be read; give a"):
+        read_file(tmp_path / "log", 10)
 
 
 def test_folder_is_refused(tmp_path: Path) -> None:

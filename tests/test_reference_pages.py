@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 from hilc_cli.cli.app import app
 from hilc_cli.results.metrics import METRIC_NAMES
 from hilc_cli.results.tables import INPUT_HEADER, SAMPLES_HEADER
+from hilc_cli.spec.expressions import UNITS
 from hilc_cli.spec.quantities import Quantity
 from hilc_cli.spec.scenario import ScenarioSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
@@ -121,3 +122,9 @@ def test_each_column_is_on_its_page() -> None:
     for file, header in (("samples.csv", SAMPLES_HEADER), ("input.csv", INPUT_HEADER)):
         told = re.findall(r"`(\w+)`", parts[file])
         assert told[: len(header)] == list(header)
+
+
+def test_each_unit_is_on_its_page() -> None:
+    text = " ".join((DOCS / "scenario.md").read_text(encoding="utf-8").split())
+    (told,) = re.findall(r"Units are (`deg`.*?), their", text)
+    assert re.findall(r"`(.*?)`", told) == list(UNITS)

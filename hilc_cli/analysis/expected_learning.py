@@ -112,7 +112,7 @@ def _parts(
 
 
 def _only(name: str, source: Bounded) -> Disturbance:
-    return replace(Disturbance(), **{name: source})
+    return replace(Disturbance(), **{name: source})  # type: ignore[arg-type]  # by its name
 
 
 def _unsure(experiment: Experiment, found: Forecast) -> str | None:

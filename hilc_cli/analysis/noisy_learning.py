@@ -56,7 +56,7 @@ class NoisyLearning:
     @property
     def seeds(self) -> int:
         """Number of columns; 1 without disturbances."""
-        return self.position_m.shape[1]
+        return int(self.position_m.shape[1])
 
     @property
     def final_m(self) -> Floats:

@@ -109,7 +109,8 @@ def applied(*, in_print: bool = False) -> Iterator[None]:
         warnings.filterwarnings("ignore", r"Glyph .* missing from font")
         # As a dictionary: what comes with Matplotlib needs no validation, which takes its time
         # and warns of settings that it is about to drop.
-        dict.update(matplotlib.rcParams, _DEFAULTS)
+        settings: dict[Any, Any] = matplotlib.rcParams
+        dict.update(settings, _DEFAULTS)
         matplotlib.rcParams.update({**_RC, **_PRINT} if in_print else _RC)
         yield
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator, Mapping
+from functools import partial
 
 from hilc_cli.spec.expressions import UNITS, ExpressionError, Unit, evaluate
 
@@ -83,8 +84,9 @@ def corrected(text: str, fits: Unit) -> str | None:
 
 def _candidates(text: str) -> Iterator[str]:
     text = re.sub(r"(?<=[0-9]),(?=[0-9])", ".", unicodedata.normalize("NFKC", text))
-    for alone in ({}, _ALONE):
-        words = _WORD.sub(lambda found, alone=alone: _word(found, alone), text).strip()
+    nothing: Mapping[str, str] = {}
+    for alone in (nothing, _ALONE):
+        words = _WORD.sub(partial(_word, alone=alone), text).strip()
         yield re.sub(r"km\s*/\s*h\b", "km/h", words)
 
 

@@ -9,7 +9,7 @@ from typing import get_args, get_origin
 from hilc_cli.errors import near_word
 from hilc_cli.spec.model import Model
 from hilc_cli.spec.model_paths import Step, model_in, models_in, steps_to
-from hilc_cli.spec.nodes import MapNode, Node, PathKeys, nearest, to_data
+from hilc_cli.spec.nodes import MapNode, Node, PathKeys, nearest
 
 _MOST_SHOWN = 3
 _MOST_LEVELS = 3
@@ -80,24 +80,28 @@ def same_word(one: str, other: str) -> bool:
     return _plain(one) == _plain(other)
 
 
-def meant(tree: Node, keys: PathKeys, model: type[Model]) -> str | None:
+def meant(tree: Node, keys: PathKeys, model: type[Model], known: Sequence[KnownKey]) -> str | None:
     """What to do about an unknown key, as the end of a message; None if nothing is near.
 
     Args:
         tree: The root, which need not be valid.
         keys: The way to the unknown key.
         model: What the root is validated against.
+        known: The keys that a file like this may have, see `known_keys`.
     """
     step = steps_to(tree, keys[:-1], model)[-1]
     word = str(keys[-1])
-    known = list(known_keys(model, to_data(tree)))
     place = nearest(tree, keys)[1]
     by_option = not place.source.has_lines
     if by_option and step.model is not None:
         chain = _chain(tree, keys)
         found = spelled_out(known, chain, len(keys))
-        if found:
-            return did_you_mean(found)
+        if not found and len(chain) > len(keys):
+            near = near_word(word, step.fields)
+            mended = [*map(str, keys[:-1]), str(near), *chain[len(keys) :]]
+            found = spelled_out(known, mended, len(keys))
+        if found or len(chain) > len(keys):
+            return did_you_mean(found) if found else None
     elif "." in word and word in {key.dotted for key in known}:
         return "in a file, write each part below the one before it, without dots"
     same = next((name for name in step.fields if same_word(name, word)), None)
@@ -153,7 +157,7 @@ def spelled_out(known: Iterable[KnownKey], words: Sequence[str], least: int = 1)
             key
             for key in known
             if _is_among(given, [_plain(word) for word in key.keys])
-            and (not rest or not _is_single(key.annotation))
+            and (not rest or _holds_entries(key.annotation))
         ]
         same = [key for key in found if len(key.keys) == count]
         found = same or [key for key in found if key.keys[0] not in _SELDOM_MEANT] or found
@@ -168,12 +172,11 @@ def _is_among(given: Sequence[str], keys: Sequence[str]) -> bool:
     return keys[-1] == given[-1] and all(word in left for word in given)
 
 
-def _is_single(annotation: object) -> bool:
-    """Whether nothing stands below a key with this annotation."""
-    parts = [part for part in get_args(annotation) if part is not type(None)]
-    if get_origin(annotation) in (list, tuple, dict) or models_in(annotation):
-        return False
-    return all(map(_is_single, parts))
+def _holds_entries(annotation: object) -> bool:
+    """Whether places in a list, or names of the user's choice, stand below a key."""
+    if get_origin(annotation) in (list, tuple, dict):
+        return True
+    return any(map(_holds_entries, get_args(annotation)))
 
 
 def _chain(tree: Node, keys: PathKeys) -> list[str]:

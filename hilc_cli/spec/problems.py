@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
 from pydantic import ValidationError
 
-from hilc_cli.errors import Problem, near_word
+from hilc_cli.errors import MOST_PROBLEMS, Problem, near_word
 from hilc_cli.names import NAME_PATTERN, name_remedy
-from hilc_cli.spec.known_keys import meant
+from hilc_cli.spec.known_keys import KnownKey, known_keys, meant
 from hilc_cli.spec.model import Model, listed
 from hilc_cli.spec.model_paths import steps_to
 from hilc_cli.spec.nodes import (
@@ -40,6 +40,7 @@ _MESSAGES: Mapping[str, tuple[str, str]] = {
     "too_short": ("has too few entries", "add some"),
     "too_long": ("has too many entries", "remove some"),
 }
+_UNKNOWN = ("is an unknown key", None)
 _MOST_CHOICES = 6
 """So many are read faster than one of them is guessed."""
 
@@ -54,11 +55,10 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
     """
     found: list[tuple[Place, Problem]] = []
     every = error.errors(include_url=False)
-    unknown = {
-        details["loc"]: _unknown(tree, details["loc"], model)
-        for details in every
-        if details["type"] == "extra_forbidden"
-    }
+    strange = [details["loc"] for details in every if details["type"] == "extra_forbidden"]
+    known = list(known_keys(model, to_data(tree))) if strange else []
+    # No more of them are told, and finding out what was meant takes a while.
+    unknown = {keys: _unknown(tree, keys, model, known) for keys in strange[:MOST_PROBLEMS]}
     # With the choice that has been forgotten there, what is missing may well not be.
     unchosen = {above for _, above in unknown.values() if above is not None}
     for details in every:
@@ -86,7 +86,7 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
             if not any(keys[: len(above)] == above for above in unchosen):
                 found.append(_at(tree, keys, f"is missing; {_how_to_give(tree, keys, model)}"))
         elif details["type"] == "extra_forbidden":
-            found.append(_at(tree, keys, unknown[keys][0], point_at_key=True))
+            found.append(_at(tree, keys, unknown.get(keys, _UNKNOWN)[0], point_at_key=True))
         elif details["type"] == "literal_error":
             remedy = _choice(str(context["expected"]), nearest(tree, keys)[0])
             found.append(_located(tree, keys, "is not one of the choices", remedy))
@@ -166,7 +166,9 @@ def _how_to_give(tree: Node, keys: PathKeys, model: type[Model]) -> str:
     return f"give it ({description})" if description else "give it"
 
 
-def _unknown(tree: Node, keys: PathKeys, model: type[Model]) -> tuple[str, PathKeys | None]:
+def _unknown(
+    tree: Node, keys: PathKeys, model: type[Model], known_here: Sequence[KnownKey]
+) -> tuple[str, PathKeys | None]:
     """What is wrong with an unknown key.
 
     Returns:
@@ -174,7 +176,7 @@ def _unknown(tree: Node, keys: PathKeys, model: type[Model]) -> tuple[str, PathK
         has been, the path of what has made no choice.
     """
     *above, last = steps_to(tree, keys[:-1], model)
-    known = meant(tree, keys, model) or f"known: {', '.join(sorted(last.fields))}"
+    known = meant(tree, keys, model, known_here) or f"known: {', '.join(sorted(last.fields))}"
     step = next((step for step in (last, *reversed(above)) if step.choice), None)
     if step is None or step.choice is None:
         return f"is an unknown key; {known}", None

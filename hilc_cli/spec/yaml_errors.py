@@ -10,7 +10,7 @@ from hilc_cli.spec.odd_characters import odd_mark, told
 
 _MOST_LINES = 5
 _HELP = "check quotes, colons, brackets and indentation"
-_INDENTED_BY_TAB = re.compile(r" *\t")
+_INDENTED_BY_TAB = re.compile(r" *\t(?=\s*[^\s#])")
 
 
 def explained(text: str, error: yaml.MarkedYAMLError) -> tuple[int, int, str]:

@@ -108,6 +108,8 @@ def _goes_on(number: yaml.Event, key: yaml.Event, value: yaml.Event) -> bool:
         and not value.value
         and _WHOLE_NUMBER.fullmatch(number.value) is not None
         and key.value[:1].isdecimal()
+        and key.start_mark is not None
+        and number.end_mark is not None
         and key.start_mark.index == number.end_mark.index + 1
     )
 

@@ -156,7 +156,8 @@ def polyline(points: Sequence[tuple[float, float]]) -> list[SegmentPlan]:
 # Start heading, plans, and of each sampling interval its chord and its turn, all in 20 ms. A corner
 # is turned in the interval before the joint, one at the start in the first.
 ARC = 2 * 0.4 * math.sin(0.05)  # chord of 0.1 rad of a radius of 0.4 m
-CORNERS = {
+Case = tuple[float, list[SegmentPlan], list[tuple[float, float]], tuple[str, float, int]]
+CORNERS: dict[str, Case] = {
     "one-sample segments": (
         0.0,
         polyline([(0.03, 0.0), (0.05, 0.01), (0.05, 0.03)]),
@@ -233,7 +234,7 @@ def test_corners_count_for_wheels_jumps_and_tyres(case: str, robot: Robot) -> No
 
 def test_peak_outside_of_corners_is_that_of_its_segment() -> None:
     # A gentle corner at 0.1 m/s, and an arc of 0.5 m at 2 m/s behind it.
-    plans = [
+    plans: list[SegmentPlan] = [
         LinePlan(to=(0.1, 0.0), duration=1.0),
         LinePlan(to=(0.2, 0.001), duration=1.0),
         ArcPlan(1.0, "left", radius=0.5, duration=0.25),

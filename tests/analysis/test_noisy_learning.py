@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -51,7 +51,11 @@ ROUND = build_reference(
 
 
 def experiment(
-    law: object = D_TYPE, reference: Reference = ROUND, *, limit: float = math.inf, **noise: Bounded
+    law: object = D_TYPE,
+    reference: Reference = ROUND,
+    *,
+    limit: float = math.inf,
+    noise: Mapping[str, Bounded] | None = None,
 ) -> Experiment:
     """Feedforward of a wrong model on a short path."""
     found = experiment_of(
@@ -60,7 +64,7 @@ def experiment(
         initial_input=feedforward(reference, MODEL),
         iterations=8,
         speed_limit=limit,
-        disturbance=Disturbance(**noise),  # type: ignore[arg-type]
+        disturbance=Disturbance(**(noise or {})),  # type: ignore[arg-type]
     )
     return replace(found, law=law)  # type: ignore[arg-type]
 
@@ -118,9 +122,9 @@ LAWS = {
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("noise", NOISES)
 def test_what_is_foretold_is_what_runs_do(law: str, noise: str, repeat: bool) -> None:
-    given = experiment(LAWS[law], **{noise: replace(NOISES[noise], repeat=repeat)})
+    given = experiment(LAWS[law], noise={noise: replace(NOISES[noise], repeat=repeat)})
     if isinstance(given.law, NormOptimalLaw):
-        found = expected_of_norm_optimal(given, given.law, None)
+        found, _ = expected_of_norm_optimal(given, given.law, None)
     else:
         found = expected_of_learning(given, forecast(given))
     assert found.unsure is None
@@ -133,7 +137,7 @@ def test_what_is_foretold_is_what_runs_do(law: str, noise: str, repeat: bool) ->
 
 
 def test_single_disturbances_are_told_apart() -> None:
-    given = experiment(law_of(0.6, 0.5), **NOISES)
+    given = experiment(law_of(0.6, 0.5), noise=NOISES)
     found = expected_of_learning(given, forecast(given))
     parts = found.of_start_m, found.of_readings_m, found.of_state_m
     assert min(parts) > 0

@@ -14,7 +14,7 @@ WORSE, WORSE_AFTER_BETTER = [1.0, 1.2, 2.1], [1.0, 0.1, 2.1]
 
 
 def prospects(errors: list[float], later: list[float], **more: bool) -> Prospects:
-    return Prospects(np.array(errors), np.array(later), 1.0, **more)
+    return Prospects(np.array(errors), np.array(later), 1.0, **more)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import pytest
@@ -21,12 +21,12 @@ def told(
     robot: Robot = ROBOT,
     model: Robot | None = None,
     plans: Sequence[SegmentPlan] = (LINE,),
-    **headings: float,
+    headings: Mapping[str, float] | None = None,
 ) -> list[str]:
     reference = build_reference("path", (0, 0, 0), plans, 0.05)
     names = [f"segments.{index}.piece" for index in range(len(plans))]
     demand = demand_of(reference, robot, names)
-    return implausible(demand, robot, robot if model is None else model, headings)
+    return implausible(demand, robot, robot if model is None else model, headings or {})
 
 
 @pytest.mark.parametrize(
@@ -89,12 +89,12 @@ def test_angles_in_degrees(angle: float, turns: str) -> None:
     meant = f"{angle:g} rad, which is {turns} turns; {angle:g} deg?"
     arc = ArcPlan(angle, "right", radius=1.0, duration=500.0)
     assert told(plans=[LINE, arc]) == [f"trajectory.segments.1.piece.sweep is {meant}"]
-    assert told(**{"initial_pose.heading": angle}) == [f"initial_pose.heading is {meant}"]
-    (text,) = told(**{"trajectory.start.heading": -angle})
+    assert told(headings={"initial_pose.heading": angle}) == [f"initial_pose.heading is {meant}"]
+    (text,) = told(headings={"trajectory.start.heading": -angle})
     assert text.startswith(f"trajectory.start.heading is -{angle:g} rad, which is {turns} turns; ")
 
 
 @pytest.mark.parametrize("angle", [math.pi / 2, 2 * math.pi, 4 * math.pi, 20 * math.pi, 6.0, 1.5])
 def test_angles_in_radians(angle: float) -> None:
     arc = ArcPlan(angle, "left", radius=1.0, duration=500.0)
-    assert told(plans=[arc], **{"initial_pose.heading": -angle}) == []
+    assert told(plans=[arc], headings={"initial_pose.heading": -angle}) == []

@@ -1010,7 +1010,7 @@ CASES = [
     (
         "traj-example-unknown-far",
         scenario("path.yaml", "example:qqq"),
-        "scenario.yaml:2:13: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, figure-eight, rounded-square, spiral",
+        "scenario.yaml:2:13: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, figure-eight, rounded-square, spiral, square-lap",
     ),
     (
         "traj-number",

@@ -192,12 +192,12 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gain.l1=0.1,0.2"],
         2,
-        "--vary controller.gain.l1=0.1,0.2: controller.gain: is an unknown key of law hybrid; did you mean 'gains'?",
+        "--vary controller.gain.l1=0.1,0.2: controller.gain: is an unknown key of law hybrid; did you mean 'controller.gains.l1'?",
     ),
     (
         ["--vary", "controllr.gains.l1=0.1,0.2"],
         2,
-        "--vary controllr.gains.l1=0.1,0.2: controllr: is an unknown key; did you mean 'controller'?",
+        "--vary controllr.gains.l1=0.1,0.2: controllr: is an unknown key; did you mean 'controller.gains.l1'?",
     ),
     (
         ["--vary", "controller.gains.l4=0.1,0.2"],
@@ -563,7 +563,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "trajectory=example:qqq"],
         2,
-        "--vary trajectory=example:qqq: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, figure-eight, rounded-square, spiral",
+        "--vary trajectory=example:qqq: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, figure-eight, rounded-square, spiral, square-lap",
     ),
     (
         ["--vary", "trajectory=input.csv"],

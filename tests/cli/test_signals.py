@@ -119,7 +119,7 @@ def test_ignored_signals_stay_ignored(
     hilc: Hilc, write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write()
-    write_input = run_folder.write_input
+    write_input = vars(run_folder)["write_input"]
     sent = [signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM]
 
     def with_signals(*arguments: Any) -> None:

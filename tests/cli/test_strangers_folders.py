@@ -30,8 +30,8 @@ VARY = ("controller.gain_matrix=model,unit", "iterations=1,2")
 SWEEP = ("sweep", "scenario.yaml", "--vary", VARY[0], "--vary", VARY[1], "--bands", "--no-plots")
 RUN = ("run", "scenario.yaml", "--no-plots", "--out", "a")
 RESUME = (*SWEEP, "--out", "new", "--resume")
-SHARD = (*SWEEP, "--shard", "1/2", "--out", "one", "--resume")
-MERGE = ("sweep", "--merge", "one", "two", "--no-plots", "--out", "merged")
+SHARD = (*SWEEP, "--shard", "1/2", "--out", "part", "--resume")
+MERGE = ("sweep", "--merge", "part.1-of-2", "part.2-of-2", "--no-plots", "--out", "merged")
 COMPARE = ("compare", "a", "b", "--no-plots", "--out", "both")
 PLOT, PLOT_BOARD = ("plot", "sweep", "--kind", "curve"), ("plot", "board")
 COMPLETE = (*SWEEP, "--out", "sweep", "--resume")
@@ -39,6 +39,8 @@ REPRODUCE = ("reproduce", "fig3", "--out", "figures")
 
 INITIAL_INPUT = "initial-input.csv"
 IN_PLACE = ("journal", "results.bin", "errors.bin")
+READ = ("plan.json", *IN_PLACE, "scenario.yaml", INITIAL_INPUT)
+SHARDS = ("part.1-of-2", "part.2-of-2")
 RUNS = ("manifest.json", "iterations.csv", "samples.csv", "learning.csv", "scenario.yaml")
 PLACES = [
     *((f"a/{name}", COMPARE) for name in RUNS),
@@ -47,20 +49,20 @@ PLACES = [
     *((f"sweep/{name}", COMPLETE) for name in ("sweep.json", "bands.csv")),
     *((f"new.part/{name}", RESUME) for name in IN_PLACE),
     *((f"new.part/{name}", (*RESUME[:-1], "--force")) for name in ("plan.json", *IN_PLACE)),
-    *((f"one/{name}", SHARD) for name in ("plan.json", *IN_PLACE)),
-    *((f"one/{name}", MERGE) for name in ("plan.json", *IN_PLACE, "scenario.yaml", INITIAL_INPUT)),
+    *((f"part.1-of-2/{name}", SHARD) for name in ("plan.json", *IN_PLACE)),
+    *((f"part.1-of-2/{name}", MERGE) for name in READ),
     *((f"board/{name}", PLOT_BOARD) for name in ("manifest.json", "leaderboard.csv")),
     *((f"figures/{name}", REPRODUCE) for name in ("manifest.json", "data")),
     *((place, RUN) for place in ("scenario.yaml", "path.yaml", "input.csv", "a")),
     *((place, RESUME) for place in ("new", "new.part")),
-    *((place, command) for place in ("one",) for command in (SHARD, MERGE)),
+    *((place, command) for place in ("part.1-of-2",) for command in (SHARD, MERGE)),
     ("both", COMPARE),
     ("examples/scenarios", ("examples", "--copy", "examples")),
 ]
 NAMES = [
     *((f"a/manifest.json:{key}", COMPARE) for key in ("name", "trajectory")),
     ("sweep/sweep.json:name", PLOT),
-    ("one/plan.json:name", MERGE),
+    ("part.1-of-2/plan.json:name", MERGE),
     ("new.part/plan.json:name", RESUME),
     ("board/manifest.json:name", PLOT_BOARD),
     *((f"board/leaderboard.csv:{what}", PLOT_BOARD) for what in ("bend", "exact", "none", "slow")),
@@ -97,7 +99,7 @@ def kinds(tmp_path_factory: pytest.TempPathFactory) -> Path:
         plan = api.plan_sweep(scenario, VARY, bands=True)
         api.sweep(plan, work_folder="new.part").write("sweep", plots=False)
         Path("sweep", "curve.png").write_text("a picture")
-        for number, name in enumerate(("one", "two"), 1):
+        for number, name in enumerate(("part.1-of-2", "part.2-of-2"), 1):
             api.sweep_shard(plan, (number, 2), name)
         write_leaderboard(place / "board", DATA)
         Path("figures", "data").mkdir(parents=True)
@@ -193,6 +195,7 @@ def test_what_stands_in_the_place_of_a_file(
 ) -> None:
     outside = outside_of(work)
     for place, command in PLACES:
+        assert os.path.lexists(kinds / place), place
         if kind is second_name and not place.endswith(IN_PLACE):
             continue  # it is a file like others
         if (place, kind) == ("a", link_to_the_same):
@@ -246,18 +249,20 @@ def test_what_a_folder_says_that_it_is_called(
 
 def test_shards_are_only_read(work: Path, hilc: Hilc) -> None:
     def shards() -> dict[Path, tuple[int, bytes]]:
-        files = (path for name in ("one", "two") for path in (work / name).iterdir())
+        files = (path for name in SHARDS for path in (work / name).iterdir())
         return {path: (path.stat().st_mtime_ns, path.read_bytes()) for path in files}
 
     before = shards()
-    with closing(FolderStore(work / "one", read_only=True)):  # somebody else merges them, too
+    with closing(
+        FolderStore(work / "part.1-of-2", read_only=True)
+    ):  # somebody else merges them, too
         assert hilc(*MERGE, "-q") == Outcome(0, "", "")
     assert shards() == before
     assert (work / "merged/cases.csv").read_bytes() == (work / "sweep/cases.csv").read_bytes()
 
 
 def test_numbers_of_a_shard_take_no_memory(work: Path, hilc: Hilc) -> None:
-    header = json.loads((work / "one/plan.json").read_text())
+    header = json.loads((work / "part.1-of-2/plan.json").read_text())
     huge = {"low": 0, "high": 10**12, "spacing": "integer", "count": None, "whole": True}
     many = {"low": 0.0, "high": 1.0, "spacing": "linear", "count": 10**12, "whole": True}
     for change in (
@@ -268,7 +273,7 @@ def test_numbers_of_a_shard_take_no_memory(work: Path, hilc: Hilc) -> None:
         {"axes": {**header["axes"], "iterations": many}},
         {"axes": {**header["axes"], "\x1b[31m": {"values": [1]}}},
     ):
-        (work / "one/plan.json").write_text(json.dumps({**header, **change}))
+        (work / "part.1-of-2/plan.json").write_text(json.dumps({**header, **change}))
         outcome = hilc(*MERGE)
         assert (outcome.code, outcome.out) == (2, ""), change
         check_harmless(outcome)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import threading
 import time
@@ -131,8 +132,9 @@ def server(says: bytes | None) -> Iterator[str]:
 @pytest.mark.parametrize(
     ("says", "why"),
     [
-        pytest.param(None, "what answers there is none", id="hangs-up"),
-        pytest.param(b"", "nothing within 0.3 s", id="silent"),
+        # Dask may try again as long as it has time.
+        pytest.param(None, "what answers there is none|nothing within 1 s", id="hangs-up"),
+        pytest.param(b"", "nothing within 1 s", id="silent"),
         pytest.param(b"220 mail.example ESMTP\r\n" * 40, "what answers there is none", id="mail"),
         pytest.param(b"\xff" * 4096, "what answers there is none", id="endless-frames"),
         pytest.param(bytes(4096), "what answers there is none", id="empty-frames"),
@@ -141,12 +143,13 @@ def server(says: bytes | None) -> Iterator[str]:
 def test_server_of_another_kind(
     says: bytes | None, why: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dask_crew, "_CONNECT", 0.3 if says == b"" else 20)
+    monkeypatch.setattr(dask_crew, "_CONNECT", 20 if says else 1)
     start = time.monotonic()
     with server(says) as address, pytest.raises(ClusterError) as failure:
         dask_crew._greet(address, lambda: None)
-    assert str(failure.value) == f"{address}: there is no scheduler that answers: {why}"
-    assert time.monotonic() - start < 10
+    told = f"{re.escape(address)}: there is no scheduler that answers: ({why})"
+    assert re.fullmatch(told, str(failure.value))
+    assert time.monotonic() - start < 20
 
 
 def test_host_of_no_such_name() -> None:
