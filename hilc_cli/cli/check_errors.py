@@ -107,7 +107,7 @@ def errors_in_brief(
     within_limit = ""
     if limited:
         within_limit = ", with b_w" if found.ensemble.is_limited else " (rough)"
-    alone = ", without disturbances" if disturbed else ""
+    alone = ", undisturbed" if disturbed else ""
     return [
         ("Predicted", f"{first}, {last} in iteration {reached}{within_limit}{alone}"),
         ("", f"{halves}; {within}"),
@@ -126,7 +126,7 @@ def expected_rows(expected: ExpectedError, iterations: int) -> list[tuple[str, s
     if iterations:
         last = f"{_length(expected.first_m)} in iteration 0, {last}"
     disturbed = disturbed_rows(expected)
-    return [("Predicted", last + (", without disturbances" if disturbed else "")), *disturbed]
+    return [("Predicted", last + (", undisturbed" if disturbed else "")), *disturbed]
 
 
 def expected_document(expected: ExpectedError) -> dict[str, object]:
@@ -152,8 +152,8 @@ def disturbed_rows(expected: ExpectedError) -> list[tuple[str, str]]:
     made = [f"{name} {error:.2g} m" for name, error in parts.items() if error > 0]
     if not made:
         return []
-    alone = f" ({', '.join(made)} alone)" if len(made) > 1 else ""
-    shown = f"up to {expected.foretold_m:.4g} m in the last iteration, in {LEVEL:.0%} of runs"
+    alone = f" ({', '.join(made)})" if len(made) > 1 else ""
+    shown = f"up to {expected.foretold_m:.4g} m in {LEVEL:.0%} of runs"
     return [("Disturbed", shown + alone)]
 
 

@@ -136,7 +136,7 @@ def _rest(check: Check, found: Forecast) -> str:
     if not found.settles:
         return "nowhere"
     if found.smooths:
-        return "not evaluated with a Q-filter; see the predicted errors"
+        return "not evaluated with a Q-filter"
     if rest is None:
         return "at no single motion"
     if not rest.is_finite:

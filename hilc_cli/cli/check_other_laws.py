@@ -41,9 +41,9 @@ def wheel_rows(found: WheelNoise | None) -> Rows:
     without = f", {found.undisturbed:.1%} undisturbed" if found.undisturbed else ""
     return [
         (
-            "Noise of the wheels",
-            f"{found.change_rad_s:.3g} rad/s from sample to sample (RMS); at the limit in "
-            f"{found.at_limit:.1%} of the samples{without}",
+            "Wheel noise",
+            f"{found.change_rad_s:.3g} rad/s RMS in a sample; {found.at_limit:.1%} of the samples "
+            f"at the limit{without}",
         )
     ]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pytest
@@ -156,8 +156,8 @@ def polyline(points: Sequence[tuple[float, float]]) -> list[SegmentPlan]:
 # Start heading, plans, and of each sampling interval its chord and its turn, all in 20 ms. A corner
 # is turned in the interval before the joint, one at the start in the first.
 ARC = 2 * 0.4 * math.sin(0.05)  # chord of 0.1 rad of a radius of 0.4 m
-Case = tuple[float, list[SegmentPlan], list[tuple[float, float]], tuple[str, float, int]]
-CORNERS: dict[str, Case] = {
+Case = tuple[float, Sequence[SegmentPlan], Sequence[tuple[float, float]], tuple[str, float, int]]
+CORNERS: Mapping[str, Case] = {
     "one-sample segments": (
         0.0,
         polyline([(0.03, 0.0), (0.05, 0.01), (0.05, 0.03)]),

@@ -475,6 +475,10 @@ PATHS = {
     "rounded-square": (1.5 * math.pi / 2 / 1.57 * 0.5 / 0.1, 0.5 * (math.pi / 3.14) ** 2 / 9.80665),
 }
 
+# An arc of 0.3 m in 63 samples of 50 ms, with the chord of a step instead of its arc.
+LAP = 0.6 * math.sin(math.pi / 252) / 0.05, math.pi / 126 / 0.05
+PATHS["square-lap"] = ((LAP[0] + 0.086 * LAP[1]) / 0.032, LAP[0] * LAP[1] / 9.80665)
+
 
 @pytest.mark.parametrize("name", [path.stem for path in examples()])
 def test_shipped_scenario_is_feasible(name: str) -> None:
@@ -491,13 +495,15 @@ def test_shipped_scenario_is_feasible(name: str) -> None:
     found = feasibility_findings(feasibility)
     assert found.failures == ()
     # The paper's paths start at 15 to 35 m/s at once, the figure of eight at 1.1 m/s.
-    at_once = trajectory.name != "rounded-square"
+    at_once = trajectory.name not in ("rounded-square", "square-lap")
     assert [" of lateral" in text for text in found.warnings] == [True] * (friction > 1) + [
         False
     ] * at_once
     assert [" starts at once: " in text for text in found.warnings][-1:] == [True] * at_once
     closed_askew = trajectory.name == "cardioid"
-    assert [text.partition(",")[0] for text in (*scenario.warnings(), *advice(experiment))] == [
+    told = [*scenario.warnings(), *advice(experiment)]
+    told = [text for text in told if not text.startswith("disturbance.")]
+    assert [text.partition(",")[0] for text in told] == [
         "trajectory ends where it starts"
     ] * closed_askew
 

@@ -104,9 +104,9 @@ def test_start_that_is_too_far_fails(check: Check) -> None:
 def test_noise_of_the_wheels_is_told_and_warned_of(check: Check) -> None:
     noise = ("--set", "disturbance.output.bound=[2 cm, 2 cm, 0.1]", "--set", "controller.b_w=11")
     outcome = check("{k_x: 5, k_y: 4}", *noise, "--set", "model.wheel_radius=0.2")
-    text = rows(outcome)["Noise of the wheels"]
+    text = rows(outcome)["Wheel noise"]
     told = re.fullmatch(
-        r"([\d.]+) rad/s from sample to sample \(RMS\); at the limit in ([\d.]+)% of the samples",
+        r"([\d.]+) rad/s RMS in a sample; ([\d.]+)% of the samples at the limit",
         text.partition(",")[0],
     )
     assert told is not None

@@ -118,7 +118,7 @@ def test_pid_with_a_filter_tells_what_is_estimated(check: Check) -> None:
     options = "{law: pid, gains: {kd: 0.5}, cutoff: 5}"
     shown = rows(check(options, "-v"))
     assert shown["Spectral radius"].startswith("about 0.6")
-    assert shown["Learning rests"] == "not evaluated with a Q-filter; see the predicted errors"
+    assert shown["Learning rests"] == "not evaluated with a Q-filter"
     found = learning(check(options, "--json"))
     assert found["spectral_radius_is_exact"] is False
     assert found["rest"] is None
