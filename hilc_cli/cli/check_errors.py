@@ -86,7 +86,7 @@ def errors_in_brief(
     """
     transient, errors = found.transient, np.concatenate([found.errors_m, found.later_m])
     first, limited = f"{_length(errors[0])} in iteration 0", found.is_limited
-    disturbed = _disturbed(expected)
+    disturbed = disturbed_rows(expected)
     if not iterations:
         return [("Predicted", first), *disturbed]
     reached = len(found.errors_m) - 1
@@ -104,7 +104,9 @@ def errors_in_brief(
     else:
         until = early + int((errors[early:] > bound).argmax()) - 1
         within = f"{share} from {early} to {until}"
-    within_limit = ", with b_w" if limited else ""
+    within_limit = ""
+    if limited:
+        within_limit = ", with b_w" if found.ensemble.is_limited else " (rough)"
     alone = ", undisturbed" if disturbed else ""
     return [
         ("Predicted", f"{first}, {last} in iteration {reached}{within_limit}{alone}"),
@@ -113,7 +115,34 @@ def errors_in_brief(
     ]
 
 
-def _disturbed(expected: ExpectedError) -> list[tuple[str, str]]:
+def expected_rows(expected: ExpectedError, iterations: int) -> list[tuple[str, str]]:
+    """The error to be expected of a law of which no iterations are predicted.
+
+    Args:
+        expected: That error.
+        iterations: Of the scenario.
+    """
+    last = f"{_length(expected.final_m)} in iteration {iterations}"
+    if iterations:
+        last = f"{_length(expected.first_m)} in iteration 0, {last}"
+    disturbed = disturbed_rows(expected)
+    return [("Predicted", last + (", undisturbed" if disturbed else "")), *disturbed]
+
+
+def expected_document(expected: ExpectedError) -> dict[str, object]:
+    """The same as JSON."""
+    return {
+        "first_m": expected.first_m,
+        "final_m": expected.final_m,
+        "with_disturbances_m": expected.foretold_m,
+        "of_start_m": expected.of_start_m,
+        "of_readings_m": expected.of_readings_m,
+        "of_state_m": expected.of_state_m,
+        "unsure_since": expected.unsure,
+    }
+
+
+def disturbed_rows(expected: ExpectedError) -> list[tuple[str, str]]:
     """What disturbances make of the last iteration, together and each alone."""
     parts = {
         "start": expected.of_start_m,

@@ -9,7 +9,13 @@ import numpy as np
 
 from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.ripples import LONGEST_PERIOD
-from hilc_cli.cli.check_errors import errors_grid, errors_in_brief
+from hilc_cli.cli.check_errors import (
+    disturbed_rows,
+    errors_grid,
+    errors_in_brief,
+    expected_document,
+    expected_rows,
+)
 from hilc_cli.cli.check_other_laws import (
     feedback_law,
     other_law,
@@ -43,12 +49,17 @@ def learning_section(check: Check) -> Section:
     elif check.law.tracking is not None:
         title = "What does the feedback reach?"
         rows, document = feedback_law(check.law)
-        brief = [*response_rows(check.law), *wheel_rows(noise)]
+        disturbed = [] if check.expected is None else disturbed_rows(check.expected)
+        brief = [*response_rows(check.law), *disturbed, *wheel_rows(noise)]
     else:
         rows, document = other_law(check.law)
         if check.law.merging is not None:
-            brief = [*way_in_brief(check.law, check.law.merging), *wheel_rows(noise)]
+            last = check.scenario.spec.iterations
+            told = [] if check.expected is None else expected_rows(check.expected, last)
+            brief = [*way_in_brief(check.law, check.law.merging), *told, *wheel_rows(noise)]
     document |= wheel_document(noise)
+    if check.expected is not None:
+        document["expected"] = expected_document(check.expected)
     if check.simulated is not None:
         document["simulated"] = _simulated(check.simulated.summary)
     errors = errors_grid(check)

@@ -107,9 +107,9 @@ def way_in_brief(theory: LawTheory, found: Merging) -> Rows:
     if theory.mismatch is None:
         told[-1] = (
             "Learning",
-            "identifies wheel radius and half track; no rate is known"
+            "identifies wheel radius and half track"
             if theory.identifies
-            else "feedback makes up for a wrong model; no rate is known",
+            else "feedback makes up for a wrong model",
         )
     if not found.is_off:
         return told
