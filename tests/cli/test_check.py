@@ -534,6 +534,7 @@ def test_document_of_a_shipped_scenario_is_strict(
 
 NO_LIMIT = ("fig7a", "fig7c", "gain-map-no-limit")
 LEARNING_KEYS = {
+    "expected": dict,
     "verdict": str,
     "settles": bool,
     "spectral_radius": float,
