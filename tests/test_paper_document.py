@@ -39,6 +39,7 @@ def reproduction(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "all"
 
 
+@pytest.mark.slow
 def test_verdicts_in_the_document_are_the_measured_ones(reproduction: Path) -> None:
     with (reproduction / "claims.csv").open(encoding="utf-8", newline="") as file:
         measured = [(row["id"], row["sentence"], row["verdict"]) for row in csv.DictReader(file)]
@@ -48,6 +49,7 @@ def test_verdicts_in_the_document_are_the_measured_ones(reproduction: Path) -> N
     assert rows == measured
 
 
+@pytest.mark.slow
 def test_caption_of_figure_6_has_the_measured_counts(reproduction: Path) -> None:
     with (reproduction / "claims.csv").open(encoding="utf-8", newline="") as file:
         measured = {row["id"]: row["figures"] for row in csv.DictReader(file)}
@@ -60,6 +62,7 @@ def test_caption_of_figure_6_has_the_measured_counts(reproduction: Path) -> None
         assert f" {count} ({letter})" in caption
 
 
+@pytest.mark.slow
 def test_all_figures_and_data_are_there(reproduction: Path) -> None:
     for name in FIGURES:
         assert (reproduction / f"{name}.png").stat().st_size > 10_000

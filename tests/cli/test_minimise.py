@@ -256,7 +256,7 @@ def test_resumed_search_is_that_of_one_go(hilc: Hilc, kept: int) -> None:
 def test_killed_search_goes_on(tmp_path: Path, hilc: Hilc) -> None:
     sweeps.put_sweep(tmp_path)
     keys = ("--vary", f"{L1}=0.1:10:log", "--vary", f"{L2}=0:5")
-    command = ("sweep", "sweep.yaml", *keys, "--minimise", METRIC, "--cases", "60", "--no-plots")
+    command = ("sweep", "sweep.yaml", *keys, "--minimise", METRIC, "--cases", "40", "--no-plots")
     with sweeps.started(*command, "--workers", "2", cwd=tmp_path) as process:
         sweeps.wait_for_chunks(process, tmp_path / sweeps.PART, 3)
         process.kill()

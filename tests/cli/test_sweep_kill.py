@@ -19,7 +19,7 @@ from tests.cli import sweeps
 from tests.cli.processes import outcome_of
 from tests.conftest import Hilc, Outcome
 
-KILLS = 20
+KILLS = 8
 CHUNKS = sweeps.CASES // sweeps.CHUNK
 GONE_WITHIN = 10.0  # [s] a loaded machine is given time; half a second is what a worker needs
 CHILDREN = """\

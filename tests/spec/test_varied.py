@@ -109,7 +109,7 @@ def assert_same(one: object, other: object) -> None:
 
 @pytest.mark.usefixtures("inputs")
 @settings(
-    max_examples=60,
+    max_examples=25,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(variations, st.data())
