@@ -24,8 +24,8 @@ from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, Plan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.norm_optimal.rectified import trajectory_inputs
+from hilc_cli.plants.kinematic import Robot, euler_step, limit_wheel_speeds, step_gains
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.robot import Robot, euler_step, limit_wheel_speeds, step_gains
 
 LIMIT = 180.0
 SCENARIOS = {

@@ -15,96 +15,34 @@ The Python interface in short::
     hilc.reproduce(hilc.plan_reproduction(["fig3"])).write("runs/fig3-of-the-paper")
 """
 
-from typing import TYPE_CHECKING, Any
+import ast
+from importlib import import_module
+from pathlib import Path
+from typing import Any
 
-from hilc_cli.errors import HilcError
-from hilc_cli.version import __version__
 
-if TYPE_CHECKING:
-    from hilc_cli.api import (
-        Check,
-        Comparison,
-        Execution,
-        LawComparison,
-        Leaderboard,
-        LeaderboardData,
-        Reproduction,
-        ReproductionPlan,
-        Run,
-        RunData,
-        Scenario,
-        Summary,
-        Sweep,
-        SweepData,
-        check,
-        check_folder,
-        compare,
-        compare_laws,
-        load_leaderboard,
-        load_scenario,
-        merge_shards,
-        plan_reproduction,
-        plan_sweep,
-        plot,
-        plot_leaderboard,
-        plot_sweep,
-        read_leaderboard,
-        read_run,
-        read_sweep,
-        reproduce,
-        run,
-        sweep,
-        sweep_shard,
-    )
+def _homes() -> dict[str, str]:
+    """Returns the module of each public name, as the stub for type checkers has it."""
+    stub = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+    return {
+        alias.name: node.module or ""
+        for node in ast.parse(stub).body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
 
-__all__ = [
-    "Check",
-    "Comparison",
-    "Execution",
-    "HilcError",
-    "LawComparison",
-    "Leaderboard",
-    "LeaderboardData",
-    "Reproduction",
-    "ReproductionPlan",
-    "Run",
-    "RunData",
-    "Scenario",
-    "Summary",
-    "Sweep",
-    "SweepData",
-    "__version__",
-    "check",
-    "check_folder",
-    "compare",
-    "compare_laws",
-    "load_leaderboard",
-    "load_scenario",
-    "merge_shards",
-    "plan_reproduction",
-    "plan_sweep",
-    "plot",
-    "plot_leaderboard",
-    "plot_sweep",
-    "read_leaderboard",
-    "read_run",
-    "read_sweep",
-    "reproduce",
-    "run",
-    "sweep",
-    "sweep_shard",
-]
+
+_HOMES = _homes()
+__all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
-    """Loads the interface when it is first used: ``hilc --help`` needs none of it."""
-    if name in __all__:
-        from hilc_cli import api
-
-        return getattr(api, name)
+    """Loads what is asked for when it is first used: ``hilc --help`` needs none of it."""
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    """The public names, loaded or not."""
-    return sorted(__all__)
+    """Returns the public names, loaded or not."""
+    return __all__

@@ -17,6 +17,8 @@ from hilc_cli.cli.main import main
 from hilc_cli.cli.session import STOPPED
 from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY
 
+pytest_plugins = ["tests.made_up_runs", "tests.made_up_sweeps", "tests.yaml_files"]
+
 # How long an example takes says nothing on a loaded machine.
 hypothesis.settings.register_profile("hilc", deadline=None)
 hypothesis.settings.load_profile("hilc")

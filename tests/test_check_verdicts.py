@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 
 import hilc_cli as hilc
-from hilc_cli.analysis import transient
-from hilc_cli.analysis.outcome import Outcome
+from hilc_cli.theory.learning import transient
+from hilc_cli.theory.learning.outcome import Outcome
 
 BENCHMARK = Path(__file__).parents[1] / "benchmarks" / "check_verdicts.py"
 SEEDS = range(31_000, 31_016)

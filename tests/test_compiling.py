@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from hilc_cli import compiling
-from hilc_cli.engine import machine_code
+from hilc_cli.engine.lanes import machine_code
 
 
 def function() -> Callable[[float], float]:

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import hilc_cli as hilc_api
-from hilc_cli.spec.trajectory import TrajectorySpec
+from hilc_cli.scenario.trajectory import TrajectorySpec
 from tests.cli.processes import environment
 from tests.conftest import Hilc
 from tests.pages import PAGES, ROOT, Block, Command, blocks, commands

@@ -10,12 +10,12 @@ import pytest
 from numpy.typing import NDArray
 
 import hilc_cli as hilc_api
+from hilc_cli.laws.hybrid import HybridController
+from hilc_cli.scenario.scenario import ScenarioSpec
+from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.shipped_files import examples
-from hilc_cli.spec.hybrid import HybridController
-from hilc_cli.spec.nodes import MapNode, Source, to_data
-from hilc_cli.spec.scenario import ScenarioSpec
-from hilc_cli.spec.trajectory import TrajectorySpec
-from hilc_cli.spec.yaml_tree import parse_yaml
+from hilc_cli.yaml_input.nodes import MapNode, Source, to_data
+from hilc_cli.yaml_input.tree import parse_yaml
 from tests.cli.inputs import INPUT_CSV, TABLES, TRAJECTORY, plus
 from tests.conftest import Hilc, Outcome, Write
 from tests.transcription import MatrixOfHeading, equation_45, equation_57, transcribe

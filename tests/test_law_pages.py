@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 import hilc_cli as hilc_api
-from hilc_cli.results.leaderboard import LeaderboardData
-from hilc_cli.results.leaderboard_tables import entries_table
-from hilc_cli.spec.controllers import CONTROLLERS
-from hilc_cli.spec.nodes import Source, to_data
-from hilc_cli.spec.yaml_tree import parse_yaml
-from hilc_cli.sweeping.contests import compete
+from hilc_cli.laws.registry import CONTROLLERS
+from hilc_cli.leaderboards.contests import compete
+from hilc_cli.leaderboards.entries import LeaderboardData
+from hilc_cli.leaderboards.tables import entries_table
+from hilc_cli.yaml_input.nodes import Source, to_data
+from hilc_cli.yaml_input.tree import parse_yaml
 from tests.conftest import Hilc, Outcome
 
 PAGES = Path(__file__).resolve().parent.parent / "docs" / "laws"

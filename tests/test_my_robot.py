@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import hilc_cli as hilc
-from hilc_cli.sweeping.contests import compete
+from hilc_cli.leaderboards.contests import compete
 from tests.pages import ROOT
 
 PAGE = (ROOT / "docs" / "my-robot.md").read_text(encoding="utf-8")

@@ -13,11 +13,11 @@ import pytest
 from scipy.special import eval_laguerre
 
 import hilc_cli as hilc
-from hilc_cli.analysis.fixed_point import fixed_point
-from hilc_cli.analysis.lifted import LiftedIteration
-from hilc_cli.analysis.ripples import ripple_growth
-from hilc_cli.analysis.transient import predict_transient
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.theory.learning.fixed_point import fixed_point
+from hilc_cli.theory.learning.lifted import LiftedIteration
+from hilc_cli.theory.learning.ripples import ripple_growth
+from hilc_cli.theory.learning.transient import predict_transient
 from tests.cli.processes import HILC, environment
 
 DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "paper.md"

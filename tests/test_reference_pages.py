@@ -14,10 +14,10 @@ from pydantic.fields import FieldInfo
 from hilc_cli.cli.app import app
 from hilc_cli.results.metrics import METRIC_NAMES
 from hilc_cli.results.tables import INPUT_HEADER, SAMPLES_HEADER
-from hilc_cli.spec.expressions import UNITS
-from hilc_cli.spec.quantities import Quantity
-from hilc_cli.spec.scenario import ScenarioSpec
-from hilc_cli.spec.trajectory import TrajectorySpec
+from hilc_cli.scenario.scenario import ScenarioSpec
+from hilc_cli.scenario.trajectory import TrajectorySpec
+from hilc_cli.yaml_input.expressions import UNITS
+from hilc_cli.yaml_input.quantities import Quantity
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 DISTURBED = re.compile(r"disturbance\.(state|output|initial_pose)\.")  # one row for the three

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from hilc_cli.robot import (
+from hilc_cli.plants.kinematic import (
     Robot,
     driven_path,
     euler_step,

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import hilc_cli as hilc_api
-from hilc_cli.api import search_results
 from hilc_cli.errors import ExistingResultsError, UsageError
+from hilc_cli.sweeps import results
 from tests.cli.inputs import plus
 from tests.conftest import Hilc, Write
 
@@ -85,9 +85,9 @@ def test_interface_loads_when_it_is_used() -> None:
     program = (
         "import sys, hilc_cli as hilc\n"
         "assert 'numpy' not in sys.modules\n"
-        "import hilc_cli.sweeping, hilc_cli.results.sweep, hilc_cli.cli.sweep\n"
+        "import hilc_cli.sweeps, hilc_cli.sweeps.data, hilc_cli.cli.sweep\n"
         "assert callable(hilc.sweep) and callable(hilc.plan_sweep) and callable(hilc.read_sweep)\n"
-        "import hilc_cli.api.sweeping, hilc_cli.sweeping.search\n"
+        "import hilc_cli.sweeps.sweeping, hilc_cli.sweeps.search\n"
         "assert callable(hilc.sweep)\n"
         "assert not {'matplotlib', 'distributed', 'optuna'} & set(sys.modules)\n"
     )
@@ -108,6 +108,6 @@ def test_search_tells_keys_by_whatever_name_and_by_default(
     scenario = hilc_api.load_scenario("scenario.yaml", {**set_, "iterations": 0})
     own = scenario.resolved()
     keys = ("robot.wheel_separation", "model.wheel_separation", "model.half_track")
-    told = [search_results.value_of(own, key) for key in keys]
+    told = [results.value_of(own, key) for key in keys]
     assert told == pytest.approx(separations)
-    assert search_results.value_of(own, "model.wheel_radius") == own["robot"]["wheel_radius"]
+    assert results.value_of(own, "model.wheel_radius") == own["robot"]["wheel_radius"]

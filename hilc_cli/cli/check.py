@@ -63,15 +63,16 @@ def check(
       hilc check example:fig7a --simulate --plot
       hilc check my.yaml -q && hilc run my.yaml
     """
-    from hilc_cli import api
-    from hilc_cli.cli.check_report import document, print_report
+    from hilc_cli.checks.checking import check
+    from hilc_cli.checks.report.whole import document, print_report
     from hilc_cli.cli.default_folders import default_folder
-    from hilc_cli.cli.terminal import print_json, print_text, progress, say
     from hilc_cli.errors import UsageError
+    from hilc_cli.reporting.terminal import print_json, print_text, progress, say
+    from hilc_cli.runs.running import load_scenario
 
     if not plot and (out is not None or formats or force):
         raise UsageError("--out, --format and --force are about the picture; add --plot")
-    valid = api.load_scenario(scenario, set_ or [])
+    valid = load_scenario(scenario, set_ or [])
     session: Session = context.obj
     silent = quiet or not simulate
     with progress(valid.name, valid.spec.iterations + 1, quiet=silent) as advance:
@@ -80,7 +81,7 @@ def check(
             session.go_on()
             advance(iteration + 1)
 
-        found = api.check(valid, simulate=simulate, on_iteration=on_iteration)
+        found = check(valid, simulate=simulate, on_iteration=on_iteration)
     pictures: list[Path] = []
     if plot:
         folder = out or default_folder(valid.name, set_, "-check")

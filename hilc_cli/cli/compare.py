@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hilc_cli.cli.candidates import complete_leaderboard, complete_results
+from hilc_cli.cli.completion import complete_leaderboard, complete_results
 from hilc_cli.cli.options import (
     Force,
     Formats,
@@ -19,9 +21,12 @@ from hilc_cli.cli.options import (
     Verbose,
     Version,
 )
+from hilc_cli.cli.session import Session
+from hilc_cli.reporting.terminal import print_json, print_text, progress, say
 
 if TYPE_CHECKING:
-    from hilc_cli.api import Comparison
+    from hilc_cli.comparisons.comparing import Comparison
+    from hilc_cli.leaderboards.comparing import LawComparison
 
 
 class TableKind(StrEnum):
@@ -89,21 +94,20 @@ def compare(
       hilc compare runs/fig7a runs/fig7b --no-plots --table latex > table.tex
       hilc compare --laws example:leaderboard
     """
-    from hilc_cli import api
     from hilc_cli.cli.several_runs import (
         check_shared_folder,
         shared_folder,
         without_comparisons,
     )
-    from hilc_cli.cli.terminal import print_json
+    from hilc_cli.comparisons.comparing import compare
     from hilc_cli.errors import UsageError
+    from hilc_cli.reporting.terminal import print_json
+    from hilc_cli.sweeps.folders import is_sweep
 
     if json and table is not None:
         raise UsageError("--json and --table both say what is printed; give one of them")
     chosen = [choice.value for choice in formats or [PictureFormat.PNG]]
     if laws is not None:
-        from hilc_cli.cli.leaderboard import compare_laws
-
         if runs:
             raise UsageError(f"--laws runs what it compares; leave out {runs[0]}")
         compare_laws(
@@ -130,11 +134,11 @@ def compare(
         what = "only one run" if runs else "no run"
         raise UsageError(f"{one}: is {what}; give at least two to compare")
     for folder in runs:
-        if api.is_sweep(folder):
+        if is_sweep(folder):
             raise UsageError(f"{folder}: is the folder of a sweep; give folders of runs to compare")
     folder = out or shared_folder(runs)
     check_shared_folder(folder)
-    result = api.compare(runs)
+    result = compare(runs)
     files = result.write(
         folder,
         force=force,
@@ -148,8 +152,8 @@ def compare(
 
 
 def _tell(result: Comparison, folder: Path, kind: TableKind) -> None:
-    from hilc_cli.cli.comparison_table import print_comparison
-    from hilc_cli.cli.terminal import print_text, say
+    from hilc_cli.comparisons.report import print_comparison
+    from hilc_cli.reporting.terminal import print_text, say
 
     if kind is TableKind.TERMINAL:
         print_comparison(result.table)
@@ -171,4 +175,77 @@ def _document(result: Comparison, folder: Path, files: list[Path]) -> dict[str, 
             for place, column in enumerate(table.columns)
             if column.is_ranked
         },
+    }
+
+
+def compare_laws(
+    leaderboard: str,
+    session: Session,
+    *,
+    table: str,
+    out: Path | None,
+    force: bool,
+    formats: Sequence[str],
+    plots: bool,
+    workers: int | None,
+    json: bool,
+    quiet: bool,
+    verbose: bool,
+) -> None:
+    """Runs a leaderboard, writes its files, and prints its tables.
+
+    Args:
+        leaderboard: The file.
+        session: Of this program.
+        table: terminal, csv, markdown or latex.
+        out: The folder; None: runs/NAME.
+        force: Replace the folder of another leaderboard.
+        formats: Of the picture.
+        plots: Whether to draw it.
+        workers: Processes; None: all cores.
+        json: Print one JSON document in the place of a table.
+        quiet: Print nothing but errors.
+        verbose: Print all runs as well.
+    """
+    from hilc_cli.drawing.save import check_format
+    from hilc_cli.leaderboards.comparing import (
+        check_leaderboard_output,
+        compare_laws,
+        load_leaderboard,
+    )
+
+    for name in formats:
+        check_format(name)
+    valid = load_leaderboard(leaderboard)
+    folder = Path("runs") / valid.name if out is None else out
+    check_leaderboard_output(valid, folder, force=force)
+    with progress(valid.name, valid.size, quiet=quiet) as advance:
+        result = compare_laws(valid, workers=workers, on_runs=advance, go_on=session.go_on)
+    files = result.write(folder, force=force, formats=formats, plots=plots, command=sys.argv)
+    if json:
+        print_json(_laws_document(result, folder, files))
+    elif not quiet:
+        _tell_laws(result, folder, table, verbose=verbose)
+
+
+def _tell_laws(result: LawComparison, folder: Path, table: str, *, verbose: bool) -> None:
+    from hilc_cli.comparisons.report import print_comparison
+
+    if table != "terminal":
+        print_text(result.text(table).rstrip("\n"))
+        say(f"written to {folder}")
+        return
+    tables = [*result.laws.values(), result.settings]
+    for part in (*tables, result.entries) if verbose else tables:
+        print_comparison(part)
+    print_text(f"Written to {folder}")
+
+
+def _laws_document(result: LawComparison, folder: Path, files: Sequence[Path]) -> dict[str, object]:
+    return {
+        "folder": str(folder),
+        "files": [str(file) for file in files],
+        "laws": {name: table.records() for name, table in result.laws.items()},
+        "worst": result.settings_records,
+        "runs": result.entries.records(),
     }

@@ -8,6 +8,8 @@ from typing import Annotated
 import typer
 
 from hilc_cli.cli.options import Json, Quiet, Verbose, Version, check_is_folder_name
+from hilc_cli.yaml_input.nodes import MapNode, Scalar
+from hilc_cli.yaml_input.reading import Inputs
 
 
 def _check_copy(folder: Path | None) -> Path | None:
@@ -46,9 +48,8 @@ def examples(
       hilc examples
       hilc examples --copy my-experiments
     """
-    from hilc_cli.cli.terminal import print_json, print_table, print_text, two_columns
+    from hilc_cli.reporting.terminal import print_json, print_table, print_text, two_columns
     from hilc_cli.shipped_files import KINDS, copy_examples, examples, examples_folder
-    from hilc_cli.spec.describing import description_of
 
     if where:
         folder = str(examples_folder())
@@ -75,3 +76,14 @@ def examples(
     elif not quiet:
         for kind, rows in listed.items():
             print_table(two_columns(kind.capitalize(), rows, numbers=False))
+
+
+def description_of(path: Path) -> str:
+    """The description in a trajectory or scenario file; empty if it has none.
+
+    Raises:
+        HilcError: It cannot be read, or is no YAML.
+    """
+    tree = Inputs().tree(str(path))
+    node = tree.entries.get("description") if isinstance(tree, MapNode) else None
+    return node.text if isinstance(node, Scalar) else ""

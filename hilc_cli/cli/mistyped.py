@@ -30,8 +30,8 @@ def option_meant(option: str, options: Sequence[str], arguments: Sequence[str]) 
 
 def _keys_meant(option: str) -> list[str]:
     """The keys of a scenario that an option may stand for, if these are few."""
-    from hilc_cli.spec.known_keys import known_keys, spelled_out
-    from hilc_cli.spec.scenario import ScenarioSpec
+    from hilc_cli.scenario.scenario import ScenarioSpec
+    from hilc_cli.yaml_input.known_keys import known_keys, spelled_out
 
     words = option.lstrip("-").split(".")
     found = spelled_out(known_keys(ScenarioSpec), words, len(words))

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from hilc_cli.cli.candidates import complete_key, complete_scenario
+from hilc_cli.cli.completion import complete_key, complete_scenario
 from hilc_cli.errors import UsageError
 from hilc_cli.version import __version__
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from hilc_cli.cli.candidates import complete_results
+from hilc_cli.cli.completion import complete_results
 from hilc_cli.cli.options import (
     Force,
     Formats,
@@ -19,6 +21,7 @@ from hilc_cli.cli.options import (
     Verbose,
     Version,
 )
+from hilc_cli.errors import UsageError
 
 
 def plot(
@@ -73,18 +76,18 @@ def plot(
       hilc plot runs/fig8a-sweep --format pdf
       hilc plot runs/leaderboard --format svg --format pdf
     """
-    from hilc_cli import api
-    from hilc_cli.cli.default_folders import RUNS
-    from hilc_cli.cli.newest_results import newest_results
-    from hilc_cli.cli.ranges import parse_whole_numbers
+    from hilc_cli.cli.default_folders import RUNS, newest_results
     from hilc_cli.cli.several_runs import (
         check_shared_folder,
         shared_folder,
         without_comparisons,
     )
-    from hilc_cli.cli.terminal import say
     from hilc_cli.errors import UsageError
-    from hilc_cli.results.run_folder import ITERATIONS
+    from hilc_cli.leaderboards.comparing import is_leaderboard, plot_leaderboard, read_leaderboard
+    from hilc_cli.reporting.terminal import say
+    from hilc_cli.runs.run_folder import ITERATIONS
+    from hilc_cli.runs.running import as_runs, plot
+    from hilc_cli.sweeps.folders import is_sweep, plot_sweep, read_sweep
 
     if not runs:
         runs = [newest_results(RUNS)]
@@ -92,11 +95,11 @@ def plot(
             say(f"no run is named: drawing the newest, {runs[0]}")
     kinds = [choice.value for choice in kind or []]
     suffixes = [choice.value for choice in formats or [PictureFormat.PNG]]
-    if any(map(api.is_sweep, runs)):
+    if any(map(is_sweep, runs)):
         if len(runs) > 1 or iterations is not None:
             raise UsageError("a sweep is drawn on its own, and without --iterations")
-        pictures = api.plot_sweep(
-            api.read_sweep(runs[0]),
+        pictures = plot_sweep(
+            read_sweep(runs[0]),
             out or runs[0],
             kinds=kinds,
             formats=suffixes,
@@ -106,11 +109,11 @@ def plot(
         _tell(out or runs[0], pictures, json=json, quiet=quiet)
         return
     # Among runs, those that a pattern such as runs/* finds, too, are left out below.
-    if all(map(api.is_leaderboard, runs)):
+    if all(map(is_leaderboard, runs)):
         if len(runs) > 1 or iterations is not None or kinds:
             raise UsageError("a leaderboard is drawn alone, without --iterations and --kind")
-        pictures = api.plot_leaderboard(
-            api.read_leaderboard(runs[0]),
+        pictures = plot_leaderboard(
+            read_leaderboard(runs[0]),
             out or runs[0],
             formats=suffixes,
             dpi=dpi,
@@ -126,7 +129,7 @@ def plot(
             f"{runs[0]}: holds neither a run nor a sweep nor a leaderboard; "
             "give a folder that hilc has written"
         )
-    results = api.as_runs(runs)
+    results = as_runs(runs)
     chosen: set[int] | None = None
     if wanted is not None:
         chosen = {*wanted.single, *(i for run in results for i in run.trials if i in wanted)}
@@ -134,7 +137,7 @@ def plot(
     folder = out or (runs[0] if in_place else shared_folder(runs))
     if len(runs) > 1:
         check_shared_folder(folder)
-    pictures = api.plot(
+    pictures = plot(
         results,
         folder,
         kinds=kinds,
@@ -148,10 +151,50 @@ def plot(
 
 
 def _tell(folder: Path, pictures: list[Path], *, json: bool, quiet: bool) -> None:
-    from hilc_cli.cli.terminal import print_json, print_text
     from hilc_cli.errors import printable
+    from hilc_cli.reporting.terminal import print_json, print_text
 
     if json:
         print_json({"folder": str(folder), "files": [str(picture) for picture in pictures]})
     elif not quiet:
         print_text("\n".join(printable(str(picture)) for picture in pictures))
+
+
+_PART = re.compile(r"\s*(\d{1,9})\s*(?:\.\.\s*(\d{1,9})\s*)?")
+
+
+@dataclass(frozen=True, slots=True)
+class WholeNumbers:
+    """Single numbers, and ranges with their ends."""
+
+    single: tuple[int, ...]
+    ranges: tuple[range, ...]
+
+    def __contains__(self, number: int) -> bool:
+        return number in self.single or any(number in part for part in self.ranges)
+
+
+def parse_whole_numbers(option: str, text: str) -> WholeNumbers:
+    """The numbers that a list of numbers and ranges names, ends included.
+
+    Args:
+        option: The option that holds it, for the error message.
+        text: The list.
+
+    Raises:
+        UsageError: It has another form.
+    """
+    single: list[int] = []
+    ranges: list[range] = []
+    for part in text.split(","):
+        match = _PART.fullmatch(part)
+        if match is None:
+            raise UsageError(f"{option} {text}: must be whole numbers such as 0,1,5..10,100")
+        first = int(match[1])
+        if match[2] is None:
+            single.append(first)
+        elif int(match[2]) < first:
+            raise UsageError(f"{option} {text}: '{part.strip()}' is no range from low to high")
+        else:
+            ranges.append(range(first, int(match[2]) + 1))
+    return WholeNumbers(tuple(single), tuple(ranges))

@@ -22,7 +22,7 @@ from hilc_cli.cli.options import (
 from hilc_cli.cli.session import Session
 
 if TYPE_CHECKING:
-    from hilc_cli.api import ReproductionPlan
+    from hilc_cli.paper.plan import ReproductionPlan
 
 
 def complete_figure(incomplete: str) -> list[str]:
@@ -62,14 +62,15 @@ def reproduce(
       hilc reproduce
       hilc reproduce fig3 fig7 --format svg --out runs/two-figures
     """
-    from hilc_cli import api
-    from hilc_cli.cli.reproduction_report import document, print_claims
-    from hilc_cli.cli.terminal import print_json, print_text, progress, say
+    from hilc_cli.paper.plan import plan_reproduction
+    from hilc_cli.paper.report import document, print_claims
+    from hilc_cli.paper.reproducing import check_reproduction, reproduce
+    from hilc_cli.reporting.terminal import print_json, print_text, progress, say
 
-    plan = api.plan_reproduction(figures or [])
+    plan = plan_reproduction(figures or [])
     folder = out or Path("runs") / "reproduce"
     chosen = [choice.value for choice in formats or [PictureFormat.PNG]]
-    api.check_reproduction(plan, folder, force=force)
+    check_reproduction(plan, folder, force=force)
     session: Session = context.obj
 
     def stage(steps: int) -> str:
@@ -82,7 +83,7 @@ def reproduce(
             session.go_on()
             advance(next(done))
 
-        result = api.reproduce(plan, on_step=on_step)
+        result = reproduce(plan, on_step=on_step)
         timings = result.write(
             folder, force=force, formats=chosen, dpi=dpi, command=sys.argv, on_step=on_step
         )

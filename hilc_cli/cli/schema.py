@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from pydantic import BaseModel
 
 from hilc_cli.cli.options import Verbose, Version
+from hilc_cli.leaderboards.plan import LeaderboardSpec
+from hilc_cli.scenario.scenario import ScenarioSpec
+from hilc_cli.scenario.trajectory import TrajectorySpec
 
 
 class SchemaKind(StrEnum):
@@ -33,7 +37,31 @@ def schema(
       hilc schema scenario > hilc-scenario.schema.json
       hilc schema leaderboard > hilc-leaderboard.schema.json
     """
-    from hilc_cli.cli.terminal import print_json
-    from hilc_cli.spec.schema import json_schema
+    from hilc_cli.reporting.terminal import print_json
 
     print_json(json_schema(kind.value))
+
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_MODELS: dict[str, type[BaseModel]] = {
+    "trajectory": TrajectorySpec,
+    "scenario": ScenarioSpec,
+    "leaderboard": LeaderboardSpec,
+}
+
+
+def json_schema(kind: str) -> dict[str, Any]:
+    """The schema of one kind of file.
+
+    Args:
+        kind: trajectory, scenario or leaderboard.
+    """
+    schema = _MODELS[kind].model_json_schema()
+    if kind == "scenario":
+        inline = schema["properties"]["trajectory"]
+        path = {"type": "string", "description": "path of a trajectory file, or example:NAME"}
+        schema["properties"]["trajectory"] = {"anyOf": [path, inline]}
+    for part in schema["properties"].values():
+        if "patternProperties" in part:
+            part["additionalProperties"] = False  # a key that is no name is an error, too
+    return {"$schema": DIALECT, **schema, "title": f"hilc {kind}"}

@@ -18,10 +18,10 @@ def without_comparisons(folders: Sequence[Path]) -> list[Path]:
 
     What is left out is told.
     """
-    from hilc_cli.api import is_leaderboard
-    from hilc_cli.cli.terminal import say
-    from hilc_cli.results.comparison_tables import FILES
-    from hilc_cli.results.run_folder import ITERATIONS
+    from hilc_cli.comparisons.tables import FILES
+    from hilc_cli.leaderboards.comparing import is_leaderboard
+    from hilc_cli.reporting.terminal import say
+    from hilc_cli.runs.run_folder import ITERATIONS
 
     kept = []
     for folder in folders:
@@ -55,8 +55,9 @@ def check_shared_folder(folder: Path) -> None:
     Raises:
         UsageError: The folder is that of a run, of a sweep or of a leaderboard, or a link.
     """
-    from hilc_cli.api import is_leaderboard, is_sweep
-    from hilc_cli.results.run_folder import is_run_folder
+    from hilc_cli.leaderboards.comparing import is_leaderboard
+    from hilc_cli.runs.run_folder import is_run_folder
+    from hilc_cli.sweeps.folders import is_sweep
 
     if folder.is_symlink():
         raise UsageError(f"--out {folder}: is a link; name the folder that it leads to")

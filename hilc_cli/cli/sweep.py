@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from hilc_cli.cli.candidates import (
-    complete_case_metric,
-    complete_scenario,
-    complete_varied_key,
-)
+from hilc_cli.cli.completion import complete_case_metric, complete_scenario, complete_varied_key
 from hilc_cli.cli.options import (
     Force,
     Json,
@@ -23,9 +22,24 @@ from hilc_cli.cli.options import (
     Verbose,
     Version,
 )
-from hilc_cli.cli.resumable import resumable
 from hilc_cli.cli.session import Session
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import ExistingResultsError, UsageError
+
+
+@contextmanager
+def resumable(work: Path) -> Iterator[None]:
+    """Tells how to go on when a sweep has been stopped and left something to go on with."""
+    try:
+        yield
+    except BaseException as error:  # of any kind: a signal may end in another than its own
+        from hilc_cli.reporting.terminal import say
+        from hilc_cli.sweeps.folders import is_resumable
+
+        useless = isinstance(error, ExistingResultsError | UsageError)
+        if not useless and is_resumable(work):
+            words = [word for word in sys.argv[1:] if word != "--resume"]
+            say(f"go on with: {shlex.join(['hilc', *words, '--resume'])}")
+        raise
 
 
 class SweepFormat(StrEnum):
@@ -174,9 +188,22 @@ def sweep(
           --minimise max_position_error_m
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
-    from hilc_cli import api
     from hilc_cli.cli.default_folders import SWEEP, default_folder, folder_of_shards, shard_folder
-    from hilc_cli.cli.sweep_report import AGAIN, SHARDS_AGAIN, SweepReport
+    from hilc_cli.runs.running import load_scenario
+    from hilc_cli.sweeps.compute import Execution, compile_for
+    from hilc_cli.sweeps.crew import available_cores
+    from hilc_cli.sweeps.estimate import estimate
+    from hilc_cli.sweeps.folders import (
+        check_sweep_output,
+        discard_work,
+        is_complete,
+        is_resumable,
+        work_folder,
+    )
+    from hilc_cli.sweeps.report import AGAIN, SHARDS_AGAIN, SweepReport
+    from hilc_cli.sweeps.shards import check_shardable, shard_cases
+    from hilc_cli.sweeps.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
+    from hilc_cli.sweeps.tables import require_parquet
 
     session: Session = context.obj
     report = SweepReport(json=json, quiet=quiet, verbose=verbose)
@@ -189,11 +216,11 @@ def sweep(
         "go_on": session.go_on,
     }
     if "parquet" in chosen:
-        api.require_parquet()
+        require_parquet()
     if merge:
         _check_merge(vary, sample, cases, seed, minimise, tolerance, bands, metric, set_, workers,
                      scheduler, shard, resume, fail_fast, dry_run)  # fmt: skip
-        result = api.merge_shards([Path(folder) for folder in targets], go_on=session.go_on)
+        result = merge_shards([Path(folder) for folder in targets], go_on=session.go_on)
         folder = out or folder_of_shards(result.name, [Path(target) for target in targets])
         result.write(folder, **writing)
         report.result(result, folder, SHARDS_AGAIN)
@@ -201,8 +228,8 @@ def sweep(
     if len(targets) > 1:
         raise UsageError(f"give one scenario, got {len(targets)}; several folders need --merge")
     part = None if shard is None else _parse_shard(shard)
-    plan = api.plan_sweep(
-        api.load_scenario(targets[0], set_ or []),
+    plan = plan_sweep(
+        load_scenario(targets[0], set_ or []),
         vary or [],
         sample=None if sample is None else sample.value,
         cases=cases,
@@ -213,36 +240,34 @@ def sweep(
         minimise=minimise,
     )
     if part is not None:
-        api.check_shardable(plan)
-    how = api.Execution(
-        workers, scheduler, fail_fast, on_compile=report.compiling, go_on=session.go_on
-    )
+        check_shardable(plan)
+    how = Execution(workers, scheduler, fail_fast, on_compile=report.compiling, go_on=session.go_on)
     report.warnings(plan)
     if dry_run:
-        api.compile_for(plan, report.compiling)
-        computed = len(plan.cases if part is None else api.shard_cases(len(plan.cases), *part))
-        report.estimate(plan, api.estimate(plan, workers or api.available_cores(), computed))
+        compile_for(plan, report.compiling)
+        computed = len(plan.cases if part is None else shard_cases(len(plan.cases), *part))
+        report.estimate(plan, estimate(plan, workers or available_cores(), computed))
         return
     folder = out or default_folder(plan.name, set_, SWEEP)
     kept = {"resume": resume, "force": force}
     if part is not None:
         folder = shard_folder(folder, *part)
         with resumable(folder), report.progress(plan, part) as on_cases:
-            failures = api.sweep_shard(plan, part, folder, how.telling(on_cases), **kept)
+            failures = sweep_shard(plan, part, folder, how.telling(on_cases), **kept)
         report.shard(plan, part, failures, folder)
         return
-    api.check_sweep_output(plan, folder, force=force)
-    work = api.work_folder(folder)
-    if resume and not api.is_resumable(work) and api.is_complete(plan, folder):
-        api.discard_work(plan, work)
+    check_sweep_output(plan, folder, force=force)
+    work = work_folder(folder)
+    if resume and not is_resumable(work) and is_complete(plan, folder):
+        discard_work(plan, work)
         report.complete(folder)
         return
     with resumable(work):
         with report.progress(plan) as on_cases:
-            result = api.sweep(plan, how.telling(on_cases), work_folder=work, **kept)
+            result = sweep(plan, how.telling(on_cases), work_folder=work, **kept)
         result.write(folder, **writing)
     if not result.failures:
-        api.discard_work(plan, work)
+        discard_work(plan, work)
     report.result(result, folder, AGAIN)
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from hilc_cli.disturbance.streams import Disturbance, Triple
 from hilc_cli.laws.law import Law
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.robot import Robot
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,10 +11,10 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import Iteration, Task, WheelController
+from hilc_cli.plants.kinematic import euler_step, limit_wheel_speeds, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import is_finite
 from hilc_cli.results.trial import Trial
-from hilc_cli.robot import euler_step, limit_wheel_speeds, step_gains
 
 
 def simulate(experiment: Experiment) -> Iterator[Trial]:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hilc_cli.engine.batch import NEVER, BatchResult, simulate_batch
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.batch import NEVER, BatchResult, simulate_batch
+from hilc_cli.engine.lanes.packs import knows
 from hilc_cli.engine.loop import simulate
-from hilc_cli.engine.packs import knows
 from hilc_cli.errors import DivergedError
 from hilc_cli.results.metrics import METRIC_NAMES, IterationMetrics, measure
 from hilc_cli.results.trial import Trial

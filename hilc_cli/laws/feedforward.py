@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from hilc_cli.plants.kinematic import Robot, wheel_speeds_from_twist
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.robot import Robot, wheel_speeds_from_twist
 
 
 def feedforward(reference: Reference, model: Robot) -> tuple[Floats, Floats]:

@@ -2,18 +2,101 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
 
 import numpy as np
+from pydantic import Field
 
-from hilc_cli.laws.gain_heading import GainHeading, with_gain_heading
-from hilc_cli.laws.gain_matrix import GainMatrix
+from hilc_cli.laws.gain_matrix import GainMatrix, GainMatrixChoice, gain_matrix, matrix_misfits
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Task, WheelController
-from hilc_cli.laws.low_pass import LowPass
-from hilc_cli.laws.past_errors import PastErrors, corrected_input, per_component
-from hilc_cli.laws.rectifying import rectifying_pulse
-from hilc_cli.reference.sampled import Floats
+from hilc_cli.laws.parameters import Controller, Setting, default_length, length_misfits
+from hilc_cli.laws.past_errors import (
+    GainHeading,
+    PastErrors,
+    corrected_input,
+    per_component,
+    with_gain_heading,
+)
+from hilc_cli.plants.kinematic import Robot
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.yaml_input.model import Located, Model, valid
+from hilc_cli.yaml_input.quantities import (
+    Duration,
+    Frequency,
+    Gain,
+    GainPerSecond,
+    PositiveWheelSpeed,
+    Samples,
+    Share,
+)
+
+
+def rectifying_pulse(h: int, steps: int, sample_time: float) -> Floats:
+    """The pulse over samples 0 to h - 1, falling linearly; times d_t it sums to exactly 1.
+
+    Each is the mean over its sample of theta_h(t) = 2 / T (1 - t / T), T = h d_t. So the error that
+    learning ends with is e(k) = e(0) (1 - k / h)^2 at k <= h, and zero from there on.
+
+    Args:
+        h: Length of the pulse in samples, 1 to n.
+        steps: n.
+        sample_time: d_t [s].
+
+    Returns:
+        The pulse [1/s], shape (n,).
+
+    Source:
+        Sun and Wang 2002, Iterative learning control with initial rectifying action, Automatica
+        38, 1177-1182; Eq. 22 of Qiao et al. 2021 is the same pulse, taken at the samples.
+    """
+    middle = np.arange(steps) + 0.5
+    return 2 / (sample_time * h) * np.maximum(1 - middle / h, 0.0)
+
+
+class LowPass:
+    """A Butterworth filter of second order, run forth and back over a signal mirrored at its ends.
+
+    Of a signal that goes on in mirrors without end, cosines are the eigenvectors: the filter is a
+    cosine transform, a factor for each frequency, and the transform back. So the ends need no
+    padding whose length would have to be chosen; SciPy's ``sosfiltfilt`` gives the same where it
+    gets enough of the mirrored signal.
+
+    The mirrors lie half a sample before the first and half a sample behind the last, as holding
+    each wheel speed for a sample suggests. A constant and the sum over all samples stay as they
+    are: what has been learned about the first samples still moves the platform as far. A slope is
+    bent to run level into the ends. Continued point by point instead, as is the default of
+    ``sosfiltfilt``, a signal would keep its slope, but also all noise of its last sample, and a
+    pulse at its start would change the way that the wheels go.
+
+    The factor is 1/2 at the cut-off f_c, and 1 / (1 + (f / f_c)^4) far below the Nyquist frequency.
+
+    Source:
+        Butterworth 1930, by the bilinear transform, which takes f to tan(pi f d_t); Bristow,
+        Tharayil and Alleyne 2006 on Q-filters.
+    """
+
+    def __init__(self, cutoff: float, sample_time: float) -> None:
+        """With f_c [Hz], above 0 and below the Nyquist frequency, and d_t [s]."""
+        self._cutoff = math.tan(math.pi * cutoff * sample_time)
+
+    def __call__(self, signals: Floats) -> Floats:
+        """The signals without what is faster than the cut-off, shape (..., n) as they come."""
+        from scipy import fft  # few laws need it
+
+        samples = signals.shape[-1]
+        factors = self.factors(np.pi * np.arange(samples) / samples)
+        filtered: Floats = fft.idct(factors * fft.dct(signals, norm="ortho"), norm="ortho")
+        return filtered
+
+    def factors(self, frequencies: Floats) -> Floats:
+        """What it multiplies frequencies by, in radians per sample from 0 to pi."""
+        with np.errstate(over="ignore"):  # of a tiny cut-off; the factor is then 0
+            factors: Floats = 1 / (1 + (np.tan(frequencies / 2) / self._cutoff) ** 4)
+        return factors
+
 
 Smoothing = Callable[[Floats], Floats]
 
@@ -130,3 +213,115 @@ class PidLaw:
         return per_component(
             lambda error: weighted_error(self.gains, error, pulse, sample_time), previous
         )
+
+
+class PidGains(Model):
+    """Scalars before the gain matrix; what is left out is 0."""
+
+    kp: Gain = Field(0.0, description="of the previous iteration's error, e_i(k+1)")
+    ki: GainPerSecond = Field(0.0, description="of its sum times d_t, up to sample k+1 [1/s]")
+    kd: Duration = Field(0.0, description="of its change by d_t, from sample k to k+1 [s]")
+
+
+class PidController(Controller):
+    """PID-type iterative learning with a forgetting factor and a Q-filter."""
+
+    tied_to_trajectory: ClassVar[tuple[str, ...]] = ("h", "cutoff")
+
+    law: Literal["pid"]
+    gains: PidGains
+    forgetting: Share = Field(0.0, description="gamma: share of u_0 in what is learned from")
+    cutoff: Frequency | None = Field(
+        None, description="of the zero-phase low-pass Q-filter [Hz]; null for none"
+    )
+    rectifying: Literal["off", "on"] = Field(
+        "off", description="on: kd acts against the initial error, too, spread over h samples"
+    )
+    h: Samples | None = Field(
+        None, description="length of the rectifying in samples, 1 to n; default 200, or n if less"
+    )
+    gain_matrix: GainMatrixChoice = Field(
+        "model", description="model: Eq. 45; unit: Eq. 56; or 2x3 entries affine in cos and sin"
+    )
+    gain_heading: GainHeading = Field(
+        "measured", description="heading at which the gain matrix is taken"
+    )
+    b_w: PositiveWheelSpeed | None = Field(
+        None, description="speed limit of the wheels [rad/s]; null for none"
+    )
+
+    @classmethod
+    def relations(
+        cls, data: Mapping[str, Any], reference: Reference | None, model: Robot | None
+    ) -> list[Located]:
+        """What is too long or too fast for the trajectory, and what the matrix cannot be."""
+        return [
+            *length_misfits(valid(Samples, data.get("h")), reference),
+            *_cutoff_misfits(valid(Frequency, data.get("cutoff")), reference),
+            *matrix_misfits(valid(GainMatrixChoice, data.get("gain_matrix")), model),
+        ]
+
+    def misfits_on(self, reference: Reference) -> list[Located]:
+        """What is too long or too fast for a trajectory."""
+        return [*length_misfits(self.h, reference), *_cutoff_misfits(self.cutoff, reference)]
+
+    def law_for(self, setting: Setting) -> PidLaw:
+        """The law for the engines."""
+        return PidLaw(
+            self.gains.kp,
+            self.gains.ki,
+            self.gains.kd,
+            self.forgetting,
+            gain_matrix(self.gain_matrix, setting.model),
+            self.gain_heading,
+            self.cutoff,
+            default_length(self.h, setting.reference) if self.rectifying == "on" else None,
+        )
+
+    def in_short(self) -> str:
+        """What is not 0, for a title."""
+        gains = self.gains
+        parts = [
+            (gains.kp, f"kp {gains.kp:g}"),
+            (gains.ki, f"ki {gains.ki:g} 1/s"),
+            (gains.kd, f"kd {gains.kd:g} s"),
+            (self.forgetting, f"forgetting {self.forgetting:g}"),
+            (self.cutoff, f"cut-off {self.cutoff:g} Hz" if self.cutoff else ""),
+        ]
+        return ", ".join(["pid", *(text for value, text in parts if value)])
+
+    def in_words(self, setting: Setting) -> str:
+        """All gains, and what else shapes the learning."""
+        gains = self.gains
+        words = f"PID-type learning; kp {gains.kp:g}, ki {gains.ki:g} 1/s, kd {gains.kd:g} s"
+        if self.forgetting:
+            words += f", forgetting {self.forgetting:g}"
+        if self.cutoff is not None:
+            words += f", cut-off {self.cutoff:g} Hz"
+        if self.rectifying == "on":
+            words += f", rectifying over {default_length(self.h, setting.reference)} samples"
+        return words
+
+    def resolved(self, reference: Reference) -> dict[str, Any]:
+        """The parameters as plain data with every default filled in."""
+        return {**super().resolved(reference), "h": default_length(self.h, reference)}
+
+    def warnings(self, setting: Setting) -> list[str]:
+        """Parameters without effect."""
+        gains = self.gains
+        if gains.kp == gains.ki == gains.kd == 0:
+            return ["controller.gains are all 0: nothing is learned; give kp, ki or kd"]
+        if self.rectifying == "on" and gains.kd == 0:
+            return ["controller.rectifying has no effect: it acts through gains.kd, which is 0"]
+        return []
+
+
+def _cutoff_misfits(cutoff: float | None, reference: Reference | None) -> list[Located]:
+    """What is wrong with a cut-off for a trajectory's sample time; either may be unknown."""
+    if cutoff is None or reference is None:
+        return []
+    nyquist = 0.5 / reference.sample_time
+    if cutoff < nyquist:
+        return []
+    problem = f"must be below {nyquist:g} Hz, half the sampling frequency of the trajectory"
+    return [(("cutoff",), problem, "give a lower one, or null for no filter")]

@@ -4,12 +4,23 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from hilc_cli.figures.labels import number_text
+from hilc_cli.drawing.labels import number_text
 from hilc_cli.paper.claim import Claim, Figure, Finding, Verdict
-from hilc_cli.paper.markdown import cell, table
+
+
+def cell(text: str) -> str:
+    """A text that a table's cell can hold."""
+    return " ".join(text.split()).replace("|", r"\|")
+
+
+def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table; the cells stand as they are."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
 
 CLAIMS_HEADER = ("id", "sentence", "place", "measured", "criterion", "figures", "verdict", "reason")
 

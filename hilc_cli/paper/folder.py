@@ -22,10 +22,9 @@ from hilc_cli.paper.names import (
     data_name,
     picture_name,
 )
-from hilc_cli.paper.panel_tables import write_panel
-from hilc_cli.paper.panels import panel_rows
+from hilc_cli.paper.panels import panel_rows, write_panel
 from hilc_cli.paper.plan import ReproductionPlan
-from hilc_cli.results.output_folder import check_replaceable, read_manifest
+from hilc_cli.results.folder import check_replaceable, read_manifest
 from hilc_cli.results.run import RunData
 
 KIND = "hilc reproduce"
@@ -64,8 +63,8 @@ def write_reproduction_folder(
         ExistingResultsError: The folder holds something else.
         FileAccessError: It cannot be written.
     """
-    from hilc_cli.figures.paper.sheet import sheet_figure  # Matplotlib starts slowly
-    from hilc_cli.figures.save import save_figure
+    from hilc_cli.drawing.save import save_figure
+    from hilc_cli.paper.pictures.sheet import sheet_figure  # Matplotlib starts slowly
 
     def fill(folder: Path) -> None:
         (folder / DATA).mkdir()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hilc_cli.paper.contents import FIGURE_NAMES, FIGURES, PaperFigure, PaperPanel
-from hilc_cli.results.run_folder import PICTURE_FORMATS
+from hilc_cli.results.folder import PICTURE_FORMATS
 
 MANIFEST = "manifest.json"
 INDEX = "index.md"

@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hilc_cli.figures.paper.panel import SHOWN_ITERATIONS
-from hilc_cli.named import in_short, listed
+from hilc_cli.names import in_short, listed
 from hilc_cli.paper.claim import Claim
 from hilc_cli.paper.contents import FIGURE_NAMES, PaperFigure, figures_named
-from hilc_cli.results.recording import recorded_iterations
+from hilc_cli.paper.pictures.panel import SHOWN_ITERATIONS
+from hilc_cli.scenario.experiment import Scenario
+from hilc_cli.scenario.loading import load_scenario
+from hilc_cli.scenario.record import recorded_iterations
 from hilc_cli.shipped_files import PREFIX
-from hilc_cli.spec.loading import load_scenario
-from hilc_cli.spec.valid import Scenario
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -12,7 +12,7 @@ import numpy as np
 
 from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file
-from hilc_cli.named import in_short, listed, named
+from hilc_cli.names import in_short, listed, named
 from hilc_cli.reference.sampled import Floats
 
 _ITERATION = "iteration"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.named import Named, in_short, listed
+from hilc_cli.names import Named, in_short, listed
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 
@@ -61,6 +61,25 @@ class IterationMetrics:
 MAX_ERROR, MAX_ERROR_SECOND_HALF = "max_position_error_m", "max_position_error_second_half_m"
 METRIC_NAMES: tuple[str, ...] = tuple(IterationMetrics.__dataclass_fields__)
 INTEGER_METRICS = frozenset({"saturated_samples"})
+
+ITERATIONS_TO_TOLERANCE = "iterations_to_tolerance"
+
+
+PEAK = "peak_max_position_error_m"
+
+
+DIVERGED = "diverged"
+
+
+CASE_METRICS = (*METRIC_NAMES, ITERATIONS_TO_TOLERANCE, PEAK)
+
+
+CASE_COLUMNS = (*CASE_METRICS, DIVERGED)
+"""Columns of ``cases.csv`` behind the varied keys."""
+
+
+WHOLE_COLUMNS = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE, DIVERGED}
+"""Columns of whole numbers."""
 
 
 def measure(trial: Trial, reference: Reference, before: Trial | None) -> IterationMetrics:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.named import in_short
+from hilc_cli.names import in_short
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, settled_at
 from hilc_cli.results.run import RunData
 

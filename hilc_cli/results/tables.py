@@ -14,8 +14,14 @@ import numpy as np
 from hilc_cli.errors import UsageError, printable
 from hilc_cli.files import read_file
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.metrics import INTEGER_METRICS, METRIC_NAMES, IterationMetrics, MetricsTable
+from hilc_cli.results.metrics import (
+    INTEGER_METRICS,
+    METRIC_NAMES,
+    IterationMetrics,
+    MetricsTable,
+)
 from hilc_cli.results.trial import Trial
+from hilc_cli.variation.axes import Value
 
 if TYPE_CHECKING:
     import _csv
@@ -302,3 +308,12 @@ def _check_header(path: Path, found: Sequence[str], header: Sequence[str]) -> No
 
 def _damaged(path: Path, line: int, what: str) -> UsageError:
     return UsageError(f"{path}:{line}: is damaged: {what}")
+
+
+def value_text(value: Value) -> str:
+    """A value as a command line takes it; it reads back as the same value."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return quoted(value) if isinstance(value, str) else repr(value)

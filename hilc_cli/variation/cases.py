@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -111,3 +111,26 @@ class Cases:
             warnings.simplefilter("ignore", UserWarning)
             points: NDArray[np.float64] = sequence.random(last - first)
         return points.clip(_SMALLEST, 1 - _SMALLEST)
+
+
+@dataclass(frozen=True, slots=True)
+class ListedCases:
+    """All cases of a search.
+
+    Attributes:
+        axes: What each key takes, in the order in which they were given.
+        rows: What each key is in each case.
+    """
+
+    axes: Mapping[str, Axis]
+    rows: Sequence[tuple[Value, ...]]
+
+    sampling = "listed"
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def column(self, key: str) -> list[Value]:
+        """What one key is in all cases."""
+        number = list(self.axes).index(key)
+        return [row[number] for row in self.rows]

@@ -8,4 +8,4 @@ import pytest
 @pytest.fixture
 def alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sweeps of this process start no workers that they are not told to start."""
-    monkeypatch.setattr("hilc_cli.sweeping.compute._ALONE", math.inf)
+    monkeypatch.setattr("hilc_cli.sweeps.compute._ALONE", math.inf)

@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 import pytest
 
 import hilc_cli as hilc
-from hilc_cli import api
+from hilc_cli.sweeps.sweeping import plan_sweep, sweep
 from tests.cli import processes
 from tests.conftest import Outcome
 
@@ -53,10 +53,10 @@ MARK = "HILC_TEST_SWEEP"
 
 # With two worker processes, and in chunks, even where a sweep would be over before they started.
 FORCED = """\
-import hilc_cli.sweeping.compute, hilc_cli.sweeping.sizing
-hilc_cli.sweeping.compute._ALONE = 0
-hilc_cli.sweeping.compute.available_cores = lambda: 2
-hilc_cli.sweeping.sizing._MOST_CASES = 24
+import hilc_cli.sweeps.compute, hilc_cli.sweeps.sizing
+hilc_cli.sweeps.compute._ALONE = 0
+hilc_cli.sweeps.compute.available_cores = lambda: 2
+hilc_cli.sweeps.sizing._MOST_CASES = 24
 from hilc_cli.cli.main import main
 main()
 """
@@ -68,13 +68,13 @@ ALONE = FORCED.replace("_ALONE = 0", "_ALONE = 1e99")
 def expected() -> dict[str, bytes]:
     """The tables as one process computes them in memory, in one chunk."""
     with TemporaryDirectory() as name, pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hilc_cli.sweeping.compute._ALONE", math.inf)
+        patch.setattr("hilc_cli.sweeps.compute._ALONE", math.inf)
         folder = Path(name)
         (folder / "sweep.yaml").write_text(SWEEP)
         scenario = hilc.load_scenario(folder / "sweep.yaml")
-        plan = api.plan_sweep(scenario, VARY, bands=True, tolerance=0.8, metric=METRIC)
+        plan = plan_sweep(scenario, VARY, bands=True, tolerance=0.8, metric=METRIC)
         assert len(plan.cases) == CASES
-        api.sweep(plan).write(folder / "sweep", plots=False)
+        sweep(plan).write(folder / "sweep", plots=False)
         return tables(folder / "sweep")
 
 
@@ -179,7 +179,7 @@ def processes_of_parent(pid: int) -> list[int]:
 
 def _is_worker(pid: int) -> bool:
     try:
-        return b"hilc_cli.sweeping.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()
+        return b"hilc_cli.sweeps.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()
     except OSError:
         return False
 

@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 
 import hilc_cli as hilc_api
-from hilc_cli.analysis import transient
-from hilc_cli.analysis.advice import advice
-from hilc_cli.analysis.demand import demand_of
-from hilc_cli.analysis.feasibility import Feasibility, Limits
-from hilc_cli.analysis.remedies import feasibility_findings
-from hilc_cli.cli import check_report, section, terminal
+from hilc_cli.checks.advice import advice
+from hilc_cli.checks.report import whole
+from hilc_cli.reporting import section, terminal
 from hilc_cli.shipped_files import examples
+from hilc_cli.theory.feasibility.demand import demand_of
+from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits, feasibility_findings
+from hilc_cli.theory.learning import transient
 from tests.cli.inputs import SCENARIO, TRAJECTORY, listing, scenario, trajectory
 from tests.cli.processes import HILC, TIMEOUT, environment, run_hilc
 from tests.conftest import Hilc, Outcome, Write
@@ -289,7 +289,7 @@ def test_many_errors_are_counted_on_a_terminal(
     changes = ("--set", "controller.b_w=12")
     out = hilc("check", "scenario.yaml", *changes).out
     assert out.count("\nerror: ") == 31  # for grep
-    monkeypatch.setattr(check_report, "is_decorated", lambda stream: True)
+    monkeypatch.setattr(whole, "is_decorated", lambda stream: True)
     out = hilc("check", "scenario.yaml", *changes).out
     assert (out.count("\nerror: "), out.count("\n29 more errors: -v\n")) == (2, 1)
     verbose = hilc("check", "scenario.yaml", "-v", *changes).out
@@ -651,7 +651,7 @@ def test_reader_that_has_seen_enough_ends_the_report(tmp_path: Path) -> None:
 def test_report_is_one_screen(
     hilc: Hilc, monkeypatch: pytest.MonkeyPatch, name: str, columns: int
 ) -> None:
-    for module in (check_report, section, terminal):
+    for module in (whole, section, terminal):
         monkeypatch.setattr(module, "is_decorated", lambda stream: stream is sys.stdout)
     monkeypatch.setenv("COLUMNS", str(columns))
     out = hilc("check", f"example:{name}", "--set", "trajectory.sample_time=5 ms").out

@@ -10,7 +10,7 @@ from typing import Protocol
 
 import pytest
 
-from hilc_cli.analysis import transient
+from hilc_cli.theory.learning import transient
 from tests.conftest import Hilc, Outcome
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "check.md"

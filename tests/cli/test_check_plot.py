@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from hilc_cli.analysis import transient
-from hilc_cli.figures import save
-from hilc_cli.figures.transient import PREDICTED, RESTS, SIMULATED
+from hilc_cli.checks.picture import PREDICTED, RESTS, SIMULATED
+from hilc_cli.drawing import save
+from hilc_cli.theory.learning import transient
 from tests.cli.inputs import listing
 from tests.conftest import Hilc, Outcome, Write
-from tests.figures.reading import line
+from tests.drawing.reading import line
 
 PLOT = ("check", "scenario.yaml", "--plot")
 

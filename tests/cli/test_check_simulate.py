@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.analysis import law_theory, transient
-from hilc_cli.api import checking
+from hilc_cli.checks import checking
+from hilc_cli.theory.laws import law_theory
+from hilc_cli.theory.learning import transient
 from tests.cli.inputs import TRAJECTORY, trajectory
 from tests.conftest import Hilc, Outcome, Write
 

@@ -12,7 +12,7 @@ import pytest
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.spec.varied import Varied
+from hilc_cli.sweeps.varied import Varied
 from hilc_cli.variation.axes import Value
 from tests.cli import sweeps
 from tests.cli.inputs import listing
@@ -236,7 +236,7 @@ def stop_at_the_end(hilc: Hilc) -> None:
         def stop(*_: object) -> None:
             raise KeyboardInterrupt
 
-        patch.setattr("hilc_cli.sweeping.search._as_it_is", stop)
+        patch.setattr("hilc_cli.sweeps.search._as_it_is", stop)
         assert hilc(*SEARCH).code == 130
     assert sweeps.chunks_kept() == BATCHES
 

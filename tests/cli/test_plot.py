@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.api import running
+from hilc_cli.runs import running
 from tests.cli.inputs import listing
 from tests.conftest import Hilc, Outcome, Write
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import hilc_cli as hilc_api
-from hilc_cli import api
+from hilc_cli.leaderboards.comparing import check_leaderboard_output
 from tests.cli.inputs import listing
 from tests.cli.test_leaderboard import FILES, LEADERBOARD
 from tests.conftest import Hilc, Outcome, Write
@@ -57,7 +57,7 @@ def test_formats_and_place_asked_for(hilc: Hilc, board: hilc_api.LawComparison) 
     assert "p/leaderboard.svg: exists" in again.err
     # The folder is that of the same leaderboard still, pictures and all.
     assert hilc_api.read_leaderboard(FOLDER).entries == board.data.entries
-    api.check_leaderboard_output(hilc_api.load_leaderboard("leaderboard.yaml"), FOLDER)
+    check_leaderboard_output(hilc_api.load_leaderboard("leaderboard.yaml"), FOLDER)
 
 
 def test_what_does_not_fit_a_leaderboard(hilc: Hilc, board: hilc_api.LawComparison) -> None:

@@ -17,14 +17,14 @@ from typing import Any
 
 import pytest
 
-from hilc_cli import api
 from hilc_cli.cli.main import main
 from hilc_cli.cli.reproduce import _stage
-from hilc_cli.cli.reproduction_report import print_claims
 from hilc_cli.paper import folder as paper_folder
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.contents import FIGURES
 from hilc_cli.paper.plan import ReproductionPlan, plan_reproduction
+from hilc_cli.paper.report import print_claims
+from hilc_cli.paper.reproducing import reproduce
 from tests.cli.inputs import listing, put_odd_things
 from tests.cli.processes import run_hilc
 from tests.conftest import Hilc, Outcome
@@ -73,7 +73,7 @@ def quick(
 
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(api, "plan_reproduction", quick)
+    monkeypatch.setattr("hilc_cli.paper.plan.plan_reproduction", quick)
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +83,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, dict
     before = signal.getsignal(signal.SIGTERM)
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as told:
         patch.chdir(working)
-        patch.setattr(api, "plan_reproduction", quick)
+        patch.setattr("hilc_cli.paper.plan.plan_reproduction", quick)
         patch.setattr(sys, "argv", ["hilc", "reproduce"])
         with pytest.raises(SystemExit) as stop:
             main(["reproduce", "--dpi", "30", "--json"])
@@ -336,7 +336,7 @@ def test_signal_while_it_is_written(
 
 
 def test_claims_are_printed_with_their_verdicts(capsys: pytest.CaptureFixture[str]) -> None:
-    result = api.reproduce(quick(["fig4"], overrides={"iterations": 0}))
+    result = reproduce(quick(["fig4"], overrides={"iterations": 0}))
     judged = replace(result, judged=((CLAIMS[1], refuse({})),))
     print_claims(judged)
     lines = capsys.readouterr().out.splitlines()

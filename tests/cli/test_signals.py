@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from hilc_cli.results import run_folder
+from hilc_cli.runs import run_folder
 from tests.cli.inputs import SCENARIO, TRAJECTORY, listing
 from tests.cli.processes import outcome_of, run_hilc, started
 from tests.conftest import Hilc, Outcome, Write

@@ -19,12 +19,12 @@ from types import FrameType
 import pytest
 
 import hilc_cli as hilc_api
-from hilc_cli import api
-from hilc_cli.sweeping.store import FolderStore
+from hilc_cli.sweeps.store import FolderStore
+from hilc_cli.sweeps.sweeping import plan_sweep, sweep, sweep_shard
 from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY, listing, plus
 from tests.conftest import Hilc, Outcome
-from tests.results.test_leaderboard_folder import DATA
-from tests.results.test_leaderboard_folder import write as write_leaderboard
+from tests.leaderboards.test_leaderboard_folder import DATA
+from tests.leaderboards.test_leaderboard_folder import write as write_leaderboard
 
 VARY = ("controller.gain_matrix=model,unit", "iterations=1,2")
 SWEEP = ("sweep", "scenario.yaml", "--vary", VARY[0], "--vary", VARY[1], "--bands", "--no-plots")
@@ -89,18 +89,18 @@ def kinds(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, text in texts.items():
         (place / name).write_text(text)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hilc_cli.sweeping.compute._ALONE", float("inf"))
+        patch.setattr("hilc_cli.sweeps.compute._ALONE", float("inf"))
         patch.chdir(place)
         scenario = hilc_api.load_scenario("scenario.yaml")
         for name in "ab":
             hilc_api.run(scenario).write(name, plots=False)
             Path(name, "learning.csv").write_text("iteration,gain\n0,1.0\n1,2.0\n2,3.0\n")
             Path(name, "error.png").write_text("a picture")
-        plan = api.plan_sweep(scenario, VARY, bands=True)
-        api.sweep(plan, work_folder="new.part").write("sweep", plots=False)
+        plan = plan_sweep(scenario, VARY, bands=True)
+        sweep(plan, work_folder="new.part").write("sweep", plots=False)
         Path("sweep", "curve.png").write_text("a picture")
         for number, name in enumerate(("part.1-of-2", "part.2-of-2"), 1):
-            api.sweep_shard(plan, (number, 2), name)
+            sweep_shard(plan, (number, 2), name)
         write_leaderboard(place / "board", DATA)
         Path("figures", "data").mkdir(parents=True)
         Path("figures", "manifest.json").write_text('{"kind": "hilc reproduce", "figures": ["x"]}')
@@ -116,7 +116,7 @@ def work(kinds: Path, tmp_path: Path, folder: Path, monkeypatch: pytest.MonkeyPa
     shutil.copytree(kinds, tmp_path / "work")
     (tmp_path / "outside").mkdir()
     monkeypatch.chdir(tmp_path / "work")
-    monkeypatch.setattr("hilc_cli.sweeping.compute._ALONE", float("inf"))
+    monkeypatch.setattr("hilc_cli.sweeps.compute._ALONE", float("inf"))
     return tmp_path / "work"
 
 

@@ -9,18 +9,19 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli import api
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.spec.varied import Varied
-from hilc_cli.sweeping import execute
-from hilc_cli.sweeping.store import FolderStore
+from hilc_cli.sweeps import execute
+from hilc_cli.sweeps.folders import is_resumable
+from hilc_cli.sweeps.store import FolderStore
+from hilc_cli.sweeps.sweeping import plan_sweep
+from hilc_cli.sweeps.varied import Varied
 from hilc_cli.variation.axes import Value
 from tests.cli import sweeps
 from tests.cli.inputs import listing
 from tests.cli.processes import outcome_of
 from tests.conftest import Hilc, Outcome, Write
-from tests.sweeping.deadly import deadly
+from tests.sweeps.deadly import deadly
 
 KEY = "controller.gains.l1"
 VARY = f"{KEY}=0.1:0.8:8"
@@ -64,7 +65,7 @@ def leave_unfinished(hilc: Hilc, *arguments: str) -> None:
 
         patch.setattr(FolderStore, "rows", stop)
         assert hilc(*arguments).code == 2
-    assert api.is_resumable(sweeps.PART)
+    assert is_resumable(sweeps.PART)
 
 
 def test_same_sweep_is_replaced_and_own_files_stay(hilc: Hilc, write: Write) -> None:
@@ -165,7 +166,7 @@ def test_header_of_another_version(
 ) -> None:
     write()
     with monkeypatch.context() as patch:
-        patch.setattr("hilc_cli.sweeping.plan.__version__", "0.0.0")
+        patch.setattr("hilc_cli.sweeps.plan.__version__", "0.0.0")
         leave_unfinished(hilc, *SWEEP)
     assert hilc(*SWEEP, "--resume") == Outcome(1, "", OTHER_PART)
     assert hilc(*SWEEP, "--resume", "--force") == DONE
@@ -203,7 +204,7 @@ def test_own_files_survive_a_refused_start(
     def refuse(self: object) -> str:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("hilc_cli.sweeping.plan.Plan.resolved_yaml", refuse)
+    monkeypatch.setattr("hilc_cli.sweeps.plan.Plan.resolved_yaml", refuse)
     assert hilc(*OTHER, "--force").code == 1
     assert (sweeps.PART / "notes.txt").read_text() == "mine"
 
@@ -345,11 +346,12 @@ def test_cases_that_kill_their_worker(
     write()
     sixty = ("sweep", "scenario.yaml", "--vary", f"{KEY}=0.01:0.60:60", "--no-plots", "-q")
     assert hilc(*sixty, "--out", "whole") == DONE
-    monkeypatch.setattr("hilc_cli.sweeping.compute._ALONE", 0)
-    monkeypatch.setattr("hilc_cli.sweeping.sizing._MOST_CASES", 24)
-    plan_sweep = api.plan_sweep
+    monkeypatch.setattr("hilc_cli.sweeps.compute._ALONE", 0)
+    monkeypatch.setattr("hilc_cli.sweeps.sizing._MOST_CASES", 24)
     with monkeypatch.context() as patch:
-        patch.setattr(api, "plan_sweep", lambda *a, **b: deadly(plan_sweep(*a, **b)))
+        patch.setattr(
+            "hilc_cli.sweeps.sweeping.plan_sweep", lambda *a, **b: deadly(plan_sweep(*a, **b))
+        )
         outcome = hilc(*sixty, "--workers", "2")
     assert outcome == Outcome(
         3,

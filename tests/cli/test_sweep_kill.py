@@ -24,13 +24,13 @@ CHUNKS = sweeps.CASES // sweeps.CHUNK
 GONE_WITHIN = 10.0  # [s] a loaded machine is given time; half a second is what a worker needs
 CHILDREN = """\
 import json, os, sys
-import hilc_cli.api, hilc_cli.sweeping.sizing, hilc_cli.sweeping.compute
-import hilc_cli.cli.app, hilc_cli.cli.sweep_report
+import hilc_cli, hilc_cli.sweeps.sizing, hilc_cli.sweeps.compute
+import hilc_cli.cli.app, hilc_cli.sweeps.report
 from hilc_cli.cli.main import main
-hilc_cli.sweeping.sizing._MOST_CASES = 24
-hilc_cli.sweeping.compute.available_cores = lambda: 2
-scenario = hilc_cli.api.load_scenario("sweep.yaml")
-hilc_cli.api.sweep(hilc_cli.api.plan_sweep(scenario, ["disturbance.seed=1..2"]))
+hilc_cli.sweeps.sizing._MOST_CASES = 24
+hilc_cli.sweeps.compute.available_cores = lambda: 2
+scenario = hilc_cli.load_scenario("sweep.yaml")
+hilc_cli.sweep(hilc_cli.plan_sweep(scenario, ["disturbance.seed=1..2"]))
 for line in sys.stdin:
     alone, arguments = json.loads(line)
     child = os.fork()
@@ -42,7 +42,7 @@ for line in sys.stdin:
     os.dup2(os.open(os.devnull, os.O_RDWR), 0)
     os.dup2(0, 1)
     sys.stdin, sys.stdout = open(0, closefd=False), open(1, "w", closefd=False)
-    hilc_cli.sweeping.compute._ALONE = 1e99 if alone else 0
+    hilc_cli.sweeps.compute._ALONE = 1e99 if alone else 0
     sys.argv[1:] = arguments
     main()
 """
@@ -142,7 +142,7 @@ def test_killed_while_its_folder_is_made(hilc: Hilc, folder: Path, step: str) ->
     sweeps.put_sweep(folder)
     script = f"""\
 import os, signal
-from hilc_cli.sweeping import store
+from hilc_cli.sweeps import store
 class Killer:
     def __get__(self, *arguments):
         os.kill(os.getpid(), signal.SIGKILL)

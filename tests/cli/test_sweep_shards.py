@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.sweeping.store import FolderStore
+from hilc_cli.sweeps.store import FolderStore
 from tests.cli import sweeps
 from tests.cli.inputs import listing, plus
 from tests.conftest import Hilc, Outcome, Write

@@ -10,10 +10,10 @@ import pytest
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import measure
 from hilc_cli.results.trial import Trial
-from hilc_cli.robot import Robot
 from tests.engine.experiments import LIMIT, experiment_of, law_of
 
 LINE = Reference(

@@ -17,7 +17,7 @@ from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.law import Figures, Iteration, Learner, Task, WheelController
-from hilc_cli.spec.valid import Scenario
+from hilc_cli.scenario.experiment import Scenario
 from tests.conftest import Hilc, Write
 from tests.engine.experiments import experiment_of, law_of
 from tests.reference.paths import paper_reference

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from hilc_cli.api import load_scenario, run
-from hilc_cli.engine.batch import NEVER, simulate_batch
+from hilc_cli.engine.lanes.batch import NEVER, simulate_batch
 from hilc_cli.engine.many import simulate_many
 from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.runs.running import load_scenario, run
 
 PID = {"law": "pid", "gains": {"kp": 0.5, "kd": 0.2}, "b_w": 180}
 RUNAWAY = {"law": "pid", "gains": {"kp": 1e12, "kd": 1e9}}

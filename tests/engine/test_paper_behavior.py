@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from hilc_cli.api import load_scenario, run
 from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.robot import Robot
+from hilc_cli.runs.running import load_scenario, run
 from tests.engine.experiments import LIMIT, SITUATIONS, experiment_of, law_of
 from tests.reference.paths import paper_reference
 

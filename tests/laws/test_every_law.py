@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hilc_cli.api import Run, load_scenario, run
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.runs.running import Run, load_scenario, run
 
 # Gains that suit paths of about a second.
 LAWS: Mapping[str, Mapping[str, Any]] = {

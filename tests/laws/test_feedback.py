@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from hilc_cli.api import load_scenario, run
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.feedback import FeedbackLaw
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
-from hilc_cli.robot import Robot
+from hilc_cli.runs.running import load_scenario, run
 from tests.conftest import Write
 from tests.engine.experiments import LIMIT, PLATFORM, UP, experiment_of, law_of
 from tests.reference.paths import Pose, paper_reference

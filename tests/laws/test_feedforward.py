@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
-from hilc_cli.robot import Robot
 from tests.reference.paths import paper_reference
 
 

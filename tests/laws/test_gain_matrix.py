@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilc_cli.laws.gain_matrix import Affine, GainMatrix, model_gain, unit_gain, wheel_correction
+from hilc_cli.laws.gain_matrix import GainMatrix, model_gain, unit_gain, wheel_correction
+from hilc_cli.plants.kinematic import Robot, TurnConvention
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.robot import Robot, TurnConvention
+from hilc_cli.yaml_input.expressions import Affine
 
 PAPER = Robot(0.2, 0.518)
 lengths = st.floats(0.05, 5)

@@ -11,11 +11,12 @@ import math
 import numpy as np
 import pytest
 
-from hilc_cli.laws.gain_heading import GainHeading
-from hilc_cli.laws.gain_matrix import Affine, GainMatrix
+from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.law import Iteration
+from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.yaml_input.expressions import Affine
 
 ZERO = Affine()
 READABLE = GainMatrix(left=(Affine(1.0), ZERO, ZERO), right=(ZERO, Affine(1.0), Affine(100.0)))

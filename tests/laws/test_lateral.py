@@ -9,13 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilc_cli.analysis.fixed_point import fixed_point
-from hilc_cli.api import load_scenario, run
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.gain_matrix import Affine, GainMatrix, model_gain, wheel_correction
-from hilc_cli.laws.lateral import with_lateral_gain
+from hilc_cli.laws.gain_matrix import GainMatrix, model_gain, wheel_correction
+from hilc_cli.laws.hybrid import with_lateral_gain
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.robot import Robot
+from hilc_cli.runs.running import load_scenario, run
+from hilc_cli.theory.learning.fixed_point import fixed_point
+from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 
 numbers = st.floats(-5, 5)

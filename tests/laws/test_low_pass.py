@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import signal as scipy_signal
 
-from hilc_cli.laws.low_pass import LowPass
+from hilc_cli.laws.pid import LowPass
 
 SAMPLES, DT = 400, 0.005  # a Nyquist frequency of 100 Hz
 

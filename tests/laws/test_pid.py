@@ -10,16 +10,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilc_cli.api import load_scenario, run
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.gain_heading import GainHeading
 from hilc_cli.laws.gain_matrix import GainMatrix, model_gain
-from hilc_cli.laws.pid import PidLaw
-from hilc_cli.laws.rectifying import rectifying_pulse
+from hilc_cli.laws.past_errors import GainHeading
+from hilc_cli.laws.pid import PidLaw, rectifying_pulse
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.robot import Robot
+from hilc_cli.runs.running import load_scenario, run
 from tests.engine.experiments import (
     LIMIT,
     PLATFORM,

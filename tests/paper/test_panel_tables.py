@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from hilc_cli.figures.paper.panel import Panel, PanelKind, PanelRow
-from hilc_cli.figures.paper.sheet import sheet_figure
-from hilc_cli.paper.panel_tables import write_panel
+from hilc_cli.paper.panels import write_panel
+from hilc_cli.paper.pictures.panel import Panel, PanelKind, PanelRow
+from hilc_cli.paper.pictures.sheet import sheet_figure
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
-from tests.figures.conftest import MakeRun
-from tests.figures.conftest import make_run as make_run  # the fixture
-from tests.figures.reading import line, lines
+from tests.drawing.reading import line, lines
+from tests.made_up_runs import MakeRun
+from tests.made_up_runs import make_run as make_run  # the fixture
 
 PATH_HEADER = "iteration,sample,reference_x_m,reference_y_m,x_m,y_m"
 HEADERS = {

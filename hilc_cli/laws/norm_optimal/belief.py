@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.motion_fit import MotionFit
+from hilc_cli.laws.norm_optimal.identification import MotionFit
+from hilc_cli.plants.kinematic import Robot, step_gains
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.robot import Robot, step_gains
 
 _PRIOR = 0.5  # relative standard deviation of what the user believes at first
 _WEAR = 1e-4  # relative change of the platform from one iteration to the next that is allowed for

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.belief import Belief, Identification
-from hilc_cli.laws.norm_optimal.earlier_motion import EarlierMotion
+from hilc_cli.laws.norm_optimal.identification import EarlierMotion, MeasuredMotion, fit_motion
 from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
-from hilc_cli.laws.norm_optimal.motion_fit import fit_motion
 from hilc_cli.laws.norm_optimal.optimal_motion import (
     Aim,
     Model,
@@ -18,9 +17,8 @@ from hilc_cli.laws.norm_optimal.optimal_motion import (
 )
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.norm_optimal.rectified import RectifiedReference, rectified_reference
-from hilc_cli.laws.norm_optimal.unexplained import MeasuredMotion
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.robot import Robot
 
 _ANOTHER = 0.01  # relative change of wheel radius or half track that makes another platform of it
 _NO_LIMIT = 1e12  # [rad/s], since the search wants a number

@@ -3,17 +3,184 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.riccati import (
-    Linearised,
-    factorised,
-    input_derivatives,
-    linear_motion,
-    solved,
-)
+from hilc_cli.compiling import cached
 from hilc_cli.reference.sampled import Floats
+
+
+class Linearised(NamedTuple):
+    """What A and B consist of: a tuple, since the compiler knows those.
+
+    Attributes:
+        steps: dx, dy [m], shape (n, 2).
+        directions: Cosine and sine of the heading, shape (n, 2).
+        distance_gain: a = d_k R / 2 [m s].
+        turn_gain: b = d_k R / (2 B) [s].
+    """
+
+    steps: Floats
+    directions: Floats
+    distance_gain: float
+    turn_gain: float
+
+
+def _factorised(
+    motion: Linearised,
+    pose_weights: Floats,
+    input_weights: Floats,
+    gains: Floats,
+    inverses: Floats,
+) -> None:
+    """The part of the solution that does not depend on the linear terms, from the last sample back.
+
+    Args:
+        motion: The motion.
+        pose_weights: w and w_h, shape (n + 1, 2).
+        input_weights: Diagonal of V, > 0, shape (n, 2).
+        gains: Gets K with c = -K d + (what the linear terms ask for), shape (n, 2, 3).
+        inverses: Gets (V + B' P B)^-1 as its entries 00, 01, 11, shape (n, 3).
+
+    Source:
+        Amann, Owens and Rogers 1996: the Riccati equation of norm-optimal learning.
+    """
+    steps, directions, a, b = motion
+    n = len(steps)
+    # P, the cost of a change from sample k + 1 on: symmetric, entries of its upper half.
+    xx, xy, xh = pose_weights[n, 0], 0.0, 0.0
+    yy, yh = pose_weights[n, 0], 0.0
+    hh = pose_weights[n, 1]
+    for k in range(n - 1, -1, -1):
+        dx, dy = steps[k, 0], steps[k, 1]
+        cos, sin = directions[k, 0], directions[k, 1]
+        # P times the direction, and B' P B.
+        px, py, ph = xx * cos + xy * sin, xy * cos + yy * sin, xh * cos + yh * sin
+        along, mixed, turning = a * a * (px * cos + py * sin), a * b * ph, b * b * hh
+        h00 = input_weights[k, 0] + along + 2 * mixed + turning
+        h11 = input_weights[k, 1] + along - 2 * mixed + turning
+        h01 = along - turning
+        inverse = 1.0 / (h00 * h11 - h01 * h01)
+        i00, i01, i11 = h11 * inverse, -h01 * inverse, h00 * inverse
+        inverses[k, 0], inverses[k, 1], inverses[k, 2] = i00, i01, i11
+        # B' P A; the heading's column of A is (-dy, dx, 1).
+        sx, sy = a * px, a * py
+        sh = a * ph + sy * dx - sx * dy
+        tx, ty = b * xh, b * yh
+        th = b * hh + ty * dx - tx * dy
+        g00, g01, g02 = sx + tx, sy + ty, sh + th
+        g10, g11, g12 = sx - tx, sy - ty, sh - th
+        k00, k01, k02 = i00 * g00 + i01 * g10, i00 * g01 + i01 * g11, i00 * g02 + i01 * g12
+        k10, k11, k12 = i01 * g00 + i11 * g10, i01 * g01 + i11 * g11, i01 * g02 + i11 * g12
+        gains[k, 0, 0], gains[k, 0, 1], gains[k, 0, 2] = k00, k01, k02
+        gains[k, 1, 0], gains[k, 1, 1], gains[k, 1, 2] = k10, k11, k12
+        # P of sample k: W + A' P A - (B' P A)' K.
+        to_x = xh + xy * dx - xx * dy
+        to_y = yh + yy * dx - xy * dy
+        hh = hh + 2 * (yh * dx - xh * dy) + xx * dy * dy - 2 * xy * dx * dy + yy * dx * dx
+        hh += pose_weights[k, 1] - (g02 * k02 + g12 * k12)
+        xh = to_x - (g00 * k02 + g10 * k12)
+        yh = to_y - (g01 * k02 + g11 * k12)
+        xx += pose_weights[k, 0] - (g00 * k00 + g10 * k10)
+        xy -= g00 * k01 + g10 * k11
+        yy += pose_weights[k, 0] - (g01 * k01 + g11 * k11)
+
+
+def _solved(
+    motion: Linearised,
+    gains: Floats,
+    inverses: Floats,
+    pose_slopes: Floats,
+    input_slopes: Floats,
+    changes: Floats,
+) -> None:
+    """The best change of the wheel speeds, from what `factorised` has found.
+
+    Args:
+        motion: The motion.
+        gains: K, shape (n, 2, 3).
+        inverses: (V + B' P B)^-1, shape (n, 3).
+        pose_slopes: s, shape (n + 1, 3).
+        input_slopes: v, shape (n, 2).
+        changes: Gets c [rad/s], shape (n, 2).
+
+    Source:
+        Amann, Owens and Rogers 1996: the costate of norm-optimal learning.
+    """
+    steps, directions, a, b = motion
+    n = len(steps)
+    px, py, ph = pose_slopes[n, 0], pose_slopes[n, 1], pose_slopes[n, 2]
+    for k in range(n - 1, -1, -1):
+        along = a * (px * directions[k, 0] + py * directions[k, 1])
+        left = input_slopes[k, 0] + along + b * ph
+        right = input_slopes[k, 1] + along - b * ph
+        changes[k, 0] = -(inverses[k, 0] * left + inverses[k, 1] * right)
+        changes[k, 1] = -(inverses[k, 1] * left + inverses[k, 2] * right)
+        ph += pose_slopes[k, 2] + py * steps[k, 0] - px * steps[k, 1]
+        ph -= gains[k, 0, 2] * left + gains[k, 1, 2] * right
+        px += pose_slopes[k, 0] - (gains[k, 0, 0] * left + gains[k, 1, 0] * right)
+        py += pose_slopes[k, 1] - (gains[k, 0, 1] * left + gains[k, 1, 1] * right)
+    dx, dy, dh = 0.0, 0.0, 0.0
+    for k in range(n):
+        for wheel in range(2):
+            gain = gains[k, wheel]
+            changes[k, wheel] -= gain[0] * dx + gain[1] * dy + gain[2] * dh
+        along = a * (changes[k, 0] + changes[k, 1])
+        dx += along * directions[k, 0] - dh * steps[k, 1]
+        dy += along * directions[k, 1] + dh * steps[k, 0]
+        dh += b * (changes[k, 0] - changes[k, 1])
+
+
+def _linear_motion(motion: Linearised, changes: Floats) -> Floats:
+    """How a change of the wheel speeds changes the motion, to first order.
+
+    Args:
+        motion: The motion.
+        changes: c [rad/s], shape (n, 2).
+
+    Returns:
+        d, shape (n + 1, 3).
+    """
+    steps, directions, a, b = motion
+    n = len(steps)
+    moved = np.zeros((n + 1, 3))
+    for k in range(n):
+        along = a * (changes[k, 0] + changes[k, 1])
+        moved[k + 1, 0] = moved[k, 0] + along * directions[k, 0] - moved[k, 2] * steps[k, 1]
+        moved[k + 1, 1] = moved[k, 1] + along * directions[k, 1] + moved[k, 2] * steps[k, 0]
+        moved[k + 1, 2] = moved[k, 2] + b * (changes[k, 0] - changes[k, 1])
+    return moved
+
+
+def _input_derivatives(motion: Linearised, pose_slopes: Floats) -> Floats:
+    """Derivatives with respect to the wheel speeds, from those with respect to the poses.
+
+    Args:
+        motion: The motion.
+        pose_slopes: Derivatives with respect to the poses, shape (n + 1, 3).
+
+    Returns:
+        Derivatives with respect to the wheel speeds [s/rad], shape (n, 2).
+    """
+    steps, directions, a, b = motion
+    n = len(steps)
+    derivatives = np.empty((n, 2))
+    px, py, ph = pose_slopes[n, 0], pose_slopes[n, 1], pose_slopes[n, 2]
+    for k in range(n - 1, -1, -1):
+        along = a * (px * directions[k, 0] + py * directions[k, 1])
+        derivatives[k, 0] = along + b * ph
+        derivatives[k, 1] = along - b * ph
+        ph += pose_slopes[k, 2] + py * steps[k, 0] - px * steps[k, 1]
+        px += pose_slopes[k, 0]
+        py += pose_slopes[k, 1]
+    return derivatives
+
+
+factorised = cached(_factorised)
+solved = cached(_solved)
+linear_motion = cached(_linear_motion)
+input_derivatives = cached(_input_derivatives)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

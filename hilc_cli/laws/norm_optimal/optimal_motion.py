@@ -11,10 +11,160 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.interior_point import bounded_changes
+from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, linearised
-from hilc_cli.laws.norm_optimal.motion import closed_loop
 from hilc_cli.reference.sampled import Floats
+
+MOST_NEWTON_STEPS = 60
+_MARGIN = 0.05  # the first guess keeps this share of the room from each bound
+_STAY_OFF = 0.995  # share of the way to the nearest bound that a step goes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BoundedSolution:
+    """The best changes of the wheel speeds between their bounds.
+
+    Attributes:
+        changes: c [rad/s], shape (n, 2).
+        gains: The feedback gains that belong to them, shape (n, 2, 3); about 0 for a wheel speed
+            at its bound.
+        steps: Number of steps; 0 if the problem without bounds has the same solution.
+    """
+
+    changes: Floats
+    gains: Floats
+    steps: int
+
+
+def bounded_changes(
+    problem: LinearQuadratic, lowest: Floats, highest: Floats, tolerance: float
+) -> BoundedSolution:
+    """The best changes between bounds.
+
+    Args:
+        problem: The problem without bounds.
+        lowest: Lower bounds of c [rad/s], shape (n, 2).
+        highest: Upper bounds, above the lower ones, shape (n, 2).
+        tolerance: How far the cost may be above the least one.
+    """
+    changes, gains = problem.solution(problem.input_weights, problem.input_slopes)
+    if np.all((lowest <= changes) & (changes <= highest)):
+        return BoundedSolution(changes, gains, 0)
+
+    # Distances to the bounds and their multipliers: all stay above 0, their products go to 0.
+    margin = _MARGIN * (highest - lowest)
+    changes = changes.clip(lowest + margin, highest - margin)
+    below, above = changes - lowest, highest - changes
+    # With these multipliers the first guess is stationary, and all that follow are.
+    slope = problem.slope(changes)
+    common = np.abs(slope).mean()
+    push_up, push_down = slope.clip(min=0) + common, (-slope).clip(min=0) + common
+
+    step = 0
+    while step < MOST_NEWTON_STEPS:
+        # The cost is above the least one by no more than this.
+        gap = float(np.vdot(below, push_up) + np.vdot(above, push_down))
+        if gap <= tolerance:
+            break
+        step += 1
+        stiffness = push_up / below + push_down / above
+        weights = problem.input_weights + stiffness
+        slopes = problem.input_slopes - stiffness * changes
+        # Predictor: straight to the bounds. It tells how far they let through.
+        target, gains = problem.solution(weights, slopes)
+        move = target - changes
+        up = -push_up - push_up / below * move
+        down = -push_down + push_down / above * move
+        length = _longest(below, move, above, push_up, up, push_down, down)
+        reached = np.vdot(below + length * move, push_up + length * up)
+        reached += np.vdot(above - length * move, push_down + length * down)
+        # Corrector: towards equal products, what the predictor's moves make of them allowed for.
+        centre = gap / (2 * below.size) * (reached / gap) ** 3
+        up_product, down_product = centre - move * up, centre + move * down
+        slopes = slopes - up_product / below + down_product / above
+        target = problem.solution_again(slopes)
+        move = target - changes
+        up = (up_product - push_up * move) / below - push_up
+        down = (down_product + push_down * move) / above - push_down
+        length = _longest(below, move, above, push_up, up, push_down, down)
+        if length < 1:
+            length *= _STAY_OFF
+        changes = changes + length * move
+        below, above = below + length * move, above - length * move
+        push_up, push_down = push_up + length * up, push_down + length * down
+    # Rounding may take what is at a bound a hair beyond.
+    return BoundedSolution(changes.clip(lowest, highest), gains, step)
+
+
+def _longest(
+    below: Floats,
+    move: Floats,
+    above: Floats,
+    push_up: Floats,
+    up: Floats,
+    push_down: Floats,
+    down: Floats,
+) -> float:
+    """The longest step, up to 1, after which no distance and no multiplier is below 0."""
+    length = 1.0
+    for number, change in ((below, move), (above, -move), (push_up, up), (push_down, down)):
+        # The largest share of a number that a step of 1 takes away.
+        largest = float((-change / number).max())
+        if largest * length > 1:
+            length = 1 / largest
+    return length
+
+
+def _closed_loop(
+    start: Floats,
+    inputs: Floats,
+    desired: Floats,
+    gains: Floats,
+    speed_limit: float,
+    distance_gain: float,
+    turn_gain: float,
+    drift: Floats,
+) -> tuple[Floats, Floats]:
+    """Wheel speeds and poses under feedback about a desired motion, each wheel within the limit.
+
+    Args:
+        start: Pose of sample 0, shape (3,).
+        inputs: Wheel speeds on the desired motion [rad/s], shape (n, 2).
+        desired: The desired poses, shape (n + 1, 3).
+        gains: Feedback of the pose error on the wheels, shape (n, 2, 3).
+        speed_limit: b_w [rad/s].
+        distance_gain: a = d_k R / 2 [m s].
+        turn_gain: b = d_k R / (2 B) [s].
+        drift: What the model does not explain, shape (n, 3).
+
+    Returns:
+        Wheel speeds, shape (n, 2), and poses, shape (n + 1, 3).
+
+    Source:
+        Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
+    """
+    applied = np.empty_like(inputs)
+    poses = np.empty_like(desired)
+    x, y, heading = start[0], start[1], start[2]
+    for k in range(len(inputs)):
+        poses[k, 0], poses[k, 1], poses[k, 2] = x, y, heading
+        off_x, off_y, off_heading = desired[k, 0] - x, desired[k, 1] - y, desired[k, 2] - heading
+        for wheel in range(2):
+            gain = gains[k, wheel]
+            wanted = inputs[k, wheel] + gain[0] * off_x + gain[1] * off_y + gain[2] * off_heading
+            applied[k, wheel] = min(max(wanted, -speed_limit), speed_limit)
+        cos, sin = math.cos(heading), math.sin(heading)
+        ahead = distance_gain * (applied[k, 0] + applied[k, 1]) + drift[k, 0]
+        aside = drift[k, 1]
+        x += ahead * cos - aside * sin
+        y += ahead * sin + aside * cos
+        heading += turn_gain * (applied[k, 0] - applied[k, 1]) + drift[k, 2]
+    poses[-1, 0], poses[-1, 1], poses[-1, 2] = x, y, heading
+    return applied, poses
+
+
+closed_loop = cached(_closed_loop)
+
 
 MOST_STEPS = 100
 _SHORTEST = 2.0**-10  # of a step along the search direction

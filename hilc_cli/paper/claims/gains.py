@@ -5,14 +5,15 @@ from __future__ import annotations
 from itertools import pairwise
 
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
-from hilc_cli.paper.long_run import errors_of, shipped
-from hilc_cli.paper.yardstick import (
+from hilc_cli.paper.measuring import (
     NEARLY,
     count,
+    errors_of,
     fewer,
     iterations_needed,
     iterations_needed_by,
     percent,
+    shipped,
 )
 from hilc_cli.results.summary import summarise
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
-from hilc_cli.paper.long_run import errors_of, shipped
-from hilc_cli.paper.yardstick import (
+from hilc_cli.paper.measuring import (
     NEARLY,
     count,
+    errors_of,
     fewer,
     iterations_needed,
     iterations_needed_by,
@@ -16,6 +16,7 @@ from hilc_cli.paper.yardstick import (
     percent,
     relative_error,
     roughness,
+    shipped,
 )
 from hilc_cli.results.run import RunData
 

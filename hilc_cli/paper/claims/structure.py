@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from hilc_cli.paper.claim import Claim, Evidence, Finding, Verdict
-from hilc_cli.paper.long_run import errors_of, shipped
-from hilc_cli.paper.yardstick import (
+from hilc_cli.paper.measuring import (
     NEARLY,
     NEARLY_WORDS,
     TRACKED,
     TRACKED_WORDS,
     count,
+    errors_of,
     iterations_needed_by,
     percent,
     relative_error,
+    shipped,
     tracking,
 )
 from hilc_cli.results.metrics import settled_at

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from hilc_cli.analysis.conditions import conditions
-from hilc_cli.analysis.fixed_point import fixed_point
-from hilc_cli.analysis.lifted import LiftedIteration
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.claims import initial_error, tracking
-from hilc_cli.paper.long_run import errors_of, last_trial, on_reachable_reference, shipped
-from hilc_cli.paper.yardstick import TRACKED, percent
+from hilc_cli.paper.measuring import (
+    TRACKED,
+    errors_of,
+    last_trial,
+    on_reachable_reference,
+    percent,
+    shipped,
+)
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.learning.fixed_point import fixed_point
+from hilc_cli.theory.learning.lifted import LiftedIteration
+from hilc_cli.theory.proof.conditions import conditions
 
 # Coarser than the paper: what takes 1 ms samples a million iterations takes 50 ms ones 20 000.
 _T1_ITERATIONS = 20_000

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from hilc_cli.analysis.lifted import LiftedIteration
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
-from hilc_cli.paper.long_run import shipped
-from hilc_cli.paper.yardstick import (
+from hilc_cli.paper.measuring import (
     NEARLY_WORDS,
     TRACKED,
     TRACKED_WORDS,
     percent,
     relative_error,
+    shipped,
     tracking,
 )
+from hilc_cli.plants.kinematic import gravity_center_position
 from hilc_cli.results.run import RunData
-from hilc_cli.robot import gravity_center_position
+from hilc_cli.theory.learning.lifted import LiftedIteration
 
 RUNS = {
     "circle": "fig3-circle",

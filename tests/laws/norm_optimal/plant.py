@@ -10,8 +10,8 @@ import numpy as np
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, Plan
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
+from hilc_cli.plants.kinematic import Robot, euler_step, limit_wheel_speeds, step_gains
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.robot import Robot, euler_step, limit_wheel_speeds, step_gains
 from tests.engine.experiments import PLATFORM
 
 DEFAULT = NormOptimalParameters()

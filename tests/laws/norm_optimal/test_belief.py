@@ -9,8 +9,8 @@ import pytest
 from scipy.linalg import solve_discrete_are
 
 from hilc_cli.laws.norm_optimal.belief import Belief
-from hilc_cli.laws.norm_optimal.motion_fit import MotionFit
-from hilc_cli.robot import Robot
+from hilc_cli.laws.norm_optimal.identification import MotionFit
+from hilc_cli.plants.kinematic import Robot
 
 SAMPLE_TIME = 0.01
 NO_POSES = np.zeros((2, 3))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from hilc_cli.laws.norm_optimal.interior_point import MOST_STEPS, bounded_changes
+from hilc_cli.laws.norm_optimal.optimal_motion import MOST_NEWTON_STEPS, bounded_changes
 from tests.laws.norm_optimal.problems import random_problem
 
 
@@ -30,7 +30,7 @@ def test_solution_is_that_of_an_active_set_method(seed: int) -> None:
         tol=1e-15,
     ).x
     assert np.sum((expected == lowest.ravel()) | (expected == highest.ravel())) >= 4
-    assert 0 < best.steps < MOST_STEPS
+    assert 0 < best.steps < MOST_NEWTON_STEPS
     assert best.changes.ravel() == pytest.approx(expected, abs=1e-6 * np.abs(free).max())
     assert np.all((lowest <= best.changes) & (best.changes <= highest))
 

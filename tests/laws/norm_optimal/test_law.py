@@ -13,8 +13,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.norm_optimal.law import MERGE_TIME, NormOptimalLaw, figures_told
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, build_reference
-from hilc_cli.robot import Robot
 from tests.engine.experiments import experiment_of, law_of
 from tests.laws.norm_optimal.plant import noise
 

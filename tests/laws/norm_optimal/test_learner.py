@@ -12,9 +12,9 @@ import pytest
 from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.robot import Robot
 from tests.engine.experiments import PLATFORM
 from tests.laws.norm_optimal.plant import Learned, Workplace, noise, poses_of
 from tests.reference.paths import PAPER_STARTS, Pose, paper_reference

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.level_fit import fit_level
+from hilc_cli.laws.norm_optimal.noise_levels import fit_level
 
 
 def test_exact_readings_give_the_exact_gain() -> None:

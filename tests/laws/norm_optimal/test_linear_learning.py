@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.interior_point import bounded_changes
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner
 from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, linearised
+from hilc_cli.laws.norm_optimal.optimal_motion import bounded_changes
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.robot import Robot
 from tests.laws.norm_optimal.dense import diagonal, lifted
 from tests.laws.norm_optimal.problems import DISTANCE_GAIN, TURN_GAIN, random_motion
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal import local_level, motion, riccati, tracking
+from hilc_cli.laws.norm_optimal import linear_quadratic, local_level, optimal_motion, rectified
 from tests.laws.norm_optimal.problems import DISTANCE_GAIN, TURN_GAIN, random_problem
 
 N = 9
@@ -25,7 +25,7 @@ PLATFORM = (DISTANCE_GAIN, TURN_GAIN, DRIFT)
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "factorised": (
-        riccati.factorised,
+        linear_quadratic.factorised,
         (
             PROBLEM.motion,
             PROBLEM.pose_weights,
@@ -35,7 +35,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         ),
     ),
     "solved": (
-        riccati.solved,
+        linear_quadratic.solved,
         (
             PROBLEM.motion,
             GAINS,
@@ -45,10 +45,16 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
             np.zeros((N, 2)),
         ),
     ),
-    "linear_motion": (riccati.linear_motion, (PROBLEM.motion, INPUTS)),
-    "input_derivatives": (riccati.input_derivatives, (PROBLEM.motion, PROBLEM.pose_slopes)),
-    "closed_loop": (motion.closed_loop, (POSES[0], INPUTS, POSES, FEEDBACK, 60.0, *PLATFORM)),
-    "tracked": (tracking.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, 60.0, *PLATFORM)),
+    "linear_motion": (linear_quadratic.linear_motion, (PROBLEM.motion, INPUTS)),
+    "input_derivatives": (
+        linear_quadratic.input_derivatives,
+        (PROBLEM.motion, PROBLEM.pose_slopes),
+    ),
+    "closed_loop": (
+        optimal_motion.closed_loop,
+        (POSES[0], INPUTS, POSES, FEEDBACK, 60.0, *PLATFORM),
+    ),
+    "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, 60.0, *PLATFORM)),
     "filtered": (local_level.filtered, (READINGS, KNOWN, 0.2)),
     "smoothed": (local_level.smoothed, (READINGS, 0.2)),
 }

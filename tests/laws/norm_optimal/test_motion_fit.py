@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hilc_cli.disturbance.streams import Distribution, Disturbance, Triple
+from hilc_cli.laws.norm_optimal.identification import fit_motion
 from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
-from hilc_cli.laws.norm_optimal.motion_fit import fit_motion
 from hilc_cli.reference.sampled import Floats
 from tests.laws.norm_optimal.plant import noise
 

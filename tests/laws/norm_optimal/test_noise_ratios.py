@@ -8,9 +8,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.level_fit import Earlier, LevelFit, fit_level
 from hilc_cli.laws.norm_optimal.local_level import possible_shares, sums_by_share
-from hilc_cli.laws.norm_optimal.noise_ratios import NoiseRatios, likely_noise_ratios
+from hilc_cli.laws.norm_optimal.noise_levels import (
+    Earlier,
+    LevelFit,
+    NoiseRatios,
+    fit_level,
+    likely_noise_ratios,
+)
 from hilc_cli.reference.sampled import Floats
 
 N, ITERATIONS = 20, 3

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from hilc_cli.laws.norm_optimal.motion import closed_loop
-from hilc_cli.laws.norm_optimal.optimal_motion import Aim, Model, optimal_motion
+from hilc_cli.laws.norm_optimal.optimal_motion import Aim, Model, closed_loop, optimal_motion
 from hilc_cli.reference.sampled import Floats
 
 N = 8

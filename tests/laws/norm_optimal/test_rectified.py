@@ -14,9 +14,9 @@ from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.rectified import (
     RectifiedReference,
     rectified_reference,
+    tracked,
     trajectory_inputs,
 )
-from hilc_cli.laws.norm_optimal.tracking import tracked
 from hilc_cli.reference.sampled import Floats
 
 N, SAMPLE_TIME, SPEED, YAW_RATE = 300, 0.01, 2.0, 0.7

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.unexplained import MeasuredMotion
+from hilc_cli.laws.norm_optimal.identification import MeasuredMotion
 
 
 def driven(applied: float, slip: float, heading: float = 0.3) -> MeasuredMotion:

@@ -1,0 +1,205 @@
+"""What can be said of a scenario without simulating it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from hilc_cli.checks.advice import advice
+from hilc_cli.checks.picture import TRANSIENT_FILE, write_transient
+from hilc_cli.checks.simulation import Simulated, decided, simulated, theory_findings
+from hilc_cli.files import merge_folder
+from hilc_cli.laws.hybrid import HybridController
+from hilc_cli.laws.pid import PidController
+from hilc_cli.names import in_short
+from hilc_cli.runs.running import OnIteration
+from hilc_cli.scenario.experiment import Scenario
+from hilc_cli.scenario.loading import ScenarioSource, as_scenario
+from hilc_cli.theory.feasibility.feasibility import Feasibility, feasibility_findings
+from hilc_cli.theory.findings import ExpectedError, Findings
+from hilc_cli.theory.laws.law_theory import LawTheory, law_theory
+from hilc_cli.theory.learning.forecast import Forecast
+from hilc_cli.theory.learning.outcome import Outcome
+from hilc_cli.theory.matrices import is_hybrid
+from hilc_cli.theory.noise.findings import unsure_findings, with_what_is_left
+from hilc_cli.theory.proof.bounds import Bounds
+from hilc_cli.theory.proof.conditions import Conditions, conditions
+from hilc_cli.theory.proof.theories import theories
+from hilc_cli.theory.start import start_findings
+
+_RANKS = {"feasibility": 1, "advice": 2}
+"""Parts whose warnings come after those of learning, which are of this very scenario."""
+_MOST_TOLD = 4  # findings that a check shows of itself
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Check:
+    """What a check of a scenario has found.
+
+    Attributes:
+        scenario: What was checked.
+        feasibility: What its trajectory demands of wheels and tyres, beside what they can do.
+        law: What theory says of its law.
+        conditions: Those of the paper's theorems; None for a law of which it does not speak.
+        theories: Bounds of the paper's theory, by name; None likewise.
+        simulated: A simulation, if one was asked for and an iteration of it was completed.
+        findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
+            ``start``, ``learning``, ``prediction``, ``simulation``, ``theory``, ``advice``.
+    """
+
+    scenario: Scenario
+    feasibility: Feasibility
+    law: LawTheory
+    conditions: Conditions | None
+    theories: Mapping[str, Bounds] | None
+    simulated: Simulated | None
+    findings: Mapping[str, Findings]
+
+    def __repr__(self) -> str:
+        verdict = "cannot work" if self.failures else "nothing wrong"
+        found = [*self.failures, *(f"warning: {warning}" for warning in self.warnings)]
+        more = [f"and {len(found) - _MOST_TOLD} more"] if len(found) > _MOST_TOLD else []
+        return in_short(f"Check of {self.scenario.name!r}: {verdict}", *found[:_MOST_TOLD], *more)
+
+    @property
+    def forecast(self) -> Forecast | None:
+        """What learning is expected to do; None for a law of which that is not known."""
+        return self.law.forecast
+
+    @property
+    def outcome(self) -> Outcome | None:
+        """What comes of learning: as simulated, else as expected; None if that is not known."""
+        if self.simulated is not None:
+            return self.simulated.outcome if self.scenario.spec.controller.learns else None
+        return None if self.forecast is None else self.forecast.outcome
+
+    @property
+    def expected(self) -> ExpectedError | None:
+        """How large the error of the last iteration will be; None if theory does not tell."""
+        return self.law.expected
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """Why the scenario cannot work, each with its remedy; empty if nothing is wrong."""
+        return tuple(text for part in self.findings.values() for text in part.failures)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is legal but unwise, what matters most first."""
+        ranked = sorted(self.findings, key=lambda part: _RANKS.get(part, 0))
+        return tuple(text for part in ranked for text in self.findings[part].warnings)
+
+    def plot(
+        self,
+        folder: str | Path,
+        *,
+        formats: Sequence[str] = ("png",),
+        may_replace: Callable[[Path], bool] = lambda file: False,
+    ) -> list[Path]:
+        """Draws the predicted error over the iterations, beside the simulated one if there is one.
+
+        The same errors go into transient.csv.
+
+        Args:
+            folder: Where to put transient.FORMAT and transient.csv; made if it is not there.
+            formats: png, svg, pdf.
+            may_replace: Whether a file of that name that stands there may be replaced.
+
+        Returns:
+            The pictures, and the table last; none if no errors are predicted of the law.
+
+        Raises:
+            UsageError: There is no such format.
+            ExistingResultsError: A file stands there that may not be replaced.
+            FileAccessError: They cannot be written.
+        """
+        from hilc_cli.checks.picture import transient_figure
+        from hilc_cli.drawing.save import save_figure  # Matplotlib starts slowly
+
+        expected = self.forecast
+        if expected is None:
+            return []
+        rest = expected.rest if expected.settles else None
+        figure = transient_figure(
+            self.scenario.name,
+            expected.transient,
+            self.scenario.spec.iterations,
+            None if self.simulated is None else self.simulated.run,
+            rest.max_position_error_m if rest is not None and rest.is_finite else None,
+            _law_text(self.scenario),
+        )
+        pictures = [f"transient.{name}" for name in dict.fromkeys(formats)]
+        names = [*pictures, TRANSIENT_FILE]
+
+        def draw(into: Path) -> None:
+            for name in pictures:
+                save_figure(figure, into / name)
+            write_transient(
+                into / TRANSIENT_FILE,
+                expected.transient.max_position_error_m,
+                None
+                if self.simulated is None
+                else self.simulated.run.metrics["max_position_error_m"],
+            )
+
+        merge_folder(Path(folder), draw, may_replace)
+        return [Path(folder) / name for name in names]
+
+
+def _law_text(scenario: Scenario) -> str:
+    """The law and its gains in a few words."""
+    controller = scenario.spec.controller
+    if isinstance(controller, PidController):
+        return controller.in_short()
+    if not isinstance(controller, HybridController):
+        return scenario.law_in_words
+    gains = controller.gains
+    equation = "Eq. 21" if scenario.compensates else "Eq. 17"
+    lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
+    return f"{equation}, l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
+
+
+def check(
+    scenario: ScenarioSource, *, simulate: bool = False, on_iteration: OnIteration | None = None
+) -> Check:
+    """Checks a scenario.
+
+    Args:
+        scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
+        simulate: Run it as well, and put what it does beside what theory says.
+        on_iteration: Told of each completed iteration of that run.
+    """
+    scenario = as_scenario(scenario)
+    experiment = scenario.experiment()
+    # Where numbers leave the range of floating point, they end as infinite: above any limit.
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        feasibility = scenario.feasibility()
+        theory = law_theory(experiment)
+        found = feasibility_findings(feasibility)
+        findings = {
+            "settings": Findings(warnings=tuple(scenario.warnings())),
+            "feasibility": with_what_is_left(
+                found, feasibility, experiment, scenario.setting.model, theory.expected
+            ),
+            "start": start_findings(experiment, theory.forecast),
+            "learning": theory.findings,
+        }
+        premises, bounds = None, None
+        if is_hybrid(experiment.law):
+            premises, bounds = conditions(experiment), theories(experiment)
+        beside = None
+        if simulate:
+            findings["simulation"], beside = simulated(
+                scenario, experiment, bounds or {}, on_iteration
+            )
+        if beside is None:
+            findings["prediction"] = unsure_findings(experiment, theory.expected)
+        else:
+            learns = scenario.spec.controller.learns
+            findings["learning"] = decided(theory.findings, beside, theory.expected, learns=learns)
+        findings["theory"] = theory_findings(beside)
+        findings["advice"] = Findings(warnings=tuple(advice(experiment)))
+    return Check(scenario, feasibility, theory, premises, bounds, beside, findings)

@@ -1,0 +1,159 @@
+"""A simulation beside what a check of a scenario says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import chain
+
+import numpy as np
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import DivergedError
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import MetricsTable
+from hilc_cli.results.summary import summarise
+from hilc_cli.results.trial import Trial
+from hilc_cli.runs.running import OnIteration, RunData, Summary, measured_trials
+from hilc_cli.scenario.experiment import Scenario
+from hilc_cli.theory.findings import ExpectedError, Findings, extent
+from hilc_cli.theory.learning.expected import RESOLUTION
+from hilc_cli.theory.learning.outcome import CLEARLY, NEAR, Outcome, seen_outcome
+from hilc_cli.theory.proof.bounds import Bounds
+from hilc_cli.theory.proof.measured import Comparison
+from hilc_cli.theory.proof.measured import compare as beside
+from hilc_cli.theory.proof.theories import CORRECTED, WITHIN_LIMIT
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulated:
+    """A simulation beside what theory says of it.
+
+    Attributes:
+        run: The run.
+        extent_m: Beside which errors are large or small.
+        comparisons: The bounds of each theory beside the run, by the theory's name; empty if the
+            law is another one than the hybrid law.
+    """
+
+    run: RunData
+    extent_m: float
+    comparisons: Mapping[str, Comparison]
+
+    @property
+    def errors_m(self) -> Floats:
+        """Largest position errors of the iterations [m]; infinite where the run diverged."""
+        errors: Floats = np.asarray(self.run.metrics["max_position_error_m"])
+        return errors if self.run.diverged_at is None else np.append(errors, np.inf)
+
+    @property
+    def outcome(self) -> Outcome:
+        """What came of learning."""
+        return seen_outcome(self.errors_m, self.extent_m)
+
+    @property
+    def summary(self) -> Summary:
+        """The run in a few figures."""
+        return summarise(self.run)
+
+
+def simulated(
+    scenario: Scenario,
+    experiment: Experiment,
+    bounds: Mapping[str, Bounds],
+    on_iteration: OnIteration | None,
+) -> tuple[Findings, Simulated | None]:
+    """One run, of which each iteration is measured as it comes, and only the last is kept."""
+    metrics = MetricsTable()
+    last: dict[int, Trial] = {}
+    diverged_at: int | None = None
+
+    def completed() -> Iterator[Trial]:
+        nonlocal diverged_at
+        try:
+            for trial in measured_trials(experiment, metrics):
+                last.clear()
+                last[trial.iteration] = trial
+                if on_iteration is not None:
+                    on_iteration(trial.iteration)
+                yield trial
+        except DivergedError as error:
+            diverged_at = error.iteration
+
+    trials = completed()
+    first = next(trials, None)
+    comparisons = {} if first is None else beside(experiment, bounds, chain([first], trials))
+    findings = Findings()
+    if diverged_at is not None:
+        findings = Findings(
+            failures=(
+                f"the simulation diverged to non-finite values in iteration {diverged_at}; "
+                "lower the gains, or set controller.b_w",
+            )
+        )
+    if first is None:
+        return findings, None
+    run = RunData(
+        name=scenario.name,
+        reference=experiment.reference,
+        metrics=metrics,
+        trials=last,
+        speed_limit=scenario.speed_limit,
+        gravity_center=experiment.robot.gravity_center,
+        diverged_at=diverged_at,
+    )
+    return findings, Simulated(run, extent(experiment), comparisons)
+
+
+def decided(
+    found: Findings, simulated: Simulated, expected: ExpectedError | None, *, learns: bool
+) -> Findings:
+    """What theory says of learning, where a simulation has the last word.
+
+    Args:
+        found: What theory says.
+        simulated: The simulation.
+        expected: The error that theory expects of the last iteration, if it does.
+        learns: Whether the law learns at all.
+
+    Returns:
+        Failures only where the simulation did not do better, and what theory did not foresee.
+    """
+    errors, outcome = simulated.errors_m, simulated.outcome
+    first, last, count = float(errors[0]), float(errors[-1]), len(errors) - 1
+    went = f"the simulated error goes from {first:.3g} m to {last:.3g} m in iteration {count}"
+    failures, warnings = found.failures, found.warnings
+    if outcome is Outcome.MADE_WORSE:
+        if learns and not failures and math.isfinite(last):
+            failures = (f"{went}: learning makes it worse; lower the gains, or disturbances",)
+    elif failures and last <= max(first / CLEARLY, NEAR * simulated.extent_m):
+        warnings = (*(f"{text}; and yet {went}" for text in failures), *warnings)
+        failures = ()
+    elif learns and not failures and outcome is Outcome.DOES_NOT_LEARN:
+        warnings = (f"{went}, which is not half of it within {count} iterations", *warnings)
+    elif learns and outcome is Outcome.GROWS_WITHIN:
+        best = int(errors.argmin())
+        warnings = (f"{went}, and was {errors[best]:.3g} m in iteration {best}", *warnings)
+    if expected is not None and expected.unsure is None and not failures:
+        foretold = max(expected.foretold_m, RESOLUTION * simulated.extent_m)
+        if last > CLEARLY * foretold:
+            warnings = (f"{went}, where theory expects {expected.foretold_m:.3g} m", *warnings)
+    return Findings(failures, warnings)
+
+
+def theory_findings(simulated: Simulated | None) -> Findings:
+    """Bounds that should hold, and do not: a violated one is a defect of the theory's code."""
+    if simulated is None:
+        return Findings()
+    found = []
+    for name in (CORRECTED, WITHIN_LIMIT):
+        for quantity, part in (
+            simulated.comparisons[name].parts if name in simulated.comparisons else {}
+        ).items():
+            if len(part.violated):
+                found.append(
+                    f"the bound of the {quantity} error, {name}, is violated in "
+                    f"{len(part.violated)} iterations, which should not be; please report it"
+                )
+    return Findings(warnings=tuple(found))

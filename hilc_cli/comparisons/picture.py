@@ -1,0 +1,348 @@
+"""Several runs on one sheet: their errors, their last paths, and how well each did in the end."""
+
+from __future__ import annotations
+
+# isort: split
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.textpath import TextPath
+
+from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing.save import save_pictures
+from hilc_cli.errors import UsageError
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.run import RunData, distinct_names
+from hilc_cli.runs.pictures.error import ZERO_LABEL, draw_error, drawable
+from hilc_cli.runs.pictures.final_path import draw_final_path, same_path
+
+PITCH = 0.22  # of the rows [inch]
+
+_METRICS = (("max_position_error_m", "Maximum"), ("mean_position_error_m", "Mean"))
+_EDGE = 0.2  # left of the names [inch]
+_HINTED = 1.1  # letters on whole pixels are wider than their outlines
+_KEY, _KEY_GAP = 0.45, 0.12  # for a piece of each run's line, and between it and the row [inch]
+_MARGIN = 0.04  # beside the smallest and the largest error, of the width
+_LEAST_SPREAD = 1 / 3  # of the axis, in decades: equal errors are in line, in the middle
+_SIZE = style.MARKER_SIZE + 1.5  # [pt]
+_PALE = "0.6"  # of runs that have no lines
+_LONGEST_TRAJECTORY = 24
+
+
+def draw_last_errors(axes: Axes, runs: Sequence[RunData], lined: Sequence[RunData] = ()) -> None:
+    """Draws the last maximum (full mark) and mean error (open mark) of each run.
+
+    Args:
+        axes: Where to draw; it needs `room_for_names` at the left.
+        runs: The runs, from the top down.
+        lined: Those of them that have lines in other panels, in the order of their colours there:
+            their rows are the legend of these lines.
+    """
+    for row, run in enumerate(runs):
+        place = next((place for place, other in enumerate(lined) if other is run), None)
+        color = _PALE if place is None else style.run_color(place)
+        marker = "." if place is None else style.run_marker(place, len(runs))
+        _draw_row(axes, row, run, color, marker)
+        if place is not None:
+            _draw_key(axes, row, color, marker)
+    _legend_proxies(axes, zeros=any(line.get_label() == "_zero" for line in axes.lines))
+    axes.set_yticks(range(len(runs)), row_names(runs))
+    axes.set_ylim(len(runs) - 0.4, -0.6)
+    axes.tick_params(axis="y", length=0, pad=3 + 72 * _KEY)
+    _scale(axes, runs)
+    axes.set_xlabel("Position error [m]")
+    axes.grid(visible=True)
+    labels.set_title(axes, f"Position error, {labels.last_iteration_text(runs)}")
+
+
+def row_names(runs: Sequence[RunData]) -> list[str]:
+    """The names of the runs, and of what they were to follow if that is not the same."""
+    names = labels.run_labels(runs)
+    if same_path([run.reference for run in runs]):
+        return names
+    paths = [labels.shortened(run.reference.name, _LONGEST_TRAJECTORY) for run in runs]
+    return [f"{name} ({path})" for name, path in zip(names, paths, strict=True)]
+
+
+def room_for_names(runs: Sequence[RunData]) -> float:
+    """How far from the edge of the sheet the rows begin [inch]."""
+    widths = [
+        TextPath((0, 0), name, size=style.SMALL_SIZE).get_extents().width
+        for name in row_names(runs)
+    ]
+    return max(layout.LEFT, _EDGE + _HINTED * max(widths) / 72 + _KEY)
+
+
+def last_value(run: RunData, metric: str) -> float:
+    """A metric of the last completed iteration."""
+    return float(run.metrics[metric][-1])
+
+
+def _draw_row(axes: Axes, row: int, run: RunData, color: str, marker: str) -> None:
+    if run.diverged_at is not None:
+        axes.annotate(
+            f"diverged in iteration {run.diverged_at}",
+            xy=(0, row),
+            xycoords=axes.get_yaxis_transform(),
+            xytext=(4, 0),
+            textcoords="offset points",
+            va="center",
+            color=style.NOTE_COLOR,
+            fontsize=style.SMALL_SIZE - 0.5,
+            gid="value",
+        )
+        return
+    values = drawable(np.array([last_value(run, metric) for metric, _ in _METRICS]))
+    axes.plot(values, [row, row], color=color, linewidth=style.THIN, label="_between")
+    for value, (metric, label) in zip(values.tolist(), _METRICS, strict=True):
+        is_zero = last_value(run, metric) == 0
+        axes.plot(
+            [_MARGIN / 4 if is_zero else value],
+            [row],
+            transform=axes.get_yaxis_transform() if is_zero else axes.transData,
+            linestyle="none",
+            marker="<" if is_zero else marker,
+            markersize=_SIZE,
+            color=color,
+            markerfacecolor=color if label == "Maximum" and not is_zero else "white",
+            label="_zero" if is_zero else f"_{label.lower()}",
+        )
+
+
+def _draw_key(axes: Axes, row: int, color: str, marker: str) -> None:
+    """Draws a piece of the run's line between its name and its row."""
+    width, _ = layout.panel_size(axes)
+    axes.plot(
+        np.linspace(-_KEY, -_KEY_GAP, 3) / width,
+        [row] * 3,
+        transform=axes.get_yaxis_transform(),
+        clip_on=False,
+        color=color,
+        linewidth=style.PATH_WIDTH,
+        marker=marker,
+        markevery=[1],
+        markersize=style.MARKER_SIZE,
+        label="_key",
+    )
+
+
+def _legend_proxies(axes: Axes, *, zeros: bool) -> None:
+    """Names what the marks have in common."""
+    kinds = [("Maximum", "o", "black"), ("Mean", "o", "white")]
+    if zeros:
+        kinds.append((ZERO_LABEL, "<", "white"))
+    for label, marker, face in kinds:
+        axes.plot(
+            *([], []),
+            color="black",
+            linestyle="none",
+            marker=marker,
+            markersize=_SIZE,
+            markerfacecolor=face,
+            label=label,
+        )
+
+
+def _scale(axes: Axes, runs: Sequence[RunData]) -> None:
+    """Makes the axis of the errors logarithmic; runs that have diverged do not stretch it."""
+    kept = [run for run in runs if run.diverged_at is None]
+    last = [last_value(run, metric) for run in kept for metric, _ in _METRICS]
+    values: Floats = drawable(np.array(last, dtype=np.float64))
+    values = np.log10(values[~np.isnan(values)])
+    low, high = (float(values.min()), float(values.max())) if len(values) else (-1.0, 0.0)
+    beside = max(0.0, _LEAST_SPREAD - (high - low)) / 2
+    beside += _MARGIN * (high - low + 2 * beside)
+    logarithmic.set_scale(axes.xaxis, 10.0 ** (low - beside), 10.0 ** (high + beside), 9, least=4)
+
+
+NAME = "comparison"
+MOST_LINES = len(style.RUN_COLORS)
+"""So many runs are laid over each other: each has a colour of its own."""
+MOST_ROWS = 50
+"""So many runs have a row of their own."""
+MOST_PATHS = 4
+"""So many trajectories have a panel of their own."""
+
+_ERROR_WIDTH, _PATH_WIDTH, _HEIGHT = 5.2, 4.3, 3.6  # of the panels above [inch]
+_LONGEST_HEADING = 120  # [characters]
+_NUMBER = len(" (9999)")  # behind names that are equal
+_SHEET = 2 * (layout.LEFT + layout.RIGHT) + _ERROR_WIDTH + _PATH_WIDTH  # [inch]
+
+
+def comparison_figure(runs: Sequence[RunData]) -> Figure:
+    """The sheet of several runs.
+
+    Above, the errors over the iterations and the last paths, laid over each other; paths of
+    different trajectories, which may differ much in size, have a panel each. Below, a row for each
+    run with its last maximum and mean error, which is the legend of the lines as well. Of too many
+    runs the best are shown, and it is said which are not.
+
+    Args:
+        runs: At least one.
+
+    Raises:
+        UsageError: There is none.
+    """
+    if not runs:
+        raise UsageError("there is no run to draw; give at least one")
+    with style.applied():
+        rows = best_runs(_told_apart(runs), MOST_ROWS)
+        lines = best_runs(rows, MOST_LINES)
+        groups = _by_trajectory(lines)
+        figure = layout.new_sheet(_SHEET, layout.HEADING, _heading(runs))
+        if len(groups) == 1:
+            above = _draw_side_by_side(figure, lines)
+        else:
+            above = _draw_paths_below(figure, lines, groups)
+        first = list(figure.axes)
+        left, height = room_for_names(rows), PITCH * (len(rows) + 0.4)
+        right = _SHEET - layout.RIGHT
+        layout.resize_sheet(figure, bottom=layout.TOP + height + layout.BOTTOM)
+        below = layout.add_panel(figure, left, above + layout.TOP, right - left, height)
+        draw_last_errors(below, rows, lines)
+        _note_what_is_left_out(below, len(runs), len(rows), len(lines), len(groups))
+        legend = layout.legend_below(below, right - left)
+        beside = first if len(groups) == 1 else first[:1]  # what stands at the upper edge
+        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(beside))
+        return figure
+
+
+def _draw_side_by_side(figure: Figure, runs: Sequence[RunData]) -> float:
+    """Draws errors and paths beside each other, and returns where they end [inch]."""
+    top, names = layout.HEADING + layout.TOP, labels.run_labels(runs)
+    layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
+    left = _SHEET - layout.RIGHT - _PATH_WIDTH
+    error = layout.add_panel(figure, layout.LEFT, top, _ERROR_WIDTH, _HEIGHT)
+    path = layout.add_panel(figure, left, top, _PATH_WIDTH, _HEIGHT)
+    draw_error(error, runs)
+    draw_final_path(path, runs)
+    legend = max(
+        layout.legend_below(error, _ERROR_WIDTH, without=names),
+        layout.legend_below(path, _PATH_WIDTH, without=names),
+    )
+    layout.resize_sheet(figure, bottom=legend)
+    return top + _HEIGHT + layout.BOTTOM + legend
+
+
+def _draw_paths_below(
+    figure: Figure, runs: Sequence[RunData], groups: Sequence[Sequence[RunData]]
+) -> float:
+    """Draws the paths on each trajectory below the errors, and returns where they end [inch]."""
+    names, shown = labels.run_labels(runs), groups[:MOST_PATHS]
+    top, width = layout.HEADING + layout.TOP, _SHEET - layout.LEFT - layout.RIGHT
+    layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
+    error = layout.add_panel(figure, layout.LEFT, top, width, _HEIGHT)
+    draw_error(error, runs)
+    legend = layout.legend_below(error, width, without=names)
+    top += _HEIGHT + layout.BOTTOM + legend + layout.TOP
+    width = _SHEET / len(shown) - layout.LEFT - layout.RIGHT
+    height = min(width, _HEIGHT)
+    layout.resize_sheet(figure, bottom=legend + layout.TOP + height + layout.BOTTOM)
+    paths = []
+    for place, group in enumerate(shown):
+        left = place * _SHEET / len(shown) + layout.LEFT
+        axes = layout.add_panel(figure, left, top, width, height)
+
+        draw_final_path(axes, group, _title_for(group[0].reference.name, width), among=runs)
+        paths.append(axes)
+    legend = layout.legend_below(paths[0], _SHEET, without=names)
+    layout.resize_sheet(figure, bottom=legend)
+    return top + height + layout.BOTTOM + legend
+
+
+def _title_for(trajectory: str, width: float) -> labels.Entitle:
+    """Titles a panel of so many inches by its trajectory; at most two lines of notes."""
+    longest = int(width * 72 / (0.6 * style.TITLE_SIZE))
+    title = labels.shortened(f"Final path, {trajectory}", longest)
+
+    def entitle(axes: Axes, _: str, notes: Sequence[str]) -> None:
+        broken = [line for note in notes for line in labels.wrapped(note, width).split("\n")]
+        labels.set_title(axes, title, broken[:2])
+
+    return entitle
+
+
+def _by_trajectory(runs: Sequence[RunData]) -> list[list[RunData]]:
+    """The runs in groups that follow the very same path, in the order of their first ones."""
+    groups: list[list[RunData]] = []
+    for run in runs:
+        group = next((g for g in groups if same_path([g[0].reference, run.reference])), None)
+        if group is None:
+            groups.append([run])
+        else:
+            group.append(run)
+    return groups
+
+
+def _heading(runs: Sequence[RunData]) -> str:
+    """The names of the runs, as many as there is room for."""
+    names = labels.run_labels(runs)
+    if len(names) == 1:
+        return names[0]
+    for shown in range(len(names), 0, -1):
+        left = len(names) - shown
+        text = ", ".join(names[:shown]) + (f" and {left} more" if left else "")
+        if len(text) <= _LONGEST_HEADING:
+            return f"{len(names)} runs: {text}"
+    return f"{len(names)} runs"
+
+
+def best_runs(runs: Sequence[RunData], most: int) -> list[RunData]:
+    """The runs with the smallest maximum error in the end, in the order in which they are given.
+
+    Args:
+        runs: The runs; those that have diverged are the last to be taken.
+        most: How many.
+    """
+
+    def badness(place: int) -> tuple[bool, float]:
+        run = runs[place]
+        return run.diverged_at is not None, last_value(run, "max_position_error_m")
+
+    places = sorted(range(len(runs)), key=badness)[:most]
+    return [runs[place] for place in sorted(places)]
+
+
+def save_comparison(
+    runs: Sequence[RunData], folder: Path, formats: Sequence[str] = ("png",), dpi: int = 150
+) -> list[Path]:
+    """Draws the sheet and writes it to ``comparison.FORMAT``.
+
+    Args:
+        runs: At least one.
+        folder: Where the files go; it must exist.
+        formats: Some of png, svg, pdf.
+        dpi: Dots per inch of PNG files.
+
+    Returns:
+        The files, in the order of the formats.
+
+    Raises:
+        UsageError: A format is not known, or there is no run; nothing is written then.
+        OSError: A file cannot be written.
+    """
+    return save_pictures({NAME: partial(comparison_figure, runs)}, folder, formats, dpi)
+
+
+def _told_apart(runs: Sequence[RunData]) -> list[RunData]:
+    """The runs under names that differ, and are not shortened differently in each panel."""
+    names = [labels.shortened(run.name, labels.LONGEST_LABEL - _NUMBER) for run in runs]
+    return [replace(run, name=name) for run, name in zip(runs, distinct_names(names), strict=True)]
+
+
+def _note_what_is_left_out(axes: Axes, runs: int, rows: int, lines: int, paths: int) -> None:
+    notes = []
+    if lines < runs:
+        notes.append(f"lines above: the {lines} runs with the smallest maximum error; grey: others")
+    if paths > MOST_PATHS:
+        notes.append(f"paths above: those on {MOST_PATHS} of {paths} trajectories")
+    if rows < runs:
+        notes.append(f"{runs - rows} of {runs} runs, with larger errors, are left out")
+    if notes:
+        labels.set_title(axes, axes.get_title(loc="left"), notes)

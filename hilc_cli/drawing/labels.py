@@ -1,0 +1,161 @@
+"""What pictures say in words and numbers."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterable, Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.ticker import Formatter
+
+from hilc_cli.drawing.style import NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
+from hilc_cli.errors import printable
+from hilc_cli.results.run import RunData, distinct_names
+
+Entitle = Callable[[Axes, str, Sequence[str]], None]
+"""Titles a panel and puts notes that the reader must know beside it, as `set_title` does."""
+
+LONGEST_LABEL = 64
+_LONG = 1e5  # numbers from here on are written with an exponent
+_TITLE_PAD = 5.0  # [pt]
+_LINE_PITCH = 10.5  # [pt], of notes
+_NOTES = "notes"
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def run_labels(runs: Sequence[RunData]) -> list[str]:
+    """The names of runs, shortened where they are very long and told apart where they are equal."""
+    names = [shortened(run.name).strip() or "(no name)" for run in runs]
+    # Matplotlib leaves labels that start with an underscore out of the legend.
+    return distinct_names([f" {name}" if name.startswith("_") else name for name in names])
+
+
+def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
+    """A name in at most so many printable characters; both its ends stay, they differ most."""
+    name = printable(name)
+    if len(name) <= longest:
+        return name
+    head = (longest - 1) // 2
+    return f"{name[:head]}…{name[len(name) - (longest - 1 - head) :]}"
+
+
+def wrapped(text: str, width: float) -> str:
+    """A title broken into at most two lines that fit a panel of so many inches."""
+    longest = int(width * 72 / (0.6 * TITLE_SIZE))
+    lines = textwrap.wrap(text, longest)
+    if len(lines) > 2:  # no good place for a break
+        text = shortened(text, 2 * longest)
+        lines = [text[:longest], text[longest:]]
+    return "\n".join(lines)
+
+
+def number_text(value: float, digits: int = 10) -> str:
+    """A number as an axis shows it, with a true minus sign and a short exponent."""
+    text = f"{value:.{digits}g}"
+    mantissa, _, exponent = text.partition("e")
+    text = f"{mantissa}e{int(exponent)}" if exponent else mantissa
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def exponent_text(value: float) -> str:
+    """A large number in few characters, such as 1.5e6."""
+    if value == 0:
+        return "0"
+    mantissa, _, exponent = f"{value:.3e}".partition("e")
+    return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}".replace("-", "\N{MINUS SIGN}")
+
+
+def tick_text(value: float) -> str:
+    """A number as an axis shows it if it need not match its neighbours."""
+    return exponent_text(value) if abs(value) >= _LONG else number_text(value)
+
+
+def power_text(exponent: int) -> str:
+    """A power of ten, in plain characters: Matplotlib's own formulas take long to set."""
+    return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
+
+
+def plain_ticks(axes: Axes) -> None:
+    """Shows the tick values as they are, never as an offset or factor in a far corner."""
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(PlainFormatter())
+
+
+class PlainFormatter(Formatter):
+    """Tick labels of one length behind the point; exponents only where there is no room."""
+
+    def __call__(self, value: float, pos: int | None = None) -> str:
+        """The label of one tick."""
+        return tick_text(value)
+
+    def format_ticks(self, values: Iterable[float]) -> list[str]:
+        """The labels of all ticks."""
+        values = [float(value) for value in values]
+        if max(map(abs, values), default=0) >= _LONG:
+            texts = [exponent_text(value) for value in values]
+            # Large coordinates of a small path, such as those of a map, need all their digits.
+            if len(set(texts)) == len(texts):
+                return texts
+        texts = [number_text(value) for value in values]
+        if any("e" in text for text in texts):
+            return texts
+        places = max((len(text.partition(".")[2]) for text in texts), default=0)
+        return [f"{value:.{places}f}".replace("-", "\N{MINUS SIGN}") for value in values]
+
+
+def set_title(axes: Axes, title: str, notes: Iterable[str] = ()) -> None:
+    """Titles a panel; what the reader must know stands between title and panel, a line each."""
+    notes = list(notes)
+    # A fixed height spares Matplotlib from measuring all tick labels to find a free one.
+    axes.set_title(title, loc="left", y=1.0, pad=_TITLE_PAD + _LINE_PITCH * len(notes))
+    if notes:
+        axes.annotate(
+            "\n".join(notes),
+            xy=(0, 1),
+            xycoords="axes fraction",
+            xytext=(0, 3),
+            textcoords="offset points",
+            color=NOTE_COLOR,
+            fontsize=SMALL_SIZE - 0.5,
+            linespacing=1.15,
+            annotation_clip=False,
+            gid=_NOTES,
+        )
+
+
+def spare_room(panels: Iterable[Axes]) -> float:
+    """Height above panels, kept for two lines beside the first, that none of them needs [inch].
+
+    It is negative if one of them needs more.
+    """
+    used = 0
+    for axes in panels:
+        notes = [text.get_text() for text in axes.texts if text.get_gid() == _NOTES]
+        breaks = axes.get_title(loc="left").count("\n")
+        used = max(used, breaks + sum(1 + note.count("\n") for note in notes))
+    return (2 - used) * _LINE_PITCH / 72
+
+
+def divergence_notes(runs: Sequence[RunData]) -> list[str]:
+    """Says which runs ended because their numbers did."""
+    if len(runs) == 1:
+        at = runs[0].diverged_at
+        return [] if at is None else [f"diverged to non-finite values in iteration {at}"]
+    ended = [
+        f"{shortened(label, 24)} in iteration {run.diverged_at}"
+        for label, run in zip(run_labels(runs), runs, strict=True)
+        if run.diverged_at is not None
+    ]
+    if len(ended) > 1:
+        return [f"{len(ended)} of {len(runs)} runs diverged to non-finite values"]
+    return [f"diverged: {ended[0]}"] if ended else []
+
+
+def last_iteration_text(runs: Sequence[RunData]) -> str:
+    """``iteration 100``, or the range of the last iterations of several runs."""
+    last = sorted({max(run.trials) for run in runs if run.trials})
+    if not last:
+        return "no iteration completed"
+    if len(last) == 1:
+        return f"iteration {last[0]}"
+    return f"last iterations, {last[0]} to {last[-1]}"

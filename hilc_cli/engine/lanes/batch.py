@@ -1,0 +1,143 @@
+"""The batch engine: many experiments at once, one per vector lane, metrics only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.compiling import is_at_hand
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.iterations import run_iterations
+from hilc_cli.engine.lanes.lanes import LANES
+from hilc_cli.engine.lanes.packs import NEVER as NEVER
+from hilc_cli.engine.lanes.packs import Kind, Pack
+from hilc_cli.numba_loading import typeof
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import METRIC_NAMES
+
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BatchResult:
+    """What is kept of each experiment of a batch.
+
+    Attributes:
+        final: Metrics of the last completed iteration, shape (cases, metrics), in the order of
+            METRIC_NAMES; not-a-number if not even iteration 0 stayed within the finite numbers.
+        errors: Largest position error [m] of each iteration, shape (cases, iterations + 1);
+            not-a-number where an experiment has no such iteration.
+        diverged_at: The iteration that left the finite numbers, shape (cases,); NEVER if none.
+    """
+
+    final: Floats
+    errors: Floats
+    diverged_at: Integers
+
+
+def simulate_batch(experiments: Sequence[Experiment]) -> BatchResult:
+    """Runs experiments side by side.
+
+    Experiments that share their reference, law and kinds of disturbance share vector lanes;
+    gains, matrices, limits, robots, poses, bounds, seeds and iterations are each experiment's own.
+    The result of an experiment does not depend on which others are run with it.
+
+    Args:
+        experiments: At least one, each with the hybrid law.
+
+    Raises:
+        UsageError: An experiment has a law that this engine does not know.
+    """
+    cases = len(experiments)
+    most = max(experiment.iterations for experiment in experiments)
+    final = np.empty((cases, len(METRIC_NAMES)))
+    errors = np.empty((cases, most + 1))
+    diverged_at = np.empty(cases, dtype=np.int64)
+    for kind, members in groups(experiments):
+        pack = Pack(experiments[members[0]].reference, kind)
+        noted = np.empty((most + 1, LANES))
+        for first in range(0, len(members), LANES):
+            numbers = members[first : first + LANES]
+            used = len(numbers)
+            _run(pack, [experiments[number] for number in numbers], noted)
+            final[numbers] = pack.final.reshape(-1, LANES)[:, :used].T
+            errors[numbers] = noted[:, :used].T
+            diverged_at[numbers] = pack.diverged_at[:used]
+    return BatchResult(final, errors, diverged_at)
+
+
+def groups(experiments: Sequence[Experiment]) -> Iterator[tuple[Kind, list[int]]]:
+    """Numbers of the experiments that can share lanes, and their kind."""
+    found: dict[tuple[int, Kind], list[int]] = {}
+    for number, experiment in enumerate(experiments):
+        key = id(experiment.reference), Kind.of(experiment)
+        found.setdefault(key, []).append(number)
+    for (_, kind), members in found.items():
+        yield kind, members
+
+
+def _run(pack: Pack, experiments: Sequence[Experiment], errors: Floats) -> None:
+    """Runs all iterations; lanes that have diverged are run again up to where they did."""
+    pack.fill(experiments)
+    errors[:] = np.nan
+    run_iterations(*arguments(pack, errors))
+    gone = pack.diverged_at != NEVER
+    if gone.any():
+        final, diverged_at = pack.final.reshape(-1, LANES).copy(), pack.diverged_at.copy()
+        pack.restart(experiments)
+        pack.last[:] = np.where(gone, diverged_at - 1, NEVER)
+        run_iterations(*arguments(pack, errors))
+        again = pack.final.reshape(-1, LANES)
+        again[:, ~gone] = final[:, ~gone]
+        pack.diverged_at[:] = diverged_at
+
+
+def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
+    """The arguments of `run_iterations`: None for what the machine code is to be without."""
+    kind, heading = pack.kind, pack.kind.gain_heading
+    return (
+        pack.lanes,
+        pack.words,
+        pack.noise,
+        pack.history,
+        errors.ravel(),
+        pack.final,
+        pack.last,
+        pack.diverged_at,
+        *pack.desired,
+        pack.decay,
+        kind.full_matrix or None,
+        (kind.disturbed or heading != "measured") or None,
+        (heading == "reference") or None,
+        (heading == "previous") or None,
+        kind.disturbed or None,
+        kind.learn_in_first,
+        kind.state,
+        kind.output,
+        kind.pose,
+    )
+
+
+def is_compiled(experiments: Sequence[Experiment]) -> bool:
+    """Whether `simulate_batch` could run these experiments without compiling anything.
+
+    Compiling takes seconds and is done once for each law and kind of disturbance; the code is kept
+    in the ``__pycache__`` beside the engine, or in the user's cache folder where that cannot be
+    written; the environment variable ``NUMBA_CACHE_DIR`` names another one.
+
+    Args:
+        experiments: As for `simulate_batch`.
+
+    Raises:
+        UsageError: An experiment has a law that the batch engine does not know.
+    """
+    signatures = set()
+    for kind, members in groups(experiments):
+        pack = Pack(experiments[members[0]].reference, kind)
+        values = arguments(pack, np.empty((1, LANES)))
+        signatures.add(tuple(map(typeof, values)))
+    return all(is_at_hand(run_iterations, signature) for signature in signatures)

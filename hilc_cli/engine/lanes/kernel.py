@@ -1,0 +1,251 @@
+"""The compiled heart of the batch engine: one pass of `LANES` experiments over the trajectory.
+
+It calls the same formulas as the loop engine. `machine_code.py` tells what makes it vector code.
+An argument that is None removes what belongs to it when the function is compiled.
+"""
+
+from __future__ import annotations
+
+import math
+
+from hilc_cli.disturbance.philox import Words
+from hilc_cli.engine.lanes.lanes import BLOCK, HISTORY_FIELDS, LANES, Field, History, Noise
+from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use_widest_vectors
+from hilc_cli.engine.lanes.noise import draw_output, draw_state
+from hilc_cli.engine.lanes.trigonometry import cos_sin_near_zero, reduced, turned
+from hilc_cli.laws.compensation import compensation_weight
+from hilc_cli.laws.gain_matrix import wheel_correction
+from hilc_cli.laws.hybrid import compensated_error, learned_error
+from hilc_cli.plants.kinematic import advance, limit_wheel_means
+from hilc_cli.reference.sampled import Floats
+
+FORMULAS = (
+    reduced,
+    cos_sin_near_zero,
+    turned,
+    compensation_weight,
+    compensated_error,
+    learned_error,
+    advance,
+    limit_wheel_means,
+    wheel_correction,
+)
+(
+    _reduced,
+    _cos_sin_near_zero,
+    _turned,
+    _compensation_weight,
+    _compensated_error,
+    _learned_error,
+    _advance,
+    _limit_wheel_means,
+) = [formula(function) for function in FORMULAS[:-1]]
+# May take it that nothing is not-a-number, so that products with a constant 0 vanish: a lane in
+# which that is not so has been noted as diverged before.
+_wheel_correction = formula(wheel_correction, liberties=LIBERTIES | {"nnan"})
+
+# Plain numbers: the compiler folds them.
+W = LANES
+LIMIT, TOLERATED = int(Field.SPEED_LIMIT) * W, int(Field.TOLERATED) * W
+DISTANCE, TURN = int(Field.DISTANCE_GAIN) * W, int(Field.TURN_GAIN) * W
+H, PEAK, SLOPE = int(Field.H) * W, int(Field.PEAK) * W, int(Field.SLOPE) * W
+M = int(Field.MATRIX) * W
+GAINS, HEADING_GAINS = int(Field.POSITION_GAINS) * W, int(Field.HEADING_GAINS) * W
+X, Y, HEADING = int(Field.X) * W, int(Field.Y) * W, int(Field.HEADING) * W
+INITIAL = int(Field.INITIAL_ERROR) * W
+COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
+REST, SHIFTED = int(Field.REST) * W, int(Field.SHIFTED) * W
+PAST_MEAN, PAST_DIFFERENCE = int(Field.PAST_MEAN) * W, int(Field.PAST_HALF_DIFFERENCE) * W
+LARGEST_SQUARE = int(Field.LARGEST_SQUARE) * W
+LATER_SQUARE = int(Field.LATER_LARGEST_SQUARE) * W
+LATER_SUM = int(Field.LATER_ERROR_SUM) * W
+ERROR_SUM, SQUARE_SUM = int(Field.ERROR_SUM) * W, int(Field.SQUARE_SUM) * W
+LARGEST = int(Field.LARGEST_ERRORS) * W
+FASTEST_WHEEL = int(Field.FASTEST_WHEEL) * W
+SATURATED, CHANGE_SQUARES = int(Field.SATURATED) * W, int(Field.CHANGE_SQUARES) * W
+STATE_NOISE, OUTPUT_NOISE = int(Noise.STATE) * W, int(Noise.OUTPUT) * W
+ROW = HISTORY_FIELDS * W
+MEAN, DIFFERENCE = int(History.MEAN) * W, int(History.HALF_DIFFERENCE) * W
+ERROR = int(History.ERROR) * W
+
+
+def _follow(
+    lanes: Floats,
+    words: Words,
+    noise: Floats,
+    history: Floats,
+    x_desired: Floats,
+    y_desired: Floats,
+    heading_desired: Floats,
+    decay: Floats | None,
+    full_matrix: bool | None,
+    own_heading: bool | None,
+    reference_heading: bool | None,
+    previous_heading: bool | None,
+    disturbed: bool | None,
+    all_metrics: bool | None,
+    state_kind: int,
+    output_kind: int,
+) -> None:
+    """One pass of all lanes over the trajectory, in place.
+
+    Args:
+        lanes: Parameters, state and metrics, see `Field`; state and metrics are set to the start.
+        words: What the disturbances are made from, see `lanes.Words`.
+        noise: Room for a block of them, see `Noise`.
+        history: Wheel speeds and measured errors of the iteration before, replaced by those of
+            this one, see `History`; (n + 2) rows. The error at the start is that of this one.
+        x_desired: Reference [m], n + 1 numbers.
+        y_desired: Reference [m], likewise.
+        heading_desired: Reference [rad], likewise.
+        decay: exp(-k d_t), n numbers: the lanes run Eq. 21; None: they run Eq. 17.
+        full_matrix: Anything: the gain matrix has any entries; None: those of Eq. 45, which then
+            are in the gains.
+        own_heading: Anything: the gain matrix is taken at another heading than the true one: that
+            of the next arguments, or a disturbed one.
+        reference_heading: Anything: the gain matrix is taken at the reference's heading.
+        previous_heading: Anything: it is taken at the heading measured in the iteration before;
+            both None: at the heading measured in this one.
+        disturbed: Anything: there are disturbances of state or output.
+        all_metrics: Anything: measure all metrics; None: only the largest position error.
+        state_kind: Distribution of the state's disturbance, see `noise`.
+        output_kind: Distribution of the output's.
+    """
+    use_widest_vectors()
+    steps = len(x_desired) - 1
+    for k in range(steps):
+        next_x, next_y, next_heading = x_desired[k + 1], y_desired[k + 1], heading_desired[k + 1]
+        # Rows of the history: what is known at k - 1, k and k + 1.
+        before = k * ROW
+        row = before + ROW
+        after = row + ROW
+        offset = 3 * W * (k & (BLOCK - 1))
+        if disturbed is not None and offset == 0:
+            count = min(BLOCK, steps - k)
+            draw_state(noise, lanes, words, state_kind, k, count)
+            draw_output(noise, lanes, words, output_kind, k + 1, count)
+        limited = False
+        later = 1.0 if 2 * (k + 1) >= steps else 0.0
+        for j in range(W):
+            cos, sin = _cos_sin_near_zero(lanes[REST + j])
+            cos, sin = _turned(cos, sin, lanes[SHIFTED + j])
+            lanes[COS + j], lanes[SIN + j] = cos, sin
+            if own_heading is not None:
+                cos, sin = _cos_sin_near_zero(lanes[REST + W + j])
+                cos, sin = _turned(cos, sin, lanes[SHIFTED + W + j])
+            past_x, past_y = history[after + ERROR + j], history[after + ERROR + W + j]
+            past_heading = history[after + ERROR + 2 * W + j]
+            l1, heading_l1 = lanes[GAINS + j], lanes[HEADING_GAINS + j]
+            if decay is not None:
+                weight = _compensation_weight(
+                    float(k), lanes[H + j], lanes[PEAK + j], lanes[SLOPE + j], decay[k]
+                )
+                weighted_x = _compensated_error(l1, past_x, weight, lanes[INITIAL + j])
+                weighted_y = _compensated_error(l1, past_y, weight, lanes[INITIAL + W + j])
+                weighted_heading = _compensated_error(
+                    heading_l1, past_heading, weight, lanes[INITIAL + 2 * W + j]
+                )
+            else:
+                l2, l3 = lanes[GAINS + W + j], lanes[GAINS + 2 * W + j]
+                heading_l2 = lanes[HEADING_GAINS + W + j]
+                heading_l3 = lanes[HEADING_GAINS + 2 * W + j]
+                weighted_x = _learned_error(
+                    l1, past_x, l2, history[row + ERROR + j], l3, history[before + ERROR + j]
+                )
+                weighted_y = _learned_error(
+                    l1, past_y,
+                    l2, history[row + ERROR + W + j],
+                    l3, history[before + ERROR + W + j],
+                )  # fmt: skip
+                weighted_heading = _learned_error(
+                    heading_l1, past_heading,
+                    heading_l2, history[row + ERROR + 2 * W + j],
+                    heading_l3, history[before + ERROR + 2 * W + j],
+                )  # fmt: skip
+            if full_matrix is None:
+                matrix = (
+                    0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0,
+                    0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0,
+                )  # fmt: skip
+            else:
+                matrix = (
+                    lanes[M + j], lanes[M + W + j], lanes[M + 2 * W + j],
+                    lanes[M + 3 * W + j], lanes[M + 4 * W + j], lanes[M + 5 * W + j],
+                    lanes[M + 6 * W + j], lanes[M + 7 * W + j], lanes[M + 8 * W + j],
+                    lanes[M + 9 * W + j], lanes[M + 10 * W + j], lanes[M + 11 * W + j],
+                    lanes[M + 12 * W + j], lanes[M + 13 * W + j], lanes[M + 14 * W + j],
+                    lanes[M + 15 * W + j], lanes[M + 16 * W + j], lanes[M + 17 * W + j],
+                )  # fmt: skip
+            mean_correction, difference_correction = _wheel_correction(
+                matrix, cos, sin, weighted_x, weighted_y, weighted_heading
+            )
+            if all_metrics is not None:
+                lanes[PAST_MEAN + j] = history[row + MEAN + j]
+                lanes[PAST_DIFFERENCE + j] = history[row + DIFFERENCE + j]
+            mean = history[row + MEAN + j] + mean_correction
+            difference = history[row + DIFFERENCE + j] + difference_correction
+            history[row + MEAN + j], history[row + DIFFERENCE + j] = mean, difference
+            limited |= abs(mean) + abs(difference) > lanes[TOLERATED + j]
+        # Rarely so, and then in few samples: without the division the next cosine need not wait
+        # for this one.
+        if limited:
+            for j in range(W):
+                mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
+                # Only here, too, what is to be limited: a lane does not see its neighbours.
+                over = abs(mean) + abs(difference) > lanes[TOLERATED + j]
+                if all_metrics is not None:
+                    lanes[SATURATED + j] += 1.0 if over else 0.0
+                within = _limit_wheel_means(mean, difference, lanes[LIMIT + j])
+                history[row + MEAN + j] = within[0] if over else mean
+                history[row + DIFFERENCE + j] = within[1] if over else difference
+        for j in range(W):
+            mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
+            if all_metrics is not None:
+                change = mean - lanes[PAST_MEAN + j]
+                difference_change = difference - lanes[PAST_DIFFERENCE + j]
+                lanes[CHANGE_SQUARES + j] += 2.0 * (
+                    change * change + difference_change * difference_change
+                )
+                fastest = abs(mean) + abs(difference)
+                lanes[FASTEST_WHEEL + j] = max(lanes[FASTEST_WHEEL + j], fastest)
+            x, y, heading = _advance(
+                lanes[X + j], lanes[Y + j], lanes[HEADING + j],
+                lanes[COS + j], lanes[SIN + j],
+                lanes[DISTANCE + j] * mean, lanes[TURN + j] * difference,
+            )  # fmt: skip
+            if disturbed is not None:
+                x += noise[STATE_NOISE + offset + j]
+                y += noise[STATE_NOISE + offset + W + j]
+                heading += noise[STATE_NOISE + offset + 2 * W + j]
+            lanes[X + j], lanes[Y + j], lanes[HEADING + j] = x, y, heading
+            error_x, error_y, error_heading = next_x - x, next_y - y, next_heading - heading
+            square = error_x * error_x + error_y * error_y
+            lanes[LARGEST_SQUARE + j] = max(square, lanes[LARGEST_SQUARE + j])
+            if all_metrics is not None:
+                distance = math.sqrt(square)
+                lanes[ERROR_SUM + j] += distance
+                lanes[LATER_SUM + j] += later * distance
+                lanes[LATER_SQUARE + j] = max(later * square, lanes[LATER_SQUARE + j])
+                lanes[SQUARE_SUM + j] += square
+                lanes[LARGEST + j] = max(lanes[LARGEST + j], abs(error_x))
+                lanes[LARGEST + W + j] = max(lanes[LARGEST + W + j], abs(error_y))
+                lanes[LARGEST + 2 * W + j] = max(lanes[LARGEST + 2 * W + j], abs(error_heading))
+            if disturbed is not None:
+                error_x -= noise[OUTPUT_NOISE + offset + j]
+                error_y -= noise[OUTPUT_NOISE + offset + W + j]
+                error_heading -= noise[OUTPUT_NOISE + offset + 2 * W + j]
+            if previous_heading is not None:
+                past_heading = history[after + ERROR + 2 * W + j]
+                lanes[REST + W + j], lanes[SHIFTED + W + j] = _reduced(next_heading - past_heading)
+            elif reference_heading is not None:
+                lanes[REST + W + j], lanes[SHIFTED + W + j] = _reduced(next_heading)
+            elif disturbed is not None:
+                measured = heading + noise[OUTPUT_NOISE + offset + 2 * W + j]
+                lanes[REST + W + j], lanes[SHIFTED + W + j] = _reduced(measured)
+            lanes[REST + j], lanes[SHIFTED + j] = _reduced(heading)
+            history[after + ERROR + j] = error_x
+            history[after + ERROR + W + j] = error_y
+            history[after + ERROR + 2 * W + j] = error_heading
+
+
+follow = compiled(_follow)

@@ -1,0 +1,216 @@
+"""Experiments as vector lanes: what can share them, and how its numbers get there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.disturbance.normal import probabilities
+from hilc_cli.disturbance.philox import round_keys
+from hilc_cli.disturbance.streams import Bounded
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.lanes import (
+    FIELDS,
+    HISTORY_FIELDS,
+    LANES,
+    NOISE_ROWS,
+    WORD_ROWS,
+    Field,
+    History,
+)
+from hilc_cli.engine.lanes.noise import NONE, NORMAL, UNIFORM
+from hilc_cli.errors import UsageError
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.past_errors import GainHeading
+from hilc_cli.numba_loading import DISABLED
+from hilc_cli.plants.kinematic import step_gains
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.metrics import METRIC_NAMES
+
+NEVER = -1
+_ROUNDING = 2.0**-50
+"""What the absolute values of a mean and half a difference may add to what they are made of."""
+_LEFT = slice(Field.MATRIX, Field.MATRIX + 9)  # of the matrix; in the lanes the mean
+_RIGHT = slice(Field.MATRIX + 9, Field.MATRIX + 18)  # likewise; in the lanes half the difference
+_LINE = 64  # bytes; vectors that lie across two cache lines take twice as long
+
+
+class Kind(NamedTuple):
+    """What experiments in the lanes of one pack have in common, beside the reference.
+
+    Attributes:
+        compensation: Whether they run Eq. 21, not Eq. 17.
+        gain_heading: As in `HybridLaw`.
+        full_matrix: Whether the gain matrix has another form than that of Eq. 45.
+        learn_in_first: As in `Experiment`.
+        state: NONE, UNIFORM or NORMAL: the distribution of the state's disturbance.
+        output: The distribution of the output's disturbance.
+        pose: The distribution of the initial pose's disturbance.
+    """
+
+    compensation: bool
+    gain_heading: GainHeading
+    full_matrix: bool
+    learn_in_first: bool
+    state: int
+    output: int
+    pose: int
+
+    @classmethod
+    def of(cls, experiment: Experiment) -> Kind:
+        """The kind of an experiment.
+
+        Raises:
+            UsageError: It has a law that the batch engine does not know.
+        """
+        law, disturbance = hybrid_law(experiment), experiment.disturbance
+        return cls(
+            law.compensation,
+            law.gain_heading,
+            not law.matrix.is_kinematic,
+            experiment.learn_in_first,
+            _distribution(disturbance.state),
+            _distribution(disturbance.output),
+            _distribution(disturbance.initial_pose),
+        )
+
+    @property
+    def disturbed(self) -> bool:
+        """Whether anything is drawn at each sample."""
+        return self.state != NONE or self.output != NONE
+
+
+def knows(experiment: Experiment) -> bool:
+    """Whether the batch engine runs here, and knows the experiment's law."""
+    return isinstance(experiment.law, HybridLaw) and not DISABLED
+
+
+def hybrid_law(experiment: Experiment) -> HybridLaw:
+    """The experiment's law.
+
+    Raises:
+        UsageError: It is another one than the hybrid law.
+    """
+    if not isinstance(experiment.law, HybridLaw):
+        raise UsageError("the batch engine knows the hybrid law only")
+    return experiment.law
+
+
+def _distribution(source: Bounded) -> int:
+    if not source.active:
+        return NONE
+    return UNIFORM if source.distribution == "uniform" else NORMAL
+
+
+class Pack:
+    """The arrays of up to LANES experiments of one kind; they are used again for the next ones.
+
+    Attributes:
+        kind: What the experiments have in common.
+        sample_time: d_t [s] of the reference.
+        desired: x [m], y [m] and heading [rad] of the reference, shape (n + 1,) each.
+        decay: exp(-k d_t), shape (n,); None with Eq. 17.
+        lanes: See `Field`, shape (FIELDS * LANES,); the other arrays are flat likewise.
+        words: See `Words`.
+        noise: See `lanes.Noise`.
+        history: See `History`.
+        final: Metrics of each lane's last iteration, in the order of METRIC_NAMES.
+        last: Each lane's last iteration, shape (LANES,).
+        diverged_at: The iteration that left the finite numbers, NEVER if none, shape (LANES,).
+    """
+
+    def __init__(self, reference: Reference, kind: Kind) -> None:
+        self.kind, self.sample_time = kind, reference.sample_time
+        # Copies, so that the machine code need not be compiled anew for arrays of another layout.
+        self.desired = tuple(np.array(a) for a in (reference.x, reference.y, reference.heading))
+        self.lanes = aligned(FIELDS * LANES, np.float64)
+        self.words = aligned(WORD_ROWS * LANES, np.uint64)
+        self.noise = aligned(NOISE_ROWS * LANES, np.float64)
+        self.history = aligned((reference.samples + 2) * HISTORY_FIELDS * LANES, np.float64)
+        self.final = np.empty(len(METRIC_NAMES) * LANES)
+        self.last = np.empty(LANES, dtype=np.int64)
+        self.diverged_at = np.empty(LANES, dtype=np.int64)
+        self.decay = np.exp(-reference.times[:-1]) if kind.compensation else None
+
+    def fill(self, experiments: Sequence[Experiment]) -> None:
+        """Puts experiments into the lanes; empty lanes repeat the last of them."""
+        cases = len(experiments)
+        last = [experiment.iterations for experiment in experiments]
+        self.last[:cases], self.last[cases:] = last, NEVER
+        rows = np.array([self._parameters(experiment) for experiment in experiments])
+        lanes = self.lanes.reshape(FIELDS, LANES)
+        left, right = rows[:, _LEFT].copy(), rows[:, _RIGHT]
+        rows[:, _LEFT], rows[:, _RIGHT] = (left + right) / 2, (left - right) / 2
+        lanes[: rows.shape[1], :cases] = rows.T
+        lanes[: rows.shape[1], cases:] = rows[-1][:, np.newaxis]
+        if self.kind.disturbed or self.kind.pose != NONE:
+            words = np.array([_word_rows(experiment) for experiment in experiments], np.uint64)
+            places = self.words.reshape(WORD_ROWS, LANES)
+            places[: words.shape[1], :cases] = words.T
+            places[: words.shape[1], cases:] = words[-1][:, np.newaxis]
+        self.restart(experiments)
+
+    def restart(self, experiments: Sequence[Experiment]) -> None:
+        """Sets the history to before iteration 0, and forgets what has been found out."""
+        self.history[:] = 0.0
+        self.final[:] = np.nan
+        self.diverged_at[:] = NEVER
+        inputs = self.history.reshape(-1, HISTORY_FIELDS, LANES)[1:-1]
+        known: dict[tuple[int, int], tuple[Floats, Floats] | None] = {}
+        for lane, experiment in enumerate(experiments):
+            left, right = experiment.initial_left, experiment.initial_right
+            # Most often the cases share their first input, and it is zero.
+            both = id(left), id(right)
+            if both not in known:
+                zero = not (left.any() or right.any())
+                known[both] = None if zero else ((left + right) / 2, (left - right) / 2)
+            means = known[both]
+            if means is not None:
+                inputs[:, History.MEAN, lane], inputs[:, History.HALF_DIFFERENCE, lane] = means
+
+    def _parameters(self, experiment: Experiment) -> list[float]:
+        """The rows of the lane array up to Field.POSITION_GAINS; the matrix still by wheels."""
+        law, robot = hybrid_law(experiment), experiment.robot
+        sample_time, limit = self.sample_time, experiment.speed_limit
+        distance_gain, turn_gain = step_gains(
+            robot.wheel_radius, robot.signed_half_track, sample_time
+        )
+        peak = 2 / (sample_time * law.h)
+        parameters = [
+            law.l1, law.l2, law.l3, limit, limit * (1 + _ROUNDING),
+            2 * distance_gain, 2 * turn_gain, law.h, peak, peak / law.h,
+            *experiment.initial_pose, *law.matrix.coefficients,
+        ]  # fmt: skip
+        if self.kind.disturbed or self.kind.pose != NONE:
+            disturbance = experiment.disturbance
+            for source in (disturbance.state, disturbance.output, disturbance.initial_pose):
+                parameters += _noise_rows(source)
+        return parameters
+
+
+def _noise_rows(source: Bounded) -> list[float]:
+    """The rows of `NoiseField`."""
+    if source.distribution == "uniform":
+        return [*source.bound, *[0.0] * 9]
+    pairs = [probabilities(b, d) for b, d in zip(source.bound, source.deviation, strict=True)]
+    inside, below = zip(*pairs, strict=True)
+    return [*source.bound, *inside, *below, *source.deviation]
+
+
+def _word_rows(experiment: Experiment) -> list[int]:
+    """The rows of `Words` up to Words.PASS."""
+    disturbance = experiment.disturbance
+    sources = (disturbance.state, disturbance.output, disturbance.initial_pose)
+    keys = [word for pair in round_keys(disturbance.seed) for word in pair]
+    return [*keys, *(0 if source.repeat else 1 for source in sources)]
+
+
+def aligned(count: int, kind: Any) -> NDArray[Any]:
+    """An array of zeros, eight bytes each, that begins with a cache line."""
+    spare = _LINE // 8
+    array = np.zeros(count + spare, dtype=kind)
+    first = -array.ctypes.data // 8 % spare
+    return array[first : first + count]

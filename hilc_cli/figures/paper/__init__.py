@@ -1,1 +1,0 @@
-"""Sheets of many panels, as large as a journal prints them."""

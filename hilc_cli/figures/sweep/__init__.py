@@ -1,1 +1,0 @@
-"""Pictures of sweeps: one kind a file, the results of all cases in, a Matplotlib figure out."""

@@ -1,0 +1,135 @@
+"""What the parameters of every law have in common, whatever the law."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, get_args
+
+from hilc_cli.disturbance.streams import Triple
+from hilc_cli.laws.law import Law
+from hilc_cli.plants.kinematic import Robot
+from hilc_cli.reference.sampled import Reference
+from hilc_cli.yaml_input.model import Located, Model
+
+DEFAULT_LAW = "hybrid"
+DEFAULT_H = 200  # samples, the paper's choice in situation 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setting:
+    """What a law may depend on beside its own parameters.
+
+    Attributes:
+        reference: The trajectory.
+        model: The platform as the controller believes it to be.
+        initial_error: Start of the reference less the initial pose [m, m, rad].
+        initial_bound: Bound of the initial pose's disturbance, likewise.
+    """
+
+    reference: Reference
+    model: Robot
+    initial_error: Triple
+    initial_bound: Triple
+
+
+class Controller(Model):
+    """A law by its name, with the law's own parameters.
+
+    Each law has a model of its own with a field ``law``, whose one value is its name, and a field
+    ``b_w``, the speed limit.
+    """
+
+    learns: ClassVar[bool] = True
+    """Whether an iteration depends on those before it."""
+
+    in_lanes: ClassVar[bool] = False
+    """Whether the batch engine knows the law."""
+
+    tied_to_trajectory: ClassVar[tuple[str, ...]] = ()
+    """Keys whose values must fit the trajectory, and fit any if there is none."""
+
+    @classmethod
+    def name(cls) -> str:
+        """What ``law:`` says."""
+        name: str = get_args(cls.model_fields["law"].annotation)[0]
+        return name
+
+    @classmethod
+    def chosen_by(cls) -> tuple[str, str]:
+        """The law."""
+        return "law", cls.name()
+
+    @classmethod
+    def is_meant(cls, data: object) -> bool:
+        """Whether data names this law."""
+        return isinstance(data, Mapping) and law_named(data) == cls.name()
+
+    @classmethod
+    def relations(
+        cls, data: Mapping[str, Any], reference: Reference | None, model: Robot | None
+    ) -> list[Located]:
+        """What does not fit the rest of the scenario.
+
+        Args:
+            data: The parameters, not yet validated or valid.
+            reference: The trajectory, if that is valid by itself.
+            model: The platform as the controller believes it to be, if that is valid by itself.
+        """
+        return []
+
+    @abstractmethod
+    def law_for(self, setting: Setting) -> Law:
+        """The law for the engines.
+
+        Raises:
+            ValueError: A number that follows from the parameters is not finite.
+        """
+
+    @abstractmethod
+    def in_words(self, setting: Setting) -> str:
+        """The law and its gains, in one line."""
+
+    def misfits_on(self, reference: Reference) -> list[Located]:
+        """What does not fit a trajectory."""
+        return []
+
+    def compensates(self, setting: Setting) -> bool:
+        """Whether the run compensates an initial error by Eq. 21."""
+        return False
+
+    def figures(self) -> tuple[str, ...]:
+        """Columns of ``learning.csv`` that the law fills; most laws have nothing to tell."""
+        return ()
+
+    def yardsticks(self, setting: Setting) -> dict[str, dict[str, float]]:
+        """Values of the law's own to hold some of them against, each with a name."""
+        return {}
+
+    def resolved(self, reference: Reference) -> dict[str, Any]:
+        """The parameters as plain data with every default filled in."""
+        return self.model_dump(mode="json")
+
+    def warnings(self, setting: Setting) -> list[str]:
+        """What is legal but probably not meant."""
+        return []
+
+
+def law_named(data: Mapping[str, Any]) -> object:
+    """What ``law:`` says in parameters that may not be valid."""
+    law = data.get("law")
+    return DEFAULT_LAW if law is None else law
+
+
+def default_length(h: int | None, reference: Reference) -> int:
+    """A number of samples ``h``; what it is if it is left out."""
+    return min(DEFAULT_H, reference.samples) if h is None else h
+
+
+def length_misfits(h: int | None, reference: Reference | None) -> list[Located]:
+    """What is wrong with a number of samples ``h`` on a trajectory; either may be unknown."""
+    if reference is None or h is None or h <= reference.samples:
+        return []
+    problem = f"must be at most the trajectory's {reference.samples} samples"
+    return [(("h",), problem, f"give a whole number from 1 to {reference.samples}")]

@@ -1,0 +1,1 @@
+"""Several laws on the same cases."""

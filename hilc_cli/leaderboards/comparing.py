@@ -1,0 +1,235 @@
+"""A leaderboard: laws side by side in many cases, in tables of several formats and one picture."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from hilc_cli.comparisons.comparison import ComparisonTable, Value
+from hilc_cli.comparisons.tables import csv_text, latex_text, markdown_text
+from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.files import merge_folder
+from hilc_cli.leaderboards.contests import Contests, hold
+from hilc_cli.leaderboards.entries import LeaderboardData
+from hilc_cli.leaderboards.folder import (
+    TABLES,
+    check_leaderboard_folder,
+    is_leaderboard_folder,
+    read_leaderboard_folder,
+    write_leaderboard_folder,
+)
+from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
+from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
+from hilc_cli.results.manifest import circumstances
+from hilc_cli.sweeps.crew import available_cores
+
+__all__ = [
+    "LawComparison",
+    "Leaderboard",
+    "check_leaderboard_output",
+    "compare_laws",
+    "load_leaderboard",
+]
+
+_LIBRARIES = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LawComparison:
+    """Laws, and what became of each in each case.
+
+    Attributes:
+        data: All entries.
+        checksum: Of all that the results depend on.
+        how: What the manifest tells of the computation.
+    """
+
+    data: LeaderboardData
+    checksum: str
+    how: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        return repr(self.data).replace("LeaderboardData", "LawComparison", 1)
+
+    @property
+    def laws(self) -> dict[str, ComparisonTable]:
+        """The laws over all cases and beliefs, by disturbance."""
+        return {each: laws_table(self.data, each) for each in self.data.disturbances}
+
+    @property
+    def settings(self) -> ComparisonTable:
+        """The worst error of each law by belief and disturbance."""
+        return settings_table(self.data)
+
+    @property
+    def settings_records(self) -> list[dict[str, Value]]:
+        """The same, a record for each law, belief and disturbance."""
+        return settings_records(self.data)
+
+    @property
+    def entries(self) -> ComparisonTable:
+        """All runs."""
+        return entries_table(self.data)
+
+    def text(self, kind: str) -> str:
+        """The tables as they stand in a file.
+
+        Args:
+            kind: csv, all runs; markdown or latex, the laws.
+
+        Raises:
+            UsageError: There is no such kind.
+        """
+        if kind == "csv":
+            return csv_text(self.entries)
+        if kind not in TABLES:
+            raise UsageError(f"unknown kind of table '{kind}'; {suggestion(kind, TABLES)}")
+        tables = [*self.laws.values(), self.settings]
+        if kind == "latex":
+            return "\n".join(map(latex_text, tables))
+        return "\n".join(f"## {table.title}\n\n{markdown_text(table)}" for table in tables)
+
+    def write(
+        self,
+        folder: str | Path,
+        *,
+        force: bool = False,
+        formats: Sequence[str] = ("png",),
+        plots: bool = True,
+        command: Sequence[str] = (),
+    ) -> list[Path]:
+        """Writes the folder: leaderboard.csv, leaderboard.md, leaderboard.tex and the picture.
+
+        Args:
+            folder: The very folder that is written; it is there as a whole or not at all.
+            force: Replace the folder of another leaderboard.
+            formats: Of the picture: png, svg, pdf.
+            plots: Whether to draw it.
+            command: Command line to note in the manifest.
+
+        Returns:
+            The files.
+
+        Raises:
+            ExistingResultsError: The folder holds another leaderboard, or is no leaderboard
+                folder.
+            FileAccessError: It cannot be written.
+            UsageError: There is no such picture format.
+        """
+
+        def draw(into: Path) -> None:
+            from hilc_cli.leaderboards.picture import save_leaderboard  # Matplotlib starts slowly
+
+            save_leaderboard(self.data, into, formats)
+
+        return write_leaderboard_folder(
+            Path(folder),
+            self.data,
+            {kind: self.text(kind) for kind in TABLES},
+            lambda: {**self.how, "command": list(command)},
+            checksum=self.checksum,
+            force=force,
+            draw=draw if plots else None,
+        )
+
+
+def check_leaderboard_output(
+    leaderboard: Leaderboard, folder: str | Path, *, force: bool = False
+) -> None:
+    """Whether the results may be written to a folder, before minutes are spent on them.
+
+    Raises:
+        ExistingResultsError: The folder holds another leaderboard, or is no leaderboard folder.
+    """
+    check_leaderboard_folder(Path(folder), leaderboard.checksum(), force=force)
+
+
+def compare_laws(
+    leaderboard: Leaderboard | str | Path | Mapping[str, object],
+    *,
+    workers: int | None = None,
+    on_runs: Callable[[int], None] = lambda runs: None,
+    go_on: Callable[[], None] = lambda: None,
+) -> LawComparison:
+    """Runs each law in each case with each belief and disturbance.
+
+    Args:
+        leaderboard: From `load_leaderboard`, or what it takes.
+        workers: Processes on this machine; None: as many as it has cores. Nothing but the times
+            depends on it.
+        on_runs: Told how many runs are done.
+        go_on: Called now and then; may raise to stop.
+
+    Raises:
+        FailedContestError: A run cannot be computed.
+        WorkersError: Processes cannot be started.
+    """
+    if not isinstance(leaderboard, Leaderboard):
+        leaderboard = load_leaderboard(leaderboard)
+    started, clock = datetime.now(UTC), time.perf_counter()
+    spec = leaderboard.spec
+    contests = Contests(tuple(leaderboard.contests()), spec.after, spec.tolerance)
+    entries = hold(contests, workers or available_cores(), on_runs, go_on)
+    return LawComparison(
+        LeaderboardData(spec.name, spec.after, spec.tolerance, entries),
+        leaderboard.checksum(),
+        {
+            **circumstances(started, _LIBRARIES),
+            "timings_s": {"computation": time.perf_counter() - clock},
+            "inputs_sha256": dict(leaderboard.checksums),
+        },
+    )
+
+
+def is_leaderboard(folder: str | Path) -> bool:
+    """Whether a folder holds the results of a leaderboard."""
+    return is_leaderboard_folder(Path(folder))
+
+
+def read_leaderboard(folder: str | Path) -> LeaderboardData:
+    """The results in the folder of a leaderboard, from its table of all runs and its manifest.
+
+    Raises:
+        HilcError: There is no such folder, or a file is missing or damaged.
+    """
+    return read_leaderboard_folder(Path(folder))
+
+
+def plot_leaderboard(
+    data: LeaderboardData,
+    folder: str | Path,
+    *,
+    formats: Sequence[str] = ("png",),
+    dpi: int = 150,
+    may_replace: Callable[[Path], bool] = lambda file: False,
+) -> list[Path]:
+    """Draws the picture of a leaderboard.
+
+    Args:
+        data: From `read_leaderboard`, or the `data` of a `LawComparison`.
+        folder: Where to put leaderboard.FORMAT; made if it is not there.
+        formats: png, svg, pdf.
+        dpi: Resolution of png.
+        may_replace: Whether a picture of the same name that stands there may be replaced.
+
+    Returns:
+        The pictures written.
+
+    Raises:
+        UsageError: There is no such format.
+        ExistingResultsError: A picture stands there that may not be replaced.
+        FileAccessError: They cannot be written.
+    """
+    from hilc_cli.leaderboards.picture import save_leaderboard  # Matplotlib starts slowly
+
+    names: list[str] = []
+
+    def draw(into: Path) -> None:
+        names.extend(path.name for path in save_leaderboard(data, into, formats, dpi))
+
+    merge_folder(Path(folder), draw, may_replace)
+    return [Path(folder) / name for name in names]

@@ -1,0 +1,203 @@
+"""The runs of a leaderboard, computed by a crew of workers."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.loop import simulate
+from hilc_cli.errors import DivergedError, HilcError
+from hilc_cli.leaderboards.entries import Entry
+from hilc_cli.leaderboards.plan import Contest
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import first_within, measure, settled_at, share_within
+from hilc_cli.results.trial import Trial
+from hilc_cli.sweeps.chunks import Chunk
+from hilc_cli.sweeps.crew import Processes
+from hilc_cli.sweeps.execute import TRIES
+
+
+class FailedContestError(HilcError):
+    """A run of a leaderboard could not be computed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contests:
+    """All runs of a leaderboard: what a worker gets, and does.
+
+    Attributes:
+        runs: The runs.
+        after: Numbers of iterations after which errors are told.
+        tolerance: Largest error that counts as reached [m].
+    """
+
+    runs: tuple[Contest, ...]
+    after: tuple[int, ...]
+    tolerance: float
+
+    def __call__(self, chunk: Chunk) -> list[Entry]:
+        """The entries of some runs."""
+        return [
+            compete(contest, self.after, self.tolerance)
+            for contest in self.runs[chunk.first : chunk.last]
+        ]
+
+
+def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
+    """Runs one law in one case.
+
+    Where all iterations are the same, since nothing is learned and nothing disturbed, one is run
+    and stands for all.
+
+    Args:
+        contest: The law and the case.
+        after: Numbers of iterations after which errors are told.
+        tolerance: Largest error that counts as reached [m].
+    """
+    experiment = contest.scenario.experiment()
+    law, disturbance = contest.scenario.spec.controller, contest.scenario.spec.disturbance
+    same = not law.learns and not disturbance.active
+    _warm_up(experiment)
+    start = time.process_time()
+    found = _errors(replace(experiment, iterations=0) if same else experiment)
+    seconds = time.process_time() - start
+    ran = len(found.max_m)
+    if ran == 0:
+        raise DivergedError(0)
+    wanted = list(after)
+
+    def whole(errors: list[float]) -> Floats:
+        """Of all iterations: what has diverged is infinite; what stays the same is as it was."""
+        last = errors[-1] if found.diverged_at is None else math.inf
+        return np.array(errors + [last] * (experiment.iterations + 1 - ran))
+
+    def told(errors: list[float]) -> tuple[float, ...]:
+        return tuple(whole(errors)[wanted].tolist())
+
+    largest, path = whole(found.max_m), whole(found.whole_m)
+    return Entry(
+        contest.case,
+        contest.belief,
+        contest.disturbance,
+        contest.law,
+        told(found.max_m),
+        told(found.mean_m),
+        told(found.whole_m),
+        first_within(largest, tolerance),
+        share_within(largest, tolerance),
+        settled_at(largest, tolerance),
+        float(path[1:].max()) if len(path) > 1 else None,
+        found.fastest,
+        contest.scenario.speed_limit,
+        found.diverged_at,
+        seconds / ran,
+    )
+
+
+def hold(
+    contests: Contests,
+    workers: int,
+    on_runs: Callable[[int], None] = lambda runs: None,
+    go_on: Callable[[], None] = lambda: None,
+) -> tuple[Entry, ...]:
+    """Computes all runs, in worker processes or, if one is to do it all, in this one.
+
+    Args:
+        contests: The runs.
+        workers: How many processes.
+        on_runs: Told how many runs are done, each time there are more.
+        go_on: Called now and then; may raise to stop.
+
+    Returns:
+        The entries in the order of the runs; all but their times depend on nothing else.
+
+    Raises:
+        FailedContestError: A run cannot be computed.
+        WorkersError: Processes cannot be started.
+    """
+    if workers == 1:
+        return tuple(_alone(contests, on_runs, go_on))
+    waiting = deque(Chunk(number, number + 1) for number in range(len(contests.runs)))
+    entries: dict[int, Entry] = {}
+    lost: Counter[Chunk] = Counter()
+    crew = Processes(contests, min(workers, len(waiting)))
+    try:
+        while len(entries) < len(contests.runs):
+            while waiting and crew.takes():
+                crew.give(waiting.popleft())
+            go_on()
+            for outcome in crew.outcomes():
+                if outcome.result is not None:
+                    entries[outcome.chunk.first] = outcome.result[0]
+                    continue
+                lost[outcome.chunk] += 1
+                if outcome.is_final or lost[outcome.chunk] == TRIES:
+                    raise _failed(contests.runs[outcome.chunk.first], outcome.reason)
+                waiting.appendleft(outcome.chunk)
+            on_runs(len(entries))
+    finally:
+        crew.dismiss()
+    return tuple(entries[number] for number in range(len(entries)))
+
+
+def _alone(
+    contests: Contests, on_runs: Callable[[int], None], go_on: Callable[[], None]
+) -> Iterator[Entry]:
+    for number, contest in enumerate(contests.runs, 1):
+        go_on()
+        try:
+            entry = compete(contest, contests.after, contests.tolerance)
+        except Exception as error:
+            raise _failed(contest, f"{type(error).__name__}: {error}") from error
+        yield entry
+        on_runs(number)
+
+
+def _failed(contest: Contest, reason: str) -> FailedContestError:
+    where = f"case {contest.case}, belief {contest.belief}, disturbance {contest.disturbance}"
+    return FailedContestError(f"law {contest.law}, {where}: {reason}")
+
+
+@dataclass(slots=True)
+class _Errors:
+    """Errors by iteration, and what else is looked at in all of them."""
+
+    max_m: list[float]
+    mean_m: list[float]
+    whole_m: list[float]
+    fastest: float = 0.0
+    diverged_at: int | None = None
+
+
+def _errors(experiment: Experiment) -> _Errors:
+    found = _Errors([], [], [])
+    before: Trial | None = None
+    try:
+        for trial in simulate(experiment):
+            metrics = measure(trial, experiment.reference, before)
+            found.max_m.append(metrics.max_position_error_second_half_m)
+            found.mean_m.append(metrics.mean_position_error_second_half_m)
+            found.whole_m.append(metrics.max_position_error_m)
+            found.fastest = max(found.fastest, metrics.max_wheel_speed_rad_s)
+            before = trial
+    except DivergedError as error:
+        found.diverged_at = error.iteration
+    return found
+
+
+_WARM: set[type[object]] = set()
+"""Laws that have run in this process, so that nothing of theirs is still to be loaded or compiled,
+which would count as their time."""
+
+
+def _warm_up(experiment: Experiment) -> None:
+    kind = type(experiment.law)
+    if kind not in _WARM:
+        _errors(replace(experiment, iterations=min(2, experiment.iterations)))
+        _WARM.add(kind)

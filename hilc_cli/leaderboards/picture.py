@@ -1,0 +1,120 @@
+"""How near laws come to the trajectory, and how soon: the error after each number of iterations."""
+
+from __future__ import annotations
+
+# isort: split
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing.save import save_pictures
+from hilc_cli.leaderboards.entries import LeaderboardData
+from hilc_cli.leaderboards.folder import LEADERBOARD_PICTURE
+from hilc_cli.reference.sampled import Floats
+
+_LEAST = 1e-6  # [m]; smaller errors are drawn here, as rounding would stretch the axis
+_WIDTH, _HEIGHT = 4.2, 3.4  # of a panel [inch]
+_GAP = 0.25  # between panels [inch]
+_SPREAD = 0.8  # of a number of iterations, in which the laws stand side by side
+
+
+def leaderboard_figure(data: LeaderboardData) -> Figure:
+    """A panel for each disturbance: median and range of each law's error over all other cases.
+
+    Args:
+        data: At least one entry.
+    """
+    with style.applied():
+        disturbances = data.disturbances
+        top = layout.HEADING + layout.TOP
+        panels = len(disturbances)
+        width = layout.LEFT + panels * _WIDTH + (panels - 1) * _GAP + layout.RIGHT
+        figure = layout.new_sheet(width, top + _HEIGHT + layout.BOTTOM, data.name)
+        low, high = _range(data)
+        drawn = []
+        for place, disturbance in enumerate(disturbances):
+            left = layout.LEFT + place * (_WIDTH + _GAP)
+            axes = layout.add_panel(figure, left, top, _WIDTH, _HEIGHT)
+            _draw(axes, data, disturbance, low, high)
+            if place:
+                axes.tick_params(axis="y", labelleft=False)
+            else:
+                axes.set_ylabel("Largest error of the second half [m]")
+            drawn.append(axes)
+        room = panels * _WIDTH + (panels - 1) * _GAP
+        legend = layout.legend_below(drawn[0], room)
+        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(drawn))
+        return figure
+
+
+def save_leaderboard(
+    data: LeaderboardData, folder: Path, formats: Sequence[str] = ("png",), dpi: int = 150
+) -> list[Path]:
+    """Draws the picture and writes it to ``leaderboard.FORMAT``.
+
+    Args:
+        data: At least one entry.
+        folder: Where the files go; it must exist.
+        formats: Some of png, svg, pdf.
+        dpi: Dots per inch of PNG files.
+
+    Returns:
+        The files, in the order of the formats.
+
+    Raises:
+        UsageError: A format is not known; nothing is written then.
+        OSError: A file cannot be written.
+    """
+    pictures = {LEADERBOARD_PICTURE: partial(leaderboard_figure, data)}
+    return save_pictures(pictures, folder, formats, dpi)
+
+
+def _draw(axes: Axes, data: LeaderboardData, disturbance: str, low: float, high: float) -> None:
+    """One panel: marks at the medians, bars from the best case to the worst."""
+    places = np.arange(len(data.after), dtype=np.float64)
+    laws = data.laws
+    for number, law in enumerate(laws):
+        errors = _errors(data, law, disturbance)
+        at = places + _SPREAD * ((number + 0.5) / len(laws) - 0.5)
+        middle = np.median(errors, axis=0)
+        color = style.run_color(number)
+        axes.vlines(at, errors.min(axis=0), errors.max(axis=0), color=color, linewidth=2.2,
+                    alpha=0.45, label=f"_range of {law}")  # fmt: skip
+        axes.plot(
+            at, middle, color=color, linewidth=style.THIN, marker=style.run_marker(number, 2),
+            markersize=style.MARKER_SIZE + 1, label=law,
+        )  # fmt: skip
+    axes.set_xticks(places, [str(count) for count in data.after])
+    axes.set_xlim(-0.5, len(places) - 0.5)
+    for edge in places[1:] - 0.5:
+        axes.axvline(edge, color="0.88", linewidth=0.5)
+    logarithmic.set_scale(axes.yaxis, low, high, 9)
+    axes.axhline(data.tolerance, color=style.LIMIT_COLOR, linewidth=style.THIN,
+                 linestyle=style.DASHED, label=f"{data.tolerance:g} m")  # fmt: skip
+    axes.grid(visible=True, axis="y")
+    axes.set_xlabel("Iterations")
+    notes = [f"median and range over {len(data.of(laws[0], disturbance))} runs of each law"]
+    if any(min(entry.max_m) < _LEAST for law in laws for entry in data.of(law, disturbance)):
+        notes[0] += f"; less than {labels.exponent_text(_LEAST)} m is drawn there"
+    labels.set_title(axes, f"Disturbance: {disturbance}", notes)
+
+
+def _errors(data: LeaderboardData, law: str, disturbance: str) -> Floats:
+    """Errors [m], shape (runs, numbers of iterations), kept within what is drawn."""
+    found = [entry.max_m for entry in data.of(law, disturbance)]
+    errors: Floats = np.clip(np.array(found, dtype=np.float64), _LEAST, 1e12)
+    return errors
+
+
+def _range(data: LeaderboardData) -> tuple[float, float]:
+    """Ends of the axis of errors [m]; runs that have diverged reach its upper one."""
+    found = np.array([entry.max_m for entry in data.entries])
+    finite = np.clip(found[np.isfinite(found)], _LEAST, 1e12)
+    low, high = (finite.min(), finite.max()) if finite.size else (_LEAST, 1.0)
+    return float(min(low, data.tolerance)) / 1.6, float(max(high, data.tolerance)) * 1.6

@@ -1,0 +1,237 @@
+"""What a leaderboard file says: laws, and the cases in which they are compared."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError
+
+from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.laws.registry import ControllerSpec
+from hilc_cli.names import in_short, listed
+from hilc_cli.plants.kinematic import Robot
+from hilc_cli.scenario.disturbance import DisturbanceSpec
+from hilc_cli.scenario.experiment import Scenario
+from hilc_cli.scenario.loading import load_scenario
+from hilc_cli.scenario.record import RecordSpec
+from hilc_cli.scenario.robot import ModelSpec
+from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
+from hilc_cli.yaml_input.model import Located, Model, Name, Text
+from hilc_cli.yaml_input.nodes import MapNode, Node, nearest, to_data
+from hilc_cli.yaml_input.problems import located_problem, problems_of
+from hilc_cli.yaml_input.quantities import (
+    Iterations,
+    PositiveLength,
+    PositiveNumber,
+    PositiveWheelSpeed,
+    such_as,
+)
+from hilc_cli.yaml_input.reading import Inputs, mistaken
+
+
+class BeliefSpec(Model):
+    """What the controller believes, as shares of what is true."""
+
+    wheel_radius: PositiveNumber = Field(1.0, description="believed by true wheel radius")
+    half_track: PositiveNumber = Field(1.0, description="believed by true half track")
+
+    def model_of(self, robot: Robot) -> ModelSpec:
+        """The believed platform."""
+        return ModelSpec(
+            wheel_radius=self.wheel_radius * robot.wheel_radius,
+            half_track=self.half_track * robot.half_track,
+        )
+
+
+class LeaderboardSpec(Model):
+    """Laws, each to be run in every case with every belief and every disturbance."""
+
+    name: Name
+    description: Text = ""
+    cases: dict[Name, Text] = Field(
+        min_length=1,
+        description="scenarios by name, of which trajectory, robot and start are taken: "
+        "paths of files, or example:NAME",
+    )
+    beliefs: dict[Name, BeliefSpec] = Field(
+        {"exact": BeliefSpec()}, min_length=1, description="what the controller believes, by name"
+    )
+    disturbances: dict[Name, DisturbanceSpec] = Field(
+        {"none": DisturbanceSpec()}, min_length=1, description="disturbances by name"
+    )
+    laws: dict[Name, ControllerSpec] = Field(
+        min_length=1, description="controllers by name, as in a scenario"
+    )
+    b_w: PositiveWheelSpeed | None = Field(
+        None, description="speed limit of the wheels [rad/s], of laws that say none of their own"
+    )
+    initial_input: Literal["zero", "feedforward"] = Field(
+        "zero", description="of iteration 0: zero or feedforward"
+    )
+    after: Annotated[tuple[Iterations, ...], Field(min_length=1, max_length=20)] = Field(
+        (1, 2, 5, 10, 100), description="iterations whose errors are told; the last one ends a run"
+    )
+    tolerance: Annotated[float, such_as(PositiveLength, "0.01 or 1 cm")] = Field(
+        0.01, description="maximum error [m] over the second half that counts as reached"
+    )
+
+    @classmethod
+    def misfits(cls, data: dict[str, Any]) -> list[Located]:
+        """Numbers of iterations that do not grow."""
+        found, after = super().misfits(data), data.get("after")
+        numbers = after if isinstance(after, list) else []
+        if all(type(number) is int for number in numbers) and numbers != sorted(set(numbers)):
+            found.append((("after",), "must be numbers that grow", "sort them, each once"))
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Contest:
+    """One law in one case: its names, and the scenario to run."""
+
+    case: str
+    belief: str
+    disturbance: str
+    law: str
+    scenario: Scenario
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Leaderboard:
+    """A valid leaderboard.
+
+    Attributes:
+        spec: What its author wrote, with defaults filled in.
+        cases: Its scenarios by name.
+        checksums: SHA-256 of each file that was read.
+    """
+
+    spec: LeaderboardSpec
+    cases: Mapping[str, Scenario]
+    checksums: Mapping[str, str]
+
+    def __repr__(self) -> str:
+        title = f"Leaderboard {self.name!r}: {self.size} runs in {len(self.cases)} cases"
+        return in_short(title, f"laws: {listed(self.spec.laws)}")
+
+    @property
+    def name(self) -> str:
+        """The name of the leaderboard."""
+        return self.spec.name
+
+    @property
+    def size(self) -> int:
+        """Number of runs."""
+        spec = self.spec
+        return len(spec.cases) * len(spec.beliefs) * len(spec.disturbances) * len(spec.laws)
+
+    def resolved(self) -> dict[str, Any]:
+        """All that the results depend on as plain data, but for this program."""
+        data = self.spec.model_dump(mode="json", exclude={"description"})
+        parts = ("trajectory", "robot", "initial_pose")
+        for name, scenario in self.cases.items():
+            resolved = scenario.resolved()
+            data["cases"][name] = {part: resolved[part] for part in parts}
+        return data
+
+    def checksum(self) -> str:
+        """SHA-256 of what tells this leaderboard from others."""
+        return hashlib.sha256(json.dumps(self.resolved()).encode()).hexdigest()
+
+    def contests(self) -> Iterator[Contest]:
+        """All runs: cases in their order; of each the beliefs, the disturbances, and the laws."""
+        spec = self.spec
+        for case, scenario in self.cases.items():
+            robot = scenario.spec.robot.robot()
+            for belief, believed in spec.beliefs.items():
+                for disturbance, disturbed in spec.disturbances.items():
+                    for law, controller in spec.laws.items():
+                        limit = spec.b_w if controller.b_w is None else controller.b_w
+                        changes = {
+                            "controller": controller.model_copy(update={"b_w": limit}),
+                            "model": believed.model_of(robot),
+                            "disturbance": disturbed,
+                            "iterations": max(spec.after),
+                            "initial_input": spec.initial_input,
+                            "initial_trial": None,
+                            "record": RecordSpec(),
+                            "sweep": None,
+                        }
+                        made = Scenario(scenario.spec.model_copy(update=changes))
+                        yield Contest(case, belief, disturbance, law, made)
+
+
+def load_leaderboard(source: str | Path | Mapping[str, object]) -> Leaderboard:
+    """Reads and validates a leaderboard with the scenarios that it names.
+
+    Args:
+        source: A file, ``-`` for standard input, ``example:leaderboard``, or what would stand in a
+            file as a dictionary.
+
+    Raises:
+        InvalidInputError: It is not valid, or one of its scenarios is not; names every problem.
+        UsageError: There is no such file.
+        FileAccessError: A file cannot be read.
+    """
+    inputs = Inputs()
+    tree = inputs.tree(source, LEADERBOARDS)
+    assert isinstance(tree, MapNode)  # anything else has been refused
+    other = mistaken(tree.entries, LEADERBOARDS)
+    if other is not None:
+        raise InvalidInputError([Problem(str(tree.place), "", other)])
+    try:
+        spec = LeaderboardSpec.model_validate(to_data(tree))
+    except ValidationError as error:
+        found = problems_of(error, tree, LeaderboardSpec)
+        raise InvalidInputError([*inputs.problems, *found]) from None
+    if inputs.problems:
+        raise InvalidInputError(inputs.problems)
+    cases = _cases(spec, tree)
+    problems = _misfits(spec, cases, tree)
+    if problems:
+        raise InvalidInputError(problems)
+    checksums = dict(inputs.checksums)
+    for scenario in cases.values():
+        checksums.update(scenario.checksums)
+    return Leaderboard(spec, cases, checksums)
+
+
+def _cases(spec: LeaderboardSpec, tree: Node) -> dict[str, Scenario]:
+    """The scenarios by name; what is wrong with one is told at the place where it is named."""
+    cases: dict[str, Scenario] = {}
+    problems: list[Problem] = []
+    for name, text in spec.cases.items():
+        _, place, _ = nearest(tree, ("cases", name))
+        where = text if text.startswith(PREFIX) else place.source.folder / text
+        try:
+            cases[name] = load_scenario(where)
+        except InvalidInputError as error:
+            problems += error.problems
+        except HilcError as error:
+            problems.append(Problem(str(place), f"cases.{name}", str(error)))
+    if problems:
+        raise InvalidInputError(problems)
+    return cases
+
+
+def _misfits(spec: LeaderboardSpec, cases: dict[str, Scenario], tree: Node) -> list[Problem]:
+    """What in a law's parameters does not fit a case; each key is told of once."""
+    found: dict[tuple[object, ...], Problem] = {}
+    for law, controller in spec.laws.items():
+        data = to_data(nearest(tree, ("laws", law))[0])
+        assert isinstance(data, dict)  # it is valid
+        for case, scenario in cases.items():
+            robot = scenario.spec.robot.robot()
+            reference = scenario.spec.trajectory.reference()
+            for belief, believed in spec.beliefs.items():
+                model = believed.model_of(robot).model(robot)
+                for at, problem, remedy in type(controller).relations(data, reference, model):
+                    keys = ("laws", law, *at)
+                    told = f"{problem} (case {case}, belief {belief})"
+                    found.setdefault(keys, located_problem(tree, keys, told, remedy))
+    return list(found.values())

@@ -1,0 +1,1 @@
+"""Robots: how they move in one sample."""

@@ -1,0 +1,1 @@
+"""How results are told on a terminal."""

@@ -1,0 +1,1 @@
+"""One experiment: load, run, keep, read back, draw."""

@@ -1,0 +1,244 @@
+"""How the path changes from iteration to iteration."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import FuncNorm, Normalize
+from matplotlib.figure import Figure
+
+from hilc_cli.drawing import labels, layout, style, view
+from hilc_cli.errors import UsageError
+from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.run import RunData
+from hilc_cli.results.trial import Trial
+
+COLUMNS = 4  # of panels, where several runs are compared
+_BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.12, 0.14, 0.75  # [inch]
+
+
+def chosen_trials(run: RunData, iterations: Collection[int] | None = None) -> list[Trial]:
+    """The recorded iterations of a run that were asked for, in order; all of them by default."""
+    return [
+        trial
+        for iteration, trial in sorted(run.trials.items())
+        if iterations is None or iteration in iterations
+    ]
+
+
+def check_iterations(runs: Sequence[RunData], iterations: Collection[int] | None) -> None:
+    """Makes sure that there is a path for each iteration asked for.
+
+    Raises:
+        UsageError: An iteration is recorded in none of the runs; names those that are.
+    """
+    if iterations is None:
+        return
+    recorded = sorted({iteration for run in runs for iteration in run.trials})
+    known = f"recorded: {', '.join(map(str, recorded)) or 'none'}"
+    missing = sorted(set(iterations) - set(recorded))
+    if missing:
+        what = "iterations" if len(missing) > 1 else "iteration"
+        raise UsageError(f"{what} {', '.join(map(str, missing))} not recorded; {known}")
+    if not iterations:
+        raise UsageError(f"no iterations to draw; {known}")
+
+
+def iteration_scale(
+    runs: Sequence[RunData], iterations: Collection[int] | None = None
+) -> Normalize | None:
+    """The scale that colours iterations, one for all runs.
+
+    It runs with log(1 + iteration): learning changes the path most at the start.
+
+    Returns:
+        The scale from the first to the last iteration; None if it has no extent.
+    """
+    shown = [trial.iteration for run in runs for trial in chosen_trials(run, iterations)]
+    if not shown or min(shown) == max(shown):
+        return None
+    return FuncNorm((np.log1p, np.expm1), vmin=min(shown), vmax=max(shown))
+
+
+def draw_paths(
+    axes: Axes, reference: Reference, trials: Sequence[Trial], scale: Normalize | None
+) -> list[str]:
+    """Draws paths, coloured by iteration, below the dashed reference.
+
+    Args:
+        axes: Where to draw.
+        reference: The path that was to be followed.
+        trials: The paths in order.
+        scale: The scale of `iteration_scale`.
+
+    Returns:
+        What the reader must be told: that paths leave the view.
+    """
+    shown = view.show(axes, view.view_of([reference], trials))
+    colors = style.iteration_colors()
+    for trial in trials:
+        axes.plot(
+            *(trial.x, trial.y),
+            color=style.BLUE if scale is None else colors(float(scale(trial.iteration))),
+            linewidth=style.PATH_WIDTH,
+            label=f"Iteration {trial.iteration}" if len(trials) == 1 else "_path",
+        )
+    view.draw_reference(axes, reference)
+    if trials:
+        view.draw_start(axes, trials[-1])
+        view.name_poses(axes, end=False)
+    return view.leaving_note(shown, reference, trials)
+
+
+def draw_path_change(
+    axes: Axes,
+    run: RunData,
+    iterations: Collection[int] | None = None,
+    scale: Normalize | None = None,
+    title: str = "Path over the iterations",
+    entitle: labels.Entitle = labels.set_title,
+) -> None:
+    """Draws the recorded paths of one run.
+
+    Args:
+        axes: Where to draw.
+        run: The run.
+        iterations: The iterations to show; None for all that are recorded.
+        scale: Colours of the iterations if several runs share them, see `iteration_scale`.
+        title: What stands above the panel.
+        entitle: Puts it there.
+    """
+    trials = chosen_trials(run, iterations)
+    if scale is None:
+        scale = iteration_scale([run], iterations)
+    notes = draw_paths(axes, run.reference, trials, scale)
+    if not trials:
+        notes.append("no path of these iterations")
+    entitle(axes, title, [*notes, *labels.divergence_notes([run])])
+
+
+def draw_color_bar(bar: Axes, scale: Normalize, *, lying: bool = False) -> None:
+    """Fills axes with the colours of the iterations, from the bottom up or from left to right."""
+    figure = layout.root_figure(bar)
+    mappable = ScalarMappable(scale, style.iteration_colors())
+    assert scale.vmin is not None
+    assert scale.vmax is not None
+    orientation = "horizontal" if lying else "vertical"
+    drawn = figure.colorbar(mappable, cax=bar, label="Iteration", orientation=orientation)
+    drawn.set_ticks([], minor=True)
+    ticks = _bar_ticks(int(scale.vmin), int(scale.vmax))
+    drawn.set_ticks(ticks, labels=list(map(str, ticks)))
+    assert drawn.solids is not None
+    drawn.solids.set_edgecolor("face")  # or PDF viewers show seams between the colours
+    (bar.xaxis if lying else bar.yaxis).labelpad = 2
+
+
+def _bar_ticks(first: int, last: int) -> list[int]:
+    """First, last and round iterations between them, not too close on a logarithmic scale."""
+    closest = (np.log1p(last) - np.log1p(first)) / 14
+    ticks = [first]
+    for exponent in range(len(str(last))):
+        for digit in (1, 2, 5):
+            tick = digit * 10**exponent
+            apart = min(np.log1p(tick) - np.log1p(ticks[-1]), np.log1p(last) - np.log1p(tick))
+            if first < tick < last and apart >= closest:
+                ticks.append(tick)
+    return [*ticks, last]
+
+
+def path_change_figure(
+    runs: Sequence[RunData], iterations: Collection[int] | None = None
+) -> Figure:
+    """The recorded paths of a run, or of several runs in a panel each.
+
+    Args:
+        runs: At least one.
+        iterations: The iterations to show; None for all that are recorded.
+
+    Raises:
+        UsageError: An iteration is recorded in none of the runs.
+    """
+    check_iterations(runs, iterations)
+    with style.applied():
+        if len(runs) == 1:
+            return _single_figure(runs[0], iterations)
+        width, height = grid_size(len(runs))
+        top = layout.HEADING
+        heading = f"{len(runs)} runs: path over the iterations"
+        figure = layout.new_sheet(width, top + height, heading)
+        legend = draw_grid(figure, runs, iterations, top)
+        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(figure.axes[:COLUMNS]))
+        return figure
+
+
+def _single_figure(run: RunData, iterations: Collection[int] | None) -> Figure:
+    trials = chosen_trials(run, iterations)
+    shape = view.shape_of(view.view_of([run.reference], trials))
+    scale = iteration_scale([run], iterations)
+    width, height = 5.0, max(2.4, 5.0 * shape)
+    figure, axes = layout.single_panel(
+        labels.shortened(run.name), width, height, 0.0 if scale is None else _BAR_ROOM - 0.2
+    )
+    draw_path_change(axes, run, iterations, scale)
+    add_color_bar(axes, scale)
+    layout.finish(figure, axes, width)
+    return figure
+
+
+def add_color_bar(axes: Axes, scale: Normalize | None) -> None:
+    """Puts the colours of the iterations to the right of axes, if there are any."""
+    if scale is None:
+        return
+    figure = layout.root_figure(axes)
+    sheet_width, _ = figure.get_size_inches()
+    box = axes.get_position(original=True)
+    left = box.x1 + _BAR_GAP / sheet_width
+    draw_color_bar(figure.add_axes((left, box.y0, _BAR_WIDTH / sheet_width, box.height)), scale)
+
+
+def panel_side(runs: int) -> float:
+    """Width and height of a panel of several runs [inch]."""
+    return 3.6 if runs < COLUMNS else 2.75
+
+
+def grid_size(runs: int) -> tuple[float, float]:
+    """Width and height of the panels of several runs together [inch]."""
+    rows, side = -(-runs // COLUMNS), panel_side(runs)
+    width = min(runs, COLUMNS) * (layout.LEFT + side) + _BAR_ROOM
+    return width, rows * (layout.TOP + side + layout.BOTTOM)
+
+
+def draw_grid(
+    figure: Figure, runs: Sequence[RunData], iterations: Collection[int] | None, top: float
+) -> float:
+    """Draws a panel for each of several runs.
+
+    Args:
+        figure: The sheet, at least as large as `grid_size`.
+        runs: The runs, a panel each.
+        iterations: The iterations to show; None for all that are recorded.
+        top: Distance of the panels from the upper edge [inch].
+
+    Returns:
+        Height of the legend below the panels [inch].
+    """
+    scale = iteration_scale(runs, iterations)
+    side = panel_side(len(runs))
+    panels: list[Axes] = []
+    for index, (run, label) in enumerate(zip(runs, labels.run_labels(runs), strict=True)):
+        row, column = divmod(index, COLUMNS)
+        axes = layout.add_panel(
+            figure,
+            layout.LEFT + column * (layout.LEFT + side),
+            top + layout.TOP + row * (layout.TOP + side + layout.BOTTOM),
+            side,
+            side,
+        )
+        draw_path_change(axes, run, iterations, scale, labels.wrapped(label, side))
+        panels.append(axes)
+    add_color_bar(panels[min(len(panels), COLUMNS) - 1], scale)
+    first_of_last_row = panels[(len(panels) - 1) // COLUMNS * COLUMNS]
+    return layout.legend_below(first_of_last_row, side)

@@ -1,0 +1,105 @@
+"""What ``hilc run`` prints: first what matters, then a table, then what was probably not meant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from hilc_cli.errors import printable
+from hilc_cli.reporting.terminal import two_columns
+from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF
+from hilc_cli.results.quantities import quantities, says_more
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+
+    from hilc_cli.results.summary import Summary
+
+_FEWEST, _MOST = 4, 6  # significant digits of an estimate
+
+
+def summary_report(summary: Summary, speed_limit: float | None) -> RenderableType:
+    """A run in a few lines.
+
+    Args:
+        summary: The run.
+        speed_limit: b_w [rad/s]; None for no limit.
+    """
+    from rich.console import Group
+    from rich.text import Text
+
+    title = (
+        f"{summary.name}: {summary.trajectory} ({summary.path_size_m:.4g} m), "
+        f"after {summary.iterations} iterations"
+    )
+    return Group(
+        Text(printable(title), style="bold"),
+        Text(summary.headline),
+        _table(summary, speed_limit),
+        *(Text(f"warning: {printable(warning)}") for warning in summary.warnings),
+    )
+
+
+def _table(summary: Summary, speed_limit: float | None) -> Table:
+    final = summary.final
+    limit = "no limit" if speed_limit is None else f"limit {speed_limit:g}"
+    errors = [
+        ("Position error, maximum", f"{final[MAX_ERROR]:.4g} m"),
+        ("Position error, maximum of the second half", f"{final[MAX_ERROR_SECOND_HALF]:.4g} m"),
+    ]
+    settled, what = summary.settled_at, "Maximum error"
+    if summary.starts_off:
+        errors.reverse()
+        settled, what = summary.settled_second_half_at, "Maximum error of the second half"
+    rows = [
+        *errors,
+        ("Position error, mean", f"{final['mean_position_error_m']:.4g} m"),
+        ("Position error, RMS", f"{final['rms_position_error_m']:.4g} m"),
+        ("Position error at the end", f"{final['final_position_error_m']:.4g} m"),
+        ("Heading error, maximum", f"{final['max_abs_error_heading_rad']:.4g} rad"),
+        ("Fastest wheel", f"{final['max_wheel_speed_rad_s']:.4g} rad/s ({limit})"),
+    ]
+    for label, iteration in settled.items():
+        reached = "not reached" if iteration is None else f"from iteration {iteration}"
+        rows.append((f"{what} within {label} of the path's size", reached))
+    rows += [
+        (
+            "Largest maximum error on the way",
+            f"{summary.peak_max_position_error_m:.4g} m in iteration {summary.peak_iteration}",
+        ),
+        ("Samples at the speed limit, all iterations", f"{summary.saturated_share:.1%}"),
+    ]
+    rows += _learned(summary.learning)
+    return two_columns("", rows)
+
+
+def _learned(figures: Mapping[str, float]) -> list[tuple[str, str]]:
+    """What the law has learned by the last iteration, estimates with their standard errors."""
+    rows, known = [], {column for column, value in figures.items() if not math.isnan(value)}
+    for quantity in quantities(figures):
+        if not says_more(quantity, known):
+            continue
+        series, unit = quantity.best, quantity.unit
+        value = figures[series.value]
+        if series.error is not None:
+            text = _estimate(value, figures[series.error], unit)
+        elif math.isnan(value):
+            continue
+        else:
+            late = math.isinf(value) and unit == "s"
+            text = "not by the end" if late else f"{value:.6g} {unit}".rstrip()
+        rows.append((f"Learned: {quantity.name}", text))
+    return rows
+
+
+def _estimate(value: float, error: float, unit: str) -> str:
+    """An estimate, with about as many digits as its standard error leaves."""
+    if math.isnan(error):
+        return f"not measured, taken as {value:.{_FEWEST}g} {unit}".rstrip()
+    size = math.floor(math.log10(abs(value))) if value else 0
+    sure = size - math.floor(math.log10(error)) + 2 if error else _MOST
+    places = max(0, min(max(sure, _FEWEST), _MOST) - 1 - size)
+    shown = (f"{number} {unit}".rstrip() for number in (f"{value:.{places}f}", f"{error:.2g}"))
+    return ", standard error ".join(shown)

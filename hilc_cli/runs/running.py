@@ -1,0 +1,307 @@
+"""One run: load a scenario, simulate it, keep it, draw it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Protocol
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.loop import simulate
+from hilc_cli.errors import DivergedError, UsageError, printable
+from hilc_cli.files import merge_folder
+from hilc_cli.results.learning import LearningTable
+from hilc_cli.results.manifest import circumstances
+from hilc_cli.results.metrics import MetricsTable, measure
+from hilc_cli.results.run import RunData
+from hilc_cli.results.summary import Summary, summarise
+from hilc_cli.results.trial import Trial
+from hilc_cli.runs.run_folder import check_output_folder, read_run_folder, write_run_folder
+from hilc_cli.runs.warnings import forewarnings, what_happened
+from hilc_cli.scenario.experiment import Scenario
+from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
+from hilc_cli.scenario.record import recorded_iterations
+from hilc_cli.scenario.settings import settings_of, yardsticks_of
+
+__all__ = [
+    "Run",
+    "RunData",
+    "RunSource",
+    "Scenario",
+    "ScenarioSource",
+    "Summary",
+    "check_folder",
+    "forewarnings",
+    "load_scenario",
+    "plot",
+    "read_run",
+    "run",
+]
+
+
+_LIBRARIES = ("matplotlib", "numpy", "pydantic", "pyyaml")
+
+
+class OnIteration(Protocol):
+    """Told of each completed iteration."""
+
+    def __call__(self, iteration: int, /) -> None:
+        """Iteration number ``iteration`` is complete."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Run(RunData):
+    """The results of a scenario, and how they came to be.
+
+    Attributes:
+        scenario: What was run.
+        started: When, in UTC.
+        timings: Seconds that each step took.
+    """
+
+    scenario: Scenario = field(kw_only=True)
+    started: datetime = field(kw_only=True)
+    timings: dict[str, float] = field(kw_only=True)
+
+    def summary(self) -> Summary:
+        """The few figures that tell how the run went."""
+        return summarise(self)
+
+    def write(
+        self,
+        folder: str | Path,
+        *,
+        force: bool = False,
+        formats: Sequence[str] = ("png",),
+        plots: bool = True,
+        command: Sequence[str] = (),
+    ) -> dict[str, float]:
+        """Writes the run folder: tables, resolved scenario, manifest and pictures.
+
+        Args:
+            folder: The very folder that is written; it is there as a whole or not at all.
+            force: Replace the folder of another scenario's run.
+            formats: Of the pictures: png, svg, pdf.
+            plots: Whether to draw pictures.
+            command: Command line to note in the manifest.
+
+        Returns:
+            Seconds that tables and pictures took.
+
+        Raises:
+            ExistingResultsError: The folder holds another scenario's run, or is no run folder.
+            FileAccessError: It cannot be written.
+            UsageError: There is no such picture format.
+        """
+
+        def draw(into: Path) -> None:
+            from hilc_cli.runs.pictures.catalogue import save_figures  # Matplotlib starts slowly
+
+            start = time.perf_counter()
+            save_figures([self], into, formats=formats)
+            timings["pictures"] = time.perf_counter() - start
+
+        def manifest() -> Mapping[str, Any]:
+            timings["tables"] = time.perf_counter() - clock - timings.get("pictures", 0.0)
+            return self._manifest(command, timings)
+
+        timings: dict[str, float] = {}
+        clock = time.perf_counter()
+
+        write_run_folder(
+            Path(folder),
+            self,
+            self.scenario.resolved_yaml(),
+            manifest,
+            initial_input=self.scenario.initial_input,
+            gravity_center=self.scenario.spec.record.gravity_center,
+            force=force,
+            draw=draw if plots else None,
+        )
+        return timings
+
+    def _manifest(self, command: Sequence[str], writing: Mapping[str, float]) -> Mapping[str, Any]:
+        spec = self.scenario.spec
+        return {
+            "name": self.name,
+            "trajectory": self.reference.name,
+            "iterations": len(self.metrics) - 1,
+            "compensation": self.scenario.compensates,
+            "speed_limit_rad_s": self.speed_limit,
+            "settings": dict(self.settings),
+            "yardsticks": {name: dict(values) for name, values in self.yardsticks.items()},
+            "gravity_center_m": list(self.gravity_center),
+            "diverged_at": self.diverged_at,
+            "warnings": list(self.warnings),
+            "seed": spec.disturbance.seed,
+            **circumstances(self.started, _LIBRARIES),
+            "command": list(command),
+            "timings_s": {**self.timings, **writing},
+            "inputs_sha256": dict(self.scenario.checksums),
+        }
+
+
+def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) -> Run:
+    """Simulates a scenario.
+
+    A simulation that diverges ends early: the result then holds the iterations before, and
+    says so in ``diverged_at``.
+
+    Args:
+        scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
+        on_iteration: Told of each completed iteration.
+
+    Raises:
+        InvalidInputError: The scenario is not valid.
+        DivergedError: Not even the first iteration stayed within the finite numbers.
+    """
+    scenario = as_scenario(scenario)
+    started, clock = datetime.now(UTC), time.perf_counter()
+    experiment = scenario.experiment()
+    kept = recorded_iterations(scenario.spec.record.iterations, experiment.iterations)
+    metrics, learning = MetricsTable(), LearningTable()
+    trials: dict[int, Trial] = {}
+    last: Trial | None = None
+    diverged_at: int | None = None
+    try:
+        for trial in measured_trials(experiment, metrics):
+            learning.append(trial.figures)
+            if trial.iteration in kept:
+                trials[trial.iteration] = trial
+            last = trial
+            if on_iteration is not None:
+                on_iteration(trial.iteration)
+    except DivergedError as error:
+        if last is None:
+            raise
+        diverged_at = error.iteration
+        trials[last.iteration] = last  # the last one always is kept
+    result = Run(
+        name=scenario.name,
+        reference=experiment.reference,
+        metrics=metrics,
+        trials=trials,
+        speed_limit=scenario.speed_limit,
+        gravity_center=experiment.robot.gravity_center,
+        diverged_at=diverged_at,
+        learning=learning,
+        settings=settings_of(scenario),
+        yardsticks=yardsticks_of(scenario),
+        scenario=scenario,
+        started=started,
+        timings={"simulation": time.perf_counter() - clock},
+    )
+    warnings = (*forewarnings(scenario), *what_happened(result, experiment))
+    return replace(result, warnings=warnings)
+
+
+def measured_trials(experiment: Experiment, metrics: MetricsTable) -> Iterator[Trial]:
+    """The iterations of an experiment, each measured as it is completed.
+
+    Args:
+        experiment: What to simulate.
+        metrics: Empty; gets a row for each iteration.
+
+    Raises:
+        DivergedError: An iteration left the finite numbers; it is neither measured nor yielded.
+    """
+    before: Trial | None = None
+    for trial in simulate(experiment):
+        metrics.append(measure(trial, experiment.reference, before))
+        yield trial
+        before = trial
+
+
+def read_run(folder: str | Path) -> RunData:
+    """The results in a run folder, from its tables alone.
+
+    Raises:
+        HilcError: There is no such folder, or a table is missing or damaged.
+    """
+    return read_run_folder(Path(folder))
+
+
+RunSource = RunData | str | Path
+"""A run, or its folder."""
+
+
+def as_runs(runs: RunSource | Sequence[RunSource]) -> list[RunData]:
+    """One or several runs, those read that are folders.
+
+    Runs that are called alike take the names of their folders, if those differ.
+
+    Raises:
+        HilcError: A folder is no run folder, or damaged.
+    """
+    sources = [runs] if isinstance(runs, RunData | str | Path) else list(runs)
+    found = [each if isinstance(each, RunData) else read_run(each) for each in sources]
+    if len({run.name for run in found}) == len(found) or any(
+        isinstance(each, RunData) for each in sources
+    ):
+        return found
+    folders = [Path(each) for each in sources if not isinstance(each, RunData)]
+    names = [folder.resolve().name for folder in folders]
+    if len(set(names)) < len(names) and len(set(map(str, folders))) == len(folders):
+        names = [str(folder) for folder in folders]
+    return [replace(run, name=printable(name)) for run, name in zip(found, names, strict=True)]
+
+
+def plot(
+    runs: RunSource | Sequence[RunSource],
+    folder: str | Path,
+    *,
+    kinds: Sequence[str] = (),
+    formats: Sequence[str] = ("png",),
+    dpi: int = 150,
+    iterations: Collection[int] | None = None,
+    may_replace: Callable[[Path], bool] = lambda file: False,
+) -> list[Path]:
+    """Draws pictures of one run, or of several laid over each other.
+
+    Args:
+        runs: One or several, from `run` or `read_run`, or the folders of runs.
+        folder: Where to put KIND.FORMAT; made if it is not there.
+        kinds: path-change, final-path, error, wheel-speeds, summary, learning; all that there are
+            of these runs by default.
+        formats: png, svg, pdf.
+        dpi: Resolution of png.
+        iterations: Recorded iterations to draw; all by default.
+        may_replace: Whether a picture of the same name that stands there may be replaced.
+
+    Returns:
+        The pictures written.
+
+    Raises:
+        UsageError: There is no such kind, format or recorded iteration, or no such picture of
+            these runs.
+        ExistingResultsError: A picture stands there that may not be replaced.
+        FileAccessError: They cannot be written.
+    """
+    from hilc_cli.runs.pictures.catalogue import save_figures  # Matplotlib starts slowly
+
+    if not 1 <= dpi <= 10_000:
+        raise UsageError(f"dpi must be from 1 to 10000, got {dpi}")
+    drawn_runs = as_runs(runs)
+    names: list[str] = []
+
+    def draw(into: Path) -> None:
+        drawn = save_figures(
+            drawn_runs, into, kinds=kinds, formats=formats, dpi=dpi, iterations=iterations
+        )
+        names.extend(path.name for path in drawn)
+
+    merge_folder(Path(folder), draw, may_replace)
+    return [Path(folder) / name for name in names]
+
+
+def check_folder(scenario: ScenarioSource, folder: str | Path, *, force: bool = False) -> None:
+    """Whether the results of a scenario may be written to a folder, before it is simulated.
+
+    Raises:
+        ExistingResultsError: The folder holds another scenario's run, or is no run folder.
+    """
+    scenario = as_scenario(scenario)
+    check_output_folder(Path(folder), scenario.resolved_yaml(), scenario.initial_input, force=force)

@@ -1,0 +1,203 @@
+"""A valid scenario: as an experiment for the engines, and as resolved YAML."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.laws.parameters import Setting
+from hilc_cli.names import in_short
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.scenario.scenario import ScenarioSpec
+from hilc_cli.theory.feasibility.demand import demand_of
+from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
+from hilc_cli.theory.feasibility.plausibility import implausible
+from hilc_cli.yaml_input.nodes import Place
+from hilc_cli.yaml_input.tree import to_yaml
+
+NAMED_INPUTS = ("zero", "feedforward")
+INITIAL_INPUT_FILE = "initial-input.csv"
+
+
+@lru_cache(maxsize=16)
+def _nothing(samples: int) -> Floats:
+    """Wheels at rest, one array for all the cases of a sweep."""
+    nothing = np.zeros(samples)
+    nothing.setflags(write=False)
+    return nothing
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Scenario:
+    """A scenario that has been read and validated.
+
+    Attributes:
+        spec: What its author wrote, with defaults filled in.
+        initial_input: Left and right wheel speeds of the input file that it names, if any.
+        checksums: SHA-256 of each file that was read.
+        sweep_places: Where ``("sweep", KEY)``, a key of the section ``sweep``, and ``("vary",
+            KEY)``, the values of a varied key, stand.
+    """
+
+    spec: ScenarioSpec
+    initial_input: tuple[Floats, Floats] | None = None
+    checksums: Mapping[str, str] = field(default_factory=dict)
+    sweep_places: Mapping[tuple[str, str], Place] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        spec = self.spec
+        title = f"Scenario {self.name!r}: {spec.trajectory.name}, {spec.iterations} iterations"
+        return in_short(title, self.law_in_words)
+
+    @property
+    def name(self) -> str:
+        """The scenario's name."""
+        return self.spec.name
+
+    @property
+    def compensates(self) -> bool:
+        """The position of Fig. 2's switch: whether the run compensates an initial error."""
+        return self.spec.controller.compensates(self.setting)
+
+    @property
+    def law_in_words(self) -> str:
+        """The law and its gains, in one line."""
+        return self.spec.controller.in_words(self.setting)
+
+    @property
+    def speed_limit(self) -> float | None:
+        """b_w [rad/s]; None for no limit."""
+        return self.spec.controller.b_w
+
+    def experiment(self) -> Experiment:
+        """The scenario with every number resolved."""
+        spec = self.spec
+        reference = spec.trajectory.reference()
+        left, right = self._first_input(reference)
+        return Experiment(
+            reference=reference,
+            robot=spec.robot.robot(),
+            law=spec.controller.law_for(self.setting),
+            initial_pose=spec.start_pose,
+            initial_left=left,
+            initial_right=right,
+            learn_in_first=spec.learns_in_first,
+            iterations=spec.iterations,
+            speed_limit=math.inf if self.speed_limit is None else self.speed_limit,
+            disturbance=spec.disturbance.disturbance(),
+        )
+
+    @property
+    def setting(self) -> Setting:
+        """What the law may depend on beside its own parameters."""
+        spec = self.spec
+        return Setting(
+            spec.trajectory.reference(),
+            spec.model.model(spec.robot.robot()),
+            spec.initial_error,
+            spec.disturbance.initial_pose.bound,
+        )
+
+    def _first_input(self, reference: Reference) -> tuple[Floats, Floats]:
+        if self.initial_input is not None:
+            return self.initial_input
+        if self.spec.initial_input == "feedforward":
+            return feedforward(reference, self.spec.model.model(self.spec.robot.robot()))
+        nothing = _nothing(reference.samples)
+        return nothing, nothing
+
+    def warnings(self) -> list[str]:
+        """What is legal but probably not meant."""
+        found = [*self._implausible(), *self.spec.controller.warnings(self.setting)]
+        found += self._without_learning()
+        if abs(self.spec.initial_error[2]) > math.pi:
+            found.append(
+                "initial_pose.heading differs by more than half a turn from the trajectory's "
+                "start; headings are not wrapped, so the robot will turn all the way back"
+            )
+        return found
+
+    def _implausible(self) -> list[str]:
+        """Numbers that hardly anybody means."""
+        spec, robot = self.spec, self.spec.robot.robot()
+        headings = {"trajectory.start.heading": spec.trajectory.start.heading}
+        if spec.initial_pose.heading is not None:
+            headings["initial_pose.heading"] = spec.initial_pose.heading
+        return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)
+
+    def _without_learning(self) -> list[str]:
+        """What a law that does not learn makes no use of."""
+        spec, law = self.spec, self.spec.controller
+        if law.learns:
+            return []
+        found = []
+        if spec.iterations > 1 and not spec.disturbance.active:
+            found.append(
+                f"all iterations will be the same: law {law.law} does not learn, and nothing is "
+                "disturbed; set 'iterations: 0' for one"
+            )
+        if spec.learns_in_first and spec.initial_input != "zero":
+            found.append(
+                f"initial_input is not used: law {law.law} does not learn; "
+                "set 'initial_trial: open-loop' to see it in iteration 0"
+            )
+        return found
+
+    def feasibility(self) -> Feasibility:
+        """What the trajectory demands of wheels and tyres, beside what they can do.
+
+        Where numbers leave the range of floating point, they end as infinite: above any limit.
+        """
+        spec, robot = self.spec, self.spec.robot.robot()
+        limit = math.inf if self.speed_limit is None else self.speed_limit
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            demand = demand_of(spec.trajectory.reference(), robot, spec.trajectory.segment_names)
+        return Feasibility(demand, robot, Limits(limit, spec.robot.friction))
+
+    def resolved(self) -> dict[str, Any]:
+        """The scenario as plain data with every default, file and relation filled in."""
+        spec = self.spec
+        data = spec.model_dump(mode="json", exclude={"sweep"})
+        robot = spec.robot.robot()
+        model = spec.model.model(robot)
+        data["trajectory"] = spec.trajectory.model_dump(mode="json", exclude_none=True)
+        for key, platform in (("robot", robot), ("model", model)):
+            data[key]["half_track"] = platform.half_track
+            del data[key]["wheel_separation"]
+        if spec.robot.friction is None:
+            del data["robot"]["friction"]
+        data["model"]["wheel_radius"] = model.wheel_radius
+        data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
+        if self.initial_input is not None:
+            data["initial_input"] = INITIAL_INPUT_FILE
+        data["initial_trial"] = "feedback" if spec.learns_in_first else "open-loop"
+        data["controller"] = spec.controller.resolved(spec.trajectory.reference())
+        for source in ("state", "output", "initial_pose"):
+            disturbance = data["disturbance"][source]
+            if disturbance["distribution"] == "uniform":
+                del disturbance["standard_deviation"]
+            else:
+                bounded = getattr(spec.disturbance, source).bounded()
+                disturbance["standard_deviation"] = list(bounded.deviation)
+        return data
+
+    def inlined(self) -> dict[str, Any]:
+        """The scenario as plain data with its files in it.
+
+        What its author has left out to follow from other values is left out here too.
+        """
+        data = self.spec.model_dump(mode="json", exclude={"sweep"}, exclude_none=True)
+        if self.initial_input is not None:
+            data["initial_input"] = INITIAL_INPUT_FILE
+        return data
+
+    def resolved_yaml(self) -> str:
+        """The resolved scenario as a scenario file that gives the same results."""
+        return to_yaml(self.resolved())

@@ -1,0 +1,238 @@
+"""The workers of a Dask cluster as a crew."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import pickle
+import queue
+import socket
+import threading
+import time
+import uuid
+import warnings
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+from urllib.parse import urlsplit
+
+from hilc_cli.errors import HilcError, MissingPackageError, UsageError
+from hilc_cli.files import reason
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, run_chunk
+from hilc_cli.sweeps.crew import PATIENCE, Outcome
+from hilc_cli.sweeps.plan import Plan
+from hilc_cli.version import __version__
+
+_CONNECT = 5  # [s]
+_WAIT_FOR_WORKERS = 30  # [s]
+_IN_FLIGHT = 2
+"""Chunks for each thread of the cluster, so that none waits for the next."""
+
+
+class ClusterError(HilcError):
+    """The cluster cannot be reached, or does not do what it is asked for."""
+
+
+class DaskCrew:
+    """Workers that a Dask scheduler knows.
+
+    The scheduler gives the chunk of a lost worker to another one by itself.
+    """
+
+    def __init__(self, plan: Plan, address: str, go_on: Callable[[], None]) -> None:
+        """Connects to a scheduler.
+
+        Args:
+            plan: The sweep.
+            address: Of the scheduler, such as ``tcp://127.0.0.1:8786``.
+            go_on: Called now and then while waiting; may raise to stop.
+
+        Raises:
+            MissingPackageError: The package for that is not installed.
+            ClusterError: There is no scheduler, or it has no workers.
+        """
+        try:
+            import distributed
+        except ImportError:
+            raise MissingPackageError("--scheduler", "distributed", "dask") from None
+        self._distributed = distributed
+        _silence()
+        _greet(address, go_on)
+        self._address, self._go_on = address, go_on
+        self._plan = pickle.dumps(plan)
+        self._name = uuid.uuid4().hex
+        self._ended: queue.SimpleQueue[tuple[Chunk, Any]] = queue.SimpleQueue()
+        self._under_way: dict[Chunk, Any] = {}
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of versions that differ: results do not
+                self._client = distributed.Client(address, timeout=_CONNECT, set_as_default=False)
+        except (OSError, TimeoutError, ValueError) as error:
+            raise ClusterError(f"{address}: there is no scheduler that answers: {error}") from None
+        try:
+            self.workers = self._wait_for_workers()
+        except BaseException:
+            self.dismiss()
+            raise
+
+    def takes(self) -> bool:
+        """Whether it can be given another chunk now."""
+        return len(self._under_way) < _IN_FLIGHT * self.workers
+
+    def give(self, chunk: Chunk) -> None:
+        """Hands over a chunk."""
+        future = self._client.submit(
+            _run, self._plan, __version__, chunk, pure=False, key=f"hilc-{self._name}-{chunk.first}"
+        )
+        self._under_way[chunk] = future
+        self._await(chunk, future)
+
+    def outcomes(self) -> list[Outcome[ChunkResult]]:
+        """What has become of some chunks; waits a while for it, and may come back empty.
+
+        Raises:
+            ClusterError: The scheduler is gone, or its workers cannot do the work.
+        """
+        found: list[Outcome[ChunkResult]] = []
+        try:
+            found += self._outcomes(*self._ended.get(timeout=PATIENCE))
+            while True:
+                found += self._outcomes(*self._ended.get_nowait())
+        except queue.Empty:
+            pass
+        if not found:
+            self._check_connection()
+        # The cluster may have grown or shrunk.
+        self.workers = max(1, self._threads())
+        return found
+
+    def dismiss(self) -> None:
+        """Takes back what is under way; the cluster goes on for others."""
+        try:
+            self._client.cancel(list(self._under_way.values()), force=True)
+            self._client.close(timeout=2)
+        except (OSError, TimeoutError, RuntimeError):
+            pass  # the scheduler has gone
+
+    def _await(self, chunk: Chunk, future: Any) -> None:
+        future.add_done_callback(lambda done: self._ended.put((chunk, done)))
+
+    def _outcomes(self, chunk: Chunk, future: Any) -> list[Outcome[ChunkResult]]:
+        """What has become of a chunk; nothing yet if it has to be computed once more."""
+        if future.status in ("lost", "pending"):
+            # Its worker has died with the result before that was fetched.
+            self._await(chunk, future)
+            return []
+        del self._under_way[chunk]
+        return [self._outcome(chunk, future)]
+
+    def _outcome(self, chunk: Chunk, future: Any) -> Outcome[ChunkResult]:
+        if future.status == "finished":
+            return Outcome(chunk, future.result())
+        if future.status != "error":
+            raise ClusterError(f"{self._address}: the scheduler has dropped {chunk}")
+        error = future.exception()
+        if isinstance(error, self._distributed.KilledWorker):
+            return Outcome(chunk, None, "it has ended several workers of the cluster", True)
+        raise ClusterError(f"{self._address}: a worker cannot compute {chunk}: {error}")
+
+    def _check_connection(self) -> None:
+        if self._client.status not in ("running", "connecting"):
+            raise ClusterError(f"{self._address}: the scheduler is gone")
+
+    def _threads(self) -> int:
+        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+        return sum(int(worker["nthreads"]) for worker in workers.values())
+
+    def _wait_for_workers(self) -> int:
+        for _ in range(_WAIT_FOR_WORKERS):
+            self._go_on()
+            try:
+                self._client.wait_for_workers(1, timeout=1)
+            except TimeoutError:
+                continue
+            return self._threads()
+        raise ClusterError(
+            f"{self._address}: the scheduler has no workers; start some with "
+            f"'dask worker {self._address} --nthreads 1'"
+        )
+
+
+def _greet(address: str, go_on: Callable[[], None]) -> None:
+    """Makes sure that a scheduler answers, which Dask's client may do for minutes.
+
+    In a thread that is left alone in the end: to look a name up, for one, cannot be stopped.
+
+    Raises:
+        ClusterError: None answers in time.
+    """
+    answers: list[object] = []
+    end = time.monotonic() + _CONNECT
+
+    def ask() -> None:
+        try:
+            _reach(address, end)
+            answers.append(asyncio.run(asyncio.wait_for(_identity(address), _CONNECT)))
+        except Exception as error:  # a server of another kind makes Dask stumble anywhere
+            answers.append(error)
+
+    thread = threading.Thread(target=ask, daemon=True)
+    thread.start()
+    while thread.is_alive() and time.monotonic() < end + PATIENCE:
+        go_on()
+        thread.join(0.05)
+    match answers:
+        case [{"type": "Scheduler"}]:
+            return
+        case [] | [TimeoutError()]:
+            why = f"nothing within {_CONNECT} s"
+        case [OSError(strerror=str()) as error]:
+            why = reason(error)
+        case _:
+            why = "what answers there is none"
+    raise ClusterError(f"{address}: there is no scheduler that answers: {why}")
+
+
+def _reach(address: str, end: float) -> None:
+    """Waits for a scheduler that is only starting, until some time."""
+    place = urlsplit(address)
+    while True:
+        try:
+            socket.create_connection((place.hostname, place.port), _CONNECT).close()
+        except ConnectionRefusedError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.1)
+        else:
+            return
+
+
+async def _identity(address: str) -> object:
+    from distributed import rpc  # an extra
+    from distributed.security import Security
+
+    server = rpc(address, connection_args=Security().get_connection_args("client"))
+    try:
+        return await server.identity()
+    finally:
+        await server.close_rpc()
+
+
+def _silence() -> None:
+    """Stops Dask's own messages, each part of which has a level of its own: crews tell instead."""
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] in ("distributed", "asyncio", "tornado"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
+
+
+def _run(plan: bytes, version: str, chunk: Chunk) -> ChunkResult:
+    """What a worker of the cluster does."""
+    if version != __version__:
+        raise UsageError(f"hilc {version} is asked for, but hilc {__version__} is installed there")
+    return run_chunk(_plan(plan), chunk)
+
+
+@lru_cache(maxsize=2)
+def _plan(content: bytes) -> Plan:
+    plan: Plan = pickle.loads(content)
+    return plan

@@ -1,0 +1,157 @@
+"""What is known of each case of a sweep, and of all of them together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.names import in_short, listed, named
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import DIVERGED
+from hilc_cli.variation.axes import Axis, Value
+
+BEST = "best.yaml"
+"""The scenario of the best case, in the folder of a sweep that was a search."""
+
+
+@dataclass(frozen=True, slots=True)
+class AsItIs:
+    """The scenario as it is, beside which the cases of a search are put.
+
+    Attributes:
+        values: What each varied key is in it; None where nothing stands for it.
+        metric: What the search minimises; not-a-number if it diverges or has no such number.
+    """
+
+    values: Mapping[str, Value]
+    metric: float
+
+    def to_data(self) -> dict[str, Any]:
+        """As plain data for a JSON document."""
+        return {**asdict(self), "metric": self.metric if math.isfinite(self.metric) else None}
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> AsItIs:
+        """What `to_data` has written.
+
+        Raises:
+            KeyError: Something is missing.
+        """
+        metric = data["metric"]
+        return cls(dict(data["values"]), math.nan if metric is None else float(metric))
+
+
+Numbers = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.uint64]
+
+
+SEED_KEY = "disturbance.seed"
+"""Varying it repeats an experiment with other disturbances."""
+
+QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
+
+
+def as_numbers(values: list[Value]) -> Numbers | list[Value]:
+    """Values as an array, if all of them are numbers."""
+    if any(isinstance(value, bool) or not isinstance(value, int | float) for value in values):
+        return values
+    whole = [value for value in values if isinstance(value, int)]
+    if not whole or len(whole) < len(values):
+        return np.array(values, dtype=np.float64)
+    # A float does not hold every seed.
+    return np.array(whole, np.uint64) if max(whole) >= 2**63 else np.array(whole, np.int64)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Bands:
+    """How the maximum position error is spread over the cases, iteration by iteration.
+
+    Attributes:
+        cases: Cases that have such an iteration, shape (iterations,).
+        quantiles: [m], shape (iterations, quantiles), in the order of QUANTILES; a case that has
+            diverged counts as infinite.
+    """
+
+    cases: Floats
+    quantiles: Floats
+
+    def __repr__(self) -> str:
+        return f"Bands of {len(self.cases)} iterations"
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class SweepData:
+    """The results of a sweep, from wherever they come.
+
+    Attributes:
+        name: The scenario's name.
+        axes: What each varied key takes, in order.
+        is_grid: Every combination of the axes' values, the last key changing fastest; otherwise
+            points drawn from them.
+        values: What each key is in each case, by key: an array of numbers, or a list where not
+            all of them are numbers.
+        columns: By names in CASE_COLUMNS, shape (cases,) each: metrics of the last completed
+            iteration; not-a-number where there is none. ``diverged`` is 1 or 0, and not-a-number
+            for a case that failed.
+        tolerance: Of iterations_to_tolerance [m]; None if none was given.
+        metric: Which column the pictures show, in CASE_METRICS.
+        bands: Quantiles over all cases, if they were asked for.
+        as_it_is: The scenario with its own values, if the cases are those of a search for the
+            smallest metric.
+    """
+
+    name: str
+    axes: Mapping[str, Axis]
+    is_grid: bool
+    values: Mapping[str, Numbers | list[Value]]
+    columns: Mapping[str, Floats]
+    tolerance: float | None = None
+    metric: str = "max_position_error_m"
+    bands: Bands | None = None
+    as_it_is: AsItIs | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "columns", named("column", self.columns))
+        object.__setattr__(self, "values", named("varied key", self.values))
+
+    def __len__(self) -> int:
+        return len(self.columns[DIVERGED])
+
+    def __repr__(self) -> str:
+        ranked = self.ranked()
+        lines = [f"varied: {listed(self.axes)}"]
+        if self.failed.any() or self.diverged.any():
+            lines.append(f"{self.failed.sum()} failed, {self.diverged.sum()} diverged")
+        if ranked:
+            best = ", ".join(f"{key}={value}" for key, value in self.case(ranked[0]).items())
+            lines.append(f"smallest {self.metric}: {self.columns[self.metric][ranked[0]]:.6g}")
+            lines.append(f"in case {ranked[0]}: {best}")
+        return in_short(f"{type(self).__name__} of {self.name!r}: {len(self)} cases", *lines)
+
+    @property
+    def diverged(self) -> NDArray[np.bool_]:
+        """Which cases left the finite numbers, shape (cases,)."""
+        return np.asarray(self.columns[DIVERGED] == 1)
+
+    @property
+    def failed(self) -> NDArray[np.bool_]:
+        """Which cases could not be simulated, shape (cases,)."""
+        return np.isnan(self.columns[DIVERGED])
+
+    def case(self, number: int) -> dict[str, Value]:
+        """What each varied key is in a case."""
+        found: dict[str, Value] = {}
+        for key, values in self.values.items():
+            value = values[number]
+            found[key] = value.item() if isinstance(value, np.generic) else value
+        return found
+
+    def ranked(self) -> list[int]:
+        """Numbers of the cases that completed, the smallest metric first."""
+        column = np.where(self.diverged, np.nan, self.columns[self.metric])
+        order = np.argsort(column, kind="stable")
+        return [int(case) for case in order[: int(np.isfinite(column).sum())]]

@@ -1,0 +1,98 @@
+"""What a sweep will cost, before it runs."""
+
+from __future__ import annotations
+
+import math
+import time
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.lanes import LANES
+from hilc_cli.engine.many import simulate_many
+from hilc_cli.results.metrics import CASE_COLUMNS
+from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.search import batches
+from hilc_cli.sweeps.sizing import cases_per_chunk, samples_per_case
+from hilc_cli.sweeps.varied import CANNOT_BE_MADE
+
+_BASE_MEMORY = 250e6  # [bytes] Python with its libraries, pictures included
+_BYTES_PER_VALUE = 8
+_START, _PER_CASE = 1.0, 5e-5  # [s] processes with their libraries; an experiment of its values
+_PER_THOUGHT, _PER_MEMORY = 2e-3, 4e-6  # [s] for each case of a search, and each one before it
+_TRIAL_SAMPLES = 50_000
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """What a sweep will cost.
+
+    Attributes:
+        cases: Number of cases.
+        samples: Number of samples of all iterations of all cases.
+        memory: Of the process that collects the results [bytes].
+        disk: Of the results while they are computed [bytes].
+        seconds: With this number of workers.
+        workers: Number of workers.
+    """
+
+    cases: int
+    samples: int
+    memory: int
+    disk: int
+    seconds: float
+    workers: int
+
+
+def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
+    """What a sweep will cost, from a short trial of its first cases.
+
+    Args:
+        plan: The sweep.
+        workers: How many compute it.
+        computed: How many of its cases they compute; by default all.
+    """
+    cases, samples = computed or len(plan.cases), samples_per_case(plan)
+    columns = len(CASE_COLUMNS) + len(plan.axes)
+    rows = cases * _BYTES_PER_VALUE * len(CASE_COLUMNS)
+    bands = cases * _BYTES_PER_VALUE * (plan.most_iterations + 1) if plan.bands else 0
+    per_case = samples * _seconds_per_sample(plan) + _PER_CASE
+    work = _of_search(plan, per_case, workers) if plan.searches else cases * per_case / workers
+    return Estimate(
+        cases=cases,
+        samples=round(cases * samples),
+        memory=round(_BASE_MEMORY + 3 * cases * _BYTES_PER_VALUE * columns),
+        disk=rows + bands,
+        seconds=_START + work,
+        workers=workers,
+    )
+
+
+def _of_search(plan: Plan, per_case: float, workers: int) -> float:
+    """Of a search [s]: batches wait for each other, and it takes time to think of the next."""
+    cases = len(plan.cases)
+    seconds = cases * (_PER_THOUGHT + cases * _PER_MEMORY)
+    for batch, _ in batches(cases):
+        size = cases_per_chunk(plan, len(batch), workers)
+        rounds = math.ceil(math.ceil(len(batch) / size) / workers)
+        seconds += rounds * size * per_case
+    return seconds
+
+
+def _seconds_per_sample(plan: Plan) -> float:
+    """Measured on full lanes, after the code has been loaded; on one case without lanes."""
+    made: list[Experiment] = []
+    for case in plan.cases.values(0, min(LANES, len(plan.cases))):
+        with suppress(*CANNOT_BE_MADE):
+            made.append(plan.varied.experiment(case))
+    if not made:
+        return 0.0
+    side_by_side = LANES if plan.in_lanes else 1
+    made = [made[lane % len(made)] for lane in range(side_by_side)]
+    steps = made[0].reference.samples
+    short = max(1, min(made[0].iterations, _TRIAL_SAMPLES // steps))
+    trial = [replace(experiment, iterations=short) for experiment in made]
+    simulate_many(trial)
+    start = time.perf_counter()
+    simulate_many(trial)
+    return (time.perf_counter() - start) / (side_by_side * steps * (short + 1))

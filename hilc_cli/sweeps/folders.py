@@ -1,0 +1,101 @@
+"""The folders of sweeps: what is in them, whether they may be written, and pictures from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from hilc_cli.files import merge_folder
+from hilc_cli.sweeps.data import SweepData
+from hilc_cli.sweeps.opening import discard
+from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.sweep_folder import check_sweep_folder, read_sweep_folder, read_sweep_manifest
+from hilc_cli.sweeps.work_folder import read_header
+
+
+def work_folder(folder: str | Path) -> Path:
+    """Where the command keeps the results of a sweep that is to be written to a folder."""
+    return Path(folder).with_name(f"{Path(folder).name}.part")
+
+
+def discard_work(plan: Plan, folder: str | Path) -> None:
+    """Removes the work folder of a sweep; another program's, and what it works on, stay.
+
+    Raises:
+        FileAccessError: It cannot be removed.
+    """
+    discard(Path(folder), plan)
+
+
+def is_resumable(folder: str | Path) -> bool:
+    """Whether a folder holds an unfinished sweep, or a shard."""
+    return bool(read_header(Path(folder)))
+
+
+def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -> None:
+    """Whether the results of a sweep may be written to a folder, before it is computed.
+
+    Raises:
+        ExistingResultsError: The folder holds another sweep, or is no sweep folder.
+    """
+    check_sweep_folder(Path(folder), plan.checksum(), force=force)
+
+
+def is_complete(plan: Plan, folder: str | Path) -> bool:
+    """Whether a folder holds the results of this very sweep, none of whose cases has failed."""
+    manifest = read_sweep_manifest(Path(folder))
+    return manifest.get("checksum") == plan.checksum() and not manifest.get("failed")
+
+
+def is_sweep(folder: str | Path) -> bool:
+    """Whether a folder holds the results of a sweep."""
+    return bool(read_sweep_manifest(Path(folder)))
+
+
+def read_sweep(folder: str | Path) -> SweepData:
+    """The results in a sweep folder, from its tables alone.
+
+    Raises:
+        HilcError: There is no such folder, or a table is missing or damaged.
+    """
+    return read_sweep_folder(Path(folder))
+
+
+def plot_sweep(
+    data: SweepData,
+    folder: str | Path,
+    *,
+    kinds: Sequence[str] = (),
+    formats: Sequence[str] = ("png",),
+    dpi: int = 150,
+    may_replace: Callable[[Path], bool] = lambda file: False,
+) -> list[Path]:
+    """Draws pictures of a sweep.
+
+    Args:
+        data: From `read_sweep` or `sweep`.
+        folder: Where to put KIND.FORMAT; made if it is not there.
+        kinds: curve, map, effects, best, bands; by default those that fit.
+        formats: png, svg, pdf.
+        dpi: Resolution of png.
+        may_replace: Whether a picture of the same name that stands there may be replaced.
+
+    Returns:
+        The pictures written.
+
+    Raises:
+        UsageError: There is no such kind or format, or the kind does not fit the sweep.
+        ExistingResultsError: A picture stands there that may not be replaced.
+        FileAccessError: They cannot be written.
+    """
+    # Matplotlib starts slowly.
+    from hilc_cli.sweeps.pictures.catalogue import save_sweep_figures
+
+    names: list[str] = []
+
+    def draw(into: Path) -> None:
+        drawn = save_sweep_figures(data, into, kinds=kinds, formats=formats, dpi=dpi)
+        names.extend(path.name for path in drawn)
+
+    merge_folder(Path(folder), draw, may_replace)
+    return [Path(folder) / name for name in names]

@@ -1,0 +1,3 @@
+"""The pictures of a sweep, one kind a file."""
+
+import hilc_cli.drawing  # noqa: F401  # loads Matplotlib, whatever is set for it

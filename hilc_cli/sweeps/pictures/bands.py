@@ -1,0 +1,118 @@
+"""How the position error of all cases falls over the iterations."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from hilc_cli.drawing import labels, layout, style
+from hilc_cli.sweeps.data import Bands, SweepData
+from hilc_cli.sweeps.pictures.metric_axis import draw_zeros, metric_scale, show_metric
+from hilc_cli.sweeps.pictures.picking import MEDIAN
+from hilc_cli.sweeps.pictures.sheet import heading_of
+from hilc_cli.sweeps.pictures.spread import BANDS, within
+
+_WIDTH, _HEIGHT = 5.8, 3.6  # of the panel [inch]
+_COUNT_HEIGHT, _COUNT_GAP = 0.7, 0.12  # of the panel of the number of cases [inch]
+_MOST_ITERATIONS = 5000  # more are narrower than a pixel
+_MARKED_UP_TO = 30
+
+
+def bands_figure(data: SweepData) -> Figure:
+    """Median and bands of the maximum position error against the iteration."""
+    bands = data.bands
+    assert bands is not None  # checked by the catalogue
+    with style.applied():
+        figure, axes = layout.single_panel(heading_of(data), _WIDTH, _HEIGHT)
+        draw_bands(axes, bands)
+        if _changes(bands):
+            layout.resize_sheet(figure, bottom=_COUNT_HEIGHT + _COUNT_GAP)
+            top = layout.HEADING + layout.TOP + _HEIGHT + _COUNT_GAP
+            below = layout.add_panel(figure, layout.LEFT, top, _WIDTH, _COUNT_HEIGHT)
+            _draw_counts(below, axes, bands)
+            axes.set_xlabel("")
+            axes.tick_params(axis="x", labelbottom=False)
+        lowest = figure.axes[-1]
+        legend = layout.legend_below(axes, _WIDTH, below=lowest)
+        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room([axes]))
+        return figure
+
+
+def draw_bands(axes: Axes, bands: Bands) -> None:
+    """Draws median, middle half and middle 90 % of the cases.
+
+    Args:
+        axes: Where to draw.
+        bands: Quantiles of the maximum position error.
+    """
+    count = len(bands.quantiles)
+    shown = np.arange(0, count, max(1, -(-count // _MOST_ITERATIONS)))
+    quantiles = bands.quantiles[shown]
+    scale = metric_scale(quantiles.ravel(), always_logarithmic=True)
+    show_metric(axes, scale, 0, _HEIGHT)
+    for low, high, label, alpha in BANDS:
+        # Where even the lower end is infinite there is no band, and where no case is.
+        ends = quantiles[:, [low, high]]
+        some = np.isfinite(ends[:, 0])
+        axes.fill_between(
+            shown,
+            within(axes, ends[:, 0]),
+            within(axes, ends[:, 1]),
+            where=some.tolist(),
+            color=style.BLUE,
+            alpha=alpha,
+            linewidth=0,
+            label=label,
+        )
+    axes.plot(
+        shown,
+        scale.in_place(quantiles[:, MEDIAN]),
+        color=style.BLUE,
+        linewidth=style.PATH_WIDTH,
+        marker="o" if count <= _MARKED_UP_TO else "",
+        markersize=style.MARKER_SIZE - 1,
+        label="Median",
+    )
+    draw_zeros(axes, shown.astype(np.float64), quantiles[:, MEDIAN], scale)
+    border = max(0.5, 0.02 * (count - 1))
+    axes.set_xlim(-border, count - 1 + border)
+    steps = [1, 2, 5, 10]
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=steps, integer=True, min_n_ticks=1))
+    axes.set_xlabel("Iteration")
+    axes.set_ylabel("Maximum position error [m]", labelpad=2)
+    notes = []
+    diverged = np.flatnonzero(np.isinf(bands.quantiles[:, MEDIAN]))
+    if len(diverged):
+        notes.append(f"half of the cases have diverged in iteration {diverged[0]}")
+    if scale.beyond:
+        notes.append(f"errors above {labels.number_text(scale.high, 2)} m are out of view")
+    labels.set_title(axes, "Maximum position error over the iterations", notes)
+
+
+def _changes(bands: Bands) -> bool:
+    """Whether some cases have more iterations than others."""
+    return len(bands.cases) > 0 and bool((bands.cases != bands.cases[0]).any())
+
+
+def _draw_counts(axes: Axes, above: Axes, bands: Bands) -> None:
+    """Draws how many cases have each iteration."""
+    count = len(bands.cases)
+    shown = np.arange(0, count, max(1, -(-count // _MOST_ITERATIONS)))
+    axes.plot(
+        *(shown, bands.cases[shown]),
+        color="0.35",
+        drawstyle="steps-mid",
+        linewidth=style.PATH_WIDTH,
+        label="_cases",
+    )
+    axes.set_xlim(above.get_xlim())
+    axes.set_ylim(0, 1.15 * float(bands.cases.max()))
+    steps = [1, 2, 5, 10]
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=steps, integer=True, min_n_ticks=1))
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=2, steps=steps, integer=True))
+    labels.plain_ticks(axes)
+    axes.set_xlabel("Iteration")
+    axes.set_ylabel("Cases", labelpad=2)
+    axes.grid(visible=True)

@@ -1,0 +1,242 @@
+"""The metric against one key, or against two if one of them has few words: a curve for each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hilc_cli.drawing import labels, layout, style
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import INTEGER_METRICS, ITERATIONS_TO_TOLERANCE
+from hilc_cli.sweeps.data import SEED_KEY, SweepData
+from hilc_cli.sweeps.pictures.key_axis import (
+    LONGEST_WORD,
+    KeyAxis,
+    key_axis,
+    key_label,
+    metric_label,
+    metric_text,
+    metric_unit,
+    short_names,
+    shortened_words,
+)
+from hilc_cli.sweeps.pictures.metric_axis import (
+    draw_edge_marks,
+    draw_zeros,
+    edge_rows,
+    metric_scale,
+    show_metric,
+)
+from hilc_cli.sweeps.pictures.picking import (
+    MEDIAN,
+    Integers,
+    Results,
+    combined,
+    grouped,
+    results_of,
+    thinned,
+    varied_keys,
+)
+from hilc_cli.sweeps.pictures.sheet import draw_best, heading_of
+from hilc_cli.sweeps.pictures.spread import (
+    BANDS,
+    MOST_GRID_VALUES,
+    Spread,
+    draw_spread,
+    spread_along,
+    within,
+)
+
+MOST_CURVES = 8
+_WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
+_MARKED_UP_TO = 60  # points of a curve that are marked one by one
+_MOST_BANDS = 4  # more on each other cannot be told apart
+_SHARE, _ASIDE = 0.8, 0.12  # of the room of a word: for all curves, and from one to the next
+_LEAST_ASIDE = 0.1  # from one to the next, if there is room [inch]
+_FEW_DOTS = 200  # up to here drawn points need no summary
+
+WHOLE_METRICS = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Curve:
+    """The cases of one curve.
+
+    Attributes:
+        name: What it is called in the legend; empty for the only one.
+        cases: Their numbers.
+        spread: Of the metric along the axis; None where each case is drawn for itself.
+        dotted: Whether the cases are drawn as dots.
+    """
+
+    name: str
+    cases: Integers
+    spread: Spread | None
+    dotted: bool
+
+
+def curve_keys(data: SweepData) -> tuple[str, str | None] | None:
+    """The key along the axis and the key of which each word has a curve, if a curve fits."""
+    keys = varied_keys(data)
+    if len(keys) == 1:
+        return keys[0], None
+    if len(keys) != 2:
+        return None
+    # The one with the fewer words gives the curves.
+    words = [key for key in keys if not data.axes[key].is_numeric]
+    counts = {key: data.axes[key].count or 0 for key in words}
+    fitting = [key for key in reversed(words) if counts[key] <= MOST_CURVES]
+    if not fitting:
+        return None
+    series = min(fitting, key=lambda key: counts[key])
+    return next(key for key in keys if key != series), series
+
+
+def curve_figure(data: SweepData) -> Figure:
+    """The metric against a key."""
+    with style.applied():
+        figure, axes = layout.single_panel(heading_of(data), _WIDTH, _HEIGHT)
+        draw_curve(axes, data)
+        layout.finish(figure, axes, _WIDTH)
+        return figure
+
+
+def draw_curve(axes: Axes, data: SweepData) -> None:
+    """Draws the metric against a key.
+
+    Args:
+        axes: Where to draw.
+        data: A sweep with one varied key, or with two of which one has words.
+    """
+    keys = curve_keys(data)
+    assert keys is not None  # checked by the catalogue
+    where = key_axis(data, keys[0])
+    series = None if keys[1] is None else key_axis(data, keys[1])
+    side_by_side = series is not None and bool(where.words)
+    if series is not None and side_by_side:
+        where = _side_by_side(where, series)
+    results = results_of(data)
+    curves = _curves(data, where, series, results)
+    every = np.arange(len(data))
+    rows = edge_rows(results.outcomes)
+    shown = [results.metric[curve.cases] for curve in curves if curve.dotted or not curve.spread]
+    columns = [where] if series is None else [where, series]
+    combinations = combined(data, results, [column.positions for column in columns])
+    shown.append(combinations.metric[combinations.best(1)])
+    shown += [curve.spread.groups.quantiles.ravel() for curve in curves if curve.spread]
+    scale = metric_scale(np.concatenate(shown), whole=data.metric in WHOLE_METRICS)
+    show_metric(axes, scale, len(rows), _HEIGHT)
+    where.show(axes, "x", where.limits(), _WIDTH)
+    bands = 2 if len(curves) == 1 else 1 if len(curves) <= _MOST_BANDS else 0
+    for index, curve in enumerate(curves):
+        color = style.run_color(index)
+        marker = style.run_marker(index, len(curves)) or "o"
+        if curve.dotted:
+            _draw_dots(axes, where, scale.in_place(results.metric), curve, color)
+        if curve.spread:
+            draw_spread(axes, where, curve.spread, scale, color, marker, curve.name, bands)
+            draw_zeros(axes, curve.spread.positions, curve.spread.groups.medians, scale)
+        elif not curve.dotted:
+            _draw_line(axes, where, scale.in_place(results.metric), curve, color, marker)
+        if not curve.spread:
+            draw_zeros(axes, where.positions[curve.cases], results.metric[curve.cases], scale)
+    if series is not None and bands and any(curve.spread for curve in curves):
+        _, _, name, alpha = BANDS[1]
+        axes.fill([], [], color="0.35", alpha=alpha, linewidth=0, label=name)
+    draw_edge_marks(axes, where, results.outcomes, every)
+    if where.key == SEED_KEY:
+        title = _draw_all_seeds(axes, data, results)
+    else:
+        color = "white" if side_by_side else style.BEST_COLOR
+        title = draw_best(axes, data, combinations, columns, color, behind=side_by_side)
+    axes.set_xlabel(key_label(where.key))
+    axes.set_ylabel(metric_label(data, _HEIGHT), labelpad=2)
+    labels.set_title(axes, labels.wrapped(title, _WIDTH), scale.notes(metric_unit(data)))
+
+
+def _side_by_side(where: KeyAxis, series: KeyAxis) -> KeyAxis:
+    """The axis of words with the cases of each curve a little aside, so that none hides another."""
+    count = len(series.words)
+    step = min(_SHARE / count, max(_ASIDE, _LEAST_ASIDE * len(where.words) / _WIDTH))
+    aside = (series.positions - (count - 1) / 2) * step
+    return replace(where, positions=where.positions + aside)
+
+
+def _curves(
+    data: SweepData, where: KeyAxis, series: KeyAxis | None, results: Results
+) -> list[_Curve]:
+    if series is None:
+        return [_curve(data, where, results, "", np.arange(len(data)))]
+    words = shortened_words(series.words, LONGEST_WORD)
+    names = [f"{short_names([where.key, series.key])[series.key]} = {word}" for word in words]
+    parts = [np.flatnonzero(series.positions == place) for place in range(len(series.words))]
+    return [
+        _curve(data, where, results, name, part)
+        for name, part in zip(names, parts, strict=True)
+        if len(part)
+    ]
+
+
+def _curve(data: SweepData, where: KeyAxis, results: Results, name: str, cases: Integers) -> _Curve:
+    dotted = not data.is_grid or where.key == SEED_KEY
+    few = len(cases) <= (_FEW_DOTS if dotted else MOST_GRID_VALUES)
+    single = few and len(np.unique(where.positions[cases])) == len(cases)
+    if single or where.key == SEED_KEY:
+        return _Curve(name, cases, None, dotted)
+    return _Curve(name, cases, spread_along(where, results, cases, sampled=dotted), dotted)
+
+
+def _draw_line(
+    axes: Axes, where: KeyAxis, metric: Floats, curve: _Curve, color: str, marker: str
+) -> None:
+    cases = curve.cases[np.argsort(where.positions[curve.cases], kind="stable")]
+    axes.plot(
+        where.positions[cases],
+        metric[cases],
+        color=color,
+        linestyle="none" if where.words else "-",
+        linewidth=style.PATH_WIDTH,
+        marker=marker if where.words or len(cases) <= _MARKED_UP_TO else "",
+        markersize=style.MARKER_SIZE + (1 if where.words else -1),
+        label=curve.name or "_curve",
+    )
+
+
+def _draw_dots(axes: Axes, where: KeyAxis, metric: Floats, curve: _Curve, color: str) -> None:
+    cases = thinned(curve.cases[np.isfinite(metric[curve.cases])])
+    axes.plot(
+        where.positions[cases],
+        metric[cases],
+        color=color,
+        linestyle="none",
+        marker="o",
+        markeredgewidth=0,
+        markersize=_dot_size(len(cases)),
+        alpha=0.35 if curve.spread else 0.8,
+        rasterized=len(cases) > 1000,
+        label=f"Cases, {curve.name}" if curve.name else "Cases",
+    )
+
+
+def _draw_all_seeds(axes: Axes, data: SweepData, results: Results) -> str:
+    """Draws median and bands of a sweep of nothing but seeds; returns them in words."""
+    group_of = np.zeros(len(data), dtype=np.int64)
+    (quantiles,) = grouped(results, group_of, 1).quantiles
+    for low, high, label, alpha in BANDS:
+        if np.isfinite(quantiles[low]):
+            bottom, top = within(axes, quantiles[[low, high]])
+            axes.axhspan(bottom, top, color="0.5", alpha=alpha, linewidth=0, zorder=0, label=label)
+    median = quantiles[MEDIAN]
+    if not np.isfinite(median):
+        return "Half of the cases or more have no value"
+    axes.axhline(median, color="0.3", linewidth=style.PATH_WIDTH, zorder=1, label="Median")
+    ends = [labels.number_text(float(end), 4) for end in quantiles[[0, -1]]]
+    middle = metric_text(data, float(median))
+    return f"Median {middle}, 90 % of the cases between {ends[0]} and {ends[1]}"
+
+
+def _dot_size(dots: int) -> float:
+    return style.MARKER_SIZE if dots <= _FEW_DOTS else 3.0 if dots <= 1000 else 2.0

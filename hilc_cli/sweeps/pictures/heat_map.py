@@ -1,0 +1,260 @@
+"""The metric over two keys."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+
+from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.sweeps.data import SweepData
+from hilc_cli.sweeps.pictures.curve import WHOLE_METRICS
+from hilc_cli.sweeps.pictures.key_axis import (
+    KeyAxis,
+    key_axis,
+    key_label,
+    metric_label,
+    metric_unit,
+)
+from hilc_cli.sweeps.pictures.metric_axis import MetricScale, metric_scale, outcome_label
+from hilc_cli.sweeps.pictures.picking import (
+    Groups,
+    Integers,
+    Outcome,
+    Results,
+    combined,
+    grouped,
+    results_of,
+    thinned,
+    varied_keys,
+)
+from hilc_cli.sweeps.pictures.sheet import draw_best, heading_of
+
+MOST_CELLS = 300
+"""Along an axis; more are narrower than a pixel."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """A grid of cells.
+
+    Attributes:
+        x_edges: Shape (columns + 1,).
+        y_edges: Shape (rows + 1,).
+        groups: The cases of each cell, row by row from the bottom, shape (rows * columns,).
+        merged: How many values of the two keys share a cell: (1, 1) unless there are too many.
+    """
+
+    x_edges: Floats
+    y_edges: Floats
+    groups: Groups
+    merged: tuple[int, int]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return len(self.y_edges) - 1, len(self.x_edges) - 1
+
+    @property
+    def medians(self) -> Floats:
+        """Of the metric, shape (rows, columns)."""
+        return self.groups.medians.reshape(self.shape)
+
+    @property
+    def outcomes(self) -> Integers:
+        """Of Outcome, shape (rows, columns); -1 where there is no case at all."""
+        return self.groups.outcomes.reshape(self.shape)
+
+    def outline(self, outcome: Outcome) -> Path:
+        """The cells of one outcome as one path, neighbours in a row together."""
+        rectangles = []
+        for row, cells in enumerate(self.outcomes == outcome):
+            steps = np.flatnonzero(np.diff(np.concatenate([[0], cells.astype(np.int8), [0]])))
+            bottom, top = self.y_edges[row], self.y_edges[row + 1]
+            for first, last in zip(steps[::2], steps[1::2], strict=True):
+                left, right = self.x_edges[first], self.x_edges[last]
+                corners = [(left, bottom), (right, bottom), (right, top), (left, top)]
+                rectangles.append(Path([*corners, corners[0]], closed=True))
+        return Path.make_compound_path(*rectangles)
+
+
+def cells_of(x: KeyAxis, y: KeyAxis, results: Results) -> Cells:
+    """Cuts the plane of two keys halfway between their values.
+
+    Args:
+        x: The key along x.
+        y: The key along y.
+        results: Of all cases.
+    """
+    column, x_edges, x_merged = _cut(x)
+    row, y_edges, y_merged = _cut(y)
+    columns, rows = len(x_edges) - 1, len(y_edges) - 1
+    groups = grouped(results, row * columns + column, rows * columns)
+    outcomes = groups.outcomes.copy()
+    outcomes[np.bincount(row * columns + column, minlength=rows * columns) == 0] = -1
+    groups = Groups(groups.counts, groups.quantiles, outcomes)
+    return Cells(x_edges, y_edges, groups, (x_merged, y_merged))
+
+
+def _cut(axis: KeyAxis) -> tuple[Integers, Floats, int]:
+    """The cell of each case along an axis, the edges, and how many values share a cell."""
+    values, place = np.unique(axis.positions, return_inverse=True)
+    edges = axis.edges(values)
+    merged = -(-len(values) // MOST_CELLS)
+    return place // merged, np.append(edges[:-1:merged], edges[-1]), merged
+
+
+_WIDTH, _HEIGHT = 5.0, 4.4  # of the panel [inch]
+_BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.15, 0.16, 0.85  # [inch]
+_RASTER_FROM = 10_000  # cells, from which on vector files hold them as a picture
+
+_LOOKS = {
+    Outcome.DIVERGED: {"facecolor": "0.82", "hatch": "////", "edgecolor": "0.45"},
+    Outcome.NEVER: {"facecolor": "0.95", "hatch": "....", "edgecolor": "0.55"},
+    Outcome.FAILED: {"facecolor": "white", "hatch": "xxxx", "edgecolor": "0.7"},
+}
+_COLORS = style.iteration_colors()
+_MARKERS = {Outcome.DIVERGED: "x", Outcome.NEVER: "^", Outcome.FAILED: "s"}
+
+
+def map_figure(data: SweepData) -> Figure:
+    """The metric over two keys, as cells of a grid or as coloured dots."""
+    with style.applied():
+        figure, axes = layout.single_panel(heading_of(data), _WIDTH, _HEIGHT, _BAR_ROOM)
+        draw_map(axes, data)
+        layout.finish(figure, axes, _WIDTH)
+        return figure
+
+
+def draw_map(axes: Axes, data: SweepData) -> None:
+    """Draws the metric over two keys, with a colour bar to the right.
+
+    Args:
+        axes: Where to draw.
+        data: A sweep with two varied keys.
+    """
+    keys = varied_keys(data)
+    x, y = (key_axis(data, key, cells=True) for key in keys)
+    results = results_of(data)
+    combinations = combined(data, results, [x.positions, y.positions])
+    notes = []
+    if data.is_grid:
+        cells = cells_of(x, y, results)
+        scale = metric_scale(cells.medians.ravel(), whole=data.metric in WHOLE_METRICS)
+        colors = _norm(scale)
+        _draw_cells(axes, x, y, cells, scale, colors)
+        if cells.merged != (1, 1):
+            notes.append(f"each cell is the median of {cells.merged[0]} x {cells.merged[1]} values")
+    else:
+        scale = metric_scale(results.metric, whole=data.metric in WHOLE_METRICS)
+        colors = _norm(scale)
+        notes += _draw_dots(axes, x, y, results, scale, colors)
+    star = "white" if data.is_grid else style.VERMILLION
+    title = draw_best(axes, data, combinations, [x, y], star, y.positions)
+    if not scale.is_empty:
+        prefix = "median over the seeds of the " if combinations.is_median else ""
+        _add_color_bar(axes, scale, colors, metric_label(data, _HEIGHT, prefix))
+    axes.set_xlabel(key_label(x.key))
+    axes.set_ylabel(key_label(y.key, 50), labelpad=2)
+    zero = f"{scale.zeros} exactly zero, in the darkest colour"
+    notes += [zero] if scale.zeros else []
+    notes += scale.notes(metric_unit(data))
+    labels.set_title(axes, labels.wrapped(title, _WIDTH + _BAR_ROOM), notes)
+
+
+def _norm(scale: MetricScale) -> Normalize:
+    low, high = scale.low, scale.high
+    if low == high:  # one colour in the middle
+        half = 0.5 * abs(low) or 0.5
+        low, high = low - half, high + half
+    return (LogNorm if scale.is_logarithmic else Normalize)(low, high, clip=True)
+
+
+def _draw_cells(
+    axes: Axes, x: KeyAxis, y: KeyAxis, cells: Cells, scale: MetricScale, norm: Normalize
+) -> None:
+    axes.set_facecolor("white")
+    x_limits, y_limits = ((float(e[0]), float(e[-1])) for e in (cells.x_edges, cells.y_edges))
+    x.show(axes, "x", x_limits, _WIDTH)
+    y.show(axes, "y", y_limits, _HEIGHT)
+    done = cells.outcomes == Outcome.DONE
+    medians = np.ma.masked_array(np.maximum(cells.medians, scale.low), ~done)
+    mesh = axes.pcolormesh(cells.x_edges, cells.y_edges, medians, cmap=_COLORS, norm=norm)
+    mesh.set(edgecolor="face", linewidth=0.2)  # or viewers show seams between the cells
+    mesh.set_rasterized(done.size > _RASTER_FROM)
+    for outcome, look in _LOOKS.items():
+        count = int((cells.outcomes == outcome).sum())
+        if count:
+            patch = PathPatch(cells.outline(outcome), linewidth=0, **look)
+            patch.set_label(outcome_label(outcome, count, "cell"))
+            axes.add_patch(patch)
+
+
+def _draw_dots(
+    axes: Axes, x: KeyAxis, y: KeyAxis, results: Results, scale: MetricScale, norm: Normalize
+) -> list[str]:
+    x.show(axes, "x", x.limits(), _WIDTH)
+    y.show(axes, "y", y.limits(), _HEIGHT)
+    axes.grid(visible=True)
+    shown = thinned(np.arange(len(results.metric)))
+    size = float(np.clip(20_000 / max(1, len(shown)), 6, 40))
+    for outcome, marker in _MARKERS.items():
+        there = shown[results.outcomes[shown] == outcome]
+        if len(there):
+            axes.scatter(
+                x.positions[there],
+                y.positions[there],
+                s=size,
+                marker=marker,
+                facecolors="0.45" if marker == "x" else "none",
+                edgecolors=None if marker == "x" else "0.45",
+                linewidths=0.8,
+                label=outcome_label(outcome, int((results.outcomes == outcome).sum())),
+            )
+    # The best ones on top.
+    done = shown[results.outcomes[shown] == Outcome.DONE]
+    done = done[np.argsort(-results.metric[done], kind="stable")]
+    axes.scatter(
+        x.positions[done],
+        y.positions[done],
+        c=np.maximum(results.metric[done], scale.low),
+        s=size,
+        cmap=_COLORS,
+        norm=norm,
+        linewidths=0,
+        rasterized=len(done) > 1000,
+        label="_cases",
+    )
+    count = len(results.metric)
+    return [f"{len(shown):,} of {count:,} cases are drawn"] if len(shown) < count else []
+
+
+def _add_color_bar(axes: Axes, scale: MetricScale, norm: Normalize, label: str) -> None:
+    figure = layout.root_figure(axes)
+    sheet_width, _ = figure.get_size_inches()
+    box = axes.get_position(original=True)
+    left = box.x1 + _BAR_GAP / sheet_width
+    bar = figure.add_axes((left, box.y0, _BAR_WIDTH / sheet_width, box.height))
+    extend = "max" if scale.beyond else "neither"
+    drawn = figure.colorbar(ScalarMappable(norm, _COLORS), cax=bar, extend=extend)
+    assert norm.vmin is not None
+    assert norm.vmax is not None
+    if scale.is_logarithmic:
+        major, texts, minor = logarithmic.narrow_ticks(norm.vmin, norm.vmax, 10, 3)
+        drawn.set_ticks(major, labels=texts)
+        drawn.set_ticks(minor, labels=[""] * len(minor), minor=True)
+    elif scale.low == scale.high:
+        drawn.set_ticks([scale.low], labels=[labels.number_text(scale.low, 4)])
+    else:
+        drawn.formatter = labels.PlainFormatter()
+        drawn.update_ticks()
+    assert drawn.solids is not None
+    drawn.solids.set_edgecolor("face")
+    bar.set_ylabel(label, labelpad=3)

@@ -1,0 +1,380 @@
+"""The axis of a varied key: where its values lie, and how it is drawn."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import takewhile
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from hilc_cli.drawing import labels, logarithmic
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, PEAK
+from hilc_cli.sweeps.data import SweepData
+from hilc_cli.sweeps.pictures.picking import Integers, distinct
+from hilc_cli.variation.axes import Choices, Value
+
+LONGEST_KEY = 60
+LONGEST_NAME = 32
+
+_UNITS_BY_LAST_NAME = {
+    "b_w": "rad/s",
+    "cutoff": "Hz",
+    "duration": "s",
+    "gravity_center": "m",
+    "h": "samples",
+    "half_track": "m",
+    "heading": "rad",
+    "input_change": "rad/s",
+    "k_theta": "rad/m",
+    "k_x": "1/s",
+    "k_y": "rad/m²",
+    "kd": "s",
+    "ki": "1/s",
+    "lateral": "rad/m",
+    "length": "m",
+    "memory": "iterations",
+    "position": "m",
+    "radius": "m",
+    "sample_time": "s",
+    "speed": "m/s",
+    "switch_tolerance": "m and rad",
+    "wheel_radius": "m",
+    "wheel_separation": "m",
+    "x": "m",
+    "y": "m",
+}
+_UNITS_BY_PLACE = {
+    "bound": ("m", "m", "rad"),
+    "standard_deviation": ("m", "m", "rad"),
+    "center": ("m", "m"),
+    "gravity_center": ("m", "m"),
+    "to": ("m", "m"),
+}
+
+
+def unit_of(key: str) -> str:
+    """The unit of a varied key; empty if it has none or none is known."""
+    *above, last = key.split(".")
+    if last.isdigit() and above:
+        places = _UNITS_BY_PLACE.get(above[-1], ())
+        return places[int(last)] if int(last) < len(places) else ""
+    # The sweep of an arc is an angle; what is below the key 'sweep' is not.
+    if last == "sweep" and len(above) > 1:
+        return "rad"
+    return _UNITS_BY_LAST_NAME.get(last, "")
+
+
+def key_label(key: str, longest: int = LONGEST_KEY) -> str:
+    """A key with its unit, as an axis names it; very long keys keep both ends."""
+    return with_unit(labels.shortened(key, longest), unit_of(key))
+
+
+def with_unit(text: str, unit: str) -> str:
+    """A text with a unit behind it, if there is one."""
+    return f"{text} [{unit}]" if unit else text
+
+
+def key_labels_in_lines(keys: Sequence[str], longest: int) -> dict[str, str]:
+    """Keys side by side, each with its unit in at most two lines of so many characters.
+
+    Where a key is too long, what all of them begin with is left out, and then what else it needs
+    not to be told from the others.
+    """
+    found = {key: _in_lines(key, unit_of(key), longest) for key in keys}
+    if None not in found.values():
+        return {key: str(label) for key, label in found.items()}
+    parts = [key.split(".")[:-1] for key in keys]
+    alike = len(list(takewhile(lambda names: len(set(names)) == 1, zip(*parts, strict=False))))
+    return {key: _shortened_in_lines(key, keys, alike, longest) for key in keys}
+
+
+def _shortened_in_lines(key: str, keys: Sequence[str], left_out: int, longest: int) -> str:
+    """A key without so many leading parts, or as many more as it takes."""
+    others = [f".{other}" for other in keys if other != key]
+    parts = key.split(".")
+    endings = [".".join(parts[count:]) for count in range(left_out, len(parts))]
+    own = [e for e in endings if not any(o.endswith(f".{e}") for o in others)] or endings[:1]
+    unit = unit_of(key)
+    lines = (_in_lines(name, unit, longest) for name in own)
+    label = next((label for label in lines if label is not None), None)
+    if label is None:  # no good place for a break
+        label = with_unit(labels.shortened(own[-1], 2 * longest - 12), unit)
+        label = f"{label[:longest]}\n{label[longest:]}"
+    return label
+
+
+def _in_lines(name: str, unit: str, longest: int) -> str | None:
+    """A name with its unit in at most two lines, broken at a dot or before the unit."""
+    label = with_unit(name, unit)
+    if len(label) <= longest:
+        return label
+    breaks = [place + 1 for place, letter in enumerate(name) if letter == "."]
+    breaks += [len(name) + 1] if unit else []
+    fitting = [
+        b for b in breaks if len(label[:b].rstrip()) <= longest and len(label) - b <= longest
+    ]
+    if not fitting:
+        return None
+    place = min(fitting, key=lambda b: abs(2 * b - len(label)))
+    return f"{label[:place].rstrip()}\n{label[place:]}"
+
+
+def short_names(keys: Sequence[str]) -> dict[str, str]:
+    """Of each key the last part, or as many as tell it apart from the others."""
+    names: dict[str, str] = {}
+    for key in keys:
+        parts = key.split(".")
+        endings = (".".join(parts[-count:]) for count in range(1, len(parts) + 1))
+        others = [f".{other}" for other in keys if other != key]
+        name = next(
+            (e for e in endings if not any(other.endswith(f".{e}") for other in others)), key
+        )
+        names[key] = labels.shortened(name, LONGEST_NAME)
+    return names
+
+
+LONGEST_WORD = 24
+
+# Each with what it is measured in, and when.
+_METRICS = {
+    "max_position_error_m": ("maximum position error", "m", "after the last iteration"),
+    "mean_position_error_m": ("mean position error", "m", "after the last iteration"),
+    "rms_position_error_m": ("RMS position error", "m", "after the last iteration"),
+    "final_position_error_m": ("position error at the end", "m", "of the last iteration"),
+    "max_abs_error_x_m": ("maximum error in x", "m", "after the last iteration"),
+    "max_abs_error_y_m": ("maximum error in y", "m", "after the last iteration"),
+    "max_abs_error_heading_rad": ("maximum heading error", "rad", "after the last iteration"),
+    "max_wheel_speed_rad_s": ("maximum wheel speed", "rad/s", "in the last iteration"),
+    "saturated_samples": ("samples at the speed limit", "", "in the last iteration"),
+    "input_change_rms_rad_s": ("RMS input change", "rad/s", "in the last iteration"),
+    "max_position_error_second_half_m": (
+        "maximum position error of the second half",
+        "m",
+        "after the last iteration",
+    ),
+    "mean_position_error_second_half_m": (
+        "mean position error of the second half",
+        "m",
+        "after the last iteration",
+    ),
+    PEAK: ("largest position error", "m", "of all iterations"),
+}
+
+
+def value_text(value: Value, digits: int = 4, longest: int = LONGEST_WORD) -> str:
+    """A value as the scenario would have it, numbers rounded and long words shortened."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    if isinstance(value, str):
+        return labels.shortened(value, longest)
+    if isinstance(value, int) and abs(value) < 10**7:
+        return labels.number_text(value)
+    return labels.number_text(float(value), digits)
+
+
+def shortened_words(words: Sequence[str], longest: int) -> list[str]:
+    """Words of at most so many letters; what they have in common goes first."""
+    if max(map(len, words)) <= longest:
+        return list(words)
+    if len(words) > 1:
+        first = _alike(words)
+        while first and words[0][first - 1].isdigit():
+            first -= 1  # numbers stay whole
+        last = _alike([word[:first:-1] for word in words])
+        words = [
+            ("…" if first > 1 else word[:first])
+            + word[first : len(word) - last]
+            + ("…" if last > 1 else word[len(word) - last :])
+            for word in words
+        ]
+    return [labels.shortened(word, longest) for word in words]
+
+
+def _alike(words: Sequence[str]) -> int:
+    """How many letters all words have in common from the first on."""
+    alike = takewhile(lambda letters: len(set(letters)) == 1, zip(*words, strict=False))
+    return len(list(alike))
+
+
+def metric_name(data: SweepData) -> str:
+    """The metric in words, without a unit."""
+    if data.metric == ITERATIONS_TO_TOLERANCE:
+        bound = "the tolerance" if data.tolerance is None else _with_metres(data.tolerance)
+        return f"iterations until the error stays below {bound}"
+    name, _, when = _METRICS.get(data.metric, (data.metric, "", ""))
+    return f"{name} {when}".strip()
+
+
+def metric_unit(data: SweepData) -> str:
+    """The unit of the metric; empty if it is a count."""
+    return _METRICS.get(data.metric, ("", "", ""))[1]
+
+
+def metric_label(data: SweepData, height: float, prefix: str = "") -> str:
+    """The metric with its unit, as an axis of so many inches names it."""
+    text = with_unit(prefix + metric_name(data), metric_unit(data))
+    return textwrap.fill(text[0].upper() + text[1:], max(20, int(height / 0.068)))
+
+
+def metric_text(data: SweepData, value: float) -> str:
+    """A value of the metric with its unit."""
+    if data.metric == ITERATIONS_TO_TOLERANCE:
+        return f"{labels.number_text(value)} iterations"
+    return f"{labels.number_text(value, 4)} {metric_unit(data)}".rstrip()
+
+
+def _with_metres(length: float) -> str:
+    return f"{labels.number_text(length, 4)} m"
+
+
+_MARGIN = 0.03  # beside the outermost values, of the axis
+_UNEVEN = 3  # largest by smallest gap from which on listed numbers get cells of one size
+_FEW = 6  # values that get a tick each, if there is room
+_LEAST_GAP = 0.4  # between words [inch]
+_BESIDE = 9  # letters that have room to the left of a panel
+_LETTERS_KEPT = 1000  # of a word
+_CHARACTER = 0.06  # [inch], of a tick's label
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KeyAxis:
+    """Where the cases of a sweep lie on the axis of one key.
+
+    Attributes:
+        key: The key.
+        positions: Of all cases, shape (cases,): the values themselves, or for words their places
+            0, 1, ... in the order in which they were given.
+        is_logarithmic: Whether equal ratios are equally far apart; positions then are positive.
+        words: What stands at the places; empty for numbers.
+    """
+
+    key: str
+    positions: Floats
+    is_logarithmic: bool = False
+    words: tuple[str, ...] = ()
+
+    @property
+    def flat(self) -> Floats:
+        """Positions on paper: their logarithms where the axis is logarithmic."""
+        return self.flattened(self.positions)
+
+    def flattened(self, positions: Floats) -> Floats:
+        """What lies on a straight ruler in place of positions."""
+        return np.log10(positions) if self.is_logarithmic else positions
+
+    def bent(self, flat: Floats) -> Floats:
+        """Positions from places on the ruler."""
+        return np.power(10.0, flat) if self.is_logarithmic else flat
+
+    def edges(self, values: Floats) -> Floats:
+        """Edges of cells around rising values, halfway between them; one more than values."""
+        flat = self.flattened(values)
+        if len(flat) == 1:
+            half = 0.5 if self.words or self.is_logarithmic else 0.5 * abs(float(flat[0])) or 0.5
+            return self.bent(np.array([flat[0] - half, flat[0] + half]))
+        middles = (flat[:-1] + flat[1:]) / 2
+        return self.bent(
+            np.concatenate([[2 * flat[0] - middles[0]], middles, [2 * flat[-1] - middles[-1]]])
+        )
+
+    def limits(self) -> tuple[float, float]:
+        """From a little before the first to a little after the last value."""
+        if self.words:
+            return -0.5, len(self.words) - 0.5
+        values = np.array([self.positions.min(), self.positions.max()])
+        if values[0] == values[1]:
+            low, high = self.edges(values[:1])
+            return float(low), float(high)
+        ends = self.flattened(values)
+        margin = _MARGIN * float(ends[1] - ends[0])
+        low, high = self.bent(np.array([ends[0] - margin, ends[1] + margin]))
+        return float(low), float(high)
+
+    def show(self, axes: Axes, which: str, limits: tuple[float, float], length: float) -> None:
+        """Sets up one axis of a panel.
+
+        Args:
+            axes: The panel.
+            which: ``x`` or ``y``.
+            limits: The ends.
+            length: Of the axis [inch].
+        """
+        axis = axes.xaxis if which == "x" else axes.yaxis
+        most = max(3, int(length / (0.6 if which == "x" else 0.4)))
+        if self.is_logarithmic:
+            logarithmic.set_scale(axis, *limits, most=most)
+        else:
+            (axes.set_xlim if which == "x" else axes.set_ylim)(limits)
+            axis.set_major_locator(MaxNLocator(nbins=min(8, most), steps=[1, 2, 5, 10]))
+            axis.set_major_formatter(labels.PlainFormatter())
+        values, texts = self._own_ticks()
+        if not texts:
+            return
+        ends = self.flattened(np.array(limits))
+        gaps = np.diff(self.flattened(values)) / (ends[1] - ends[0]) * length
+        gap = float(gaps.min(initial=length))
+        if self.words:
+            each = max(1, int(np.ceil(_LEAST_GAP / gap)))
+            longest = max(4, int((each * gap - 0.1) / _CHARACTER)) if which == "x" else _BESIDE
+            values, texts = values[::each], shortened_words(texts[::each], longest)
+        elif gap < (_LEAST_GAP / 2 if which == "y" else _CHARACTER * max(map(len, texts)) + 0.1):
+            return
+        axis.set_ticks(values, labels=texts)
+        axis.set_ticks([], minor=True)
+
+    def _own_ticks(self) -> tuple[Floats, list[str]]:
+        if self.words:
+            return np.arange(len(self.words), dtype=np.float64), list(self.words)
+        values = distinct(self.positions, _FEW)
+        if values is None:
+            return np.empty(0), []
+        return values, [value_text(float(value)) for value in values]
+
+
+def key_axis(data: SweepData, key: str, *, cells: bool = False) -> KeyAxis:
+    """The axis of one key of a sweep.
+
+    Args:
+        data: The sweep.
+        key: The key.
+        cells: Each value has a cell of its own: numbers that were listed far from evenly are
+            then set side by side like words, the smallest first.
+    """
+    axis, values = data.axes[key], data.values[key]
+    if cells and isinstance(axis, Choices) and _is_uneven(axis):
+        axis = Choices(tuple(sorted(axis.values)))  # type: ignore[type-var]  # numbers
+    elif axis.is_numeric:
+        positions = np.fromiter(values, dtype=np.float64, count=len(values))
+        return KeyAxis(key, positions, axis.is_logarithmic)
+    assert isinstance(axis, Choices)  # ranges are numeric
+    places: dict[tuple[bool, Value], int] = {}
+    for value in axis.values:
+        places.setdefault(_told_apart(value), len(places))
+    numbers: Integers = np.fromiter(
+        (places[_told_apart(value)] for value in values), dtype=np.int64, count=len(values)
+    )
+    return KeyAxis(
+        key,
+        numbers.astype(np.float64),
+        False,
+        tuple(value_text(v, longest=_LETTERS_KEPT) for _, v in places),
+    )
+
+
+def _is_uneven(axis: Choices) -> bool:
+    """Whether numbers are so far from evenly spread that some cells would be much larger."""
+    if not axis.is_numeric or axis.count < 3:
+        return False
+    numbers = np.sort(np.array(axis.values, dtype=np.float64))
+    gaps = np.diff(np.log(numbers) if axis.is_logarithmic else numbers)
+    return bool(gaps.max() > _UNEVEN * gaps.min())
+
+
+def _told_apart(value: Value) -> tuple[bool, Value]:
+    """A dictionary takes true and 1 for the same."""
+    return isinstance(value, bool), value

@@ -1,0 +1,102 @@
+"""How a search went: the metric of each case that it tried, and the best so far."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from hilc_cli.drawing import labels, layout, style
+from hilc_cli.sweeps.data import SweepData
+from hilc_cli.sweeps.pictures.curve import WHOLE_METRICS
+from hilc_cli.sweeps.pictures.key_axis import KeyAxis, metric_label, metric_text, metric_unit
+from hilc_cli.sweeps.pictures.metric_axis import (
+    draw_edge_marks,
+    draw_zeros,
+    edge_rows,
+    metric_scale,
+    show_metric,
+)
+from hilc_cli.sweeps.pictures.picking import results_of, thinned
+from hilc_cli.sweeps.pictures.sheet import heading_of
+
+_WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
+
+
+def search_figure(data: SweepData) -> Figure:
+    """The metric against the number of the case."""
+    with style.applied():
+        figure, axes = layout.single_panel(heading_of(data), _WIDTH, _HEIGHT)
+        draw_search(axes, data)
+        layout.finish(figure, axes, _WIDTH)
+        return figure
+
+
+def draw_search(axes: Axes, data: SweepData) -> None:
+    """Draws the cases of a search as dots, the best so far as a line, and the scenario as it is.
+
+    Args:
+        axes: Where to draw.
+        data: The search.
+    """
+    assert data.as_it_is is not None  # checked by the catalogue
+    results = results_of(data)
+    every = np.arange(len(data))
+    where = KeyAxis("case", every.astype(np.float64))
+    as_it_is = data.as_it_is.metric
+    values = np.append(results.metric, as_it_is)
+    scale = metric_scale(values, whole=data.metric in WHOLE_METRICS)
+    show_metric(axes, scale, len(edge_rows(results.outcomes)), _HEIGHT)
+    where.show(axes, "x", where.limits(), _WIDTH)
+    cases = thinned(every)
+    axes.plot(
+        where.positions[cases],
+        scale.in_place(results.metric[cases]),
+        linestyle="none",
+        marker="o",
+        markersize=3.0,
+        markeredgewidth=0,
+        color="0.55",
+        alpha=0.6,
+        label="Cases",
+    )
+    best = np.fmin.accumulate(results.metric)
+    axes.plot(
+        where.positions,
+        scale.in_place(best),
+        drawstyle="steps-post",
+        color=style.BLUE,
+        linewidth=style.PATH_WIDTH,
+        label="Best so far",
+    )
+    if math.isfinite(as_it_is):
+        axes.axhline(
+            as_it_is,
+            color=style.LIMIT_COLOR,
+            linestyle=style.DASHED,
+            linewidth=style.THIN,
+            label="Scenario as it is",
+        )
+    ranked = data.ranked()
+    if ranked and (results.metric[ranked[0]] > 0 or not scale.is_logarithmic):
+        axes.plot(
+            *(ranked[0], results.metric[ranked[0]]),
+            linestyle="none",
+            marker="*",
+            markersize=12,
+            markerfacecolor=style.BEST_COLOR,
+            markeredgecolor="black",
+            markeredgewidth=style.THIN,
+            zorder=5,
+            label="Best",
+        )
+    draw_zeros(axes, where.positions, results.metric, scale)
+    draw_edge_marks(axes, where, results.outcomes, every, size=3.0)
+    axes.set_xlabel("Case")
+    axes.set_ylabel(metric_label(data, _HEIGHT), labelpad=2)
+    title = "No case has a value"
+    if ranked:
+        title = f"Best: {metric_text(data, float(results.metric[ranked[0]]))} (case {ranked[0]})"
+    labels.set_title(axes, title, scale.notes(metric_unit(data)))

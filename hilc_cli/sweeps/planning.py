@@ -1,0 +1,377 @@
+"""A sweep from what a scenario says of it and what is asked for beside that."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from hilc_cli.errors import MOST_PROBLEMS, InvalidInputError, Problem, UsageError
+from hilc_cli.results.tables import value_text
+from hilc_cli.scenario.axis import read_axis, shown_axis
+from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
+from hilc_cli.scenario.record import RecordSpec
+from hilc_cli.scenario.scenario import ScenarioSpec
+from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec
+from hilc_cli.scenario.trajectory import TrajectorySpec
+from hilc_cli.sweeps.varied import (
+    TRAJECTORY,
+    WITHOUT_EFFECT,
+    Change,
+    Varied,
+    as_scenario,
+    parts,
+    root,
+    validated,
+    value_at,
+    with_changes,
+)
+from hilc_cli.variation.axes import Axis, Choices, Range, Value
+from hilc_cli.variation.cases import Cases
+from hilc_cli.yaml_input.nodes import (
+    MapNode,
+    Node,
+    PathKeys,
+    Place,
+    Scalar,
+    Source,
+    from_data,
+    to_data,
+)
+from hilc_cli.yaml_input.overrides import parts_of_key
+from hilc_cli.yaml_input.problems import problems_of
+from hilc_cli.yaml_input.quantities import MOST_CASES
+from hilc_cli.yaml_input.reading import Inputs
+
+_LAW = "controller.law"
+_MOST_CORNERS = 64
+
+
+def vary(scenario: Scenario, axes: Mapping[str, Axis], places: Mapping[str, Place]) -> Varied:
+    """Checks the values that a sweep puts into a scenario.
+
+    Every value of a list and both ends of a range are validated beside the first values of the
+    other keys, then the corners of the box that they span, as far as these are few. All problems
+    are told.
+
+    Args:
+        scenario: The scenario.
+        axes: Values by dotted key.
+        places: Where the values of each key stand, for messages and relative paths.
+
+    Raises:
+        InvalidInputError: A key is unknown, or a value not valid.
+    """
+    # Which samples a run records has no effect on a sweep, and is not to limit its iterations.
+    spec = scenario.spec.model_copy(update={"record": RecordSpec(), "sweep": None})
+    base = replace(scenario, spec=spec)
+    given = None if "initial_input" in axes or base.initial_input is None else base.initial_input[0]
+    checked = _Checked(spec, places, None if given is None else len(given))
+    checked.add_all(axes)
+    checked.corners()
+    if checked.problems:
+        raise InvalidInputError(dict.fromkeys(checked.problems))
+    return Varied(base, {key: checked.axes[key] for key in axes}, checked.trajectories)
+
+
+class _Checked:
+    """The axes found valid so far."""
+
+    def __init__(
+        self, spec: ScenarioSpec, places: Mapping[str, Place], input_samples: int | None
+    ) -> None:
+        self.spec = spec
+        self.places = places
+        self.input_samples = input_samples
+        self.axes: dict[str, Axis] = {}
+        self.trajectories: dict[str, TrajectorySpec] = {}
+        self.problems: list[Problem] = []
+
+    def add_all(self, axes: Mapping[str, Axis]) -> None:
+        """Validates the values of each key beside the first values of the others."""
+        # What varies need not fit the scenario's trajectory, only those that it meets.
+        controller = self.spec.controller
+        tied = [key for key in controller.tied_to_trajectory if f"controller.{key}" in axes]
+        if tied:
+            controller = controller.model_copy(update=dict.fromkeys(tied))
+            self.spec = self.spec.model_copy(update={"controller": controller})
+        if TRAJECTORY in axes:
+            self._add(TRAJECTORY, axes[TRAJECTORY])
+            first = next(iter(self.trajectories.values()), self.spec.trajectory)
+            self.spec = self.spec.model_copy(update={TRAJECTORY: first})
+        others = {key: axis for key, axis in axes.items() if key != TRAJECTORY}
+        self._start_from(
+            [(key, _written_ends(axis)[0], self.places[key]) for key, axis in others.items()]
+        )
+        for key, axis in others.items():
+            self._add(key, axis)
+
+    def _start_from(self, changes: Sequence[Change]) -> None:
+        """Puts first values into the scenario: together if they fit, otherwise those that do."""
+        try:
+            self.spec = validated(self.spec, changes)
+        except InvalidInputError:
+            if len(changes) > 1:
+                for change in changes:
+                    self._start_from([change])
+
+    def _add(self, key: str, axis: Axis) -> None:
+        place = self.places[key]
+        try:
+            if any(key == other or key.startswith(f"{other}.") for other in WITHOUT_EFFECT):
+                message = "has no effect on the results; vary another key"
+                raise InvalidInputError([Problem(str(place), key, message)])
+            if key == _LAW:
+                message = "cannot be varied, since each law has parameters of its own; "
+                message += "make a scenario for each law"
+                raise InvalidInputError([Problem(str(place), key, message)])
+            if key == TRAJECTORY:
+                self.axes[key] = self._trajectories(axis, place)
+            elif isinstance(axis, Choices):
+                self.axes[key] = self._choices(key, axis, place)
+            else:
+                self.axes[key] = self._range(key, axis, place)
+        except InvalidInputError as error:
+            self.problems.extend(error.problems)
+
+    def corners(self) -> None:
+        """Validates outermost values together, if each of them is valid by itself."""
+        if self.problems:
+            return
+        axes = {key: axis for key, axis in self.axes.items() if key != TRAJECTORY}
+        every = [[(key, end, self.places[key]) for end in axis.ends] for key, axis in axes.items()]
+        corners = itertools.islice(itertools.product(*every), _MOST_CORNERS)
+        for corner in (*corners, tuple(ends[-1] for ends in every)):
+            for path in self.trajectories.values() or [self.spec.trajectory]:
+                spec = self.spec.model_copy(update={TRAJECTORY: path})
+                try:
+                    self._check_input(validated(spec, corner).trajectory)
+                except InvalidInputError as error:
+                    self.problems.extend(error.problems)
+                    return
+
+    def _check_input(self, path: TrajectorySpec) -> None:
+        """Whether the scenario's input file fits a trajectory."""
+        samples = path.reference().samples
+        if self.input_samples not in (None, samples):
+            key = next(key for key in self.places if root(key) == TRAJECTORY)
+            message = f"has {samples} samples in {path.name}, but the initial input has"
+            message += f" {self.input_samples}; set initial_input to zero or feedforward"
+            raise InvalidInputError([Problem(str(self.places[key]), TRAJECTORY, message)])
+
+    def _choices(self, key: str, axis: Choices, place: Place) -> Choices:
+        found: dict[Value, None] = {}
+        problems: list[Problem] = []
+        for value in axis.values:
+            try:
+                valid = self._choice(key, value, place)
+            except InvalidInputError as error:
+                problems.extend(error.problems)
+                if len(problems) >= MOST_PROBLEMS:
+                    break
+                continue
+            if valid in found:
+                message = f"has the value {value_text(valid)} more than once; remove one"
+                problems.append(Problem(str(place), key, message))
+            found[valid] = None
+        if problems:
+            raise InvalidInputError(problems)
+        return Choices(tuple(found))
+
+    def _choice(self, key: str, value: Any, place: Place) -> Value:
+        if isinstance(value, Mapping):
+            message = "must hold single values, got a mapping; vary the keys below it"
+            raise InvalidInputError([Problem(str(place), key, message)])
+        if key == "initial_input" and value not in NAMED_INPUTS:
+            message = f"must be zero or feedforward in a sweep, got '{value}'"
+            raise InvalidInputError([Problem(str(place), key, message)])
+        valid = value_at(validated(self.spec, [(key, value, place)]), parts(key))
+        given: Value = value
+        return valid if isinstance(valid, bool | int | float | str) else given
+
+    def _range(self, key: str, axis: Range, place: Place) -> Range:
+        ends = Choices(tuple(dict.fromkeys(_written_ends(axis))))
+        found = self._choices(key, ends, place).values
+        if not all(isinstance(end, int | float) and not isinstance(end, bool) for end in found):
+            message = "takes no numbers; give a list of values"
+            raise InvalidInputError([Problem(str(place), key, message)])
+        whole = axis.spacing != "integer" and all(isinstance(end, int) for end in found)
+        return replace(axis, whole=whole)
+
+    def _trajectories(self, axis: Axis, place: Place) -> Choices:
+        inputs = Inputs()
+        problems: list[Problem] = []
+        for value in axis.values if isinstance(axis, Choices) else (None,):
+            try:
+                if not isinstance(value, str | Mapping):
+                    message = "must be a list of trajectory files; give their paths"
+                    raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])
+                tree = inputs.with_trajectory(with_changes(self.spec, [(TRAJECTORY, value, place)]))
+                path = as_scenario(tree).trajectory
+                if path.name in self.trajectories:
+                    message = f"has two trajectories named {path.name}; give them different names"
+                    raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])
+            except InvalidInputError as error:
+                problems.extend(error.problems)
+            else:
+                self.trajectories[path.name] = path
+        if inputs.problems or problems:
+            raise InvalidInputError([*inputs.problems, *problems])
+        return Choices(tuple(self.trajectories))
+
+
+def _written_ends(axis: Axis) -> Sequence[Value]:
+    """First and last value, or all words, as their author wrote them."""
+    return axis.ends if isinstance(axis, Choices) else axis.written or axis.ends
+
+
+Variations = Mapping[str, object] | Sequence[str]
+
+_MOST_TRIED = 10_000
+"""Cases of a search: the time that it takes to think of the next one grows with their number."""
+_REPLACES = {"minimise": ("sample", "metric"), "sample": ("minimise",)}
+"""Keys of the section that make way for one that is given."""
+
+
+def plan_of(
+    scenario: Scenario, variations: Variations = (), options: Mapping[str, object] | None = None
+) -> tuple[Varied, SweepSpec]:
+    """What is varied and how, with every value validated.
+
+    Args:
+        scenario: May have a section ``sweep`` of its own.
+        variations: Values by dotted key, or texts ``KEY=VALUES`` as on the command line; they
+            replace those of the same key in the scenario, and are added to the others.
+        options: Other keys of the section ``sweep``; None stands for what the scenario says.
+
+    Raises:
+        InvalidInputError: A value is not valid; names every problem.
+        UsageError: Nothing is varied.
+    """
+    given = {key: value for key, value in (options or {}).items() if value is not None}
+    tree = _tree(scenario, _nodes(variations), given)
+    try:
+        spec = CompleteSweepSpec.model_validate(to_data(tree))
+    except ValidationError as error:
+        problems = [_told(problem) for problem in problems_of(error, tree, SweepSpec)]
+        unread = {details["loc"] for details in error.errors()}
+        raise InvalidInputError([*problems, *_others(scenario, tree, unread)]) from None
+    if not spec.vary:
+        raise UsageError(
+            "nothing is varied; give --vary KEY=VALUES, such as --vary controller.gains.l1=0:1:11, "
+            "or a section 'sweep:' in the scenario"
+        )
+    varied = vary(scenario, spec.vary, _places(tree))
+    if spec.minimise is not None:
+        _check_budget(spec.cases or 0)
+        return varied, spec.model_copy(update={"metric": spec.minimise})
+    if spec.sample == "grid":
+        _check_size(Cases(varied.axes))
+    return varied, spec
+
+
+def _told(problem: Problem) -> Problem:
+    """The problem by the key that its author has written: in the file it is below ``sweep``."""
+    if problem.where.startswith(("--", "vary ")):
+        return replace(problem, path=problem.path.removeprefix("vary."))
+    return replace(problem, path=f"sweep.{problem.path}")
+
+
+def _check_size(grid: Cases) -> None:
+    cases = math.prod(grid.shape)
+    if cases > MOST_CASES:
+        raise UsageError(
+            f"the grid has {cases:,} cases, of which at most {MOST_CASES:,} can be run; "
+            "give fewer values, or draw some with --sample and --cases"
+        )
+
+
+def _check_budget(cases: int) -> None:
+    if cases > _MOST_TRIED:
+        raise UsageError(
+            f"the search has {cases:,} cases, of which at most {_MOST_TRIED:,} can be tried; "
+            "give fewer, or draw them with --sample and --cases"
+        )
+
+
+def _others(scenario: Scenario, tree: MapNode, unread: Collection[PathKeys]) -> list[Problem]:
+    """What is wrong with the values of keys that can be read, beside those that cannot."""
+    axes = {}
+    for key, node in _axis_nodes(tree).items():
+        with suppress(ValueError):
+            if ("vary", key) not in unread:
+                axes[key] = read_axis(to_data(node))
+    try:
+        vary(scenario, axes, _places(tree))
+    except InvalidInputError as error:
+        return list(error.problems)
+    return []
+
+
+def _axis_nodes(tree: MapNode) -> Mapping[str, Node]:
+    keys = tree.entries["vary"]
+    assert isinstance(keys, MapNode)  # made so below
+    return keys.entries
+
+
+def _places(tree: MapNode) -> dict[str, Place]:
+    return {key: node.place for key, node in _axis_nodes(tree).items()}
+
+
+def _tree(
+    scenario: Scenario, variations: Mapping[str, Node], given: Mapping[str, object]
+) -> MapNode:
+    """Both together as the tree of one section."""
+    own: dict[str, Any] = {}
+    section = scenario.spec.sweep
+    if section is not None:
+        replaced = [key for chosen, keys in _REPLACES.items() if chosen in given for key in keys]
+        if given.get("sample") == "grid":
+            replaced.append("cases")  # it belongs to the sampling that has been replaced
+        # What the section leaves out is not there to contradict what is given.
+        written = [key for key in SweepSpec.model_fields if key in section.model_fields_set]
+        own = {key: getattr(section, key) for key in written if key not in replaced}
+    here = _place("the scenario's sweep")
+    axes: dict[str, Node] = {
+        # The values have been read before: they stand in for their text.
+        key: Scalar(scenario.sweep_places.get(("vary", key), here), axis, shown_axis(axis))
+        for key, axis in own.pop("vary", {}).items()
+    }
+    axes.update(variations)
+    nodes: dict[str, Node] = {"vary": MapNode(here, axes, {k: n.place for k, n in axes.items()})}
+    for key, value in own.items():
+        nodes[key] = from_data(value, scenario.sweep_places.get(("sweep", key), here))
+    for key, value in given.items():
+        nodes[key] = from_data(value, _place(f"--{key} {value}"))
+    return MapNode(here, nodes, {key: node.place for key, node in nodes.items()})
+
+
+def _nodes(variations: Variations) -> dict[str, Node]:
+    if isinstance(variations, Mapping):
+        for key in variations:
+            parts_of_key(key, "vary")
+        return {key: from_data(value, _place(f"vary {key}")) for key, value in variations.items()}
+    nodes: dict[str, Node] = {}
+    problems = []
+    for text in [variations] if isinstance(variations, str) else variations:
+        key, equals, values = text.partition("=")
+        key, place = key.strip(), _place(f"--vary {text}")
+        if not all(parts_of_key(key, "--vary")) or not equals or not values.strip():
+            message = "must read KEY=VALUES, such as controller.gains.l1=0:1:11"
+            problems.append(Problem(str(place), "", message))
+        elif key in nodes:
+            problems.append(Problem(str(place), key, "is varied more than once; give it once"))
+        nodes[key] = Scalar(place, values.strip(), values.strip())
+    if problems:
+        raise InvalidInputError(problems)
+    return nodes
+
+
+def _place(label: str) -> Place:
+    return Place(Source(label, Path(), has_lines=False))

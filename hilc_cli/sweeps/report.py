@@ -1,0 +1,333 @@
+"""What ``hilc sweep`` tells of a sweep, before and after."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import typer
+
+from hilc_cli.errors import printable
+from hilc_cli.reporting.terminal import (
+    print_json,
+    print_table,
+    print_text,
+    progress,
+    say,
+    two_columns,
+)
+from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
+from hilc_cli.sweeps.data import BEST
+from hilc_cli.sweeps.summary import tied
+from hilc_cli.variation.axes import Range
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from hilc_cli.sweeps.chunks import Failure
+    from hilc_cli.sweeps.data import AsItIs, SweepData
+    from hilc_cli.sweeps.estimate import Estimate
+    from hilc_cli.sweeps.plan import Plan
+    from hilc_cli.sweeps.results import Sweep
+    from hilc_cli.sweeps.summary import BestCase, SweepSummary
+
+
+_HIDING = (MAX_ERROR, PEAK, ITERATIONS_TO_TOLERANCE)
+"""Metrics that an initial error may decide alone."""
+_NEAR = 0.01  # of the range
+
+
+def sweep_notes(data: SweepData, summary: SweepSummary) -> list[str]:
+    """Ties for the best case; and of a search how good its best case is."""
+    best = summary.best[0].case if summary.best else None
+    notes = [] if best is None or summary.tied < 2 else [_tie(data, best)]
+    if data.as_it_is is None:
+        return notes
+    if best is None:
+        return [f"no case has a value of {data.metric}, so there is no {BEST}"]
+    if not found_better(data):
+        return [*notes, "no case is better than the scenario as it is"]
+    # Of several best cases it says nothing where one of them lies.
+    return notes or _at_ends(data, best)
+
+
+def found_better(data: SweepData) -> bool:
+    """Whether the best case of a search is better than the scenario as it is."""
+    best = next(iter(data.ranked()), None)
+    if best is None or data.as_it_is is None:
+        return False
+    # What has no metric is no better than anything.
+    return not data.columns[data.metric][best] >= data.as_it_is.metric
+
+
+def _tie(data: SweepData, best: int) -> str:
+    """That there are several best cases, and what would tell them apart."""
+    cases = tied(data)
+    value = f"{data.columns[data.metric][best]:.6g}"
+    where = "" if data.as_it_is is None else f", and the one in {BEST}"
+    note = f"{len(cases):,} of {len(data):,} cases share the best {data.metric}, {value}; "
+    note += f"case {best} is only one of them{where}"
+    later = data.columns[MAX_ERROR_SECOND_HALF][cases]
+    if data.metric in _HIDING and not np.allclose(later, later[0], rtol=0.01, equal_nan=True):
+        option = "--metric" if data.as_it_is is None else "--minimise"
+        note += f": {option} {MAX_ERROR_SECOND_HALF} tells them apart"
+    return note
+
+
+def _at_ends(data: SweepData, best: int) -> list[str]:
+    values = data.case(best)
+    return [
+        f"{key} of the best case is at the end of its range: a wider one may hold a better value"
+        for key, axis in data.axes.items()
+        if isinstance(axis, Range) and _is_at_end(axis, values[key])
+    ]
+
+
+def _is_at_end(axis: Range, value: object) -> bool:
+    """Whether a value is hardly farther from an end of the range than a search can tell."""
+    assert isinstance(value, int | float)  # of a range
+    low, number, high = axis.low, float(value), axis.high
+    if axis.spacing == "log":
+        low, number, high = math.log(low), math.log(number), math.log(high)
+    return min(number - low, high - number) < _NEAR * (high - low)
+
+
+_NOTHING = "-"
+
+
+def search_table(summary: SweepSummary, as_it_is: AsItIs) -> Table:
+    """The best case beside the scenario as it is, key by key."""
+    from rich import box
+    from rich.table import Table
+
+    best = _best(summary)
+    table = Table(
+        title=f"Smallest {summary.metric}",
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        title_style="bold",
+    )
+    table.add_column("")
+    table.add_column("as it is", justify="right")
+    table.add_column("best" if best is None else f"best, case {best.case}", justify="right")
+    of_best = math.nan if best is None else best.metric
+    table.add_row(summary.metric, _number(as_it_is.metric), _number(of_best))
+    for key, value in as_it_is.values.items():
+        found = _NOTHING if best is None else shown(best.values[key])
+        table.add_row(*map(printable, (key, shown(value), found)))
+    return table
+
+
+def search_document(summary: SweepSummary, as_it_is: AsItIs, folder: Path) -> dict[str, Any]:
+    """The same for a JSON document."""
+    best = _best(summary)
+    return {
+        "minimise": summary.metric,
+        "as_it_is": as_it_is.to_data(),
+        "best": None if best is None else asdict(best),
+        "scenario": None if best is None else str(folder / BEST),
+    }
+
+
+def shown(value: object) -> str:
+    """A value of a key as a table shows it."""
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _best(summary: SweepSummary) -> BestCase | None:
+    return summary.best[0] if summary.best else None
+
+
+def _number(number: float) -> str:
+    return f"{number:.6g}" if math.isfinite(number) else _NOTHING
+
+
+SOME_FAILED = NOTHING_FOUND = 3
+AGAIN = "the same command with --resume tries these cases again"
+SHARDS_AGAIN = "--resume of their shards tries these cases again"
+_NO_BETTER = "Best case tried, no better than the scenario as it is"
+_MOST_FAILURES = 10
+"""So many are named one by one."""
+
+
+@dataclass(frozen=True, slots=True)
+class SweepReport:
+    """Tells it as the user wants to hear it.
+
+    Attributes:
+        json: As one JSON document.
+        quiet: Nothing but errors.
+        verbose: More than usual.
+    """
+
+    json: bool
+    quiet: bool
+    verbose: bool
+
+    def say(self, message: str) -> None:
+        """A message on stderr, unless nothing is to be said."""
+        if not self.quiet:
+            say(message)
+
+    def compiling(self) -> None:
+        """Why nothing moves for some seconds."""
+        self.say("compiling the engine for this machine, once for each kind of experiment")
+
+    def warnings(self, plan: Plan) -> None:
+        """What is legal but probably not meant."""
+        for warning in plan.warnings():
+            self.say(f"warning: {warning}")
+
+    def progress(
+        self, plan: Plan, part: tuple[int, int] | None = None
+    ) -> AbstractContextManager[Callable[[int], None]]:
+        """A progress bar over the cases."""
+        from hilc_cli.sweeps.shards import shard_cases
+
+        total = len(plan.cases) if part is None else len(shard_cases(len(plan.cases), *part))
+        return progress(plan.name, total, quiet=self.quiet)
+
+    def estimate(self, plan: Plan, estimate: Estimate) -> None:
+        """What a sweep would cost."""
+        if self.json:
+            print_json({"name": plan.name, **asdict(estimate)})
+            return
+        if self.quiet:
+            return
+        rows = [
+            ("cases", f"{estimate.cases:,}"),
+            ("samples of all iterations", f"{estimate.samples:,.0f}"),
+            ("time", f"about {_duration(estimate.seconds)} with {_workers(estimate.workers)}"),
+            ("memory", f"about {_size(estimate.memory)}"),
+            ("disk, until it is done", f"about {_size(estimate.disk)}"),
+        ]
+        print_table(two_columns(f"{plan.name}, not computed", rows))
+
+    def result(self, result: Sweep, folder: Path, again: str) -> None:
+        """How a sweep went.
+
+        Args:
+            result: The sweep.
+            folder: Where it has been written.
+            again: How to try cases again that have failed.
+
+        Raises:
+            typer.Exit: Some cases have failed, or a search has found nothing.
+        """
+        self._summary(result, result.failures, folder)
+        if self.verbose:
+            for step, seconds in result.how.get("timings_s", {}).items():
+                say(f"{step}: {seconds:.3f} s")
+        self._failures(result.failures, again)
+        _check_found(result)
+
+    def complete(self, folder: Path) -> None:
+        """A sweep of which nothing is left to do.
+
+        Raises:
+            typer.Exit: It was a search that has found nothing.
+        """
+        from hilc_cli.sweeps.folders import read_sweep
+
+        self.say(f"nothing to resume: {folder} is complete")
+        data = read_sweep(folder)
+        self._summary(data, (), folder)
+        _check_found(data)
+
+    def _summary(self, data: SweepData, failures: Sequence[Failure], folder: Path) -> None:
+        from hilc_cli.sweeps.summary import summarise_sweep
+
+        summary, as_it_is = summarise_sweep(data), data.as_it_is
+        if self.json:
+            document = {"folder": str(folder), **asdict(summary), "failures": _json(failures)}
+            if as_it_is is not None:
+                document["search"] = search_document(summary, as_it_is, folder)
+            print_json(document)
+        elif not self.quiet:
+            print_table(two_columns(f"{summary.name}, {summary.cases:,} cases", _rows(summary)))
+            if as_it_is is not None:
+                print_table(search_table(summary, as_it_is))
+            print_text(f"Written to {folder}")
+            if as_it_is is not None and summary.best:
+                label = "Best scenario" if found_better(data) else _NO_BETTER
+                print_text(f"{label}: {folder / BEST}")
+        for note in sweep_notes(data, summary):
+            self.say(note)
+
+    def shard(
+        self, plan: Plan, part: tuple[int, int], failures: Sequence[Failure], folder: Path
+    ) -> None:
+        """How a shard went.
+
+        Raises:
+            typer.Exit: Some cases have failed.
+        """
+        number, shards = part
+        if self.json:
+            print_json(
+                {"folder": str(folder), "shard": [number, shards], "failures": _json(failures)}
+            )
+        elif not self.quiet:
+            print_text(f"Shard {number} of {shards} of {plan.name} is in {folder}")
+        self._failures(failures, AGAIN)
+
+    def _failures(self, failures: Sequence[Failure], again: str) -> None:
+        for failure in failures[:_MOST_FAILURES]:
+            say(f"{failure.chunk} failed: {failure.reason}")
+        if len(failures) > _MOST_FAILURES:
+            say(f"... and {len(failures) - _MOST_FAILURES} more")
+        if failures:
+            say(again)
+            raise typer.Exit(SOME_FAILED)
+
+
+def _check_found(data: SweepData) -> None:
+    if data.as_it_is is not None and not data.ranked():
+        raise typer.Exit(NOTHING_FOUND)
+
+
+def _rows(summary: SweepSummary) -> list[tuple[str, str]]:
+    metric = summary.metric
+    rows = [("diverged", f"{summary.diverged:,}")]
+    if summary.failed:
+        rows.append(("failed", f"{summary.failed:,}"))
+    if summary.within_tolerance is not None:
+        rows.append((f"settled within {summary.tolerance:g} m", f"{summary.within_tolerance:,}"))
+    if summary.median is not None and summary.worst is not None:
+        part = summary.ranked < summary.cases
+        of_these = f", of the {summary.ranked:,} that have it" if part else ""
+        rows.append((f"median {metric}{of_these}", f"{summary.median:.6g}"))
+        rows.append((f"largest {metric}{of_these}", f"{summary.worst:.6g}"))
+    for best in summary.best:
+        values = ", ".join(f"{key}={shown(value)}" for key, value in best.values.items())
+        rows.append((f"case {best.case}: {values}", f"{best.metric:.6g}"))
+    return rows
+
+
+def _json(failures: Sequence[Failure]) -> list[dict[str, object]]:
+    return [
+        {"first": f.chunk.first, "last": f.chunk.last - 1, "reason": f.reason} for f in failures
+    ]
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 100:
+        return f"{seconds:.2g} s"
+    if seconds < 6000:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"
+
+
+def _workers(count: int) -> str:
+    return "1 worker" if count == 1 else f"{count} workers"
+
+
+def _size(size: float) -> str:
+    return f"{size / 1e6:.0f} MB" if size < 1e9 else f"{size / 1e9:.1f} GB"

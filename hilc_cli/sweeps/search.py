@@ -1,0 +1,138 @@
+"""A search for the case in which a metric is smallest: each batch follows from those before it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.engine.lanes.lanes import LANES
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, METRIC_NAMES
+from hilc_cli.sweeps.chunks import Chunk, run_chunk
+from hilc_cli.sweeps.compute import Execution, compile_for, crew_for
+from hilc_cli.sweeps.execute import hand_out
+from hilc_cli.sweeps.memory_store import Store
+from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.sampler import Sampler, Values
+from hilc_cli.sweeps.sizing import cases_per_chunk
+from hilc_cli.sweeps.varied import Varied
+from hilc_cli.variation.cases import ListedCases
+
+# docs/sweeps.md has what these were chosen by.
+_FIRST = 12
+"""Cases that are drawn before there is anything to learn from."""
+_LEAST, _SHARE = 4, 4
+"""Of a batch: so many at least, a quarter of what is known at most; a quarter of it is drawn."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """What a search has tried.
+
+    Attributes:
+        cases: All its cases.
+        as_it_is: The metric of the scenario with its own values, not-a-number if it has none.
+    """
+
+    cases: ListedCases
+    as_it_is: float
+
+
+def search(plan: Plan, store: Store, how: Execution) -> Found:
+    """Computes the cases of a search, of which a store may have some.
+
+    A batch follows from the results of the batches before it, not from who computed them, so that
+    a search that goes on after a stop thinks of the same cases again and finds them in the store.
+
+    Raises:
+        UsageError: The package for that is not installed.
+        HilcError: As for `compute`.
+    """
+    sampler = Sampler(plan.cases)
+    compile_for(plan, how.on_compile)
+    listed: list[Values] = []
+    crew = crew_for(plan, LANES, how)
+    try:
+        for cases, drawn in batches(len(plan.cases)):
+            how.go_on()
+            values = sampler.ask(len(cases), drawn)
+            batch = Chunk(cases.first, cases.last, values)
+            store.forget_others(batch)
+            hand_out(
+                *(plan, store, crew, _missing(plan, store, batch, crew.workers)),
+                fail_fast=how.fail_fast,
+                on_cases=how.on_cases,
+                go_on=how.go_on,
+            )
+            sampler.tell(costs(plan, store.rows()[batch.first : batch.last]))
+            listed += values
+    finally:
+        crew.dismiss()
+    return Found(ListedCases(plan.axes, listed), _as_it_is(plan))
+
+
+def costs(plan: Plan, rows: Floats) -> Floats:
+    """How good cases are, the smaller the better.
+
+    Where the metric counts iterations to a tolerance, a case that never reaches it is worse than
+    any that does, and among those of its kind as good as its last maximum error is small. One
+    that diverged or failed is worse than all others.
+
+    Args:
+        plan: The search.
+        rows: Of the cases, in the order of CASE_COLUMNS.
+
+    Returns:
+        Shape (cases,), infinite for the worst; only the order counts.
+    """
+    found = _metric(plan, rows)
+    if plan.spec.metric == ITERATIONS_TO_TOLERANCE:
+        error = rows[:, METRIC_NAMES.index("max_position_error_m")]
+        never = plan.most_iterations + 1 + error / (1 + error)
+        finished = rows[:, CASE_COLUMNS.index(DIVERGED)] == 0
+        found = np.where(np.isnan(found) & finished, never, found)
+    return np.where(np.isfinite(found), found, np.inf)
+
+
+def _metric(plan: Plan, rows: Floats) -> Floats:
+    """What is minimised, not-a-number for cases that diverged, failed or have no such number."""
+    finished = rows[:, CASE_COLUMNS.index(DIVERGED)] == 0
+    return np.where(finished, rows[:, CASE_COLUMNS.index(plan.spec.metric)], np.nan)
+
+
+def batches(cases: int) -> Iterator[tuple[Chunk, int]]:
+    """The cases of a search in batches that grow with what is known.
+
+    Args:
+        cases: How many there are; with more of them those before are the same.
+
+    Yields:
+        A batch, and how many of its cases are drawn: of the first all.
+    """
+    size = drawn = _FIRST
+    first = 0
+    while first < cases:
+        last = min(first + size, cases)
+        yield Chunk(first, last), min(drawn, last - first)
+        first = last
+        size = min(max(_LEAST, first // _SHARE), LANES)
+        drawn = size // _SHARE
+
+
+def _missing(plan: Plan, store: Store, batch: Chunk, workers: int) -> list[Chunk]:
+    """What is missing of a batch, in chunks that keep workers busy."""
+    size = cases_per_chunk(plan, len(batch), workers)
+    pieces = []
+    for gap in store.missing():
+        last = min(gap.last, batch.last)
+        for first in range(max(gap.first, batch.first), last, size):
+            pieces.append(batch.part(first, min(first + size, last)))
+    return pieces
+
+
+def _as_it_is(plan: Plan) -> float:
+    """The metric of the scenario with its own values."""
+    own = Plan(Varied(plan.varied.scenario, {}), plan.spec)
+    return float(_metric(plan, run_chunk(own, Chunk(0, 1, ((),))).rows)[0])

@@ -1,0 +1,1 @@
+"""Whether wheels, tyres and motors can follow the reference."""

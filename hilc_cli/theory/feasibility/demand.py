@@ -1,0 +1,351 @@
+"""What a reference demands of the wheels and the tyres, segment by segment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.plants.kinematic import Robot
+from hilc_cli.reference.sampled import Floats, Reference
+
+_ROUNDING = 16 * float(np.finfo(np.float64).eps)  # of a sine, a product and two differences
+_ALIKE = 1e-9  # relative: so near, two values are the same
+_Item = TypeVar("_Item")
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentDemand:
+    """What one segment demands, corners at its ends left out.
+
+    Attributes:
+        name: As the user knows it.
+        first: Sample at which it starts.
+        samples: Number of its sampling intervals, >= 1.
+        duration: [s].
+        length: [m].
+        turn: By which the heading changes [rad], positive to the left.
+        speed: Highest forward speed [m/s].
+        yaw_rate: The one of largest absolute value [rad/s], positive to the left.
+        fastest_wheel: Largest absolute speed of a wheel [rad/s].
+        wheel_acceleration: Largest absolute acceleration of a wheel from sample to sample
+            [rad/s^2]; 0 where the samples' rounding hides it.
+        lateral_acceleration: Largest absolute product of forward speed and yaw rate [m/s^2].
+    """
+
+    name: str
+    first: int
+    samples: int
+    duration: float
+    length: float
+    turn: float
+    speed: float
+    yaw_rate: float
+    fastest_wheel: float
+    wheel_acceleration: float
+    lateral_acceleration: float
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """Where a segment starts, and where a heading may jump.
+
+    Attributes:
+        name: Of the segment that starts.
+        sample: Its first sample.
+        left_jump: By which the left wheel's speed changes at that sample [rad/s], at sample 0 from
+            rest; 0 where the samples' rounding hides it.
+        right_jump: The same of the right wheel.
+        corner: By which the heading jumps [rad], which takes the sampling interval before.
+        corner_wheel: Speed of the faster wheel in that interval [rad/s].
+        corner_lateral: Product of forward speed and yaw rate in it [m/s^2], absolute.
+    """
+
+    name: str
+    sample: int
+    left_jump: float
+    right_jump: float
+    corner: float = 0.0
+    corner_wheel: float = 0.0
+    corner_lateral: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """Where a reference demands most of something, corners included.
+
+    Attributes:
+        value: How much.
+        name: Of the segment, or of the one that starts with the corner.
+        in_corner: Whether it is in the sampling interval that turns a corner.
+    """
+
+    value: float
+    name: str
+    in_corner: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Jump:
+    """Wheel speeds that change from one sampling interval to the next.
+
+    It takes one sample here, and infinite acceleration where time is not sampled.
+
+    Attributes:
+        left: Change of the left wheel's speed [rad/s]; 0 where the samples' rounding hides it.
+        right: The same of the right wheel.
+        name: Of the segment that starts there, or of the one that starts with the corner.
+        at_corner: Whether it goes into or out of a corner.
+    """
+
+    left: float
+    right: float
+    name: str
+    at_corner: bool
+
+    @property
+    def size(self) -> float:
+        """The larger of both wheels' jumps, absolute [rad/s]."""
+        return max(abs(self.left), abs(self.right))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Demand:
+    """What a reference demands.
+
+    Attributes:
+        sample_time: d_t [s].
+        segments: In the order of the path.
+        joints: The start of each segment.
+        fastest: The fastest wheel [rad/s].
+        lateral: The largest lateral acceleration [m/s^2].
+        from_rest: The jump at sample 0.
+        largest_jump: The largest one on the way, into and out of corners and where segments meet;
+            None if the wheel speeds jump nowhere.
+        extent: Longer side of the path's bounding box [m].
+        wheels: Speeds of the left and the right wheel along the segments [rad/s], corners left out,
+            shape (n,) each.
+    """
+
+    sample_time: float
+    segments: tuple[SegmentDemand, ...]
+    joints: tuple[Joint, ...]
+    fastest: Peak
+    lateral: Peak
+    from_rest: Jump
+    largest_jump: Jump | None
+    extent: float
+    wheels: tuple[Floats, Floats]
+
+    @property
+    def samples(self) -> int:
+        """Number of sampling intervals."""
+        return sum(segment.samples for segment in self.segments)
+
+    @property
+    def duration(self) -> float:
+        """Of the path [s]."""
+        return self.samples * self.sample_time
+
+    @property
+    def length(self) -> float:
+        """Of the path [m]."""
+        return sum(segment.length for segment in self.segments)
+
+    @property
+    def corners(self) -> tuple[Joint, ...]:
+        """The joints at which the heading jumps."""
+        return tuple(joint for joint in self.joints if joint.corner != 0)
+
+    @property
+    def sharpest_corner(self) -> Joint | None:
+        """The first corner that turns most; None if there is none."""
+        return _first_largest(self.corners, lambda joint: abs(joint.corner))
+
+    @property
+    def sharpest_segment(self) -> SegmentDemand:
+        """The first segment with the largest lateral acceleration, corners left out."""
+        found = _first_largest(self.segments, lambda segment: segment.lateral_acceleration)
+        assert found is not None  # a path has segments
+        return found
+
+
+def demand_of(reference: Reference, robot: Robot, names: Sequence[str]) -> Demand:
+    """What a reference demands of a platform.
+
+    Wheel speeds are those of `feedforward`: they cover each step's chord and turn in one sample,
+    as the simulated plant has to. A corner is turned in the sampling interval at whose end the
+    heading jumps, beside what that interval turns by itself.
+
+    Args:
+        reference: The trajectory, with its segments and corners known.
+        robot: The platform as it really is.
+        names: Of the segments, as the user knows them.
+    """
+    whole = _Motion(reference, robot)
+    without = _Motion(_without_corners(reference), robot)
+    starts = (0, *reference.segment_ends[:-1])
+    segments = [
+        _segment(name, start, end, length, without)
+        for name, start, end, length in zip(
+            names, starts, reference.segment_ends, reference.lengths, strict=True
+        )
+    ]
+    joints = [
+        _joint(name, start, corner, whole)
+        for name, start, corner in zip(names, starts, reference.corners, strict=True)
+    ]
+    owners = _Owners(names, starts, joints)
+    jumps = [
+        whole.jump(interval, joint.name, at_corner=at_corner)
+        for joint in joints
+        for interval, at_corner in _jumps_at(joint)
+        if 0 < interval < reference.samples
+    ]
+    return Demand(
+        reference.sample_time,
+        tuple(segments),
+        tuple(joints),
+        owners.peak(np.maximum(np.abs(whole.left), np.abs(whole.right))),
+        owners.peak(whole.speed * np.abs(whole.yaw_rate)),
+        whole.jump(0, joints[0].name, at_corner=0 in owners.corners),
+        _first_largest([jump for jump in jumps if jump.size > 0], lambda jump: jump.size),
+        reference.size,
+        (without.left, without.right),
+    )
+
+
+def _jumps_at(joint: Joint) -> list[tuple[int, bool]]:
+    """Intervals before which wheel speeds jump because of a joint, and whether for its corner."""
+    if joint.corner == 0:
+        return [(joint.sample, False)]
+    turning = _turning(joint.sample)
+    return [(turning, True), (turning + 1, True)]
+
+
+def _turning(start: int) -> int:
+    """The sampling interval that turns the corner with which a segment starts.
+
+    Sample 0 has the heading of the start, every other joint that of the later segment.
+    """
+    return max(start - 1, 0)
+
+
+class _Owners:
+    """Of which segment or corner a sampling interval is.
+
+    Attributes:
+        corners: The name of the corner that an interval turns, by interval.
+    """
+
+    def __init__(self, names: Sequence[str], starts: Sequence[int], joints: Sequence[Joint]):
+        self._names, self._starts = names, starts
+        self.corners: dict[int, str] = {}
+        for joint in joints:
+            if joint.corner != 0:
+                self.corners.setdefault(_turning(joint.sample), joint.name)
+
+    def peak(self, values: Floats) -> Peak:
+        """The first of the largest values, one for each interval, apart from rounding."""
+        interval = int((values >= values.max() * (1 - _ALIKE)).argmax())
+        value = float(values.max())
+        if interval in self.corners:
+            return Peak(value, self.corners[interval], in_corner=True)
+        segment = int(np.searchsorted(self._starts, interval, side="right")) - 1
+        return Peak(value, self._names[segment], in_corner=False)
+
+
+class _Motion:
+    """Speeds in each sampling interval, arrays of shape (n,).
+
+    Attributes:
+        sample_time: d_t [s].
+        speed: Forward [m/s], of the chord.
+        yaw_rate: [rad/s].
+        left: Speed of the left wheel [rad/s].
+        right: Speed of the right wheel [rad/s].
+        rounding: Of wheel speeds, from that of positions and headings [rad/s].
+    """
+
+    def __init__(self, reference: Reference, robot: Robot) -> None:
+        self.sample_time = reference.sample_time
+        self.speed: Floats = np.hypot(np.diff(reference.x), np.diff(reference.y)) / self.sample_time
+        self.yaw_rate: Floats = np.diff(reference.heading) / self.sample_time
+        self.left, self.right = feedforward(reference, robot)
+        farthest = max(float(np.abs(reference.x).max()), float(np.abs(reference.y).max()))
+        angle = float(np.abs(reference.heading).max())
+        moved = _ROUNDING * (farthest * (1 + angle) + robot.half_track * angle)
+        self.rounding = moved / robot.wheel_radius / self.sample_time
+
+    def fastest(self, part: slice) -> float:
+        """Largest absolute speed of a wheel in a part of the intervals [rad/s]."""
+        return float(max(np.abs(self.left[part]).max(), np.abs(self.right[part]).max()))
+
+    def lateral(self, part: slice) -> float:
+        """Largest absolute product of forward speed and yaw rate in that part [m/s^2]."""
+        return float((self.speed[part] * np.abs(self.yaw_rate[part])).max())
+
+    def jump(self, interval: int, name: str, *, at_corner: bool) -> Jump:
+        """The change of wheel speeds before an interval, at the first one from rest."""
+        changes = (
+            float(wheel[interval] - (wheel[interval - 1] if interval else 0.0))
+            for wheel in (self.left, self.right)
+        )
+        left, right = (_cleared(change, self.rounding) for change in changes)
+        return Jump(left, right, name, at_corner)
+
+
+def _without_corners(reference: Reference) -> Reference:
+    """The reference with a heading that does not jump where segments meet."""
+    heading = reference.heading.copy()
+    starts = (0, *reference.segment_ends[:-1])
+    for start, corner in zip(starts, reference.corners, strict=True):
+        # Sample 0 has the heading of the start, every other joint that of the later segment.
+        heading[max(start, 1) :] -= corner
+    return replace(reference, heading=heading)
+
+
+def _segment(name: str, start: int, end: int, length: float, motion: _Motion) -> SegmentDemand:
+    part = slice(start, end)
+    yaw_rate = motion.yaw_rate[part]
+    changes = [np.abs(np.diff(wheel[part])) for wheel in (motion.left, motion.right)]
+    change = float(max(wheel.max(initial=0.0) for wheel in changes))
+    return SegmentDemand(
+        name,
+        start,
+        end - start,
+        (end - start) * motion.sample_time,
+        length,
+        float(yaw_rate.sum()) * motion.sample_time,
+        float(motion.speed[part].max()),
+        float(yaw_rate[np.abs(yaw_rate).argmax()]),
+        motion.fastest(part),
+        _cleared(change, motion.rounding) / motion.sample_time,
+        motion.lateral(part),
+    )
+
+
+def _joint(name: str, start: int, corner: float, motion: _Motion) -> Joint:
+    jump = motion.jump(start, name, at_corner=corner != 0)
+    if corner == 0:
+        return Joint(name, start, jump.left, jump.right)
+    turning = _turning(start)
+    step = slice(turning, turning + 1)
+    fastest, lateral = motion.fastest(step), motion.lateral(step)
+    return Joint(name, start, jump.left, jump.right, corner, fastest, lateral)
+
+
+def _cleared(change: float, rounding: float) -> float:
+    """A change of wheel speed, 0 if it may be rounding."""
+    return change if abs(change) > rounding else 0.0
+
+
+def _first_largest(items: Sequence[_Item], value: Callable[[_Item], float]) -> _Item | None:
+    """The first of the items whose value is the largest, apart from rounding; None of none."""
+    if not items:
+        return None
+    least = max(map(value, items)) * (1 - _ALIKE)
+    return next(item for item in items if value(item) >= least)

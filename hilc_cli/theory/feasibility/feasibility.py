@@ -1,0 +1,369 @@
+"""Whether wheels and tyres can follow a reference, and what would make them.
+
+Stretching a segment in time by a factor divides its speeds by it, and its lateral acceleration by
+its square.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from hilc_cli.plants.kinematic import Robot
+from hilc_cli.reference.path import MAX_SAMPLES
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.feasibility.demand import Demand, Joint, SegmentDemand
+from hilc_cli.theory.findings import Findings
+
+GRAVITY = 9.80665  # standard acceleration of gravity [m/s^2]
+TOLERANCE = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
+_MOST_SAMPLES = 2**53
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What wheels and tyres can do.
+
+    Attributes:
+        wheel_speed: b_w [rad/s]; infinity for no limit.
+        friction: Coefficient mu of the tyres; None if it is not known, which sets no limit.
+    """
+
+    wheel_speed: float = math.inf
+    friction: float | None = None
+
+    @property
+    def lateral(self) -> float:
+        """What the tyres hold, mu g: a lateral acceleration [m/s^2]."""
+        return math.inf if self.friction is None else self.friction * GRAVITY
+
+    def allow(self, fastest_wheel: float, lateral_acceleration: float) -> bool:
+        """Whether a wheel speed [rad/s] and a lateral acceleration [m/s^2] are possible."""
+        return self.allow_wheel(fastest_wheel) and self.allow_lateral(lateral_acceleration)
+
+    def allow_wheel(self, fastest_wheel: float) -> bool:
+        """Whether a wheel speed [rad/s] is possible."""
+        return not fastest_wheel > self.wheel_speed * (1 + TOLERANCE)
+
+    def allow_lateral(self, acceleration: float) -> bool:
+        """Whether a lateral acceleration [m/s^2] is possible."""
+        return not acceleration > self.lateral * (1 + TOLERANCE)
+
+
+@dataclass(frozen=True, eq=False)
+class Feasibility:
+    """What a reference demands beside what is possible.
+
+    Attributes:
+        demand: Of the reference.
+        robot: The platform as it really is.
+        limits: What its wheels and tyres can do.
+    """
+
+    demand: Demand
+    robot: Robot
+    limits: Limits
+
+    @property
+    def feasible(self) -> bool:
+        """Whether nothing exceeds a limit."""
+        return not self.offences
+
+    @cached_property
+    def offences(self) -> tuple[SegmentDemand | Joint, ...]:
+        """Segments, and joints with a corner, that exceed a limit, in the order of the path."""
+        found: list[SegmentDemand | Joint] = []
+        for joint, segment in zip(self.demand.joints, self.demand.segments, strict=True):
+            if not self.turns(joint):
+                found.append(joint)
+            if not self.keeps(segment, segment.samples):
+                found.append(segment)
+        return tuple(found)
+
+    @property
+    def needed_friction(self) -> float:
+        """Coefficient of friction that the path needs, corners included."""
+        return self.demand.lateral.value / GRAVITY
+
+    def share(self, fastest_wheel: float) -> float | None:
+        """Part of b_w that a wheel speed takes; None without a limit."""
+        limit = self.limits.wheel_speed
+        return None if limit == math.inf else fastest_wheel / limit
+
+    def needs(self, segment: SegmentDemand, samples: int) -> tuple[float, float]:
+        """What a segment takes if it is run at constant speed in so many samples.
+
+        From its length and turn, which know nothing of the rounding of its samples.
+
+        Returns:
+            Speed of the faster wheel [rad/s] and lateral acceleration [m/s^2].
+        """
+        duration = samples * self.demand.sample_time
+        half_turn = segment.turn / (2 * samples)  # of one step
+        chord_to_arc = abs(math.sin(half_turn) / half_turn) if half_turn else 1.0
+        speed = segment.length * chord_to_arc / duration
+        yaw_rate = abs(segment.turn) / duration
+        fastest_wheel = (speed + self.robot.half_track * yaw_rate) / self.robot.wheel_radius
+        return fastest_wheel, speed * yaw_rate  # Eq. 2 solved for the wheels
+
+    def turns(self, joint: Joint) -> bool:
+        """Whether a joint's corner, if it has one, can be turned in one sample."""
+        return self.limits.allow(joint.corner_wheel, joint.corner_lateral)
+
+    def keeps(self, segment: SegmentDemand, samples: int) -> bool:
+        """Whether a segment keeps the limits in so many samples."""
+        return self.limits.allow(*self.needs(segment, samples))
+
+    def least_samples(self, segment: SegmentDemand) -> int | None:
+        """Samples that a segment must take at least to keep all limits.
+
+        Args:
+            segment: Run at constant speed, as those of a path are.
+
+        Returns:
+            Their number; none where even 2^53 are too few.
+        """
+        if self.keeps(segment, segment.samples):
+            return segment.samples
+        too_few, enough = segment.samples, self._enough_samples(segment)
+        if enough is None:
+            return None
+        # Between them is a number that will do where one less will not, whatever is between.
+        while enough - too_few > 1:
+            middle = (too_few + enough) // 2
+            if self.keeps(segment, middle):
+                enough = middle
+            else:
+                too_few = middle
+        return enough
+
+    def _enough_samples(self, segment: SegmentDemand) -> int | None:
+        """A number of samples that will do: as if the chords were as long as the arc."""
+        length, turn = segment.length, abs(segment.turn)
+        at_wheels = (length + self.robot.half_track * turn) / self.robot.wheel_radius  # [rad]
+        by_wheels = at_wheels / self.limits.wheel_speed
+        by_tyres = math.sqrt(length * turn / self.limits.lateral)
+        samples = max(by_wheels, by_tyres) / self.demand.sample_time
+        if not samples < _MOST_SAMPLES:
+            return None
+        return max(math.ceil(samples), segment.samples + 1)
+
+
+GOOD_FRICTION = 1.0
+"""About what tyres on dry ground have."""
+_MARGIN = 1e-6  # relative: what is met but for rounding is met
+
+
+@dataclass(frozen=True, slots=True)
+class Traction:
+    """What the wheels' acceleration means, corners left out.
+
+    Attributes:
+        demanded: Largest change of a wheel rim's speed in one sample, by the sample time [m/s^2].
+        name: Of the segment in which that is, or which starts with it.
+        from_rest: Whether it is at sample 0.
+        change: Of the rim's speed in that sample [m/s].
+        held: What tyres hold, mu g [m/s^2].
+        behind: How far a wheel that accelerates with no more than that gets off from where the
+            reference has it [m].
+    """
+
+    demanded: float
+    name: str
+    from_rest: bool
+    change: float
+    held: float
+    behind: float
+
+
+def traction(demand: Demand, robot: Robot, friction: float | None) -> Traction:
+    """What the wheels' acceleration means.
+
+    Args:
+        demand: Of the reference.
+        robot: The platform as it really is.
+        friction: Coefficient mu of the tyres; None if it is not known, for a good one.
+    """
+    held = GRAVITY * (GOOD_FRICTION if friction is None else friction)
+    rims = [robot.wheel_radius * wheel for wheel in demand.wheels]
+    changes = np.maximum(*(np.abs(np.diff(rim, prepend=0.0)) for rim in rims))
+    at, step = int(changes.argmax()), held * demand.sample_time
+    change = float(changes[at])
+    behind = 0.0
+    if change > step * (1 + _MARGIN):
+        behind = max(_left_behind(rim, step) for rim in rims) * demand.sample_time
+    starts = [segment.first for segment in demand.segments]
+    segment = demand.segments[int(np.searchsorted(starts, at, side="right")) - 1]
+    return Traction(change / demand.sample_time, segment.name, at == 0, change, held, behind)
+
+
+def _left_behind(wanted: Floats, step: float) -> float:
+    """Largest sum of what a speed lacks that changes by a step in each sample at most."""
+    speed = lacking = most = 0.0
+    for each in wanted.tolist():
+        speed += min(max(each - speed, -step), step)
+        lacking += each - speed
+        most = max(most, abs(lacking))
+    return most
+
+
+COARSE_TURN = 0.2
+"""[rad] in one sample; position and heading then contradict each other by half of it."""
+FAR_BEHIND = 0.01
+"""Share of the path's extent; a robot that falls behind by less starts well enough."""
+_ROUNDING = 1e-12  # relative
+
+
+def feasibility_findings(feasibility: Feasibility) -> Findings:
+    """What is to be said of a reference, in the order of the path."""
+    failures = (
+        _corner_offence(feasibility, offence)
+        if isinstance(offence, Joint)
+        else _segment_offence(feasibility, offence)
+        for offence in feasibility.offences
+    )
+    warnings = [
+        *_corners(feasibility),
+        *_friction(feasibility),
+        *_traction(feasibility),
+        *_coarse_turn(feasibility.demand),
+    ]
+    return Findings(tuple(failures), tuple(warnings))
+
+
+def beyond_wheels(feasibility: Feasibility) -> list[str]:
+    """A line before a simulation, in which wheels have limits and tyres have none."""
+    demand, limits = feasibility.demand, feasibility.limits
+    needed = [feasibility.needs(segment, segment.samples)[0] for segment in demand.segments]
+    needed += [joint.corner_wheel for joint in demand.joints]
+    if all(map(limits.allow_wheel, needed)):
+        return []
+    most, there = _told_apart(max(needed), limits.wheel_speed)
+    return [
+        f"the trajectory needs wheel speeds up to {most} rad/s, above b_w of {there} rad/s: the "
+        "platform cannot follow it, whatever the law; see 'hilc check'"
+    ]
+
+
+def _segment_offence(feasibility: Feasibility, segment: SegmentDemand) -> str:
+    excess = _excess(feasibility, *feasibility.needs(segment, segment.samples))
+    return f"trajectory.{segment.name} needs {excess}; {_longer(feasibility, segment)}"
+
+
+def _corner_offence(feasibility: Feasibility, joint: Joint) -> str:
+    excess = _excess(feasibility, joint.corner_wheel, joint.corner_lateral)
+    return (
+        f"trajectory.{joint.name} starts with a corner of {joint.corner:.4g} rad, and to turn it "
+        f"in one sample needs {excess}; round it with an arc"
+    )
+
+
+def _excess(feasibility: Feasibility, fastest_wheel: float, lateral: float) -> str:
+    """What is needed and not there."""
+    limits, found = feasibility.limits, []
+    if not limits.allow_wheel(fastest_wheel):
+        needed, there = _told_apart(fastest_wheel, limits.wheel_speed)
+        found.append(f"a wheel speed of {needed} rad/s, above b_w of {there} rad/s")
+    if limits.friction is not None and not limits.allow_lateral(lateral):
+        needed, there = _told_apart(lateral, limits.lateral)
+        found.append(
+            f"{needed} m/s^2 of lateral acceleration, above the {there} m/s^2 that a friction of "
+            f"{limits.friction:g} holds"
+        )
+    return ", and ".join(found)
+
+
+def _longer(feasibility: Feasibility, segment: SegmentDemand) -> str:
+    """How long the segment is to take."""
+    samples, sample_time = feasibility.least_samples(segment), feasibility.demand.sample_time
+    if samples is None:
+        return "no duration would do: raise the limit"
+    duration = samples * sample_time
+    remedy = (
+        f"give it at least {duration:.12g} s (at most {_rounded_down(segment.length / duration)} "
+        f"m/s) instead of {segment.duration:.12g} s"
+    )
+    if feasibility.demand.samples - segment.samples + samples > MAX_SAMPLES:
+        remedy += f", and a longer sample_time: a path has at most {MAX_SAMPLES} samples"
+    return remedy
+
+
+def _corners(feasibility: Feasibility) -> list[str]:
+    """Of corners that the limits allow; the sharpest one stands for all."""
+    corners = [joint for joint in feasibility.demand.corners if feasibility.turns(joint)]
+    if not corners:
+        return []
+    sharpest = max(corners, key=lambda joint: round(abs(joint.corner), 9))
+    among = f", the sharpest of {len(corners)}" if len(corners) > 1 else ""
+    return [
+        f"trajectory.{sharpest.name} starts with a corner of {in_degrees(sharpest.corner)}{among}: "
+        f"turned in one sample, it takes wheels of {sharpest.corner_wheel:.4g} rad/s and "
+        f"{rounded(sharpest.corner_lateral)} m/s^2 sideways; a robot has to stop for it: round it "
+        "with an arc"
+    ]
+
+
+def in_degrees(angle: float) -> str:
+    """An angle in rad and in degrees."""
+    return f"{angle:.4g} rad ({math.degrees(angle):.3g} deg)"
+
+
+def _friction(feasibility: Feasibility) -> list[str]:
+    segment = feasibility.demand.sharpest_segment
+    needed = segment.lateral_acceleration / GRAVITY
+    if feasibility.limits.friction is not None or needed <= GOOD_FRICTION:
+        return []
+    return [
+        f"trajectory.{segment.name} needs {segment.lateral_acceleration:.4g} m/s^2 of lateral "
+        f"acceleration, {needed:.3g} g where tyres hold about {GOOD_FRICTION:g} g; run it slower, "
+        "or give robot.friction"
+    ]
+
+
+def _traction(feasibility: Feasibility) -> list[str]:
+    """Of wheels that are to be fast at once."""
+    demand, limits = feasibility.demand, feasibility.limits
+    found = traction(demand, feasibility.robot, limits.friction)
+    if found.behind <= FAR_BEHIND * demand.extent:
+        return []
+    how = "starts at once" if found.from_rest else "changes wheel speeds at once"
+    return [
+        f"trajectory.{found.name} {how}: {found.change:.3g} m/s in one sample, "
+        f"{rounded(found.demanded / GRAVITY)} g where tyres hold {found.held / GRAVITY:g} g: a "
+        f"robot gets {found.behind:.2g} m behind; lead up to it slowly"
+    ]
+
+
+def rounded(value: float) -> str:
+    """Three digits, without an exponent as far as numbers are read without one."""
+    return f"{float(f'{value:.3g}'):g}"
+
+
+def _coarse_turn(demand: Demand) -> list[str]:
+    for segment in demand.segments:
+        turn = abs(segment.yaw_rate) * demand.sample_time
+        if turn > COARSE_TURN:
+            return [
+                f"trajectory.{segment.name} turns by {turn:.3g} rad in a sample, in which the "
+                "simulated robot first drives straight ahead: position and heading cannot both be "
+                "met; shorten sample_time"
+            ]
+    return []
+
+
+def _told_apart(needed: float, there: float) -> tuple[str, str]:
+    """A number and a smaller one, with as many digits as tell them apart."""
+    digits = next((d for d in range(4, 17) if f"{needed:.{d}g}" != f"{there:.{d}g}"), 17)
+    return f"{needed:.{digits}g}", f"{there:.{digits}g}"
+
+
+def _rounded_down(speed: float) -> str:
+    """A speed in six digits that are not above it."""
+    text = f"{speed:.6g}"
+    if not 0 < speed < float(text) * (1 - _ROUNDING):
+        return text
+    digit = 10.0 ** (math.floor(math.log10(speed)) - 5)
+    return f"{float(text) - digit:.6g}"

@@ -1,0 +1,125 @@
+"""Numbers that are legal and that hardly anybody means: units and signs that were mixed up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from hilc_cli.plants.kinematic import Robot
+from hilc_cli.theory.feasibility.demand import Demand
+
+_ALIKE = 3.0
+"""Robot and model differ by no larger factor: who builds or measures one is nearer to it."""
+_WHEEL_RADII = (1e-3, 2.0)  # [m]: from a toy to the largest lorries
+_HALF_TRACKS = (5e-3, 10.0)  # [m]
+_NARROWEST, _WIDEST = 1 / 3, 50.0  # half track by wheel radius
+_ON_THE_SPOT = 0.05  # radius by half track: an arc below is a way to write a turn in place
+_UNITS = {"mm": 1e-3, "cm": 1e-2}
+_ROUNDING = 1e-9  # relative
+
+
+def implausible(
+    demand: Demand, robot: Robot, model: Robot, headings: Mapping[str, float]
+) -> list[str]:
+    """What is to be told of such numbers, each with what may be meant.
+
+    Args:
+        demand: Of the reference.
+        robot: The platform as it really is.
+        model: The platform as the controller believes it to be.
+        headings: Headings that are given [rad], by key.
+    """
+    return [
+        *_sizes(robot),
+        *_beliefs(robot, model),
+        *_path_size(demand, robot),
+        *_sweeps(demand),
+        *_headings(headings),
+    ]
+
+
+def _sizes(robot: Robot) -> list[str]:
+    """Of a robot that nobody has built."""
+    radius, half_track = robot.wheel_radius, robot.half_track
+    found = [
+        f"{name} of {length:g} m is {'larger' if length > largest else 'smaller'} than any "
+        f"robot's{_meant(length, smallest, largest)}"
+        for name, length, (smallest, largest) in (
+            ("robot.wheel_radius", radius, _WHEEL_RADII),
+            ("robot.half_track", half_track, _HALF_TRACKS),
+        )
+        if not smallest <= length <= largest
+    ]
+    if found or _NARROWEST <= half_track / radius <= _WIDEST:
+        return found
+    return [
+        f"robot.wheel_radius of {radius:g} m and half_track of {half_track:g} m hardly belong to "
+        "one robot; check their units"
+    ]
+
+
+def _meant(length: float, smallest: float, largest: float) -> str:
+    """The unit that would make a length one of a robot."""
+    for unit, size in _UNITS.items():
+        if smallest <= length * size <= largest:
+            return f"; {length:g} {unit}?"
+    return "; check its unit"
+
+
+def _beliefs(robot: Robot, model: Robot) -> list[str]:
+    """Of a model that is of another robot."""
+    found = []
+    for name in ("wheel_radius", "half_track"):
+        real, believed = getattr(robot, name), getattr(model, name)
+        factor = max(real / believed, believed / real)
+        if factor > _ALIKE * (1 + _ROUNDING):
+            found.append(
+                f"model.{name} of {believed:g} m and robot.{name} of {real:g} m differ by a factor "
+                f"of {factor:.3g}: nobody measures that wrong; check their units"
+            )
+    if model.signed_half_track * robot.signed_half_track < 0:
+        found.append(
+            "model and robot turn to opposite sides: their turn_convention differs, so that every "
+            "correction of the heading makes it worse; make them equal"
+        )
+    return found
+
+
+def _path_size(demand: Demand, robot: Robot) -> list[str]:
+    """Of a path that disappears below the robot, unless it is one on the spot."""
+    on_the_spot = _ON_THE_SPOT * robot.half_track
+    if all(segment.length <= on_the_spot * abs(segment.turn) for segment in demand.segments):
+        return []
+    if demand.extent >= 2 * robot.half_track * (1 - _ROUNDING):
+        return []
+    return [
+        f"the whole trajectory is {demand.extent:.3g} m in size, less than the "
+        f"{2 * robot.half_track:g} m between the robot's wheels; check the units of both"
+    ]
+
+
+def _sweeps(demand: Demand) -> list[str]:
+    """Of arcs of more than a turn whose angle is no part of a turn, but a round number."""
+    return [
+        f"trajectory.{segment.name}.sweep is {_in_turns(abs(segment.turn))}"
+        for segment in demand.segments
+        if _is_in_degrees(abs(segment.turn))
+    ]
+
+
+def _headings(headings: Mapping[str, float]) -> list[str]:
+    return [
+        f"{key} is {_in_turns(angle)}" for key, angle in headings.items() if _is_in_degrees(angle)
+    ]
+
+
+def _is_in_degrees(angle: float) -> bool:
+    """Whether an angle [rad] looks like one in degrees."""
+    quarters = 4 * abs(angle)
+    is_round = abs(quarters - round(quarters)) <= _ROUNDING * quarters
+    return abs(angle) > 2 * math.pi and is_round
+
+
+def _in_turns(angle: float) -> str:
+    turns = abs(angle) / (2 * math.pi)
+    return f"{angle:.9g} rad, which is {turns:.3g} turns; {angle:.9g} deg?"

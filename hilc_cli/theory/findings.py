@@ -1,0 +1,73 @@
+"""What a part of the analysis has to say to people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from hilc_cli.engine.experiment import Experiment
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """Sentences, each with its remedy.
+
+    Attributes:
+        failures: Why the experiment cannot work, the first one to be told first.
+        warnings: What is possible, or not known to be impossible, but probably not meant.
+    """
+
+    failures: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def joined(parts: Iterable[Findings]) -> Findings:
+    """The findings of several parts, in their order."""
+    found = list(parts)
+    return Findings(
+        tuple(text for part in found for text in part.failures),
+        tuple(text for part in found for text in part.warnings),
+    )
+
+
+LEVEL = 0.95
+"""Share of runs, each with a seed of its own, whose error stays below what is foretold."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExpectedError:
+    """The largest position error of the last iteration, as theory foretells it.
+
+    Attributes:
+        first_m: Of iteration 0 without disturbances [m].
+        final_m: Of the last iteration without disturbances [m].
+        foretold_m: Of the last iteration with disturbances [m]: 95 of 100 runs, each with a seed
+            of its own, stay below. Not less than `final_m`.
+        of_start_m: The part of it that the disturbance of the initial pose makes alone [m]; 0
+            without one.
+        of_readings_m: Likewise, that of the readings (``disturbance.output``).
+        of_state_m: Likewise, that of the state.
+        unsure: Why the figures may be off by more than a factor of two, as the part of a sentence
+            that follows "since"; None if they are not.
+    """
+
+    first_m: float
+    final_m: float
+    foretold_m: float
+    of_start_m: float = 0.0
+    of_readings_m: float = 0.0
+    of_state_m: float = 0.0
+    unsure: str | None = None
+
+    @property
+    def noise_m(self) -> float:
+        """What disturbances add to the error of the last iteration [m], at most, in 95 of 100."""
+        return self.foretold_m - self.final_m
+
+
+def extent(experiment: Experiment) -> float:
+    """Longer side of the trajectory's bounding box [m], or the platform's track if that is more.
+
+    A path on the spot has no size, but who drives it has.
+    """
+    return max(experiment.reference.size, 2 * experiment.robot.half_track)

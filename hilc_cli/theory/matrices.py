@@ -1,0 +1,119 @@
+"""The matrices that the theory is made of: B of the plant, L of the law, at given headings."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import UsageError
+from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.laws.gain_matrix import GainMatrix
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.law import Law
+from hilc_cli.laws.pid import PidLaw
+from hilc_cli.plants.kinematic import Robot
+from hilc_cli.reference.sampled import Floats
+
+
+class GainParts(NamedTuple):
+    """A gain matrix as constant + cos * cos(heading) + sin * sin(heading), each of shape (2, 3)."""
+
+    constant: Floats
+    cos: Floats
+    sin: Floats
+
+    @classmethod
+    def of(cls, matrix: GainMatrix) -> GainParts:
+        """The parts of a law's gain matrix."""
+        parts = np.array(matrix.coefficients).reshape(2, 3, 3)
+        return cls(parts[..., 0], parts[..., 1], parts[..., 2])
+
+    @property
+    def derivative(self) -> GainParts:
+        """The derivative by the heading, again of that form."""
+        return GainParts(np.zeros((2, 3)), self.sin, -self.cos)
+
+    def at(self, headings: Floats) -> Floats:
+        """The matrix at headings of any shape, shape (..., 2, 3)."""
+        angle = np.asarray(headings)[..., np.newaxis, np.newaxis]
+        values: Floats = self.constant + np.cos(angle) * self.cos + np.sin(angle) * self.sin
+        return values
+
+
+def control_matrices(robot: Robot, headings: Floats) -> Floats:
+    """B(q) at headings of any shape, without the sample time.
+
+    Returns:
+        Matrices from wheel speeds [rad/s] to motion [m/s, m/s, rad/s], shape (..., 3, 2).
+
+    Source:
+        Qiao et al. 2021, Eq. 9.
+    """
+    angle = np.asarray(headings)
+    cos, sin = np.cos(angle), np.sin(angle)
+    turning = np.full_like(cos, 1 / robot.signed_half_track)
+    matrices = np.stack([cos, cos, sin, sin, turning, -turning], axis=-1)
+    values: Floats = robot.wheel_radius / 2 * matrices.reshape(*angle.shape, 3, 2)
+    return values
+
+
+class Desired(NamedTuple):
+    """The input u_d that the theory compares with, and what it leaves of the reference.
+
+    Attributes:
+        inputs: u_d, the feedforward of the true robot, left and right [rad/s], shape (n, 2).
+        mismatch: q_d(k+1) - q_d(k) - d_k B(q_d(k)) u_d(k) [m, m, rad], shape (n, 3): the Euler
+            plant steps along the tangent, a sampled arc along the chord.
+    """
+
+    inputs: Floats
+    mismatch: Floats
+
+
+def desired_poses(experiment: Experiment) -> Floats:
+    """q_d, shape (n + 1, 3)."""
+    reference = experiment.reference
+    return np.column_stack([reference.x, reference.y, reference.heading])
+
+
+def desired_motion(experiment: Experiment) -> Desired:
+    """u_d and its mismatch; Eq. 26 takes the mismatch for zero."""
+    reference, robot = experiment.reference, experiment.robot
+    inputs = np.column_stack(feedforward(reference, robot))
+    control = control_matrices(robot, reference.heading[:-1])
+    steps = reference.sample_time * np.einsum("kij,kj->ki", control, inputs)
+    return Desired(inputs, np.diff(desired_poses(experiment), axis=0) - steps)
+
+
+def learning_law(experiment: Experiment) -> HybridLaw | PidLaw:
+    """The experiment's law.
+
+    Raises:
+        UsageError: It is another one than those of which the linear theory speaks.
+    """
+    if not isinstance(experiment.law, HybridLaw | PidLaw):
+        raise UsageError("the convergence theory is that of the laws hybrid and pid only")
+    return experiment.law
+
+
+def hybrid_law(experiment: Experiment) -> HybridLaw:
+    """The experiment's law as Eq. 17 or 21; law pid with kp alone is Eq. 17 with l1 = kp.
+
+    Raises:
+        UsageError: It is another one, of which the paper does not speak.
+    """
+    law = experiment.law
+    if isinstance(law, PidLaw) and is_hybrid(law):
+        return HybridLaw(law.kp, 0.0, 0.0, law.matrix, law.gain_heading, False, 1)
+    if not isinstance(law, HybridLaw):
+        raise UsageError("the paper's theory is that of the hybrid law only")
+    return law
+
+
+def is_hybrid(law: Law) -> bool:
+    """Whether the paper speaks of a law: the hybrid law, also by the name of pid."""
+    if isinstance(law, PidLaw):
+        return law.ki == law.kd == law.forgetting == 0 and law.cutoff is None
+    return isinstance(law, HybridLaw)

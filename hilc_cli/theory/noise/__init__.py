@@ -1,0 +1,1 @@
+"""What disturbances do, to a pass, to learning and to the wheels."""

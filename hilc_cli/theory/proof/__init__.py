@@ -1,0 +1,1 @@
+"""The conditions, constants and bounds of the paper's theorems."""

@@ -1,0 +1,252 @@
+"""The constants of the convergence proof: Eqs. 12 to 18, 28 and 32.
+
+With all corrections they satisfy, in every iteration and at every sample of an experiment, with
+disturbances, initial errors and a speed limit or without, whatever its headings do,
+
+    ||du_{i+1}(k)|| <= rho ||du_i(k)|| + h1 ||dq_i(k)|| + h3 ||dq_{i+1}(k)||
+                       + b_L3 ||dq_{i+1}(k-1)|| + b_1                                (Eq. 32)
+    ||dq_i(k+1)||   <= h2 ||dq_i(k)|| + b_B ||du_i(k)|| + b_beta                      (Eq. 28)
+
+with du = u_d - u and dq = q_d - q. The print has these with b_L2 for h3.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from hilc_cli.disturbance.streams import Bounded
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.compensation import compensation_gain
+from hilc_cli.plants.kinematic import limit_wheel_speeds
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.matrices import Desired, GainParts, desired_motion, hybrid_law
+from hilc_cli.theory.proof.conditions import contraction
+from hilc_cli.theory.proof.norms import (
+    WheelNorm,
+    control_slope,
+    gain_norm,
+    input_norm,
+    largest_contraction,
+    largest_control,
+    largest_gain,
+    pose_norm,
+)
+
+
+class Correction(StrEnum):
+    """One change that turns the printed bounds into bounds of the system that is simulated."""
+
+    SAMPLE_TIME = "sample-time"
+    LEARNING_GAIN = "learning-gain"
+    HEADINGS = "headings"
+    STATE_DISTURBANCE = "state-disturbance"
+    REACHABILITY = "reachability"
+    COMPENSATION = "compensation"
+    SPEED_LIMIT = "speed-limit"
+    OUTPUT_SIGN = "output-sign"
+
+
+EXPLANATIONS: Mapping[Correction, str] = {
+    Correction.SAMPLE_TIME: (
+        "Eqs. 12, 19 and 23 have B, and Eq. 26 loses the sample time from its second line on; the "
+        "plant of Eq. 8 moves by d_k B, so that b_B and rho need d_k B"
+    ),
+    Correction.LEARNING_GAIN: (
+        "Eq. 34 puts rho of Eq. 19, ||I - (L1 + L2 + L3) B||, for ||I - L1 B||, which Eq. 32 has "
+        "and Eq. 23 bounds; L2 and L3 do not learn"
+    ),
+    Correction.HEADINGS: (
+        "L is taken at the heading that the law uses, B at the one of the iteration before: "
+        "||I - L1 B|| must hold for both headings, not on the reference alone"
+    ),
+    Correction.STATE_DISTURBANCE: (
+        "Eq. 30 leaves beta out of e_i(k+1), so that b_L1 b_beta is missing in b_1 of Eq. 32"
+    ),
+    Correction.REACHABILITY: (
+        "Eq. 26 takes q_d(k+1) = q_d(k) + d_k B u_d(k); the Euler plant does not reach the samples "
+        "of an arc exactly, and what is missing counts as a disturbance of the state"
+    ),
+    Correction.COMPENSATION: (
+        "Eq. 21 adds exp(-k d_k) theta(k) L1 e_i(0), at most 2 b_L1 (b_q0 + b_alpha) / (d_k h), "
+        "which no bound contains; b_1 needs it"
+    ),
+    Correction.SPEED_LIMIT: (
+        "Eq. 25 is not in the proof: scaling both wheels may take the input further from u_d in "
+        "the Euclidean norm, by a factor of up to sqrt 2, though not in the sum of the wheels' "
+        "absolute values; and u_d itself may exceed the limit"
+    ),
+    Correction.OUTPUT_SIGN: ("Eqs. 42 and 43 subtract b_alpha; the triangle inequality adds it"),
+}
+
+PRINTED: frozenset[Correction] = frozenset()
+ALL: frozenset[Correction] = frozenset(Correction)
+
+
+@dataclass(frozen=True, slots=True)
+class Constants:
+    """What the bounds are made of. Units mix metres and radians, as the paper's norms do.
+
+    Attributes:
+        wheels: The norm of wheel speeds that they are made for.
+        samples: n.
+        rho: Of Eq. 19 or 23.
+        b_B: Largest norm of the control matrix, Eq. 12.
+        C_B: Lipschitz constant of d_k B, Eq. 16.
+        b_ud: Largest norm of u_d [rad/s], Eq. 14.
+        b_L1: Largest norm of L1, Eq. 18.
+        b_L2: Of L2; 0 with Eq. 21.
+        b_L3: Of L3; 0 with Eq. 21.
+        b_q0: Largest norm of the initial error, Eq. 15.
+        b_alpha: Largest norm of the output's disturbance, Eq. 13.
+        b_beta: Largest norm of the state's disturbance, Eq. 13.
+        b_s: What u_d exceeds the speed limit by [rad/s]; 0 where the limit is not considered.
+        h1: Eq. 32.
+        h2: Eq. 28.
+        h3: What ||dq_{i+1}(k)|| is weighted with; b_L2 in the paper.
+        b_1: Eq. 32.
+        output_offset: What the output error adds to the state error: -b_alpha in the print.
+    """
+
+    wheels: WheelNorm
+    samples: int
+    rho: float
+    b_B: float
+    C_B: float
+    b_ud: float
+    b_L1: float
+    b_L2: float
+    b_L3: float
+    b_q0: float
+    b_alpha: float
+    b_beta: float
+    b_s: float
+    h1: float
+    h2: float
+    h3: float
+    b_1: float
+    output_offset: float
+
+
+def constants(
+    experiment: Experiment,
+    corrections: Collection[Correction] = ALL,
+    *,
+    heading_mismatch: float | None = None,
+) -> Constants:
+    """The constants of an experiment.
+
+    Args:
+        experiment: The experiment.
+        corrections: What of the print is corrected: none of it as printed, all of it for bounds
+            that hold whatever the headings do.
+        heading_mismatch: With the correction of the headings, the largest angle [rad] between the
+            heading at which L is taken and that at which B stands; the constants then hold as long
+            as it does. By default what is sure before a run: the bound of the measured heading's
+            disturbance if L is taken at the previous iteration's heading, else any angle.
+
+    Raises:
+        UsageError: The law is not the hybrid law.
+
+    Source:
+        Qiao et al. 2021, Eqs. 12 to 18, 28 and 32.
+    """
+    law, robot, reference = hybrid_law(experiment), experiment.robot, experiment.reference
+    sample_time, disturbance = reference.sample_time, experiment.disturbance
+    limited = Correction.SPEED_LIMIT in corrections and math.isfinite(experiment.speed_limit)
+    wheels: WheelNorm = "sum" if limited else "euclidean"
+    desired = desired_motion(experiment)
+    l2, l3 = feedback_gains(experiment)
+
+    scale = sample_time if Correction.SAMPLE_TIME in corrections else 1.0
+    C_B = sample_time * control_slope(robot, wheels)  # Eq. 16
+    b_ud = float(input_norm(desired.inputs, wheels).max())  # Eq. 14
+    learning = law.l1 if Correction.LEARNING_GAIN in corrections else law.l1 + l2 + l3
+    if Correction.HEADINGS in corrections:
+        angle = _sure_mismatch(experiment) if heading_mismatch is None else heading_mismatch
+        gain = largest_gain(law.matrix, wheels)
+        rho = largest_contraction(learning * scale, law.matrix, robot, wheels, angle)
+    else:
+        gain = float(gain_norm(GainParts.of(law.matrix).at(reference.heading[:-1]), wheels).max())
+        rho = contraction(experiment, learning * scale, wheels).rho  # Eq. 19 or 23
+    b_L1, b_L2, b_L3 = law.l1 * gain, l2 * gain, l3 * gain  # Eq. 18
+    mismatch = desired.mismatch if Correction.REACHABILITY in corrections else np.zeros(3)
+    b_beta = largest_disturbance(disturbance.state, mismatch)  # Eq. 13
+    b_alpha = largest_disturbance(disturbance.output)
+    b_q0 = largest_initial_error(experiment)
+    b_s = largest_excess(experiment, desired, wheels) if limited else 0.0
+
+    b_1 = (b_L1 + b_L2 + b_L3) * b_alpha + b_s  # Eq. 32
+    if Correction.STATE_DISTURBANCE in corrections:
+        b_1 += b_L1 * b_beta
+    if Correction.COMPENSATION in corrections and law.compensation:
+        b_1 += compensation_gain(0, law.h, sample_time) * b_L1 * (b_q0 + b_alpha)
+    return Constants(
+        wheels=wheels,
+        samples=reference.samples,
+        rho=rho,
+        b_B=scale * largest_control(robot, wheels),  # Eq. 12
+        C_B=C_B,
+        b_ud=b_ud,
+        b_L1=b_L1,
+        b_L2=b_L2,
+        b_L3=b_L3,
+        b_q0=b_q0,
+        b_alpha=b_alpha,
+        b_beta=b_beta,
+        b_s=b_s,
+        h1=b_L1 * (1 + C_B * b_ud),  # Eq. 32
+        h2=1 + C_B * b_ud,  # Eq. 28
+        h3=b_L2,
+        b_1=b_1,
+        output_offset=b_alpha if Correction.OUTPUT_SIGN in corrections else -b_alpha,  # Eq. 43
+    )
+
+
+def feedback_gains(experiment: Experiment) -> tuple[float, float]:
+    """l2 and l3 as the law uses them: Eq. 21 has neither."""
+    law = hybrid_law(experiment)
+    return (0.0, 0.0) if law.compensation else (law.l2, law.l3)
+
+
+def largest_disturbance(source: Bounded, beside: Floats | float = 0.0) -> float:
+    """The largest norm that a bounded disturbance can have together with given offsets.
+
+    Args:
+        source: The disturbance.
+        beside: Offsets [m, m, rad], shape (..., 3); the largest over all of them counts.
+    """
+    return float(np.max(pose_norm(np.abs(beside) + np.array(source.bound))))
+
+
+def largest_initial_error(experiment: Experiment) -> float:
+    """b_q0: the largest norm of q_d(0) - q_i(0) over the disturbance of the initial pose."""
+    reference = experiment.reference
+    start = np.array([reference.x[0], reference.y[0], reference.heading[0]])
+    error = start - np.array(experiment.initial_pose)
+    return largest_disturbance(experiment.disturbance.initial_pose, error)  # Eq. 15
+
+
+def largest_excess(experiment: Experiment, desired: Desired, wheels: WheelNorm) -> float:
+    """b_s: the largest norm of what the speed limit takes from u_d [rad/s]."""
+    return float(
+        input_norm(desired.inputs - limited_inputs(experiment, desired.inputs), wheels).max()
+    )
+
+
+def limited_inputs(experiment: Experiment, inputs: Floats) -> Floats:
+    """Wheel speeds as the speed limit lets them pass, shape (n, 2)."""
+    bound = experiment.speed_limit
+    return np.array([limit_wheel_speeds(left, right, bound) for left, right in inputs.tolist()])
+
+
+def _sure_mismatch(experiment: Experiment) -> float:
+    """What can be said before a run of the angle between the headings of L and B [rad]."""
+    # L1 at the measured heading of iteration i meets B at the true one of iteration i.
+    if hybrid_law(experiment).gain_heading == "previous":
+        return experiment.disturbance.output.bound[2]
+    return math.pi

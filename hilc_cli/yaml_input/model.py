@@ -1,0 +1,230 @@
+"""The base of all models of what users write."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Self, get_args, get_origin
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    ModelWrapValidatorHandler,
+    Strict,
+    StringConstraints,
+    TypeAdapter,
+    ValidationError,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
+
+from hilc_cli.names import LONGEST_NAME, NAME_PATTERN
+from hilc_cli.yaml_input.nodes import Node, PathKeys, nearest, to_data
+
+Name = Annotated[str, StringConstraints(pattern=NAME_PATTERN, max_length=LONGEST_NAME)]
+Text = Annotated[str, StringConstraints(max_length=10_000)]
+Flag = Annotated[bool, Strict()]
+
+
+Located = tuple[PathKeys, str, str]
+"""Keys down to the offending value, what is wrong, and what is allowed."""
+
+
+class Model(BaseModel):
+    """Frozen, and with no keys but its own; a key with nothing behind it has its default."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    """Groups of keys of which each must have exactly one."""
+
+    other_names: ClassVar[Mapping[str, str]] = {}
+    """What to write for keys that other programs have, by their letters in lower case alone."""
+
+    @classmethod
+    def chosen_by(cls) -> tuple[str, str] | None:
+        """The key, and its value, by which this model is chosen where there are several."""
+        return None
+
+    @classmethod
+    def is_meant(cls, data: object) -> bool:
+        """Whether data, which may not be valid, is to be of this model where there are several."""
+        return True
+
+    @classmethod
+    def misfits(cls, data: dict[str, Any]) -> list[Located]:
+        """What does not fit together in data that may not be valid yet."""
+        return [
+            ((), f"needs exactly one of {listed(group)}", "give one of them")
+            for group in cls.exactly_one
+            if cls._is_wrong(group, data)
+        ]
+
+    @classmethod
+    def _is_wrong(cls, group: Sequence[str], data: dict[str, Any]) -> bool:
+        given = sum(data.get(key) is not None for key in group)
+        # One that is missing beside an unknown key is misspelt: telling that is enough.
+        return given > 1 or (given == 0 and data.keys() <= cls.model_fields.keys())
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _fits_together(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Tells of misfits together with wrong values, not only after those are mended."""
+        misfits = cls.misfits(data) if isinstance(data, dict) else []
+        if not misfits:
+            return handler(data)
+        found = [InitErrorDetails(type=together(misfits), input=data)]
+        try:
+            handler(data)
+        except ValidationError as error:
+            found = [*map(_details, error.errors(include_url=False)), *found]
+        raise ValidationError.from_exception_data(cls.__name__, found)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _nothing_is_the_default(cls, data: object) -> object:
+        if not isinstance(data, dict):
+            return data
+        optional = {name for name, field in cls.model_fields.items() if not field.is_required()}
+        return {
+            key: value for key, value in data.items() if value is not None or key not in optional
+        }
+
+
+def valid(kind: Any, value: Any) -> Any:
+    """The value of a part that is there and valid by itself; None otherwise."""
+    if value is None:
+        return None
+    try:
+        return TypeAdapter(kind).validate_python(value)
+    except ValidationError:
+        return None
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words as a sentence lists them: a, b and c."""
+    return f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def _details(details: ErrorDetails) -> InitErrorDetails:
+    """What Pydantic says of an error in the form in which it takes one."""
+    context = details.get("ctx", {})
+    kind: str | PydanticCustomError = details["type"]
+    if kind == "hilc":
+        kind = PydanticCustomError("hilc", "{text}", context)
+    return InitErrorDetails(type=kind, loc=details["loc"], input=details["input"], ctx=context)
+
+
+def wrong(problem: str, remedy: str) -> PydanticCustomError:
+    """A validation error: what is wrong, and what is allowed."""
+    return wrong_at((), problem, remedy)
+
+
+def wrong_at(at: PathKeys, problem: str, remedy: str) -> PydanticCustomError:
+    """A validation error of a model that points at one of the keys below it.
+
+    Args:
+        at: Keys from the model down to the offending value.
+        problem: What is wrong.
+        remedy: What is allowed.
+    """
+    return together([(at, problem, remedy)])
+
+
+def together(problems: Sequence[Located]) -> PydanticCustomError:
+    """Several problems of one value as one validation error.
+
+    Args:
+        problems: Of each the keys from the value down, what is wrong, and what is allowed.
+    """
+    text = "; ".join(problem for _, problem, _ in problems)
+    return PydanticCustomError("hilc", "{text}", {"text": text, "problems": list(problems)})
+
+
+def located(error: PydanticCustomError) -> list[Located]:
+    """The problems of an error made by `wrong`, `wrong_at` or `together`."""
+    problems: list[Located] = (error.context or {})["problems"]
+    return problems
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A mapping on the way to a key.
+
+    Attributes:
+        keys: Its own path.
+        model: What it is validated against; None if that is not known.
+        choices: The models that could stand there; `model` is one of them.
+    """
+
+    keys: PathKeys
+    model: type[Model] | None
+    choices: tuple[type[Model], ...]
+
+    @property
+    def fields(self) -> Mapping[str, FieldInfo]:
+        """The keys that it may have."""
+        return {} if self.model is None else self.model.model_fields
+
+    @property
+    def choice(self) -> tuple[str, str] | None:
+        """The key, and its value, by which the model has been chosen among several."""
+        return None if self.model is None else self.model.chosen_by()
+
+    def choices_with(self, keys: PathKeys) -> list[tuple[str, str]]:
+        """The other choices that would make a key a known one.
+
+        Args:
+            keys: From the root, through this mapping, to the key.
+        """
+        below = [key for key in keys[len(self.keys) :] if isinstance(key, str)]
+        found = (model.chosen_by() for model in self.choices if _has(model, below))
+        return [choice for choice in found if choice is not None and choice != self.choice]
+
+
+def steps_to(tree: Node, keys: PathKeys, model: type[Model]) -> list[Step]:
+    """The mappings on the way to a path, the one that stands there last.
+
+    Args:
+        tree: The root, which need not be valid.
+        keys: The path.
+        model: What the root is validated against.
+    """
+    found = [Step((), model, (model,))]
+    named: object = None  # what the names in a mapping of names stand for
+    for depth, key in enumerate(keys, 1):
+        if not isinstance(key, str):
+            continue
+        field = found[-1].fields.get(key)
+        annotation = named or (None if field is None else field.annotation)
+        named = get_args(annotation)[1] if get_origin(annotation) is dict else None
+        here = keys[:depth]
+        if annotation is None or named:
+            found.append(Step(here, None, ()))
+        else:
+            part = to_data(nearest(tree, here)[0])
+            found.append(Step(here, model_in(annotation, part), tuple(models_in(annotation))))
+    return found
+
+
+def model_in(annotation: object, data: object = None) -> type[Model] | None:
+    """The model within an optional or a list of it; of several the one that data is meant for."""
+    models = models_in(annotation)
+    return next((model for model in models if model.is_meant(data)), models[0] if models else None)
+
+
+def models_in(annotation: object) -> list[type[Model]]:
+    """All models within an annotation, such as those of an optional one or a union."""
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in models_in(part)]
+
+
+def _has(model: type[Model], keys: Sequence[str]) -> bool:
+    """Whether a model has the last of some keys, each below the one before."""
+    first, *below = keys
+    field = model.model_fields.get(first)
+    if field is None or not below:
+        return field is not None
+    return any(_has(part, below) for part in models_in(field.annotation))

@@ -1,0 +1,255 @@
+"""Trees from files and standard input, and a trajectory put in the place of its path."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import sys
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
+from hilc_cli.files import read_file, reason
+from hilc_cli.shipped_files import (
+    KINDS,
+    LEADERBOARDS,
+    PREFIX,
+    SCENARIOS,
+    TRAJECTORIES,
+    example_meant,
+    is_example,
+    resolve_example,
+)
+from hilc_cli.yaml_input.nodes import (
+    MapNode,
+    Node,
+    Place,
+    Scalar,
+    Source,
+    describe,
+    from_data,
+    with_entry,
+)
+from hilc_cli.yaml_input.syntax_errors import hint
+from hilc_cli.yaml_input.tree import MAX_BYTES, parse_yaml
+
+# The keys without which a file is none of its kind; the first that fits.
+_KEYS = {
+    SCENARIOS: {"controller"},
+    LEADERBOARDS: {"cases", "laws"},
+    TRAJECTORIES: {"segments"},
+}
+# The keys of which a file of a kind has at least one, however much else is wrong with it.
+_TELLING = {
+    SCENARIOS: {
+        "trajectory", "robot", "controller", "model", "iterations", "initial_pose",
+        "initial_input", "disturbance", "sweep",
+    },
+    LEADERBOARDS: {"cases", "laws", "beliefs", "disturbances"},
+    TRAJECTORIES: {"sample_time", "segments"},
+}  # fmt: skip
+_HAS = {
+    SCENARIOS: "a scenario has trajectory, robot and controller",
+    LEADERBOARDS: "a leaderboard has cases and laws",
+    TRAJECTORIES: "a trajectory has sample_time, start and segments",
+}
+_ONE = {SCENARIOS: "scenario", LEADERBOARDS: "leaderboard", TRAJECTORIES: "trajectory"}
+_INSTEAD = {
+    (LEADERBOARDS, SCENARIOS): "give it to hilc compare --laws",
+    (TRAJECTORIES, SCENARIOS): "name it under 'trajectory:' in a scenario",
+    (SCENARIOS, LEADERBOARDS): "name it under 'cases:' in a leaderboard",
+    (TRAJECTORIES, LEADERBOARDS): "give a leaderboard, such as example:leaderboard",
+    (SCENARIOS, TRAJECTORIES): "name a trajectory file",
+    (LEADERBOARDS, TRAJECTORIES): "name a trajectory file",
+}
+
+
+def mentions_keys_of(text: str, kind: str) -> bool:
+    """Whether a text that is no YAML seems to be meant for a file of a kind, of `KINDS`."""
+    keys = "|".join(sorted(_TELLING[kind]))
+    gap = "[ \t\"']{0,40}"  # no longer, so that a hostile text is searched in no time
+    return re.search(f"(?mi)(^|[{{,]){gap}({keys}){gap}:", text) is not None
+
+
+def is_no(kind: str, tree: Node) -> str | None:
+    """What is wrong with a file that is neither of a kind nor of another one that is known.
+
+    Args:
+        kind: The kind that is needed, of `KINDS`.
+        tree: What the file holds, of which nothing is shown.
+
+    Returns:
+        The message; None if it is of a kind, however much else is wrong with it.
+    """
+    if not isinstance(tree, MapNode):
+        is_text = isinstance(tree, Scalar) and tree.value is not None
+        got = "a single value" if is_text else describe(tree)
+        return f"is no {_ONE[kind]}, got {got}; write a mapping of keys and values"
+    known = {key.lower() for key in tree.entries}
+    if not _TELLING[kind].isdisjoint(known) or mistaken(tree.entries, kind) is not None:
+        return None
+    return f"is no {_ONE[kind]}; {_HAS[kind]}"
+
+
+def mistaken(keys: Collection[str], wanted: str, shown: str = "") -> str | None:
+    """What is wrong with a file of another kind, and where it belongs.
+
+    Args:
+        keys: Of its outermost mapping.
+        wanted: The kind that is needed, of `KINDS`.
+        shown: What to show of it, if its place does not tell.
+
+    Returns:
+        The message; None if it is of that kind, or of none that is known.
+    """
+    given = next((kind for kind, needed in _KEYS.items() if needed <= set(keys)), wanted)
+    return None if given == wanted else _not_but(given, wanted, shown)
+
+
+def mistaken_example(text: str, wanted: str) -> str | None:
+    """The same for ``example:NAME``; None also for any other text."""
+    if is_example(text, wanted):
+        return None
+    return next((_not_but(kind, wanted, "") for kind in KINDS if is_example(text, kind)), None)
+
+
+def _not_but(given: str, wanted: str, shown: str) -> str:
+    got = f", got {shown}" if shown else ""
+    return f"is a {_ONE[given]}, not a {_ONE[wanted]}{got}; {_INSTEAD[given, wanted]}"
+
+
+STDIN = "-"
+
+
+@dataclass(slots=True)
+class Inputs:
+    """Reads files and remembers what was read.
+
+    Attributes:
+        checksums: SHA-256 of each input, by the name that the user knows it by.
+        problems: What is wrong with single values in the YAML that was read.
+    """
+
+    checksums: dict[str, str] = field(default_factory=dict)
+    problems: list[Problem] = field(default_factory=list)
+
+    def file(self, path: Path, limit: int) -> bytes:
+        """The content of a file.
+
+        Raises:
+            HilcError: It cannot be read, or is no regular file.
+        """
+        content = read_file(path, limit)
+        self.checksums[str(path)] = hashlib.sha256(content).hexdigest()
+        return content
+
+    def tree(self, source: str | Path | Mapping[str, object], kind: str = SCENARIOS) -> Node:
+        """The YAML tree of a file, of standard input (``-``), of an example, or of data.
+
+        Args:
+            source: Which.
+            kind: Of the example.
+
+        Raises:
+            HilcError: It cannot be read, or is no valid YAML.
+        """
+        if isinstance(source, Mapping):
+            return from_data(source, Place(Source(kind.removesuffix("s"), Path(), has_lines=False)))
+        name = str(source)
+        if name == STDIN:
+            content = _read_stdin()
+            self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
+            return self._parsed(content, Source("<stdin>", Path()), kind)
+        path = _example_or_path(name, kind)
+        content = self.file(_there(path, name, kind), MAX_BYTES)
+        return self._parsed(content, Source(str(path), path.parent), kind)
+
+    def with_trajectory(self, tree: MapNode) -> MapNode:
+        """The scenario with its trajectory file, if it names one, in the place of the path.
+
+        Raises:
+            InvalidInputError: The file cannot be read, or is no trajectory.
+        """
+        node = tree.entries.get("trajectory")
+        if node is None or isinstance(node, MapNode):
+            return tree
+        if not isinstance(node, Scalar) or not isinstance(node.value, str) or not node.value:
+            message = (
+                "must be the path of a trajectory file or a mapping, "
+                f"got {describe(node)}; name a trajectory file"
+            )
+            raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
+        try:
+            trajectory = self._trajectory_tree(node.value, node.place.source.folder)
+        except (UsageError, FileAccessError) as error:
+            message = f"{error}{hint(node.value, quoted=node.quoted)}"
+            raise InvalidInputError([Problem(str(node.place), "trajectory", message)]) from None
+        if isinstance(trajectory, MapNode):
+            other = mistaken(trajectory.entries, TRAJECTORIES, node.value)
+            if other is not None:
+                raise InvalidInputError([Problem(str(node.place), "trajectory", other)])
+        return with_entry(tree, "trajectory", trajectory, trajectory.place)
+
+    def _trajectory_tree(self, name: str, folder: Path) -> Node:
+        if name.startswith(PREFIX):
+            path = _example_or_path(name, TRAJECTORIES)
+        else:
+            path = _there(_short(folder / name), name, TRAJECTORIES)
+        content = self.file(path, MAX_BYTES)
+        return self._parsed(content, Source(str(path), path.parent), TRAJECTORIES)
+
+    def _parsed(self, content: bytes, source: Source, kind: str) -> Node:
+        """The tree of a file that is of a kind, or of another one that is known.
+
+        A path may lead to anything. Nothing of a file that hilc has no business with is shown,
+        only where it stops being what it should be.
+        """
+        problems: list[Problem] = []
+        shown = mentions_keys_of(content.decode("utf-8", "replace"), kind)
+        tree = parse_yaml(content, source, problems, show=shown)
+        message = is_no(kind, tree)
+        if message is not None:
+            raise InvalidInputError([Problem(str(tree.place), "", message)])
+        self.problems.extend(problems)
+        return tree
+
+
+def _example_or_path(name: str, kind: str) -> Path:
+    """The file that a text stands for."""
+    other = mistaken_example(name, kind)
+    if other is not None:
+        raise UsageError(f"{name}: {other}")
+    return resolve_example(name, kind)
+
+
+def _there(path: Path, name: str, kind: str) -> Path:
+    """The path, if something is there or no example is meant."""
+    meant = None if os.path.lexists(path) else example_meant(name, kind)
+    if meant is not None:
+        raise UsageError(f"{path}: there is no such file; did you mean '{meant}'?")
+    return path
+
+
+def _read_stdin() -> bytes:
+    """Standard input as bytes, no more than may be read."""
+    try:
+        stream = getattr(sys.stdin, "buffer", None)
+        if stream is None:
+            raise UsageError("<stdin>: cannot be read here; give a file")
+        content: bytes = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise FileAccessError(f"<stdin>: cannot be read: {reason(error)}") from error
+    if len(content) > MAX_BYTES:
+        raise UsageError(f"<stdin>: is larger than {MAX_BYTES} bytes, the most that is read")
+    return content
+
+
+def _short(path: Path) -> Path:
+    """The path without detours such as ``scenarios/../trajectories``, where that is the same."""
+    short = Path(os.path.normpath(path))
+    try:
+        return short if short.resolve() == path.resolve() else path
+    except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL character
+        return path

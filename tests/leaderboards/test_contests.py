@@ -1,0 +1,127 @@
+"""The runs of a leaderboard: what the shipped one must show, and what becomes of odd ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+import pytest
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import DivergedError
+from hilc_cli.leaderboards import contests
+from hilc_cli.leaderboards.contests import Contests, FailedContestError, compete, hold
+from hilc_cli.leaderboards.entries import Entry
+from hilc_cli.leaderboards.plan import Contest, load_leaderboard
+from hilc_cli.results.trial import Trial
+
+SHIPPED = load_leaderboard("example:leaderboard")
+UNDISTURBED = [
+    contest
+    for contest in SHIPPED.contests()
+    if contest.law == "norm-optimal" and contest.disturbance == "none"
+]
+
+
+def name(contest: Contest) -> str:
+    return f"{contest.case}-{contest.belief}"
+
+
+def test_the_shipped_leaderboard_has_all_cases() -> None:
+    assert SHIPPED.size == 8 * 3 * 2 * 6
+    assert len(UNDISTURBED) == 24
+    starts = [scenario.spec.initial_error for scenario in SHIPPED.cases.values()]
+    assert sum(any(start) for start in starts) == 4
+    assert {
+        (each.spec.model.wheel_radius, each.spec.model.half_track)
+        for each in (contest.scenario for contest in UNDISTURBED)
+    } == {(0.2, 0.518), (0.7 * 0.2, 1.3 * 0.518), (1.3 * 0.2, 0.7 * 0.518)}
+
+
+# Each case once, with a wrong belief; all 24 are in docs/laws.md.
+HARD = [
+    contest
+    for contest in UNDISTURBED
+    if contest.belief == ("R0.7-B1.3" if contest.case.endswith("-off") else "R1.3-B0.7")
+]
+
+
+@pytest.mark.parametrize("contest", HARD, ids=map(name, HARD))
+def test_norm_optimal_learning_is_within_5_mm_after_5_iterations(contest: Contest) -> None:
+    scenario = contest.scenario
+    spec = scenario.spec.model_copy(update={"iterations": 5})
+    entry = compete(
+        Contest(contest.case, contest.belief, "none", contest.law, type(scenario)(spec)), [5], 0.005
+    )
+    assert entry.speed_limit_rad_s == 180
+    assert entry.fastest_wheel_rad_s <= 180
+    assert entry.max_m[0] <= 0.005
+    if not any(spec.initial_error):
+        assert entry.whole_max_m[0] <= 0.005
+
+
+def test_law_that_does_not_learn_is_run_once_where_nothing_is_disturbed() -> None:
+    contest = next(each for each in SHIPPED.contests() if each.law == "feedback")
+    assert contest.disturbance == "none"
+    entry = compete(contest, [1, 100], 0.01)
+    assert entry.max_m[0] == entry.max_m[1] < 0.01
+    assert (entry.within_at, entry.within_share, entry.settled_at) == (0, 1, 0)
+    assert entry.peak_m == entry.whole_max_m[0]
+
+
+@pytest.fixture
+def made_up(monkeypatch: pytest.MonkeyPatch) -> Contest:
+    """The paper's law, whose iterations are trials on the circle so many metres outside of it."""
+    found = next(each for each in SHIPPED.contests() if each.law == "paper-17")
+    scenario = found.scenario
+    spec = scenario.spec.model_copy(update={"iterations": len(OFF) - 1})
+    reference = spec.trajectory.reference()
+
+    def simulate(experiment: Experiment) -> Iterator[Trial]:
+        wheels = np.zeros(len(reference.x) - 1)
+        for iteration, off in enumerate(OFF[: experiment.iterations + 1]):
+            if math.isinf(off):
+                raise DivergedError(iteration)
+            x = reference.x + off
+            yield Trial(iteration, x, reference.y, reference.heading, wheels, wheels)
+
+    monkeypatch.setattr(contests, "simulate", simulate)
+    return replace(found, scenario=type(scenario)(spec))
+
+
+OFF = (20.0, 3.0, 0.5, 2.0, 0.25, 0.5, math.inf, math.inf)
+"""Error of each iteration [m]."""
+
+
+def test_what_is_told_of_the_iterations(made_up: Contest, monkeypatch: pytest.MonkeyPatch) -> None:
+    lost = compete(made_up, [1, 7], 0.75)
+    assert lost.max_m == lost.whole_max_m
+    assert list(lost.max_m) == pytest.approx([3, math.inf])
+    # Of iterations 2 to 7, those numbered 2, 4 and 5 are within 0.75 m.
+    assert (lost.within_at, lost.within_share, lost.settled_at) == (2, 3 / 6, None)
+    assert (lost.peak_m, lost.diverged_at) == (math.inf, 6)
+    spec = made_up.scenario.spec
+    whole = spec.model_copy(update={"iterations": 5})
+    entry = compete(replace(made_up, scenario=type(made_up.scenario)(whole)), [0, 5], 0.75)
+    assert list(entry.max_m) == pytest.approx([20, 0.5])
+    assert (entry.within_at, entry.within_share, entry.settled_at) == (2, 3 / 4, 4)
+    assert entry.peak_m == pytest.approx(3)
+    never = compete(made_up, [7], 0.2)
+    assert (never.within_at, never.within_share, never.settled_at) == (None, None, None)
+    first = spec.model_copy(update={"iterations": 0})
+    entry = compete(replace(made_up, scenario=type(made_up.scenario)(first)), [0], 0.75)
+    assert entry.peak_m is None
+
+
+def test_run_that_cannot_be_computed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    def compete(*_: object) -> Entry:
+        raise ZeroDivisionError("nothing to divide by")
+
+    monkeypatch.setattr(contests, "compete", compete)
+    runs = tuple(islice(SHIPPED.contests(), 1))
+    told = r"law paper-17, case circle, belief exact, disturbance none: ZeroDivisionError: nothing"
+    with pytest.raises(FailedContestError, match=told):
+        hold(Contests(runs, (1,), 0.01), workers=1)

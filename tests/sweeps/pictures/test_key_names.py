@@ -1,0 +1,104 @@
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from hilc_cli.sweeps.pictures.key_axis import key_label, key_labels_in_lines, short_names, unit_of
+from tests.made_up_sweeps import HEADING, L1, LONG_KEY
+
+PAGES = Path(__file__).parents[3] / "docs" / "laws"
+ROW = re.compile(r"^\| (`[^|]*`) \| ([^|]+) \| [^|]* \| [^|]* \|$", re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    ("key", "unit"),
+    [
+        ("controller.b_w", "rad/s"),
+        ("controller.gains.l1", ""),
+        ("controller.gain_heading", ""),
+        ("controller.h", "samples"),
+        ("robot.wheel_radius", "m"),
+        ("initial_pose.heading", "rad"),
+        ("trajectory.start.y", "m"),
+        ("trajectory.segments.0.arc.sweep", "rad"),
+        ("trajectory.segments.0.arc.center.1", "m"),
+        ("disturbance.state.bound.1", "m"),
+        ("disturbance.state.bound.2", "rad"),
+        ("disturbance.state.bound.7", ""),
+        ("sweep.seed", ""),
+        ("controller.identify", ""),
+        ("controller.gains.kp", ""),
+        ("iterations", ""),
+        ("0", ""),
+    ],
+)
+def test_units_of_keys(key: str, unit: str) -> None:
+    assert unit_of(key) == unit
+    assert key_label(key) == (f"{key} [{unit}]" if unit else key)
+
+
+def test_long_keys_keep_their_ends_and_their_unit() -> None:
+    label = key_label("a" * 100 + ".wheel_radius")
+    assert label.startswith("aaa")
+    assert label.endswith(".wheel_radius [m]")
+    assert len(label) < 70
+
+
+def test_names_are_as_short_as_they_are_different() -> None:
+    assert short_names(["robot.wheel_radius", "model.wheel_radius", "controller.h"]) == {
+        "robot.wheel_radius": "robot.wheel_radius",
+        "model.wheel_radius": "model.wheel_radius",
+        "controller.h": "h",
+    }
+    assert short_names(["x", "initial_pose.x"]) == {"x": "x", "initial_pose.x": "initial_pose.x"}
+
+
+def test_units_are_those_of_the_pages_of_the_laws() -> None:
+    units = {
+        f"controller.{key}": unit
+        for page in PAGES.glob("*.md")
+        for keys, unit in ROW.findall(page.read_text(encoding="utf-8"))
+        for key in re.findall(r"`([a-z_0-9.]+)`", keys)
+    }
+    assert len(units) >= 20
+    for key, unit in units.items():
+        assert unit_of(key) == ("" if unit == "-" else unit.replace("^2", "²")), key
+
+
+WEIGHTS, FEEDBACK = "controller.weights", "controller.feedback_weights"
+
+
+def test_keys_that_fit_are_whole() -> None:
+    assert key_labels_in_lines([L1, HEADING, "controller.h"], 19) == {
+        L1: L1,
+        HEADING: "controller.\ngain_heading",
+        "controller.h": "controller.\nh [samples]",
+    }
+
+
+def test_keys_that_do_not_fit_lose_what_all_begin_with_and_then_what_tells_nothing() -> None:
+    keys = [f"{WEIGHTS}.input_change", f"{WEIGHTS}.position", f"{FEEDBACK}.position", HEADING]
+    assert key_labels_in_lines(keys, 19) == {
+        f"{WEIGHTS}.input_change": "input_change\n[rad/s]",
+        f"{WEIGHTS}.position": "weights.\nposition [m]",
+        f"{FEEDBACK}.position": "feedback_weights.\nposition [m]",
+        HEADING: "gain_heading",
+    }
+    keys = [f"{FEEDBACK}.heading", "robot.wheel_radius", "model.wheel_radius"]
+    assert key_labels_in_lines(keys, 19) == {
+        f"{FEEDBACK}.heading": "feedback_weights.\nheading [rad]",
+        "robot.wheel_radius": "robot.\nwheel_radius [m]",
+        "model.wheel_radius": "model.\nwheel_radius [m]",
+    }
+
+
+def test_lines_are_never_longer_and_labels_differ() -> None:
+    keys = [LONG_KEY, "x" * 200, "x", "initial_pose.x", f"y.{'x' * 200}"]
+    found = key_labels_in_lines(keys, 18)
+    assert list(found) == keys
+    for label in found.values():
+        assert max(map(len, label.split("\n"))) <= 18
+    assert found[LONG_KEY] == "very_long_name.\nhalf_track [m]"
+    assert (found["x"], found["initial_pose.x"]) == ("x [m]", "initial_pose.x [m]")

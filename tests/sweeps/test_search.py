@@ -1,0 +1,176 @@
+"""A search: what counts as good, in what batches it goes, and who may compute them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from pathlib import Path
+
+import distributed
+import numpy as np
+import pytest
+
+import hilc_cli as hilc
+from hilc_cli.engine.lanes.lanes import LANES
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE
+from hilc_cli.sweeps import search as searching
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, run_chunk
+from hilc_cli.sweeps.compute import Execution
+from hilc_cli.sweeps.crew import Crew, Outcome
+from hilc_cli.sweeps.memory_store import MemoryStore
+from hilc_cli.sweeps.opening import open_store
+from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.search import batches, costs, search
+from hilc_cli.sweeps.store import FolderStore
+from hilc_cli.sweeps.sweeping import plan_sweep
+from tests.cli.searches import FILES, L1, METRIC, error_after
+from tests.sweeps.test_dask_crew import Client
+
+CASES = 40
+
+
+def plan_of(folder: Path, minimise: str = METRIC) -> Plan:
+    for name, text in FILES.items():
+        (folder / name).write_text(text)
+    scenario = hilc.load_scenario(folder / "scenario.yaml")
+    return plan_sweep(scenario, {L1: "0:20"}, minimise=minimise, cases=CASES, tolerance=0.1)
+
+
+def rows(*cases: dict[str, float]) -> Floats:
+    """Made-up results; what is not given is not-a-number."""
+    found = np.full((len(cases), len(CASE_COLUMNS)), math.nan)
+    for row, case in zip(found, cases, strict=True):
+        for name, number in case.items():
+            row[CASE_COLUMNS.index(name)] = number
+    return found
+
+
+def test_worst_are_those_that_failed_or_diverged(tmp_path: Path) -> None:
+    found = costs(
+        plan_of(tmp_path),
+        rows({METRIC: 3.0, DIVERGED: 0}, {METRIC: 1.0, DIVERGED: 1}, {}, {METRIC: 0, DIVERGED: 0}),
+    )
+    assert found.tolist() == [3, math.inf, math.inf, 0]
+
+
+def test_never_reached_is_worse_than_late(tmp_path: Path) -> None:
+    found = costs(
+        plan_of(tmp_path, ITERATIONS_TO_TOLERANCE),
+        rows(
+            {ITERATIONS_TO_TOLERANCE: 0, METRIC: 0.1, DIVERGED: 0},
+            {ITERATIONS_TO_TOLERANCE: 3, METRIC: 0.0, DIVERGED: 0},
+            {METRIC: 0.2, DIVERGED: 0},
+            {METRIC: 0.3, DIVERGED: 0},
+            {METRIC: 1e9, DIVERGED: 0},
+            {METRIC: 0.2, DIVERGED: 1},
+        ),
+    )
+    assert found.tolist() == sorted(set(found.tolist()))  # in this order, and no two the same
+    assert found[0] == 0 and found[1] == 3 and math.isinf(found[-1])
+
+
+@pytest.mark.parametrize("cases", [1, 11, 12, 13, 40, 500])
+def test_batches(cases: int) -> None:
+    found = list(batches(cases))
+    assert found[0][0].first == 0 and found[-1][0].last == cases
+    for (one, _), (other, _) in itertools.pairwise(found):
+        assert one.last == other.first
+    for batch, drawn in found:
+        assert 0 < len(batch) <= LANES
+        assert drawn == len(batch) if batch.first == 0 else drawn <= len(batch)
+    assert found[:-1] == list(batches(cases + 100))[: len(found) - 1]
+
+
+def reopened(folder: Path, plan: Plan) -> FolderStore:
+    return open_store(folder / "part", plan, Chunk(0, CASES), None, resume=True, force=False)
+
+
+class Backwards:
+    """Takes as many chunks as come and computes the last one first."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan, self.workers, self.given = plan, 3, list[Chunk]()
+        self.sizes: set[int] = set()
+
+    def takes(self) -> bool:
+        return True
+
+    def give(self, chunk: Chunk) -> None:
+        self.given.append(chunk)
+        self.sizes.add(len(chunk))
+
+    def outcomes(self) -> list[Outcome[ChunkResult]]:
+        chunk = self.given.pop()
+        return [Outcome(chunk, run_chunk(self.plan, chunk))]
+
+    def dismiss(self) -> None:
+        pass
+
+
+def test_whoever_computes_it_and_however_far_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = plan_of(tmp_path)
+    whole = MemoryStore(plan)
+    expected = search(plan, whole, Execution())
+    assert expected.as_it_is == pytest.approx(error_after(4))
+
+    crews: list[Backwards] = []
+
+    def crew_for(plan: Plan, cases: int, how: Execution) -> Crew:
+        crews.append(Backwards(plan))
+        return crews[-1]
+
+    monkeypatch.setattr(searching, "crew_for", crew_for)
+    monkeypatch.setattr(searching, "cases_per_chunk", lambda *_: 3)
+    told: list[int] = []
+    store = open_store(tmp_path / "part", plan, Chunk(0, CASES), None, resume=False, force=False)
+    in_parts = search(plan, store, Execution(on_cases=told.append))
+    assert in_parts.cases.rows == expected.cases.rows
+    assert store.rows().tobytes() == whole.rows().tobytes()
+    assert crews[0].sizes <= {1, 2, 3}
+    assert told == sorted(told) and told[-1] == CASES
+    store.close()
+
+    # Some chunks of some batches are there; one has come from another search.
+    journal = tmp_path / "part/journal"
+    lines = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(lines[: len(lines) // 3] + lines[-6:]))
+    store = reopened(tmp_path, plan)
+    store.keep(run_chunk(plan, Chunk(15, 18, ((1.0,), (2.0,), (3.0,)))))
+    store.close()
+    store = reopened(tmp_path, plan)
+    resumed = search(plan, store, Execution())
+    assert resumed.cases.rows == expected.cases.rows
+    assert store.rows().tobytes() == whole.rows().tobytes()
+    assert not store.missing()
+    store.close()
+
+
+def test_workers_of_a_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = plan_of(tmp_path)
+    one, other = MemoryStore(plan), MemoryStore(plan)
+    search(plan, one, Execution())
+    monkeypatch.setattr(distributed, "Client", Client)
+    monkeypatch.setattr(Client, "fates", ("lost", "finished"))
+    monkeypatch.setattr("hilc_cli.sweeps.dask_crew._greet", lambda address, go_on: None)
+    search(plan, other, Execution(scheduler="tcp://nowhere:8786"))
+    assert one.rows().tobytes() == other.rows().tobytes()
+
+
+def test_kept_cases_of_other_values_are_forgotten(tmp_path: Path) -> None:
+    plan = plan_of(tmp_path)
+    store = open_store(tmp_path / "part", plan, Chunk(0, CASES), None, resume=False, force=False)
+    values = tuple((float(number),) for number in range(8))
+    for first in (0, 4, 8):
+        store.keep(run_chunk(plan, Chunk(first, first + 4, values[:4])))
+    store.forget_others(Chunk(0, 8, values))  # the second chunk is of other values
+    assert store.missing() == [Chunk(4, 8), Chunk(12, CASES)]
+    store.forget_others(Chunk(2, 4, values[2:4]))  # the first is of other cases, too
+    assert store.missing() == [Chunk(0, 8), Chunk(12, CASES)]
+    store.close()
+    store = reopened(tmp_path, plan)
+    store.forget_others(Chunk(0, 4, values[:4]))
+    assert store.missing() == [Chunk(12, CASES)]  # the journal has them all, with their values
+    store.close()

@@ -1,0 +1,99 @@
+"""Starts from which the trajectory is not reached, beside what simulated robots reach."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.feedback import FeedbackLaw
+from hilc_cli.laws.norm_optimal.earliest_merge import least_left
+from hilc_cli.reference.path import LinePlan, build_reference
+from hilc_cli.theory.findings import Findings
+from hilc_cli.theory.learning.forecast import forecast
+from hilc_cli.theory.start import cannot_be_reached, start_findings
+from tests.engine.experiments import PLATFORM, experiment_of, law_of
+from tests.reference.paths import Pose
+
+DT = 0.02
+LINE = build_reference("line", (0, 0, 0), [LinePlan(length=2.4, duration=1.2)], DT)  # 10 rad/s
+
+
+def experiment(start: Pose, limit: float = 15.0, *, compensation: bool = False) -> Experiment:
+    law = law_of(5.0, compensation=compensation, h=20)
+    return experiment_of(LINE, law, initial_pose=start, speed_limit=limit, iterations=2)
+
+
+def findings(made: Experiment) -> Findings:
+    return start_findings(made, forecast(made))
+
+
+@pytest.mark.parametrize("compensation", [True, False])
+def test_start_too_far_behind_for_the_wheels_cannot_work(compensation: bool) -> None:
+    # 1.2 s with 3 m/s are 3.6 m, of which the line takes 2.4: 1.4 m behind 0.2 m are missing.
+    (text,) = findings(experiment((-1.4, 0, 0), compensation=compensation)).failures
+    assert text == (
+        "from initial_pose no sample of the trajectory can be reached in time within "
+        "controller.b_w of 15 rad/s, whatever the law: it is out of reach by 0.2 m at least; "
+        "start nearer, or run the trajectory slower"
+    )
+    assert findings(experiment((-1.19, 0, 0), compensation=compensation)).failures == ()
+    # What is left is less than a hundredth of the path.
+    assert findings(experiment((-1.22, 0, 0), compensation=compensation)).failures == ()
+    assert cannot_be_reached(experiment((-1.4, 0, 0), math.inf)) == ""
+
+
+def test_start_out_of_reach_is_told_of_a_law_of_which_no_errors_are_predicted() -> None:
+    made = replace(experiment((-1.4, 0, 0)), law=FeedbackLaw(1.0, 1.0, 1.0, PLATFORM))
+    assert len(start_findings(made, None).failures) == 1
+    near = replace(made, initial_pose=(-0.4, 0, 0))
+    assert start_findings(near, None) == Findings()
+
+
+def test_trajectory_that_is_too_fast_is_not_blamed_on_the_start() -> None:
+    assert findings(experiment((-0.1, 0, 0), 9.0)) == Findings()
+    assert findings(experiment((0, 0, 0), 9.0)) == Findings()
+
+
+def test_no_robot_gets_nearer_than_what_is_left() -> None:
+    # 300 robots with random wheels at the limit, three speeds each.
+    random = np.random.default_rng(8)
+    start = np.array([-0.7, -0.9, 2.0])
+    trajectory = np.stack([LINE.x, LINE.y, LINE.heading], axis=1)
+    limit = 0.2 * 12.0
+    bound = least_left(trajectory, start, limit, PLATFORM.half_track, DT)
+    assert bound > 0
+    wheels = random.choice([-1, 0.2, 1], (300, 2, 3)).repeat(LINE.samples // 3, axis=2) * limit
+    heading = start[2] + np.cumsum(np.diff(wheels, axis=1)[:, 0], axis=1) * DT / (
+        2 * PLATFORM.half_track
+    )
+    heading = np.concatenate([np.full((300, 1), start[2]), heading], axis=1)
+    steps = wheels.mean(axis=1) * DT * np.exp(1j * heading[:, :-1])
+    away = np.abs(complex(*start[:2]) + np.cumsum(steps, axis=1) - (LINE.x + 1j * LINE.y)[1:])
+    left = away + PLATFORM.half_track * np.abs(heading[:, 1:] - LINE.heading[1:])
+    assert left.min() >= bound * (1 - 1e-9)
+
+
+def test_h_that_is_too_short_for_the_wheels_is_warned_of() -> None:
+    # 0.5 m behind, by 1 m/s: 0.5 s, 25 samples.
+    (text,) = findings(experiment((-0.5, 0, 0), compensation=True)).warnings
+    assert text == (
+        "controller.h of 20 is sooner than any law can be on the trajectory: within controller.b_w "
+        "of 15 rad/s that is at sample 25 (0.5 s) at the earliest; raise h"
+    )
+    assert findings(experiment((-0.39, 0, 0), compensation=True)) == Findings()
+    assert findings(experiment((-0.5, 0, 0))) == Findings()
+
+
+def test_law_that_stays_far_away_cannot_work() -> None:
+    # Nothing is learned of an error across the heading.
+    (text,) = findings(experiment((0, 3.0, 0), math.inf)).failures
+    assert text == (
+        "from initial_pose, 3 m off a trajectory of 2.4 m, the law does not get onto it before its "
+        "end: 3 m are left; start nearer, or set 'compensation: on'"
+    )
+    assert findings(experiment((0, 2.3, 0), math.inf)).failures == ()  # warned of, see rest
+    assert findings(experiment((0, 0, 0), math.inf)) == Findings()
