@@ -34,14 +34,16 @@ class LowPass:
     def __init__(self, cutoff: float, sample_time: float) -> None:
         """With f_c [Hz], above 0 and below the Nyquist frequency, and d_t [s]."""
         self._cutoff = math.tan(math.pi * cutoff * sample_time)
+        self._factors: Floats = np.empty(0)  # those of the last length, which is seldom another
 
     def __call__(self, signals: Floats) -> Floats:
         """The signals without what is faster than the cut-off, shape (..., n) as they come."""
         from scipy import fft  # few laws need it
 
         samples = signals.shape[-1]
-        factors = self.factors(np.pi * np.arange(samples) / samples)
-        filtered: Floats = fft.idct(factors * fft.dct(signals, norm="ortho"), norm="ortho")
+        if len(self._factors) != samples:
+            self._factors = self.factors(np.pi * np.arange(samples) / samples)
+        filtered: Floats = fft.idct(self._factors * fft.dct(signals, norm="ortho"), norm="ortho")
         return filtered
 
     def factors(self, frequencies: Floats) -> Floats:

@@ -25,19 +25,21 @@ def weighted_error(
 
     Args:
         gains: kp, ki [1/s] and kd [s].
-        error: e, shape (n + 1,).
+        error: e, shape (n + 1,) or, several at once, (n + 1, ...).
         pulse: `rectifying_pulse` [1/s], shape (n,); None for none.
         sample_time: d_t [s].
 
     Returns:
-        w, shape (n,).
+        w, shape (n,) or (n, ...).
     """
     kp, ki, kd = gains
     # Terms without a gain are left out: what they would be made of may overflow.
-    total = sample_time * np.cumsum(error)[1:] if ki else 0.0
+    total = sample_time * np.cumsum(error, axis=0)[1:] if ki else 0.0
     rate: Floats | float = 0.0
     if kd:
-        rate = np.diff(error) / sample_time + (0.0 if pulse is None else pulse * error[0])
+        rate = np.diff(error, axis=0) / sample_time
+        if pulse is not None:
+            rate += np.multiply.outer(pulse, error[0])
     return kp * error[1:] + ki * total + kd * rate
 
 
