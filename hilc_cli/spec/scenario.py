@@ -17,6 +17,11 @@ from hilc_cli.spec.robot import ModelSpec, RobotSpec
 from hilc_cli.spec.sweep import SweepSpec
 from hilc_cli.spec.trajectory import TrajectorySpec
 
+_OTHER_KEYS = {
+    **dict.fromkeys(("laps", "passes", "trials", "repetitions"), "their number is iterations"),
+    "noise": "its bounds are in disturbance.state, disturbance.output and disturbance.initial_pose",
+}
+
 
 class InitialPoseSpec(Model):
     """Where each iteration starts; what is left out is as in the trajectory's start."""
@@ -28,6 +33,8 @@ class InitialPoseSpec(Model):
 
 class ScenarioSpec(Model):
     """An experiment: the reference, the plant, what the controller believes, and the law."""
+
+    other_names = _OTHER_KEYS
 
     name: Name
     description: Text = ""

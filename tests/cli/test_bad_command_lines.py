@@ -206,6 +206,12 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "hilc: no such option: --no-plot; did you mean: --no-plots",
     ),
     (
+        "option-that-is-near-a-key-with-keys",
+        ["run", "scenario.yaml", "--output", "x"],
+        2,
+        "hilc: no such option: --output; did you mean: --out",
+    ),
+    (
         "key-as-option",
         ["run", "scenario.yaml", "--iterations", "70"],
         2,
