@@ -61,9 +61,9 @@ def plot(
 ) -> None:
     """Draw pictures of runs, a sweep or a leaderboard.
 
-    One run, sweep or leaderboard is drawn into its own folder, without a name the newest in runs/;
-    several runs are laid over each other and drawn into --out, by default runs/A-vs-B. All is drawn
-    from tables; nothing is simulated.
+    One run, sweep or leaderboard is drawn into its own folder, without a name the newest in runs/
+    that has such pictures; several runs are laid over each other and drawn into --out, by default
+    runs/A-vs-B. All is drawn from tables; nothing is simulated.
 
     \b
     Examples:
@@ -86,11 +86,11 @@ def plot(
     from hilc_cli.errors import UsageError
     from hilc_cli.results.run_folder import ITERATIONS
 
+    kinds = [choice.value for choice in kind or []]
     if not runs:
-        runs = [newest_results(RUNS)]
+        runs = [newest_results(RUNS, kinds)]
         if not quiet:
             say(f"no run is named: drawing the newest, {runs[0]}")
-    kinds = [choice.value for choice in kind or []]
     suffixes = [choice.value for choice in formats or [PictureFormat.PNG]]
     if any(map(api.is_sweep, runs)):
         if len(runs) > 1 or iterations is not None:

@@ -18,6 +18,7 @@ from hilc_cli.figures.summary import summary_figure
 from hilc_cli.figures.wheel_speeds import wheel_speeds_figure
 from hilc_cli.results.run import RunData
 from hilc_cli.results.run_folder import PICTURE_KINDS
+from hilc_cli.results.sweep_folder import SWEEP_PICTURE_KINDS
 
 Drawer = Callable[[Sequence[RunData], Collection[int] | None], Figure]
 
@@ -91,6 +92,10 @@ def _check(
     if not runs:
         raise UsageError("there is no run to draw; give at least one")
     for kind in kinds:
+        if kind in SWEEP_PICTURE_KINDS:
+            raise UsageError(
+                f"picture '{kind}' is one of sweeps; those of runs: {', '.join(KINDS)}"
+            )
         if kind not in KINDS:
             raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, KINDS)}")
     check_iterations(runs, iterations)

@@ -17,6 +17,7 @@ from hilc_cli.figures.sweep.effects import effects_figure
 from hilc_cli.figures.sweep.heat_map import map_figure
 from hilc_cli.figures.sweep.picking import varied_keys
 from hilc_cli.figures.sweep.progress import search_figure
+from hilc_cli.results.run_folder import PICTURE_KINDS
 from hilc_cli.results.sweep import SweepData
 from hilc_cli.results.sweep_folder import SWEEP_PICTURE_KINDS
 
@@ -98,6 +99,9 @@ def save_sweep_figures(
 
 
 def _check(kind: str, data: SweepData) -> None:
+    if kind in PICTURE_KINDS:
+        fitting = ", ".join(kinds_for(data)) or "none"
+        raise UsageError(f"picture '{kind}' is one of runs; pictures of this sweep: {fitting}")
     if kind not in SWEEP_KINDS:
         raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, SWEEP_KINDS)}")
     keys = len(varied_keys(data))
