@@ -45,7 +45,7 @@ def test_kinds_formats_and_place_asked_for(hilc: Hilc, swept: None) -> None:
         ([str(FOLDER), "--iterations", "0"], "a sweep is drawn on its own, and without"),
         (
             [str(FOLDER), "--kind", "error"],
-            "picture 'error' is one of runs; pictures of this sweep: curve",
+            "picture 'error' is one of runs; pictures of this",
         ),
         ([str(FOLDER), "--kind", "bands"], "bands"),
     ],
