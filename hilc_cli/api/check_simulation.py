@@ -104,6 +104,7 @@ def simulated(
         speed_limit=scenario.speed_limit,
         gravity_center=experiment.robot.gravity_center,
         diverged_at=diverged_at,
+        readings_off_m=max(experiment.disturbance.output.bound[:2]),
     )
     return findings, Simulated(run, extent(experiment), comparisons)
 

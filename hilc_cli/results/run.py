@@ -29,6 +29,7 @@ class RunData:
         speed_limit: b_w [rad/s]; None for no limit.
         gravity_center: D_cx, D_cy [m] of the platform.
         diverged_at: The iteration that left the finite numbers; None if none did.
+        readings_off_m: How far off the measured position may be [m].
         learning: What the law tells of each completed iteration; most laws tell nothing.
         settings: What tells the run from others, in words: law, gains, compensation,
             start_offset; what is not known is left out.
@@ -44,6 +45,7 @@ class RunData:
     speed_limit: float | None = None
     gravity_center: tuple[float, float] = (0.0, 0.0)
     diverged_at: int | None = None
+    readings_off_m: float = 0.0
     learning: LearningTable = field(default_factory=LearningTable)
     settings: Mapping[str, str] = field(default_factory=dict)
     yardsticks: Mapping[str, Mapping[str, float]] = field(default_factory=dict)

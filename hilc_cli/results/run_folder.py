@@ -137,7 +137,8 @@ def is_run_folder(path: Path) -> bool:
 def read_run_folder(path: Path) -> RunData:
     """The results in a run folder, from its tables.
 
-    The manifest adds the names, the speed limit, the settings and the yardsticks, if it is there.
+    The manifest adds the names, the speed limit, the noise, the settings and the yardsticks, if it
+    is there.
 
     Raises:
         HilcError: There is no such folder, or a table is missing or damaged.
@@ -156,6 +157,7 @@ def read_run_folder(path: Path) -> RunData:
         raise UsageError(f"{path / SAMPLES}: is damaged: it has iterations that {ITERATIONS} lacks")
     saturated = metrics["saturated_samples"]
     limit, diverged_at = manifest.get("speed_limit_rad_s"), manifest.get("diverged_at")
+    off = manifest.get("readings_off_m")
     ahead, aside = _pair(manifest.get("gravity_center_m"))
     return RunData(
         name=name,
@@ -168,6 +170,7 @@ def read_run_folder(path: Path) -> RunData:
         speed_limit=float(limit) if isinstance(limit, int | float) else None,
         gravity_center=(ahead, aside),
         diverged_at=diverged_at if isinstance(diverged_at, int) else None,
+        readings_off_m=float(off) if _is_number(off) else 0.0,
         learning=read_learning(path / LEARNING),
         settings=_texts(manifest.get("settings")),
         yardsticks=_numbers(manifest.get("yardsticks")),

@@ -111,6 +111,16 @@ def test_yardsticks_of_the_manifest_are_read_as_far_as_they_are_numbers(
     assert hilc_api.read_run(done).yardsticks == read
 
 
+@pytest.mark.parametrize(("written", "read"), [(0.005, 0.005), ("x", 0.0), (None, 0.0)])
+def test_noise_of_the_manifest_is_read_if_it_is_a_number(
+    done: Path, written: object, read: float
+) -> None:
+    manifest = json.loads((done / "manifest.json").read_text())
+    assert manifest["readings_off_m"] == 0
+    (done / "manifest.json").write_text(json.dumps(manifest | {"readings_off_m": written}))
+    assert hilc_api.read_run(done).readings_off_m == read
+
+
 def test_second_run_gives_the_same_bytes(hilc: Hilc, done: Path) -> None:
     before = {name: (done / name).read_bytes() for name in (*TABLES, "scenario.yaml")}
     assert hilc("run", "scenario.yaml", *QUIET) == Outcome(0, "", "")
