@@ -106,8 +106,7 @@ def _exit_code(error: BaseException, session: Session) -> int:
             _say(f"hilc: {printable(str(error))}")
             return error.exit_code
         case OSError():
-            what = f"{error.filename}: " if error.filename else ""
-            _say(printable(f"hilc: {what}the system refused: {error.strerror or error}"))
+            _say(printable(f"hilc: {_what(error)}the system refused: {error.strerror or error}"))
             return COULD_NOT
         case MemoryError():
             _say("hilc: out of memory; record fewer iterations")
@@ -119,6 +118,16 @@ def _exit_code(error: BaseException, session: Session) -> int:
             _trace(error)
             _say("hilc: this is a bug; please report the lines above")
             return COULD_NOT
+
+
+def _what(error: OSError) -> str:
+    """What the system has refused, if that can be told."""
+    if not error.filename:
+        try:
+            os.stat(os.getcwd())  # noqa: PTH109, PTH116  # which libraries ask for as they are loaded
+        except FileNotFoundError:
+            return "the working folder: "
+    return f"{error.filename}: " if error.filename else ""
 
 
 def _usage(error: Exception, subcommand: str, arguments: Sequence[str]) -> str:

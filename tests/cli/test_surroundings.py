@@ -112,3 +112,15 @@ def test_settings_of_numba_that_stay(monkeypatch: pytest.MonkeyPatch) -> None:
             **({"NUMBA_DISABLE_JIT": "1"} if stays else {}),
         }
     assert os.environ["OPENBLAS_NUM_THREADS"] == "3"
+
+
+def test_working_folder_that_is_gone_is_named(
+    hilc: Hilc, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        os.getcwd()  # noqa: PTH109  # as a library does that is loaded
+
+    monkeypatch.setattr("hilc_cli.api.merge_shards", fail)
+    folder.rmdir()
+    message = "hilc: the working folder: the system refused: No such file or directory\n"
+    assert hilc("sweep", "--merge", "../x") == Outcome(1, "", message)
