@@ -43,7 +43,9 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         code = _invoke(arguments, session)
         sys.stdout.flush()
     except BaseException as error:
+        session.leave()
         code = _exit_code(error, session)
+    session.leave()
     _leave(code)
 
 
