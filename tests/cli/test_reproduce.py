@@ -19,9 +19,9 @@ import pytest
 
 from hilc_cli import api
 from hilc_cli.cli.main import main
-from hilc_cli.cli.session import STOPPED
 from hilc_cli.cli.reproduce import _stage
 from hilc_cli.cli.reproduction_report import print_claims
+from hilc_cli.cli.session import STOPPED
 from hilc_cli.paper import folder as paper_folder
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.contents import FIGURES
