@@ -5,19 +5,22 @@ Nothing heavy is imported here: ``hilc --help`` starts at once.
 
 from __future__ import annotations
 
-import io
-import os
-import signal
-import sys
-import traceback
-from collections.abc import Sequence
-from contextlib import suppress
-from pathlib import Path
-from typing import NoReturn
+try:
+    import io
+    import os
+    import signal
+    import sys
+    import traceback
+    from collections.abc import Sequence
+    from contextlib import suppress
+    from pathlib import Path
+    from typing import NoReturn
 
-from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
-from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
-from hilc_cli.surroundings import settle
+    from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
+    from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
+    from hilc_cli.surroundings import settle
+except KeyboardInterrupt:  # nothing has begun yet
+    raise SystemExit(130) from None
 
 DONE = 0
 COULD_NOT = 1
@@ -36,10 +39,10 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Runs a command line and exits with its code."""
     arguments = sys.argv[1:] if arguments is None else arguments
     session = Session()
-    _open_closed_streams()
-    settle()
     try:
         session.listen()
+        _open_closed_streams()
+        settle()
         code = _invoke(arguments, session)
         sys.stdout.flush()
     except BaseException as error:

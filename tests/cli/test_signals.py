@@ -73,6 +73,23 @@ def test_signal_in_mid_check(tmp_path: Path, number: int, code: int, message: st
     assert [path.name for path in tmp_path.iterdir()] == ["path.yaml"]
 
 
+EARLY = """\
+import builtins
+load = builtins.__import__
+def interrupted(name, *arguments, **options):
+    if name == "hilc_cli.cli.session":
+        raise KeyboardInterrupt
+    return load(name, *arguments, **options)
+builtins.__import__ = interrupted
+import hilc_cli.cli.main
+"""
+
+
+def test_interrupt_while_the_program_is_loaded_is_silent() -> None:
+    done = subprocess.run([sys.executable, "-c", EARLY], capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"")
+
+
 SLOW_TO_LEAVE = """\
 import atexit, time, sys
 from hilc_cli.cli.main import main
