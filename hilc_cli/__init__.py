@@ -17,7 +17,6 @@ The Python interface in short::
 
 from typing import TYPE_CHECKING, Any
 
-from hilc_cli.errors import HilcError
 from hilc_cli.version import __version__
 
 if TYPE_CHECKING:
@@ -56,6 +55,7 @@ if TYPE_CHECKING:
         sweep,
         sweep_shard,
     )
+    from hilc_cli.errors import HilcError
 
 __all__ = [
     "Check",
@@ -98,6 +98,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Loads the interface when it is first used: ``hilc --help`` needs none of it."""
+    if name == "HilcError":  # which who catches it needs before any other
+        from hilc_cli.errors import HilcError
+
+        return HilcError
     if name in __all__:
         from hilc_cli import api
 

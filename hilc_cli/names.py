@@ -6,8 +6,9 @@ import re
 
 from hilc_cli.errors import UsageError, printable, shortened
 
-# Not only dots, which are folders, and no hyphen first, with which options and formulas begin.
-NAME_PATTERN = r"^(\.*[A-Za-z0-9_]|\.+-)[A-Za-z0-9._-]*$"
+# No dot first, with which hidden folders begin, drafts among them, and no hyphen, with which
+# options and formulas do.
+NAME_PATTERN = r"^[A-Za-z0-9_][A-Za-z0-9._-]*$"
 LONGEST_NAME = 100
 
 
@@ -36,4 +37,6 @@ def name_remedy(text: object) -> str:
     """What to do about a text that is to be a name and is none."""
     if isinstance(text, str) and text.startswith("-"):
         return "begin with a letter or digit: options and formulas begin with '-'"
+    if isinstance(text, str) and text.startswith("."):
+        return "begin with a letter or digit: hidden files and folders begin with '.'"
     return "use letters, digits, '.', '_' and '-'"

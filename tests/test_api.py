@@ -17,7 +17,6 @@ from hilc_cli import HilcError
 from hilc_cli.errors import (
     DivergedError,
     ExistingResultsError,
-    FileAccessError,
     InvalidInputError,
     UsageError,
 )
@@ -125,7 +124,7 @@ def test_inline_trajectory() -> None:
         ("scenario.yaml", {"": 1}, InvalidInputError, 2),
         ("scenario.yaml", {"a..b": 1}, InvalidInputError, 2),
         ("scenario.yaml", ["iterations"], InvalidInputError, 2),
-        ("n" * 300, {}, FileAccessError, 1),
+        ("n" * 300, {}, UsageError, 2),
     ],
 )
 def test_failures_are_hilc_errors(

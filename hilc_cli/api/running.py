@@ -14,7 +14,7 @@ from hilc_cli.api.run_warnings import forewarnings, what_happened
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, UsageError, printable
-from hilc_cli.files import merge_folder
+from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.recording import recorded_iterations
@@ -246,7 +246,7 @@ def as_runs(runs: RunSource | Sequence[RunSource]) -> list[RunData]:
     ):
         return found
     folders = [Path(each) for each in sources if not isinstance(each, RunData)]
-    names = [folder.resolve().name for folder in folders]
+    names = [folder_to_read(folder).name for folder in folders]
     if len(set(names)) < len(names) and len(set(map(str, folders))) == len(folders):
         names = [str(folder) for folder in folders]
     return [replace(run, name=printable(name)) for run, name in zip(found, names, strict=True)]

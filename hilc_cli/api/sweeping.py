@@ -13,6 +13,7 @@ from hilc_cli.api.circumstances import circumstances
 from hilc_cli.api.search_results import beside_cases, how_searched
 from hilc_cli.api.sweep_results import LIBRARIES, Sweep, as_fields
 from hilc_cli.errors import HilcError, UsageError
+from hilc_cli.files import folder_to_read
 from hilc_cli.spec.loading import ScenarioSource, as_scenario
 from hilc_cli.spec.sweeping import plan_of
 from hilc_cli.sweeping.chunks import Chunk, Failure
@@ -191,7 +192,7 @@ def merge_shards(
         HilcError: One cannot be read.
     """
     started = datetime.now(UTC)
-    places = [Path(folder).resolve() for folder in folders]
+    places = [folder_to_read(Path(folder)) for folder in folders]
     twice = next(
         (folder for folder, n in zip(folders, places, strict=True) if places.count(n) > 1), None
     )

@@ -84,6 +84,7 @@ def plot(
     )
     from hilc_cli.cli.terminal import say
     from hilc_cli.errors import UsageError
+    from hilc_cli.files import is_there
     from hilc_cli.results.run_folder import ITERATIONS
 
     kinds = [choice.value for choice in kind or []]
@@ -121,7 +122,7 @@ def plot(
     wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
     if len(runs) > 1:
         runs = without_comparisons(runs) or runs
-    elif not (runs[0] / ITERATIONS).exists():
+    elif not is_there(runs[0] / ITERATIONS):
         raise UsageError(
             f"{runs[0]}: holds neither a run nor a sweep nor a leaderboard; "
             "give a folder that hilc has written"

@@ -12,7 +12,7 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from hilc_cli.errors import UsageError, printable
-from hilc_cli.files import read_file, write_folder
+from hilc_cli.files import folder_to_read, is_there, read_file, write_folder
 from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import read_learning, write_learning
@@ -143,11 +143,11 @@ def read_run_folder(path: Path) -> RunData:
     Raises:
         HilcError: There is no such folder, or a table is missing or damaged.
     """
-    if not (path / ITERATIONS).exists():
+    if not is_there(path) or not is_there(path / ITERATIONS):
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
     manifest = read_manifest(path / MANIFEST)
     metrics = read_iterations(path / ITERATIONS)
-    own_name = printable(path.resolve().name)
+    own_name = printable(folder_to_read(path).name)
     name, trajectory = (
         name_from(manifest[key], f"{path / MANIFEST}: {key}") if key in manifest else own_name
         for key in ("name", "trajectory")

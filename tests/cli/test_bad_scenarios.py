@@ -128,7 +128,12 @@ CASES = [
     (
         "name-dots",
         scenario("name: test", "name: '..'"),
-        "scenario.yaml:1:7: name: has characters that are not allowed, got '..'; use letters, digits, '.', '_' and '-'",
+        "scenario.yaml:1:7: name: has characters that are not allowed, got '..'; begin with a letter or digit: hidden files and folders begin with '.'",
+    ),
+    (
+        "name-draft",
+        scenario("name: test", "name: .s.hilc-043a718b-aaaaaaaa"),
+        "scenario.yaml:1:7: name: has characters that are not allowed, got '.s.hilc-043a718b-aaaaaaaa'; begin with a letter or digit: hidden files and folders begin with '.'",
     ),
     (
         "name-empty",

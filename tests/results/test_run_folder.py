@@ -581,8 +581,11 @@ def test_same_tables_keep_the_pictures_that_are_there(hilc: Hilc, done: Path, wr
     for name, content in own.items():
         (done / name).write_bytes(content)
     (done / "learning.png").symlink_to("../../path.yaml")
+    with (done / "error.pdf").open("wb") as sparse:
+        sparse.truncate(10**12)
     assert hilc("run", "scenario.yaml", *QUIET) == Outcome(0, "", "")
     assert {name: (done / name).read_bytes() for name in own} == own
+    assert not (done / "error.pdf").exists(), "nothing of that size is a picture"
     assert not (done / "learning.png").exists(), "a link is no picture"
     assert json.loads((done / "manifest.json").read_text())["files"] == names(done)
     # Those of the formats that are drawn are new, the others stay.

@@ -6,12 +6,14 @@ import json
 import random
 import zlib
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.sweeping.chunks import Chunk, run_chunk
+from hilc_cli.sweeping.journal import Journal
 from hilc_cli.sweeping.opening import open_store
 from hilc_cli.sweeping.plan import Plan
 from hilc_cli.sweeping.store import FolderStore
@@ -147,6 +149,16 @@ def test_line_after_a_torn_one_counts(tmp_path: Path) -> None:
     store = open_store(folder, plan, ALL, None, resume=True, force=False)
     assert store.missing() == [Chunk(0, 8), Chunk(16, 64)]
     store.close()
+
+
+def test_huge_journal_is_refused_unread(tmp_path: Path) -> None:
+    with (tmp_path / "journal").open("wb") as file:
+        file.truncate(10**12)
+    with (
+        closing(Journal(tmp_path / "journal", read_only=True)) as journal,
+        pytest.raises(UsageError, match=r"journal: is larger than 2000000000 bytes"),
+    ):
+        journal.is_empty()
 
 
 @pytest.mark.parametrize("first", [-8, 56, 10**15])
