@@ -154,3 +154,53 @@ def test_simulation_has_the_last_word() -> None:
     assert not any("cannot be foretold" in text for text in beside.warnings)
     assert beside.outcome is not None
     assert beside.outcome is not Outcome.OUT_OF_RANGE
+
+
+NORM_OPTIMAL = {"law": "norm-optimal", "h": 40, "b_w": 9}
+
+
+def verdict_of(found: hilc.Check) -> str:
+    return found.verdict.partition(",")[0]
+
+
+@pytest.mark.parametrize("aside", ["5 cm", "-12 cm"])
+def test_wrong_start_is_judged_by_the_second_half_as_runs_are(aside: str) -> None:
+    given = scenario(
+        TURN, NORM_OPTIMAL, model={"wheel_radius": 0.041}, iterations=5, initial_pose={"y": aside}
+    )
+    found = hilc.check(given, simulate=True)
+    assert found.simulated is not None
+    errors = found.simulated.errors_m
+    assert errors[-1] > errors[0] / 2  # the initial error is there whatever is learned
+    assert found.simulated.telling_errors_m[-1] < 1e-4
+    assert found.simulated.summary.on_path is not None
+    assert found.verdict == hilc.check(given).verdict == "nothing wrong"
+
+
+def test_error_that_is_noise_alone_has_nothing_to_halve() -> None:
+    # A turn on the spot leaves no position error but that of disturbances.
+    spin = {"radius": 1e-9, "turn": "left", "sweep": "500 deg", "duration": "15 s"}
+    found = hilc.check(
+        scenario(
+            {**TURN, "segments": [{"arc": spin}]},
+            {**NORM_OPTIMAL, "feedback": "none"},
+            model={"wheel_separation": 0.18},
+            iterations=5,
+            disturbance={"seed": 3, "state": {"bound": ["0.4 mm", "0.4 mm", "0.05 deg"]}},
+        ),
+        simulate=True,
+    )
+    assert found.simulated is not None
+    assert found.simulated.errors_m[-1] > 0.01 * 0.2
+    assert verdict_of(found) == "works"
+
+
+@pytest.mark.parametrize("law", [NORM_OPTIMAL, {"law": "feedback", "b_w": 9}])
+def test_start_from_which_a_law_is_not_on_the_path_in_time_cannot_work(law: dict[str, Any]) -> None:
+    given = scenario(TURN, law, iterations=2, initial_pose={"y": 2.4})
+    run = hilc.run(given)
+    assert run.summary().on_path is None
+    for simulate in (False, True):
+        found = hilc.check(given, simulate=simulate)
+        assert any("from initial_pose" in text for text in found.failures)
+        assert verdict_of(found) == "cannot work"

@@ -20,7 +20,12 @@ from hilc_cli.analysis.model_mismatch import (
     untried_findings,
 )
 from hilc_cli.analysis.noise_findings import noise_findings
-from hilc_cli.analysis.tracking_loop import TrackingLoop, tracking_findings, tracking_loop
+from hilc_cli.analysis.tracking_loop import (
+    TrackingLoop,
+    tracking_findings,
+    tracking_loop,
+    way_findings,
+)
 from hilc_cli.analysis.tracking_response import TrackingResponse, tracking_response
 from hilc_cli.analysis.wheel_noise import WheelNoise, wheel_findings
 from hilc_cli.engine.experiment import Experiment
@@ -45,7 +50,8 @@ class LawTheory:
         response: What it does along the path.
         wheels: What disturbances make of the wheel speeds.
         expected: How large the error of the last iteration will be; None if that is not known.
-        findings: What all this means.
+        start: What the way from the initial pose means, of the laws whose way is known.
+        findings: What all the rest means.
     """
 
     forecast: Forecast | None = None
@@ -57,6 +63,7 @@ class LawTheory:
     response: TrackingResponse | None = None
     wheels: WheelNoise | None = None
     expected: ExpectedError | None = None
+    start: Findings = field(default_factory=Findings)
     findings: Findings = field(default_factory=Findings)
 
 
@@ -84,7 +91,6 @@ def law_theory(experiment: Experiment) -> LawTheory:
         way, mismatch = merging(experiment, law), model_mismatch(experiment, law)
         expected, wheels = expected_of_norm_optimal(experiment, law, mismatch)
         parts = [
-            merging_findings(way),
             untried_findings(experiment, law),
             wheel_findings(wheels, "raise controller.feedback_weights, or set 'feedback: none'"),
         ]
@@ -97,6 +103,7 @@ def law_theory(experiment: Experiment) -> LawTheory:
             wheels=wheels,
             identifies=law.parameters.identify,
             expected=expected,
+            start=merging_findings(way),
             findings=joined(parts),
         )
     if isinstance(law, FeedbackLaw):
@@ -111,6 +118,7 @@ def law_theory(experiment: Experiment) -> LawTheory:
             response=response,
             wheels=response.wheels,
             expected=response.expected,
+            start=way_findings(loop, response),
             findings=joined(parts),
         )
     return LawTheory()

@@ -25,7 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.analysis.findings import Findings
-from hilc_cli.analysis.tracking_response import TrackingResponse
+from hilc_cli.analysis.outcome import CLEARLY
+from hilc_cli.analysis.start import LateStart, late_start
+from hilc_cli.analysis.tracking_response import FAR, TrackingResponse
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.feedforward import reference_twist
@@ -150,6 +152,28 @@ def tracking_findings(found: TrackingLoop, response: TrackingResponse) -> Findin
     return Findings(tuple(failures), tuple(warnings))
 
 
+def way_findings(loop: TrackingLoop, found: TrackingResponse) -> Findings:
+    """What the way from the initial pose means; nothing where no start would be near enough."""
+    explodes = not math.isfinite(found.expected.final_m) or loop.decades >= _HOPELESS
+    if not found.is_off or explodes:
+        return Findings()
+    late = late_start(
+        LateStart(
+            "the platform",
+            found.start_off_m,
+            found.near_m / FAR,
+            found.joins,
+            found.samples,
+            found.sample_time,
+            found.end_off_m,
+            found.later_off_m,
+            "start nearer, raise controller.gains, or make the path longer",
+        ),
+        hopeless=found.start_off_m >= found.unlearned_m / CLEARLY,
+    )
+    return Findings(late.failures)  # errors that fall by and by are late, and nothing to mind
+
+
 def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[list[str], list[str]]:
     """Failures and warnings of the response."""
     failures, warnings = [], []
@@ -157,12 +181,6 @@ def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[li
         failures.append(
             "the feedback drives the platform beyond all numbers along this path; lower "
             "controller.gains, or set controller.b_w"
-        )
-    elif response.joins_s is None and response.is_off:
-        failures.append(
-            f"from initial_pose, {response.start_off_m:.3g} m off, the platform does not get onto "
-            f"the trajectory before its end, where {response.end_off_m:.3g} m are left; start "
-            "nearer, raise controller.gains, or make the path longer"
         )
     if response.error_m > response.near_m:
         error = f"up to {response.error_m:.3g} m off the reference"
