@@ -197,10 +197,28 @@ def test_error_that_is_noise_alone_has_nothing_to_halve() -> None:
 
 @pytest.mark.parametrize("law", [NORM_OPTIMAL, {"law": "feedback", "b_w": 9}])
 def test_start_from_which_a_law_is_not_on_the_path_in_time_cannot_work(law: dict[str, Any]) -> None:
-    given = scenario(TURN, law, iterations=2, initial_pose={"y": 2.4})
+    given = scenario(TURN, law, iterations=2, initial_pose={"y": 3})
     run = hilc.run(given)
     assert run.summary().on_path is None
     for simulate in (False, True):
         found = hilc.check(given, simulate=simulate)
         assert any("from initial_pose" in text for text in found.failures)
         assert verdict_of(found) == "cannot work"
+
+
+@pytest.mark.parametrize(("radius", "iterations"), [(0.02, 8), (0.0202, 4), (0.03, 1)])
+def test_learning_that_hardly_learns_is_told_of_law_norm_optimal_too(
+    radius: float, iterations: int
+) -> None:
+    given = scenario(
+        TURN,
+        {**NORM_OPTIMAL, "identify": False, "feedback": "none", "b_w": 20},
+        model={"wheel_radius": radius},
+        iterations=iterations,
+    )
+    found = hilc.check(given)
+    errors = hilc.run(given).metrics["max_position_error_m"]
+    learns = bool(errors[-1] <= errors[0] / 2)
+    assert learns == (radius == 0.03)
+    assert (verdict_of(found) == "does not halve the error") != learns
+    assert any("an iteration leaves" in text for text in found.warnings) != learns

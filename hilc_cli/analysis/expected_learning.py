@@ -15,15 +15,18 @@ from hilc_cli.analysis.model_mismatch import ModelMismatch
 from hilc_cli.analysis.noise_draws import SEEDS
 from hilc_cli.analysis.noisy_learning import noisy_learning
 from hilc_cli.analysis.noisy_pass import noisy_passes, planned_motion
-from hilc_cli.analysis.open_loop import open_loop_error
+from hilc_cli.analysis.open_loop import open_loop_error, open_loop_errors
+from hilc_cli.analysis.outcome import FAILED, Outcome, Prospects, predicted_outcome
 from hilc_cli.analysis.wheel_noise import WheelNoise
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.reference.sampled import Floats
 
 RESOLUTION = 1e-3
 """Share of the path's size below which no error is foretold: what theory leaves out is as large."""
+_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 _SELDOM = 0.02
 """Share of an iteration's samples at the limit that a prediction without it need not mind."""
 
@@ -54,8 +57,8 @@ def expected_of_learning(experiment: Experiment, found: Forecast) -> ExpectedErr
 
 def expected_of_norm_optimal(
     experiment: Experiment, law: NormOptimalLaw, mismatch: ModelMismatch | None
-) -> tuple[ExpectedError, WheelNoise | None]:
-    """The error to be expected of the norm-optimal law, and the noise of its wheels.
+) -> tuple[ExpectedError, Outcome, WheelNoise | None]:
+    """The error to be expected of the norm-optimal law, what comes of it, and the wheels' noise.
 
     Args:
         experiment: The experiment.
@@ -63,14 +66,14 @@ def expected_of_norm_optimal(
         mismatch: What a wrong model does to its learning, if it can make up for it by nothing.
     """
     plan = planned_motion(experiment, law)
-    away = (plan.poses - desired_poses(experiment))[:, :2]
-    planned = float(np.hypot(*away.T).max())
+    away: Floats = np.hypot(*(plan.poses - desired_poses(experiment))[:, :2].T)
+    planned = float(away.max())
     first = planned if experiment.learn_in_first else open_loop_error(experiment)
     if experiment.iterations == 0:
-        return ExpectedError(first, first, first), None
-    final = planned
-    if mismatch is not None:
-        final += first * mismatch.left**experiment.iterations
+        return ExpectedError(first, first, first), Outcome.NOTHING, None
+    left = 0.0 if mismatch is None else min(mismatch.left, 1.0) ** experiment.iterations
+    final = planned + first * left
+    outcome = _halved(experiment, law, away, left)
 
     def passes(part: Experiment) -> Floats:
         return noisy_passes(part, law, plan, SEEDS).position_m + (final - planned)
@@ -80,7 +83,29 @@ def expected_of_norm_optimal(
     start, readings, state = _parts(experiment, errors, passes)
     foretold = _foretold(experiment, final, errors)
     wheels = WheelNoise.of_seeds(together.change_rad_s, together.at_limit)
-    return ExpectedError(first, final, foretold, start, readings, state), wheels
+    return ExpectedError(first, final, foretold, start, readings, state), outcome, wheels
+
+
+def _halved(experiment: Experiment, law: NormOptimalLaw, away: Floats, left: float) -> Outcome:
+    """What comes of learning towards a motion, by the rule of all laws that learn.
+
+    Args:
+        experiment: The experiment.
+        law: Its law.
+        away: Distance of the motion that learning leads to from the trajectory [m].
+        left: Share of the error of iteration 0 that is left in the last one.
+    """
+    # Where iteration 0 runs the law, learning is held against what there is without it.
+    inputs = feedforward(experiment.reference, law.model) if experiment.learn_in_first else None
+    first, planned = open_loop_errors(experiment, inputs), away
+    pose = desired_poses(experiment)[0]
+    if np.abs(pose - experiment.initial_pose).max() > _NONE:  # as runs are judged
+        first, planned = first[len(first) // 2 :], planned[len(planned) // 2 :]
+    before = float(first.max())
+    errors = np.array([before, float(planned.max()) + left * before])
+    found = predicted_outcome(Prospects(errors, np.zeros(0), extent(experiment)))
+    # A motion that is further off at one place is so for its squares' sake.
+    return Outcome.DOES_NOT_LEARN if found in FAILED else found
 
 
 def _foretold(experiment: Experiment, final: float, errors: Floats) -> float:

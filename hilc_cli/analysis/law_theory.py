@@ -20,6 +20,7 @@ from hilc_cli.analysis.model_mismatch import (
     untried_findings,
 )
 from hilc_cli.analysis.noise_findings import noise_findings
+from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.analysis.tracking_loop import (
     TrackingLoop,
     tracking_findings,
@@ -50,6 +51,7 @@ class LawTheory:
         response: What it does along the path.
         wheels: What disturbances make of the wheel speeds.
         expected: How large the error of the last iteration will be; None if that is not known.
+        outcome: What comes of learning.
         start: What the way from the initial pose means, of the laws whose way is known.
         findings: What all the rest means.
     """
@@ -63,6 +65,7 @@ class LawTheory:
     response: TrackingResponse | None = None
     wheels: WheelNoise | None = None
     expected: ExpectedError | None = None
+    outcome: Outcome | None = None
     start: Findings = field(default_factory=Findings)
     findings: Findings = field(default_factory=Findings)
 
@@ -76,6 +79,7 @@ def law_theory(experiment: Experiment) -> LawTheory:
         wheels = _learned_noise(experiment, found)
         return LawTheory(
             forecast=found,
+            outcome=found.outcome,
             rest_error_m=rest_error(experiment, rest) if rest and rest.is_finite else None,
             expected=expected,
             wheels=wheels,
@@ -89,13 +93,13 @@ def law_theory(experiment: Experiment) -> LawTheory:
         )
     if isinstance(law, NormOptimalLaw):
         way, mismatch = merging(experiment, law), model_mismatch(experiment, law)
-        expected, wheels = expected_of_norm_optimal(experiment, law, mismatch)
+        expected, outcome, wheels = expected_of_norm_optimal(experiment, law, mismatch)
         parts = [
             untried_findings(experiment, law),
             wheel_findings(wheels, "raise controller.feedback_weights, or set 'feedback: none'"),
         ]
         if mismatch is not None:
-            parts.append(mismatch_findings(mismatch))
+            parts.append(mismatch_findings(mismatch, expected, outcome))
         parts.append(noise_findings(experiment, expected))
         return LawTheory(
             merging=way,
@@ -103,6 +107,7 @@ def law_theory(experiment: Experiment) -> LawTheory:
             wheels=wheels,
             identifies=law.parameters.identify,
             expected=expected,
+            outcome=outcome,
             start=merging_findings(way),
             findings=joined(parts),
         )

@@ -93,7 +93,7 @@ class Check:
         """What comes of learning: as simulated, else as expected; None if that is not known."""
         if self.simulated is not None:
             return self.simulated.outcome if self.scenario.spec.controller.learns else None
-        return None if self.forecast is None else self.forecast.outcome
+        return self.law.outcome
 
     @property
     def expected(self) -> ExpectedError | None:
