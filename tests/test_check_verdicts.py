@@ -14,6 +14,7 @@ import pytest
 import hilc_cli as hilc
 from hilc_cli.analysis import transient
 from hilc_cli.analysis.outcome import Outcome
+from hilc_cli.cli.check_errors import disturbed_rows
 
 BENCHMARK = Path(__file__).parents[1] / "benchmarks" / "check_verdicts.py"
 SEEDS = range(31_000, 31_016)
@@ -222,3 +223,46 @@ def test_learning_that_hardly_learns_is_told_of_law_norm_optimal_too(
     assert learns == (radius == 0.03)
     assert (verdict_of(found) == "does not halve the error") != learns
     assert any("an iteration leaves" in text for text in found.warnings) != learns
+
+
+@pytest.mark.parametrize(
+    ("iterations", "bound"),
+    [
+        (1, ["1 cm", "1 cm", "20 deg"]),
+        (3, ["3 cm", "3 cm", "10 deg"]),
+        (8, ["8 cm", "8 cm", "40 deg"]),
+    ],
+)
+def test_what_readings_spoil_of_the_identification_is_foretold(
+    iterations: int, bound: list[str]
+) -> None:
+    def given(seed: int) -> hilc.Scenario:
+        return scenario(
+            TURN,
+            {**NORM_OPTIMAL, "feedback": "none"},
+            model={"wheel_radius": 0.041},
+            iterations=iterations,
+            disturbance={"seed": seed, "output": {"bound": bound}},
+        )
+
+    runs = (hilc.run(given(seed)) for seed in range(8))
+    last = [float(run.metrics["max_position_error_m"][-1]) for run in runs]
+    expected = hilc.check(given(0)).expected
+    assert expected is not None
+    assert not expected.is_floor
+    assert max(last) / 1.5 < expected.foretold_m < 3 * max(last)
+
+
+def test_floor_is_not_printed_as_a_figure() -> None:
+    found = hilc.check(
+        scenario(
+            TURN,
+            NORM_OPTIMAL,
+            iterations=3,
+            disturbance={"output": {"bound": [1e-6, 1e-6, 1e-6]}},
+        )
+    )
+    assert found.expected is not None
+    assert found.expected.is_floor
+    ((_, text),) = disturbed_rows(found.expected)
+    assert text.startswith("less than theory tells apart, 0.00")
