@@ -266,3 +266,66 @@ def test_floor_is_not_printed_as_a_figure() -> None:
     assert found.expected.is_floor
     ((_, text),) = disturbed_rows(found.expected)
     assert text.startswith("less than theory tells apart, 0.00")
+
+
+def warned(controller: dict[str, Any], trajectory: object = TURN, **more: Any) -> str:
+    """All that is said, in one text."""
+    more = {"iterations": 0, **more}
+    found = hilc.check(scenario(trajectory, controller, **more))
+    return "\n".join([*found.failures, *found.warnings])
+
+
+def test_remedies_are_those_that_the_law_has_and_has_not_taken() -> None:
+    noise = {
+        name: {"bound": ["5 cm", "5 cm", "5 deg"]} for name in ("initial_pose", "output", "state")
+    }
+    noise["state"] = {"bound": ["3 mm", "3 mm", "0.5 deg"]}
+    stiff = {**NORM_OPTIMAL, "feedback": "lqr"}
+    for law in (stiff, {**NORM_OPTIMAL, "feedback": "none"}, {"law": "feedback", "b_w": 9}):
+        said = warned(law, iterations=2, disturbance=noise)
+        assert "swings the whole path" in said
+        assert "lower the gains" not in said
+        assert "take feedback" not in said
+        assert ("set controller.feedback: lqr" in said) == (law.get("feedback") == "none")
+        assert ("raise controller.gains" in said) == (law["law"] == "feedback")
+
+
+def test_feedback_that_explodes_is_told_to_be_lowered_and_no_more() -> None:
+    gains = {"k_x": 60, "k_y": 500}
+    said = warned({"law": "feedback", "gains": gains}, model={"wheel_separation": 0.18})
+    assert "the feedback is unstable" in said
+    assert "raise controller.gains" not in said
+    assert "wrong model" not in said
+
+
+def test_limit_is_to_blame_for_what_a_right_model_leaves_as_well() -> None:
+    turned = {"line": {"to": [2, 1.5], "speed": 0.2}}
+    corner = {
+        **TURN,
+        "corners": "allow",
+        "segments": [{"line": {"to": [2, 0], "speed": 0.2}}, turned],
+    }
+    law = {"law": "feedback", "b_w": 5.5}
+    wrong, right = (warned(law, corner, model=model) for model in ({"wheel_radius": 0.0405}, {}))
+    for said in (wrong, right):
+        assert "controller.b_w acts in" in said
+        assert "wrong model" not in said
+    assert "the wrong model leaves" in warned({**law, "b_w": 9}, model={"wheel_radius": 0.05})
+
+
+def test_turn_in_place_has_no_size_and_no_side() -> None:
+    spin = {"radius": 1e-9, "turn": "left", "sweep": "500 deg", "duration": "15 s"}
+    path = {**TURN, "segments": [{"arc": spin}]}
+    noise = {"state": {"bound": ["1 mm", "1 mm", 0]}, "output": {"bound": ["5 mm", "5 mm", 0]}}
+    wrong = {"wheel_separation": 0.18}
+    said = warned({"law": "feedback", "b_w": 9}, path, disturbance=noise, model=wrong)
+    assert "steers neither heading nor side" in said
+    said += warned({**NORM_OPTIMAL, "feedback": "none"}, path, disturbance=noise, iterations=3)
+    assert "too soft" not in said
+    assert "the whole path," not in said
+    assert "the reference moves by" not in said
+
+
+def test_half_a_turn_beside_the_start_may_be_degrees() -> None:
+    assert "all the way back; 5 deg?" in warned(NORM_OPTIMAL, initial_pose={"heading": 5})
+    assert "deg?" not in warned(NORM_OPTIMAL, initial_pose={"heading": "1.5*pi"})

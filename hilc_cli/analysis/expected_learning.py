@@ -85,15 +85,17 @@ def expected_of_norm_optimal(
     left = 0.0 if mismatch is None else min(mismatch.left, 1.0) ** experiment.iterations
     final = planned + first * left
     outcome = _halved(experiment, law, away, left)
+    run = min(experiment.iterations, _FEW_PASSES)
+    is_noisy = experiment.disturbance.output.active
+    is_too_long = experiment.reference.samples * (run + 1) > _MOST_LEARNED
 
     def known(part: Experiment) -> Floats:
         return noisy_passes(part, law, plan, SEEDS).position_m + (final - planned)
 
     def passes(part: Experiment) -> Floats:
         # Readings are what identification goes wrong by; all noise together has the last word.
-        if not law.parameters.identify or not (
-            part.disturbance.output.active or part is experiment
-        ):
+        is_spoiled = part.disturbance.output.active or part is experiment
+        if not (law.parameters.identify and is_spoiled) or is_too_long:
             return known(part)
         if part.iterations <= _FEW_PASSES:
             return _few_passes(part, final)
@@ -113,7 +115,7 @@ def expected_of_norm_optimal(
         start,
         readings,
         state,
-        None if np.isfinite(errors).all() else _TOO_LONG,
+        _TOO_LONG if is_too_long and law.parameters.identify and is_noisy else None,
         _is_floor(experiment, errors),
     )
     return found, outcome, WheelNoise.of_seeds(together.change_rad_s, together.at_limit)
@@ -132,8 +134,6 @@ def _few_passes(experiment: Experiment, final: float) -> Floats:
     found = np.full(SEEDS, final)
     if not any(each.active for each in (given.initial_pose, given.output, given.state)):
         return found
-    if reference.samples * (experiment.iterations + 1) > _MOST_LEARNED:
-        return np.append(found[:-1], np.inf)
     for seed in range(1, SEEDS):
         seeded = replace(given, seed=_OTHER_SEEDS + seed)
         try:

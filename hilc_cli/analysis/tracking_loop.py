@@ -137,7 +137,7 @@ def tracking_findings(found: TrackingLoop, response: TrackingResponse) -> Findin
         warnings.append(
             "there are errors that do not fall: raise those of controller.gains that are 0"
         )
-    elif found.stays and response.aside_left > _SOFT:
+    elif found.stays and response.aside_left > _SOFT and not response.only_stands:
         warnings.append(
             f"controller.gains.k_y is too soft for this path: of an error to the side at the start "
             f"{100 * response.aside_left:.0f} % is left at its end, since it falls over a length "
@@ -182,15 +182,22 @@ def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[li
             "the feedback drives the platform beyond all numbers along this path; lower "
             "controller.gains, or set controller.b_w"
         )
-    if response.error_m > response.near_m:
+    if response.error_m > response.near_m and found.decades < _HOPELESS:
+        # The model is to blame for what goes away with a right one.
+        by_model = response.error_known_m < response.error_m / CLEARLY
+        model = (
+            "though its model is right"
+            if found.model_is_right
+            else "and hardly less with a right model"
+        )
         error = f"up to {response.error_m:.3g} m off the reference"
-        if not found.stays and found.is_stable and math.isfinite(found.rest):
+        if by_model and not found.stays and found.is_stable and math.isfinite(found.rest):
             warnings.append(
                 f"the wrong model drives the platform {error}, ahead of it, and beyond "
                 f"k_theta / k_y, {found.most_ahead:.3g} m, it turns away from it: correct "
                 "model, or raise controller.gains.k_x"
             )
-        elif not found.model_is_right:
+        elif by_model and not found.model_is_right:
             warnings.append(
                 f"the wrong model leaves the platform {error} along this path, in each iteration "
                 "again; correct model, raise controller.gains, or take a law that learns"
@@ -202,8 +209,8 @@ def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[li
             )
         else:
             warnings.append(
-                f"the feedback leaves the platform {error} along this path, though its model is "
-                "right: raise controller.gains, shorten sample_time, or round its corners"
+                f"the feedback leaves the platform {error} along this path, {model}: raise "
+                "controller.gains, shorten sample_time, or round its corners"
             )
     if response.heading_error_rad > _TURNED:
         warnings.append(

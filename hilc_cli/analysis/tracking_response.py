@@ -41,6 +41,7 @@ class TrackingResponse:
 
     Attributes:
         error_m: Largest position error from the trajectory's own start, undisturbed [m].
+        error_known_m: Likewise with the true platform as model [m].
         heading_error_rad: Likewise of the heading, where the reference stands [rad]; 0 if it
             nowhere does.
         standing_s: How long the reference turns in place or stands still [s].
@@ -61,6 +62,7 @@ class TrackingResponse:
     """
 
     error_m: float
+    error_known_m: float
     heading_error_rad: float
     standing_s: float
     near_m: float
@@ -78,6 +80,11 @@ class TrackingResponse:
     wheels: WheelNoise | None
 
     @property
+    def only_stands(self) -> bool:
+        """Whether the reference goes nowhere, so that no side error can be steered away."""
+        return self.standing_s > (self.samples - 0.5) * self.sample_time
+
+    @property
     def joins_s(self) -> float | None:
         """`joins` in seconds."""
         return None if self.joins is None else self.joins * self.sample_time
@@ -92,6 +99,7 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
     nudge = _NUDGE * size
     aside = own[0] - nudge * math.sin(own[2]), own[1] + nudge * math.cos(own[2]), own[2]
     quiet, from_own, from_aside = (_undisturbed(experiment, pose) for pose in (start, own, aside))
+    known = replace(experiment, law=replace(law, model=experiment.robot))
     between = _apart(quiet, from_own)
     near, off = FAR * size, max(abs(a - b) for a, b in zip(start, own, strict=True))
     standing = _standing(experiment)
@@ -99,6 +107,7 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
     expected, wheels = _disturbed(experiment, law, _furthest(experiment, quiet))
     return TrackingResponse(
         _furthest(experiment, from_own),
+        _furthest(experiment, _undisturbed(known, own)),
         float(turned.max()) if len(turned) else 0.0,
         float(standing.sum()) * reference.sample_time,
         near,
