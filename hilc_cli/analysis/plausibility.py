@@ -103,7 +103,7 @@ def _path_size(demand: Demand, robot: Robot) -> list[str]:
 
 def _sample_time(demand: Demand) -> list[str]:
     """Of samples in which a robot is left alone for long."""
-    if demand.sample_time < SLOWEST:
+    if demand.sample_time <= SLOWEST:
         return []
     return [
         f"trajectory.sample_time of {demand.sample_time:g} s is longer than any robot is left "

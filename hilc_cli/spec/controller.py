@@ -134,6 +134,6 @@ def length_misfits(h: int | None, reference: Reference | None) -> list[Located]:
         return []
     problem = f"must be at most the trajectory's {reference.samples} samples"
     remedy = f"give a whole number from 1 to {reference.samples}"
-    if reference.sample_time >= SLOWEST:
+    if reference.sample_time > SLOWEST:
         remedy += f", or is trajectory.sample_time of {reference.sample_time:g} s in ms?"
     return [(("h",), problem, remedy)]
