@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
@@ -64,3 +65,16 @@ def in_short(title: str, *lines: str) -> str:
     """What a result shows of itself: a title and lines below it, each cut where it is long."""
     texts = [title, *(f"  {line}" for line in lines)]
     return "\n".join(t if len(t) <= _WIDTH else f"{t[: _WIDTH - 3]}..." for t in texts)
+
+
+def wrapped(title: str, *texts: str) -> str:
+    """A title and sentences below it, each in as many lines as it needs."""
+    lines = [
+        textwrap.fill(text, _WIDTH, initial_indent="  ", subsequent_indent="    ") for text in texts
+    ]
+    return "\n".join([title, *lines])
+
+
+def counted(count: int, name: str) -> str:
+    """``1 segment``, ``2 segments``."""
+    return f"{count} {name}" if count == 1 else f"{count} {name}s"

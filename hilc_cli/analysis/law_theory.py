@@ -20,7 +20,13 @@ from hilc_cli.analysis.model_mismatch import (
     untried_findings,
 )
 from hilc_cli.analysis.noise_findings import noise_findings
-from hilc_cli.analysis.tracking_loop import TrackingLoop, tracking_findings, tracking_loop
+from hilc_cli.analysis.outcome import Outcome
+from hilc_cli.analysis.tracking_loop import (
+    TrackingLoop,
+    tracking_findings,
+    tracking_loop,
+    way_findings,
+)
 from hilc_cli.analysis.tracking_response import TrackingResponse, tracking_response
 from hilc_cli.analysis.wheel_noise import WheelNoise, wheel_findings
 from hilc_cli.engine.experiment import Experiment
@@ -45,7 +51,9 @@ class LawTheory:
         response: What it does along the path.
         wheels: What disturbances make of the wheel speeds.
         expected: How large the error of the last iteration will be; None if that is not known.
-        findings: What all this means.
+        outcome: What comes of learning.
+        start: What the way from the initial pose means, of the laws whose way is known.
+        findings: What all the rest means.
     """
 
     forecast: Forecast | None = None
@@ -57,6 +65,8 @@ class LawTheory:
     response: TrackingResponse | None = None
     wheels: WheelNoise | None = None
     expected: ExpectedError | None = None
+    outcome: Outcome | None = None
+    start: Findings = field(default_factory=Findings)
     findings: Findings = field(default_factory=Findings)
 
 
@@ -69,6 +79,7 @@ def law_theory(experiment: Experiment) -> LawTheory:
         wheels = _learned_noise(experiment, found)
         return LawTheory(
             forecast=found,
+            outcome=found.outcome,
             rest_error_m=rest_error(experiment, rest) if rest and rest.is_finite else None,
             expected=expected,
             wheels=wheels,
@@ -82,14 +93,13 @@ def law_theory(experiment: Experiment) -> LawTheory:
         )
     if isinstance(law, NormOptimalLaw):
         way, mismatch = merging(experiment, law), model_mismatch(experiment, law)
-        expected, wheels = expected_of_norm_optimal(experiment, law, mismatch)
+        expected, outcome, wheels = expected_of_norm_optimal(experiment, law, mismatch)
         parts = [
-            merging_findings(way),
             untried_findings(experiment, law),
             wheel_findings(wheels, "raise controller.feedback_weights, or set 'feedback: none'"),
         ]
         if mismatch is not None:
-            parts.append(mismatch_findings(mismatch))
+            parts.append(mismatch_findings(mismatch, expected, outcome))
         parts.append(noise_findings(experiment, expected))
         return LawTheory(
             merging=way,
@@ -97,6 +107,8 @@ def law_theory(experiment: Experiment) -> LawTheory:
             wheels=wheels,
             identifies=law.parameters.identify,
             expected=expected,
+            outcome=outcome,
+            start=merging_findings(way),
             findings=joined(parts),
         )
     if isinstance(law, FeedbackLaw):
@@ -111,6 +123,7 @@ def law_theory(experiment: Experiment) -> LawTheory:
             response=response,
             wheels=response.wheels,
             expected=response.expected,
+            start=way_findings(loop, response),
             findings=joined(parts),
         )
     return LawTheory()

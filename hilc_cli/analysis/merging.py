@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.matrices import desired_motion, desired_poses
-from hilc_cli.analysis.start import cannot_be_reached, near
+from hilc_cli.analysis.noisy_pass import planned_motion
+from hilc_cli.analysis.open_loop import open_loop_error
+from hilc_cli.analysis.outcome import CLEARLY, NEAR
+from hilc_cli.analysis.start import (
+    LateStart,
+    cannot_be_reached,
+    in_second_half,
+    is_too_fast,
+    joined,
+    late_start,
+    near,
+)
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
@@ -37,7 +48,12 @@ class Merging:
             none.
         planned: First sample from which the law's own path stays on the trajectory within a
             millimetre, with the true wheel radius and half track; None if it does not get there.
-        left: Position error of that path at the end [m].
+        joins: First sample from which it stays within `near` of the trajectory, or, where that is
+            too fast for the wheels, of what the law makes of it from its own start; None likewise.
+        left: Distance from that at the end [m].
+        left_later: Likewise the largest one in the second half [m].
+        unlearned: Position error of the believed feedforward from the initial pose [m].
+        samples: Number of the trajectory's sampling intervals.
         near: Position error up to which a platform counts as on the trajectory [m].
         out_of_reach: Why no controller gets onto the trajectory; empty if one does.
         fastest: Largest wheel speed that the trajectory asks of the true robot [rad/s].
@@ -52,7 +68,11 @@ class Merging:
     is_off: bool
     earliest: int | None
     planned: int | None
+    joins: int | None
     left: float
+    left_later: float
+    unlearned: float
+    samples: int
     near: float
     out_of_reach: str
     fastest: float
@@ -83,13 +103,16 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
     is_off = max(position, heading) > _NONE
     earliest: int | None = 0
     planned: int | None = 0
-    left, out_of_reach = 0.0, ""
+    joins: int | None = 0
+    left, left_later, out_of_reach = 0.0, 0.0, ""
     if is_off:
         top_speed = robot.wheel_radius * experiment.speed_limit
         earliest = earliest_merge(
             trajectory, start, top_speed, robot.half_track, reference.sample_time
         )
-        planned, left = _planned(experiment, law, trajectory, start)
+        planned, away = _planned(experiment, law, trajectory, start), _away(experiment, law)
+        joins = joined(away, near(experiment))
+        left, left_later = float(away[-1]), in_second_half(away)
         out_of_reach = cannot_be_reached(experiment)
     believed = feedforward(reference, law.model)
     return Merging(
@@ -101,7 +124,11 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
         is_off,
         earliest,
         planned,
+        joins,
         left,
+        left_later,
+        open_loop_error(experiment, believed),
+        reference.samples,
         near(experiment),
         out_of_reach,
         float(np.abs(desired_motion(experiment).inputs).max()),
@@ -111,37 +138,60 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
 
 def _planned(
     experiment: Experiment, law: NormOptimalLaw, trajectory: Floats, start: Floats
-) -> tuple[int | None, float]:
-    """Where the law's path on the true robot, which identification leads to, merges and ends."""
+) -> int | None:
+    """Where the law's path on the true robot, which identification leads to, merges."""
     from hilc_cli.laws.norm_optimal.learner import rectified_for  # the compiler starts slowly
 
     robot, sample_time = experiment.robot, experiment.reference.sample_time
     gains = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
-    way = rectified_for(law.parameters, trajectory, start, *gains, experiment.speed_limit)
-    return way.merged, math.dist(way.motion[-1, :2], trajectory[-1, :2])
+    return rectified_for(law.parameters, trajectory, start, *gains, experiment.speed_limit).merged
+
+
+def _away(experiment: Experiment, law: NormOptimalLaw) -> Floats:
+    """Distance of the motion that learning leads to from the trajectory [m], shape (n + 1,).
+
+    Where that is too fast for the wheels, from what the law makes of it from its own start.
+    """
+    own = desired_poses(experiment)
+    if is_too_fast(experiment):
+        x, y, heading = own[0].tolist()
+        own = planned_motion(replace(experiment, initial_pose=(x, y, heading)), law).poses
+    away: Floats = np.hypot(*(planned_motion(experiment, law).poses - own)[:, :2].T)
+    return away
 
 
 def merging_findings(found: Merging) -> Findings:
     """What the way into the trajectory means for the experiment."""
+    found_too_fast: tuple[str, ...] = ()
     if not found.is_possible:
         # The parts that are too fast are told of the trajectory, each with its remedy.
-        return Findings(
-            warnings=(
-                "where the trajectory asks for more than controller.b_w, the law leaves it: it "
-                "makes the squared errors of the whole path least, not the delay; run it slower",
-            )
+        found_too_fast = (
+            "where the trajectory asks for more than controller.b_w, the law leaves it: it "
+            "makes the squared errors of the whole path least, not the delay; run it slower",
         )
     if not found.is_off:
-        return Findings()
-    limit = f"controller.b_w of {found.speed_limit:g} rad/s"
+        return Findings(warnings=found_too_fast)
     if found.out_of_reach:
-        return Findings(failures=(found.out_of_reach,))
-    if found.planned is None:
-        late = (
-            "from initial_pose the law does not get onto the trajectory before its end within "
-            f"{limit}; start nearer, or run the trajectory slower"
-        )
-        return Findings((late,)) if found.left > found.near else Findings(warnings=(late,))
+        return Findings((found.out_of_reach,), found_too_fast)
+    limit = f"controller.b_w of {found.speed_limit:g} rad/s"
+    within = f" within {limit}" if math.isfinite(found.speed_limit) else ""
+    late = late_start(
+        LateStart(
+            f"the law{within}",
+            found.position_error,
+            found.near / NEAR,
+            found.joins,
+            found.samples,
+            found.sample_time,
+            found.left,
+            found.left_later,
+            "start nearer, or run the trajectory slower",
+        ),
+        asked=found.h + _LATE,
+        hopeless=found.position_error >= found.unlearned / CLEARLY,
+    )
+    if late.failures or found.planned is None:
+        return Findings(late.failures, (*late.warnings, *found_too_fast))
     is_too_soon = found.earliest is not None and found.h < found.earliest
     if found.planned <= found.h + (0 if is_too_soon else _LATE):
         return Findings()

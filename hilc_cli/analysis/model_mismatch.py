@@ -17,8 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.findings import Findings
 from hilc_cli.analysis.matrices import desired_poses
+from hilc_cli.analysis.outcome import Outcome
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.reference.sampled import Floats
@@ -93,10 +95,25 @@ def _shares(experiment: Experiment, law: NormOptimalLaw) -> tuple[float, float]:
     return along, along * model.signed_half_track / robot.signed_half_track
 
 
-def mismatch_findings(found: ModelMismatch) -> Findings:
-    """What they mean for the experiment."""
-    if found.converges:
+def mismatch_findings(found: ModelMismatch, expected: ExpectedError, outcome: Outcome) -> Findings:
+    """What they mean for the experiment.
+
+    Args:
+        found: What a wrong model does to learning.
+        expected: What comes of it.
+        outcome: Whether it learns.
+    """
+    if found.converges and outcome is not Outcome.DOES_NOT_LEARN:
         return Findings()
+    if found.converges:
+        return Findings(
+            warnings=(
+                f"on a model that stays wrong an iteration leaves {found.left:.3g} of the error, "
+                f"which goes from {expected.first_m:.3g} m to {expected.final_m:.3g} m: correct "
+                "model, set controller.identify: true or controller.feedback: lqr, or raise "
+                "iterations",
+            )
+        )
     # The track has a part in it only if turning is the worse one, beyond rounding.
     is_radius = found.along > found.turning * (1 - _ENOUGH)
     worst = "R / R_b" if is_radius else "R B_b / (R_b B)"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from hilc_cli.analysis.expected_error import ExpectedError
 from hilc_cli.analysis.extent import extent
@@ -11,6 +12,10 @@ from hilc_cli.analysis.noise_draws import deviations
 from hilc_cli.analysis.open_loop import spread_of_start
 from hilc_cli.analysis.outcome import CLEARLY, NEAR
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.feedback import FeedbackLaw
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.law import Law
+from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 
 
 def share_of_path(error: float, experiment: Experiment) -> str:
@@ -18,6 +23,40 @@ def share_of_path(error: float, experiment: Experiment) -> str:
     sizes = error / extent(experiment)
     share = f"{100 * sizes:.2g} % of" if sizes < 1 else f"{sizes:.3g} times"
     return f"{share} the path's size"
+
+
+class Remedies(NamedTuple):
+    """What a law's user can do about each disturbance, after what is done about its cause."""
+
+    start: str
+    readings: str
+    state: str
+
+
+def _remedies(law: Law) -> Remedies:
+    """By law: only what it has, and has not done yet."""
+    place, read, drive = "place the robot better", "measure better", "make it smaller"
+    if isinstance(law, FeedbackLaw):
+        stiffer = "raise controller.gains"
+        return Remedies(
+            f"{place}, or {stiffer}", f"{read}, or lower controller.gains", f"{drive}, or {stiffer}"
+        )
+    if isinstance(law, NormOptimalLaw):
+        if law.parameters.feedback == "none":
+            feedback = "set controller.feedback: lqr"
+            return Remedies(
+                f"{place}, or {feedback}", f"{read}, or raise iterations", f"{drive}, or {feedback}"
+            )
+        weights = "controller.feedback_weights"
+        return Remedies(
+            f"{place}, or lower {weights}",
+            f"{read}, raise {weights}, or set 'feedback: none'",
+            f"{drive}, or lower {weights}",
+        )
+    feedback = ""
+    if not (isinstance(law, HybridLaw) and not law.compensation and (law.l2 > 0 or law.l3 > 0)):
+        feedback = ", or take a law with feedback within the iteration"
+    return Remedies(f"{place}{feedback}", "lower the gains", f"lower the gains{feedback}")
 
 
 def noise_findings(
@@ -71,8 +110,7 @@ def _of_start(experiment: Experiment, found: ExpectedError) -> list[str]:
     return [
         f"disturbance.initial_pose swings the whole path: {spread:.2g} m (RMS) off where it is "
         f"worst, {share_of_path(spread, experiment)}, {anew} and before anything is learned; "
-        f"{_by_the_end(found.of_start_m, spread)}; place the robot better, or take feedback within "
-        "the iteration"
+        f"{_by_the_end(found.of_start_m, spread)}; {_remedies(experiment.law).start}"
     ]
 
 
@@ -86,7 +124,7 @@ def _of_readings(experiment: Experiment, found: ExpectedError, learns: bool) -> 
         f"disturbance.output is {'learned from' if learns else 'followed'} as if it were an error: "
         f"readings are {read:.2g} m and {heading:.2g} rad (RMS) off; "
         f"{_by_the_end(found.of_readings_m, read)}, "
-        f"{share_of_path(found.of_readings_m, experiment)}; lower the gains"
+        f"{share_of_path(found.of_readings_m, experiment)}; {_remedies(experiment.law).readings}"
     ]
 
 
@@ -96,8 +134,7 @@ def _of_state(experiment: Experiment, found: ExpectedError) -> list[str]:
         return []
     return [
         f"disturbance.state makes up to {found.of_state_m:.2g} m of the last iteration's error, "
-        f"{share_of_path(found.of_state_m, experiment)}; lower the gains, or take feedback within "
-        "the iteration"
+        f"{share_of_path(found.of_state_m, experiment)}; {_remedies(experiment.law).state}"
     ]
 
 

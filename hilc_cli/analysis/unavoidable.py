@@ -76,10 +76,15 @@ def with_what_is_left(
         least = max(least, expected.final_m)
         if least > max(STAYS * unlearned, small):
             return found
-    left = f"about {least:.2g} m" if least > small else "little"
+    if expected is not None and expected.unsure is None:
+        left = f"about {max(least, expected.final_m):.2g} m of error is left"
+    elif least > small:
+        left = f"at least {least:.2g} m of error is left"
+    else:
+        left = "how much of error is left is not known (--simulate)"
     return Findings(
         warnings=(
-            *(f"{text}; as it is, {left} of error is left" for text in found.failures),
+            *(f"{text}; as it is, {left}" for text in found.failures),
             *found.warnings,
         )
     )

@@ -26,7 +26,7 @@ from hilc_cli.analysis.unavoidable import with_what_is_left
 from hilc_cli.api.check_simulation import Simulated, decided, simulated, theory_findings
 from hilc_cli.api.running import OnIteration
 from hilc_cli.files import merge_folder
-from hilc_cli.named import in_short
+from hilc_cli.named import counted, wrapped
 from hilc_cli.results.transient_table import TRANSIENT_FILE, write_transient
 from hilc_cli.spec.hybrid import HybridController
 from hilc_cli.spec.loading import ScenarioSource, as_scenario
@@ -35,6 +35,12 @@ from hilc_cli.spec.valid import Scenario
 
 _RANKS = {"feasibility": 1, "advice": 2}
 """Parts whose warnings come after those of learning, which are of this very scenario."""
+_UNSURE = {
+    Outcome.OUT_OF_RANGE: "unclear",
+    Outcome.DOES_NOT_LEARN: "does not halve the error",
+    Outcome.DROWNED: "does not learn",
+}
+"""What is expected of learning where that is neither that it works nor that it cannot."""
 _MOST_TOLD = 4  # findings that a check shows of itself
 
 
@@ -62,10 +68,20 @@ class Check:
     findings: Mapping[str, Findings]
 
     def __repr__(self) -> str:
-        verdict = "cannot work" if self.failures else "nothing wrong"
         found = [*self.failures, *(f"warning: {warning}" for warning in self.warnings)]
         more = [f"and {len(found) - _MOST_TOLD} more"] if len(found) > _MOST_TOLD else []
-        return in_short(f"Check of {self.scenario.name!r}: {verdict}", *found[:_MOST_TOLD], *more)
+        title = f"Check of {self.scenario.name!r}: {self.verdict}"
+        return wrapped(title, *found[:_MOST_TOLD], *more)
+
+    @property
+    def verdict(self) -> str:
+        """What has come out, in a few words."""
+        warned = f", {counted(len(self.warnings), 'warning')}" if self.warnings else ""
+        if self.failures:
+            return f"cannot work, {counted(len(self.failures), 'error')}{warned}"
+        if self.outcome in _UNSURE:
+            return f"{_UNSURE[self.outcome]}{warned}"
+        return f"works{warned}" if warned else "nothing wrong"
 
     @property
     def forecast(self) -> Forecast | None:
@@ -77,7 +93,7 @@ class Check:
         """What comes of learning: as simulated, else as expected; None if that is not known."""
         if self.simulated is not None:
             return self.simulated.outcome if self.scenario.spec.controller.learns else None
-        return None if self.forecast is None else self.forecast.outcome
+        return self.law.outcome
 
     @property
     def expected(self) -> ExpectedError | None:
@@ -187,7 +203,7 @@ def check(
             "feasibility": with_what_is_left(
                 found, feasibility, experiment, scenario.setting.model, theory.expected
             ),
-            "start": start_findings(experiment, theory.forecast),
+            "start": start_findings(experiment, theory.forecast, theory.start),
             "learning": theory.findings,
         }
         premises, bounds = None, None
@@ -196,7 +212,7 @@ def check(
         beside = None
         if simulate:
             findings["simulation"], beside = simulated(
-                scenario, experiment, bounds or {}, on_iteration
+                scenario, experiment, bounds or {}, theory.expected, on_iteration
             )
         if beside is None:
             findings["prediction"] = unsure_findings(experiment, theory.expected)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from hilc_cli.cli.terminal import is_decorated, print_table, print_text, two_columns
 from hilc_cli.errors import printable
+from hilc_cli.named import counted as counted
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -103,11 +104,6 @@ def finding_lines(text: str) -> list[str]:
     if not is_decorated(sys.stdout):
         return [text]
     return textwrap.wrap(text, _width(), subsequent_indent="  ", break_long_words=False)
-
-
-def counted(count: int, name: str) -> str:
-    """``1 segment``, ``2 segments``."""
-    return f"{count} {name}" if count == 1 else f"{count} {name}s"
 
 
 def _table(grid: Grid) -> Table:

@@ -77,6 +77,19 @@ class RunData:
         )
 
     @property
+    def telling_errors_m(self) -> Floats:
+        """Largest position errors of the iterations by which a run is judged [m].
+
+        Those of the second half if it starts beside the trajectory, else of the whole path: an
+        initial error is there whatever is learned.
+        """
+        later = self.metrics[MAX_ERROR_SECOND_HALF]
+        # Folders of before the metric was have no numbers there.
+        if self.starts_off and np.isfinite(later).any():
+            return later
+        return self.metrics[MAX_ERROR]
+
+    @property
     def start_decides(self) -> bool:
         """Whether a start beside the trajectory decides the maximum position error.
 

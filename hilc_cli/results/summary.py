@@ -130,9 +130,7 @@ def _length(length: float) -> str:
 def summarise(run: RunData) -> Summary:
     """The summary of a run with at least one completed iteration."""
     errors, second_half = run.metrics[MAX_ERROR], run.metrics[MAX_ERROR_SECOND_HALF]
-    # Folders of before the metric was have no numbers there.
-    known = run.starts_off and bool(np.isfinite(second_half).any())
-    telling = np.nan_to_num(second_half if known else errors, nan=np.inf, posinf=np.inf)
+    telling = np.nan_to_num(run.telling_errors_m, nan=np.inf, posinf=np.inf)
     size = run.reference.size
     saturated = run.metrics["saturated_samples"].sum()
     return Summary(

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, get_args
 
+from hilc_cli.analysis.plausibility import SLOWEST
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.laws.law import Law
 from hilc_cli.reference.sampled import Reference
@@ -132,4 +133,7 @@ def length_misfits(h: int | None, reference: Reference | None) -> list[Located]:
     if reference is None or h is None or h <= reference.samples:
         return []
     problem = f"must be at most the trajectory's {reference.samples} samples"
-    return [(("h",), problem, f"give a whole number from 1 to {reference.samples}")]
+    remedy = f"give a whole number from 1 to {reference.samples}"
+    if reference.sample_time > SLOWEST:
+        remedy += f", or is trajectory.sample_time of {reference.sample_time:g} s in ms?"
+    return [(("h",), problem, remedy)]

@@ -12,7 +12,7 @@ import numpy as np
 
 from hilc_cli.analysis.demand import demand_of
 from hilc_cli.analysis.feasibility import Feasibility, Limits
-from hilc_cli.analysis.plausibility import implausible
+from hilc_cli.analysis.plausibility import implausible, is_plain
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.named import in_short
@@ -118,9 +118,11 @@ class Scenario:
         found = [*self._implausible(), *self.spec.controller.warnings(self.setting)]
         found += self._without_learning()
         if abs(self.spec.initial_error[2]) > math.pi:
+            heading = self.spec.start_pose[2]
+            meant = f"; {heading:g} deg?" if is_plain(heading) else ""
             found.append(
                 "initial_pose.heading differs by more than half a turn from the trajectory's "
-                "start; headings are not wrapped, so the robot will turn all the way back"
+                f"start; headings are not wrapped, so the robot will turn all the way back{meant}"
             )
         return found
 

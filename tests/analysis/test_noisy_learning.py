@@ -148,7 +148,7 @@ LAWS = {
 def test_what_is_foretold_is_what_runs_do(law: str, noise: str, repeat: bool) -> None:
     given = experiment(LAWS[law], noise={noise: replace(NOISES[noise], repeat=repeat)})
     if isinstance(given.law, NormOptimalLaw):
-        found, _ = expected_of_norm_optimal(given, given.law, None)
+        found, _, _ = expected_of_norm_optimal(given, given.law, None)
     else:
         found = expected_of_learning(given, forecast(given))
     assert found.unsure is None

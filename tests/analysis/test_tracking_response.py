@@ -9,7 +9,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from hilc_cli.analysis.tracking_loop import tracking_findings, tracking_loop
+from hilc_cli.analysis.findings import joined
+from hilc_cli.analysis.tracking_loop import tracking_findings, tracking_loop, way_findings
 from hilc_cli.analysis.tracking_response import TrackingResponse, tracking_response
 from hilc_cli.analysis.wheel_noise import seen_in, seen_warnings, wheel_findings
 from hilc_cli.disturbance.streams import Bounded, Disturbance
@@ -89,7 +90,8 @@ def away(made: Experiment, trial: Trial) -> Floats:
 def told(made: Experiment) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """How the findings begin: failures, and warnings."""
     assert isinstance(made.law, FeedbackLaw)
-    found = tracking_findings(tracking_loop(made, made.law), response_of(made))
+    loop, response = tracking_loop(made, made.law), response_of(made)
+    found = joined([tracking_findings(loop, response), way_findings(loop, response)])
     return found.failures, found.warnings
 
 
