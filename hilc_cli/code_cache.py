@@ -6,6 +6,8 @@ import fcntl
 import hashlib
 import logging
 import os
+import shutil
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from io import BytesIO
@@ -105,8 +107,7 @@ class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
             for file in sorted(index.parent.glob("*.nb[ic]")):
                 if file.name.startswith(f"{index.stem}.") or not self._is_usable(file):
                     found = True
-                    with suppress(OSError):
-                        file.unlink()
+                    _remove(file)
         return found
 
     def _is_usable(self, file: Path) -> bool:
@@ -126,6 +127,8 @@ class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
 
     def _check(self, path: str) -> None:
         try:
+            if not stat.S_ISREG(os.stat(path).st_mode):  # noqa: PTH116  # a pipe waits for ever
+                raise _UnusableError("damaged: something else stands in the place of a file")
             with open(path, "rb") as file:  # noqa: PTH123
                 owner = os.fstat(file.fileno()).st_uid
                 content = file.read()
@@ -143,6 +146,15 @@ class _CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
             content = BytesIO()
             yield content
             file.write(content.getvalue() + _checksum(filepath, content.getvalue()))
+
+
+def _remove(place: Path) -> None:
+    """Removes whatever stands in the place of a file, if that is possible."""
+    with suppress(OSError):
+        if place.is_dir() and not place.is_symlink():
+            shutil.rmtree(place)
+        else:
+            place.unlink()
 
 
 @contextmanager

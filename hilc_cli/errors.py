@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -67,7 +67,7 @@ class UnknownNameError(UsageError, KeyError):
             known: All keys.
         """
         keys = [str(key) for key in known]
-        near = near_word(name, keys) if isinstance(name, str) else None
+        near = near_name(name, keys) if isinstance(name, str) else None
         meant = f"did you mean '{near}'? " if near else ""
         super().__init__(f"there is no {what} {name!r}; {meant}known: {', '.join(keys) or 'none'}")
 
@@ -119,9 +119,25 @@ class DivergedError(HilcError):
 
 def suggestion(word: str, known: Iterable[str]) -> str:
     """The nearest known word as ``did you mean 'x'?``, or the list of all known words."""
-    known = sorted(known)
+    known = list(known)
+    near = near_name(word, known)
+    return f"did you mean '{near}'?" if near else f"known: {', '.join(sorted(known))}"
+
+
+def near_name(word: str, known: Sequence[str]) -> str | None:
+    """The nearest known name; if none is near, the first that has all words of what was written.
+
+    So ``max_position_error_m`` is meant by ``max_error``.
+    """
     near = near_word(word, known)
-    return f"did you mean '{near}'?" if near else f"known: {', '.join(known)}"
+    words = set(_words(word))
+    if near is None and len(words) > 1:
+        near = next((each for each in known if words <= set(_words(each))), None)
+    return near
+
+
+def _words(name: str) -> list[str]:
+    return name.lower().replace("-", "_").split("_")
 
 
 def near_word(word: str, known: Iterable[str], alike: float = 0.7) -> str | None:

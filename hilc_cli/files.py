@@ -48,33 +48,100 @@ def read_file(path: Path, limit: int) -> bytes:
         UsageError: It is a folder, pipe or device, or it is too large.
         FileAccessError: It cannot be read.
     """
-    with os.fdopen(open_to_read(path), "rb") as file:
+    with os.fdopen(open_to_read(path, limit), "rb") as file:
         try:
             content = file.read(limit + 1)
         except OSError as error:
             raise FileAccessError(f"{path}: cannot be read: {reason(error)}") from error
     if content is None:  # some files of the system have nothing to say now, and no end
         raise UsageError(f"{path}: has no end up to which it could be read; give a regular file")
-    if len(content) > limit:
-        raise UsageError(f"{path}: is larger than {limit} bytes, the most that is read; shorten it")
+    check_size(path, len(content), limit)  # some files of the system do not tell theirs before
     return content
 
 
-def open_to_read(path: Path) -> int:
+def check_size(path: Path, size: int, limit: int | None) -> None:
+    """Refuses a file that is too large, of which nothing need be read to know it.
+
+    Raises:
+        UsageError: It is.
+    """
+    if limit is not None and size > limit:
+        raise UsageError(f"{path}: is larger than {limit} bytes, the most that is read; shorten it")
+
+
+def open_to_read(path: Path, limit: int | None = None) -> int:
     """The descriptor of a regular file.
+
+    Args:
+        path: The file.
+        limit: Largest size [bytes].
 
     Raises:
         MissingFileError: There is no such file.
-        UsageError: It is a folder, pipe or device.
+        UsageError: It is a folder, pipe or device, it is too large, or nothing can have that name.
         FileAccessError: It cannot be read.
     """
+    with reading(path):
+        try:
+            return _open_regular(path, os.O_RDONLY, limit)
+        except (FileNotFoundError, NotADirectoryError):
+            raise MissingFileError(f"{path}: there is no such file; check the path") from None
+
+
+def is_there(path: Path) -> bool:
+    """Whether there is something to read, be it a file or a folder.
+
+    Raises:
+        UsageError: Nothing can have that name.
+        FileAccessError: The system does not tell.
+    """
+    with reading(path):
+        try:
+            path.stat()
+        except (FileNotFoundError, NotADirectoryError):
+            return False
+        return True
+
+
+def resolved(path: Path) -> Path:
+    """The path without links.
+
+    Raises:
+        OSError: There is a loop of links in it, which `Path.resolve` takes for a bug until Python
+            3.13, or the working folder is gone. The error names the path.
+    """
     try:
-        return _open_regular(path, os.O_RDONLY)
-    except (FileNotFoundError, NotADirectoryError):
-        raise MissingFileError(f"{path}: there is no such file; check the path") from None
-    except (OSError, ValueError) as error:
-        why = reason(error) if isinstance(error, OSError) else str(error)
-        raise FileAccessError(f"{path}: cannot be read: {why}") from error
+        return path.resolve()
+    except (OSError, RuntimeError) as error:
+        number = error.errno if isinstance(error, OSError) else None
+        number = number or errno.ELOOP
+        raise OSError(number, os.strerror(number), str(path)) from None
+
+
+def folder_to_read(path: Path) -> Path:
+    """A folder that is given to be read, without links.
+
+    Raises:
+        UsageError: Nothing can have that name.
+        FileAccessError: The working folder is gone.
+    """
+    with reading(path):
+        return resolved(path)
+
+
+def output_place(path: Path) -> Path:
+    """Where a folder goes that is to be written, without links.
+
+    Raises:
+        OSError: Nothing can be made there: its name cannot be, or something else than a folder is
+            on the way, such as a link to nothing. To make what that leads to is nobody's wish.
+    """
+    for parent in path.parents:
+        if parent.is_symlink() and not parent.exists():
+            raise OSError(errno.ENOENT, f"nothing is made below {parent}, a link to nothing")
+        if parent.exists() and not parent.is_dir():
+            raise OSError(errno.ENOTDIR, f"nothing is made below {parent}, which is no folder")
+    return resolved(path)
 
 
 def open_to_write(path: Path) -> int:
@@ -90,14 +157,16 @@ def open_to_write(path: Path) -> int:
         return _open_regular(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW)
 
 
-def _open_regular(path: Path, flags: int) -> int:
+def _open_regular(path: Path, flags: int, limit: int | None = None) -> int:
     """Opens a regular file, and at once: a pipe to which nobody writes would wait for ever."""
     with suppress(OSError, ValueError):  # which opening it tells
         # Opening a device may already do something. What it is by then is checked once more.
         _check_regular(path, path.lstat() if flags & os.O_NOFOLLOW else path.stat(), flags)
     descriptor = os.open(path, flags | os.O_NONBLOCK | os.O_NOCTTY, 0o666)
     try:
-        _check_regular(path, os.fstat(descriptor), flags)
+        status = os.fstat(descriptor)
+        _check_regular(path, status, flags)
+        check_size(path, status.st_size, limit)
     except BaseException:
         os.close(descriptor)
         raise
@@ -110,6 +179,27 @@ def _check_regular(path: Path, status: os.stat_result, flags: int) -> None:
         raise UsageError(f"{path}: is {kind}; give a regular file")
     if flags & os.O_RDWR and status.st_nlink > 1:
         raise UsageError(f"{path}: has other names elsewhere (hard links); give a copy of its own")
+
+
+_NO_NAMES = (errno.ELOOP, errno.ENAMETOOLONG)
+"""What the system says where nothing can have a name, whoever asks."""
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Turns failures to read below a path into one line that names it.
+
+    Raises:
+        UsageError: Nothing can have that name.
+        FileAccessError: The system refused.
+    """
+    try:
+        yield
+    except OSError as error:
+        kind = UsageError if error.errno in _NO_NAMES else FileAccessError
+        raise kind(f"{path}: cannot be read: {reason(error)}") from error
+    except ValueError as error:  # a NUL character
+        raise UsageError(f"{path}: cannot be read: {error}") from error
 
 
 @contextmanager
@@ -165,7 +255,7 @@ def write_folder(
         FileAccessError: The system refused. In either case what stood there is as it was.
     """
     with writing(path):
-        place = path.resolve()
+        place = output_place(path)
         place.parent.mkdir(parents=True, exist_ok=True)
 
         own = 0
@@ -207,6 +297,7 @@ def merge_folder(
         FileAccessError: The system refused.
     """
     with writing(path):
+        output_place(path)
         parents = [path, *path.parents]
         existing = next(parent for parent in parents if parent.exists())
         for folder in {existing, path.parent}:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
 from hilc_cli.errors import UnknownNameError, UsageError, printable, shortened
 
-# Not only dots, which are folders, and no hyphen first, with which options and formulas begin.
-NAME_PATTERN = r"^(\.*[A-Za-z0-9_]|\.+-)[A-Za-z0-9._-]*$"
+# No dot first, with which hidden folders begin, drafts among them, and no hyphen, with which
+# options and formulas do.
+NAME_PATTERN = r"^[A-Za-z0-9_][A-Za-z0-9._-]*$"
 LONGEST_NAME = 100
 
 
@@ -38,6 +40,8 @@ def name_remedy(text: object) -> str:
     """What to do about a text that is to be a name and is none."""
     if isinstance(text, str) and text.startswith("-"):
         return "begin with a letter or digit: options and formulas begin with '-'"
+    if isinstance(text, str) and text.startswith("."):
+        return "begin with a letter or digit: hidden files and folders begin with '.'"
     return "use letters, digits, '.', '_' and '-'"
 
 
@@ -98,3 +102,16 @@ def in_short(title: str, *lines: str) -> str:
     """What a result shows of itself: a title and lines below it, each cut where it is long."""
     texts = [title, *(f"  {line}" for line in lines)]
     return "\n".join(t if len(t) <= _WIDTH else f"{t[: _WIDTH - 3]}..." for t in texts)
+
+
+def wrapped(title: str, *texts: str) -> str:
+    """A title and sentences below it, each in as many lines as it needs."""
+    lines = [
+        textwrap.fill(text, _WIDTH, initial_indent="  ", subsequent_indent="    ") for text in texts
+    ]
+    return "\n".join([title, *lines])
+
+
+def counted(count: int, name: str) -> str:
+    """``1 segment``, ``2 segments``."""
+    return f"{count} {name}" if count == 1 else f"{count} {name}s"

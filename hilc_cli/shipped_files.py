@@ -104,7 +104,9 @@ def copy_examples(folder: Path, *, force: bool = False) -> list[Path]:
 
 
 def _differs(path: Path, content: bytes) -> bool:
-    return not path.is_file() or path.read_bytes() != content
+    if not path.is_file() or path.stat().st_size != len(content):
+        return True
+    return path.read_bytes() != content
 
 
 def _write_bytes(content: bytes, path: Path) -> None:

@@ -89,24 +89,22 @@ def write(folder: Path) -> Write:
 
 
 @pytest.fixture
-def hilc(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> Iterator[Hilc]:
+def hilc(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Hilc:
     """The command line, run in this process: much faster than a new one for each case."""
     monkeypatch.delenv("_HILC_COMPLETE", raising=False)
 
     def hilc(*arguments: str, stdin: bytes = b"") -> Outcome:
         capsys.readouterr()
+        before = {number: signal.getsignal(number) for number in STOPPED}
         with monkeypatch.context() as patched:
             patched.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(stdin)))
             patched.setattr(sys, "argv", ["hilc", *arguments])
             with pytest.raises(SystemExit) as stop:
                 main(arguments)
+        for number, handler in before.items():
+            signal.signal(number, handler)
         printed = capsys.readouterr()
         assert isinstance(stop.value.code, int)
         return Outcome(stop.value.code, printed.out, printed.err)
 
-    before = {number: signal.getsignal(number) for number in STOPPED}
-    yield hilc
-    for number, handler in before.items():
-        signal.signal(number, handler)
+    return hilc

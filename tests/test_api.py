@@ -17,7 +17,6 @@ from hilc_cli import HilcError
 from hilc_cli.errors import (
     DivergedError,
     ExistingResultsError,
-    FileAccessError,
     InvalidInputError,
     UsageError,
 )
@@ -125,7 +124,7 @@ def test_inline_trajectory() -> None:
         ("scenario.yaml", {"": 1}, InvalidInputError, 2),
         ("scenario.yaml", {"a..b": 1}, InvalidInputError, 2),
         ("scenario.yaml", ["iterations"], InvalidInputError, 2),
-        ("n" * 300, {}, FileAccessError, 1),
+        ("n" * 300, {}, UsageError, 2),
     ],
 )
 def test_failures_are_hilc_errors(
@@ -344,13 +343,26 @@ def test_results_show_themselves_in_a_few_lines() -> None:
     run.write("runs/one", plots=False)
     assert_short(run, run.summary(), run.metrics, run.learning, run.last, run.reference)
     assert_short(run.scenario, run.trials, hilc_api.read_run("runs/one"))
-    assert_short(hilc_api.check("example:fig6c"), hilc_api.compare([run, run]))
+    assert_short(hilc_api.check("example:fig6c").forecast, hilc_api.compare([run, run]))
     plan = hilc_api.plan_sweep("scenario.yaml", {L1: "1e-3:1:500:log", "trajectory": ["path.yaml"]})
     sweep = hilc_api.sweep(plan)
     assert_short(plan, sweep, sweep.columns, sweep.values, sweep.summary())
     assert_short(hilc_api.plan_reproduction(["fig3"]))
     assert f"Run 'fig8a': {run.reference.name}" in repr(run)
     assert f"{run.metrics['max_position_error_m'][-1]:.6g}" in repr(run)
+
+
+def test_check_shows_the_verdict_of_the_command_line_and_whole_sentences() -> None:
+    for name, verdict in (("fig8a", "works"), ("fig8c", "cannot work"), ("fig3-circle", "works")):
+        found = hilc_api.check(f"example:{name}")
+        first, *lines = repr(found).splitlines()
+        assert first == f"Check of {name!r}: {found.verdict}"
+        assert found.verdict.startswith(f"{verdict}, ")
+        assert max(map(len, lines)) <= 100
+        shown = " ".join(" ".join(lines).split())
+        told = [*found.failures, *(f"warning: {text}" for text in found.warnings)][:4]
+        assert all(text in shown for text in told)
+        assert "..." not in shown
 
 
 def test_names_that_are_not_there_are_told_with_those_that_are() -> None:

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 import hilc_cli as hilc
+from hilc_cli.checks.report.errors import disturbed_rows
 from hilc_cli.theory.learning import transient
 from hilc_cli.theory.learning.outcome import Outcome
 
@@ -154,3 +155,177 @@ def test_simulation_has_the_last_word() -> None:
     assert not any("cannot be foretold" in text for text in beside.warnings)
     assert beside.outcome is not None
     assert beside.outcome is not Outcome.OUT_OF_RANGE
+
+
+NORM_OPTIMAL = {"law": "norm-optimal", "h": 40, "b_w": 9}
+
+
+def verdict_of(found: hilc.Check) -> str:
+    return found.verdict.partition(",")[0]
+
+
+@pytest.mark.parametrize("aside", ["5 cm", "-12 cm"])
+def test_wrong_start_is_judged_by_the_second_half_as_runs_are(aside: str) -> None:
+    given = scenario(
+        TURN, NORM_OPTIMAL, model={"wheel_radius": 0.041}, iterations=5, initial_pose={"y": aside}
+    )
+    found = hilc.check(given, simulate=True)
+    assert found.simulated is not None
+    errors = found.simulated.errors_m
+    assert errors[-1] > errors[0] / 2  # the initial error is there whatever is learned
+    assert found.simulated.telling_errors_m[-1] < 1e-4
+    assert found.simulated.summary.on_path is not None
+    assert found.verdict == hilc.check(given).verdict == "nothing wrong"
+
+
+def test_error_that_is_noise_alone_has_nothing_to_halve() -> None:
+    # A turn on the spot leaves no position error but that of disturbances.
+    spin = {"radius": 1e-9, "turn": "left", "sweep": "500 deg", "duration": "15 s"}
+    found = hilc.check(
+        scenario(
+            {**TURN, "segments": [{"arc": spin}]},
+            {**NORM_OPTIMAL, "feedback": "none"},
+            model={"wheel_separation": 0.18},
+            iterations=5,
+            disturbance={"seed": 3, "state": {"bound": ["0.4 mm", "0.4 mm", "0.05 deg"]}},
+        ),
+        simulate=True,
+    )
+    assert found.simulated is not None
+    assert found.simulated.errors_m[-1] > 0.01 * 0.2
+    assert verdict_of(found) == "works"
+
+
+@pytest.mark.parametrize("law", [NORM_OPTIMAL, {"law": "feedback", "b_w": 9}])
+def test_start_from_which_a_law_is_not_on_the_path_in_time_cannot_work(law: dict[str, Any]) -> None:
+    given = scenario(TURN, law, iterations=2, initial_pose={"y": 3})
+    run = hilc.run(given)
+    assert run.summary().on_path is None
+    for simulate in (False, True):
+        found = hilc.check(given, simulate=simulate)
+        assert any("from initial_pose" in text for text in found.failures)
+        assert verdict_of(found) == "cannot work"
+
+
+@pytest.mark.parametrize(("radius", "iterations"), [(0.02, 8), (0.0202, 4), (0.03, 1)])
+def test_learning_that_hardly_learns_is_told_of_law_norm_optimal_too(
+    radius: float, iterations: int
+) -> None:
+    given = scenario(
+        TURN,
+        {**NORM_OPTIMAL, "identify": False, "feedback": "none", "b_w": 20},
+        model={"wheel_radius": radius},
+        iterations=iterations,
+    )
+    found = hilc.check(given)
+    errors = hilc.run(given).metrics["max_position_error_m"]
+    learns = bool(errors[-1] <= errors[0] / 2)
+    assert learns == (radius == 0.03)
+    assert (verdict_of(found) == "does not halve the error") != learns
+    assert any("an iteration leaves" in text for text in found.warnings) != learns
+
+
+@pytest.mark.parametrize(
+    ("iterations", "bound"),
+    [
+        (1, ["1 cm", "1 cm", "20 deg"]),
+        (3, ["3 cm", "3 cm", "10 deg"]),
+        (8, ["8 cm", "8 cm", "40 deg"]),
+    ],
+)
+def test_what_readings_spoil_of_the_identification_is_foretold(
+    iterations: int, bound: list[str]
+) -> None:
+    def given(seed: int) -> hilc.Scenario:
+        return scenario(
+            TURN,
+            {**NORM_OPTIMAL, "feedback": "none"},
+            model={"wheel_radius": 0.041},
+            iterations=iterations,
+            disturbance={"seed": seed, "output": {"bound": bound}},
+        )
+
+    runs = (hilc.run(given(seed)) for seed in range(8))
+    last = [float(run.metrics["max_position_error_m"][-1]) for run in runs]
+    expected = hilc.check(given(0)).expected
+    assert expected is not None
+    assert not expected.is_floor
+    assert max(last) / 1.5 < expected.foretold_m < 3 * max(last)
+
+
+def test_floor_is_not_printed_as_a_figure() -> None:
+    found = hilc.check(
+        scenario(
+            TURN,
+            NORM_OPTIMAL,
+            iterations=3,
+            disturbance={"output": {"bound": [1e-6, 1e-6, 1e-6]}},
+        )
+    )
+    assert found.expected is not None
+    assert found.expected.is_floor
+    ((_, text),) = disturbed_rows(found.expected)
+    assert text.startswith("less than theory tells apart, 0.00")
+
+
+def warned(controller: dict[str, Any], trajectory: object = TURN, **more: Any) -> str:
+    """All that is said, in one text."""
+    more = {"iterations": 0, **more}
+    found = hilc.check(scenario(trajectory, controller, **more))
+    return "\n".join([*found.failures, *found.warnings])
+
+
+def test_remedies_are_those_that_the_law_has_and_has_not_taken() -> None:
+    noise = {
+        name: {"bound": ["5 cm", "5 cm", "5 deg"]} for name in ("initial_pose", "output", "state")
+    }
+    noise["state"] = {"bound": ["3 mm", "3 mm", "0.5 deg"]}
+    stiff = {**NORM_OPTIMAL, "feedback": "lqr"}
+    for law in (stiff, {**NORM_OPTIMAL, "feedback": "none"}, {"law": "feedback", "b_w": 9}):
+        said = warned(law, iterations=2, disturbance=noise)
+        assert "swings the whole path" in said
+        assert "lower the gains" not in said
+        assert "take feedback" not in said
+        assert ("set controller.feedback: lqr" in said) == (law.get("feedback") == "none")
+        assert ("raise controller.gains" in said) == (law["law"] == "feedback")
+
+
+def test_feedback_that_explodes_is_told_to_be_lowered_and_no_more() -> None:
+    gains = {"k_x": 60, "k_y": 500}
+    said = warned({"law": "feedback", "gains": gains}, model={"wheel_separation": 0.18})
+    assert "the feedback is unstable" in said
+    assert "raise controller.gains" not in said
+    assert "wrong model" not in said
+
+
+def test_limit_is_to_blame_for_what_a_right_model_leaves_as_well() -> None:
+    turned = {"line": {"to": [2, 1.5], "speed": 0.2}}
+    corner = {
+        **TURN,
+        "corners": "allow",
+        "segments": [{"line": {"to": [2, 0], "speed": 0.2}}, turned],
+    }
+    law = {"law": "feedback", "b_w": 5.5}
+    wrong, right = (warned(law, corner, model=model) for model in ({"wheel_radius": 0.0405}, {}))
+    for said in (wrong, right):
+        assert "controller.b_w acts in" in said
+        assert "wrong model" not in said
+    assert "the wrong model leaves" in warned({**law, "b_w": 9}, model={"wheel_radius": 0.05})
+
+
+def test_turn_in_place_has_no_size_and_no_side() -> None:
+    spin = {"radius": 1e-9, "turn": "left", "sweep": "500 deg", "duration": "15 s"}
+    path = {**TURN, "segments": [{"arc": spin}]}
+    noise = {"state": {"bound": ["1 mm", "1 mm", 0]}, "output": {"bound": ["5 mm", "5 mm", 0]}}
+    wrong = {"wheel_separation": 0.18}
+    said = warned({"law": "feedback", "b_w": 9}, path, disturbance=noise, model=wrong)
+    assert "steers neither heading nor side" in said
+    said += warned({**NORM_OPTIMAL, "feedback": "none"}, path, disturbance=noise, iterations=3)
+    assert "too soft" not in said
+    assert "the whole path," not in said
+    assert "the reference moves by" not in said
+
+
+def test_half_a_turn_beside_the_start_may_be_degrees() -> None:
+    assert "all the way back; 5 deg?" in warned(NORM_OPTIMAL, initial_pose={"heading": 5})
+    assert "deg?" not in warned(NORM_OPTIMAL, initial_pose={"heading": "1.5*pi"})

@@ -137,6 +137,35 @@ def test_first_to_find_damage_throws_all_of_it_away(
     assert len(caplog.records) == 1
 
 
+def folder_with_a_file(place: Path) -> None:
+    place.mkdir()
+    (place / "file").touch()
+
+
+@pytest.mark.parametrize("put_there", [os.mkfifo, folder_with_a_file])
+@pytest.mark.parametrize("suffix", [".nbi", ".nbc"])
+def test_what_is_no_file_is_thrown_away(
+    new_cache: Callable[[], CodeCache],
+    code: Any,
+    caplog: pytest.LogCaptureFixture,
+    put_there: Callable[[Path], None],
+    suffix: str,
+) -> None:
+    cache = new_cache()
+    cache.save_overload(SIGNATURE, code.overloads[SIGNATURE])
+    (place,) = Path(cache.cache_path).glob(f"*{suffix}")
+    place.unlink()
+    put_there(place)
+    cache = new_cache()
+    assert not cache.has(SIGNATURE, code.targetctx.codegen())
+    assert load(cache, code) is None
+    assert not any(Path(cache.cache_path).iterdir())
+    (record,) = caplog.records
+    assert "is damaged: something else stands in the place of a file; it is" in record.getMessage()
+    cache.save_overload(SIGNATURE, code.overloads[SIGNATURE])
+    assert load(new_cache(), code) == 42
+
+
 def test_code_under_the_name_of_other_code_is_not_used(
     new_cache: Callable[[], CodeCache], code: Any
 ) -> None:

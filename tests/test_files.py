@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+import socket
 import stat
 import sys
 from collections.abc import Callable
@@ -25,6 +26,23 @@ def test_file_is_read_up_to_its_limit(tmp_path: Path) -> None:
     assert read_file(path, 5) == b"12345"
     with pytest.raises(UsageError, match=r"is larger than 4 bytes, the most that is read"):
         read_file(path, 4)
+
+
+def test_huge_file_is_refused_before_it_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "fdopen", None)
+    with (tmp_path / "sparse").open("wb") as file:
+        file.truncate(10**12)
+    with pytest.raises(UsageError, match=r"is larger than 1000000000 bytes, the most that is read"):
+        read_file(tmp_path / "sparse", 10**9)
+
+
+def test_socket_is_refused(folder: Path) -> None:
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind("sock")
+        with pytest.raises(UsageError, match=r"^sock: is a socket; give a regular file$"):
+            read_file(Path("sock"), 10)
 
 
 def test_endless_device_is_refused() -> None:
@@ -68,12 +86,28 @@ def test_missing_file_is_told(tmp_path: Path) -> None:
 
 def test_loop_of_links_is_told(tmp_path: Path) -> None:
     (tmp_path / "loop").symlink_to("loop")
-    with pytest.raises(FileAccessError, match=r"too many levels of symbolic links$"):
+    with pytest.raises(UsageError, match=r"too many levels of symbolic links$"):
         read_file(tmp_path / "loop", 10)
 
 
+def test_loop_of_links_is_no_bug(tmp_path: Path) -> None:
+    (tmp_path / "loop").symlink_to("loop")
+    with pytest.raises(UsageError, match=r"loop: cannot be read: too many levels of symbolic link"):
+        files.folder_to_read(tmp_path / "loop")
+    with pytest.raises(UsageError, match=r"loop: cannot be read: too many levels of symbolic link"):
+        files.is_there(tmp_path / "loop")
+
+
+def test_path_from_a_folder_that_is_gone_is_told(folder: Path) -> None:
+    folder.rmdir()
+    with pytest.raises(
+        FileAccessError, match=r"^\.\./x: cannot be read: no such file or directory$"
+    ):
+        files.folder_to_read(Path("../x"))
+
+
 def test_name_with_a_nul_is_told(tmp_path: Path) -> None:
-    with pytest.raises(FileAccessError, match=r"cannot be read: embedded null byte$"):
+    with pytest.raises(UsageError, match=r"cannot be read: embedded null byte$"):
         read_file(tmp_path / "a\0b", 10)
 
 
@@ -162,6 +196,21 @@ def test_no_draft_is_left_in_a_parent_folder_that_was_made(tmp_path: Path) -> No
     with pytest.raises(FileAccessError):
         write_folder(tmp_path / "runs" / "out", fail, lambda there: False)
     assert {path.name for path in tmp_path.rglob("*")} <= {"runs"}
+
+
+@pytest.mark.parametrize("write", [write_folder, merge_folder])
+def test_nothing_is_made_where_a_link_to_nothing_leads(
+    tmp_path: Path, write: Callable[..., None]
+) -> None:
+    (tmp_path / "outside").mkdir()
+    (tmp_path / "dangling").symlink_to("outside/nowhere")
+    before = listing(tmp_path)
+    for place in ("x", "x/y", "../outside/x"):
+        with pytest.raises(
+            FileAccessError, match=r"nothing is made below .*dangling, a link to no"
+        ):
+            write(tmp_path / "dangling" / place, fill, lambda there: True)
+    assert listing(tmp_path) == before
 
 
 def test_files_are_added_to_a_folder_with_usual_permissions(tmp_path: Path) -> None:

@@ -33,6 +33,7 @@ def test_figures_of_the_run() -> None:
     worst = run.metrics["max_position_error_m"]
     assert f"the first lap is up to {worst[0]:.2f} m off" in PAGE
     assert max(worst[1:]) < 0.015
+    assert run.summary().headline == "on the path from the start; within 15 mm from iteration 1"
     last = run.metrics["max_position_error_second_half_m"][-1]
     assert f"within\n{1000 * last:.1f} mm" in PAGE or f"within {1000 * last:.1f} mm" in PAGE
     radius, half_track = (
@@ -74,7 +75,9 @@ def test_other_guesses_are_learned_in_three_laps(radius: float, separation: floa
 
 def test_figures_of_the_playback(folder: Path) -> None:
     learned = hilc.load_scenario("example:small-robot", {"controller.feedback": "none"})
-    hilc.run(learned).write("plan", plots=False)
+    plan = hilc.run(learned)
+    assert f"`{plan.summary().headline.partition(';')[0]}`" in PAGE
+    plan.write("plan", plots=False)
     played = {"initial_input": "plan/input.csv", "iterations": 0}
 
     def error(changes: dict[str, object]) -> float:

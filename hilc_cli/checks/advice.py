@@ -12,6 +12,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.pid import PidLaw
 from hilc_cli.reference.path import POSITION_TOLERANCE
+from hilc_cli.theory.feasibility.plausibility import ON_THE_SPOT
 from hilc_cli.theory.learning.gains import loop_gains
 
 _FACTOR = 10.0  # a gain matrix that is off by more hardly is so on purpose
@@ -56,6 +57,8 @@ def _path(experiment: Experiment) -> list[str]:
 
 def _disturbances(experiment: Experiment) -> list[str]:
     reference, disturbance = experiment.reference, experiment.disturbance
+    if reference.size <= ON_THE_SPOT * experiment.robot.half_track:
+        return _headings(disturbance.output)  # on the spot there is no size to hold them against
     steps = np.hypot(np.diff(reference.x), np.diff(reference.y))
     step = float(np.median(steps))
     found = []
@@ -78,12 +81,16 @@ def _disturbances(experiment: Experiment) -> list[str]:
             "path's size: the controller sees errors as large as that even on the reference, and "
             "cannot tell smaller ones from them in one iteration"
         )
-    if disturbance.output.bound[2] >= math.pi / 2:
-        found.append(
-            f"disturbance.output.bound of {disturbance.output.bound[2]:g} rad hides whether the "
-            "robot drives ahead or aside; make it less than pi/2"
-        )
-    return found
+    return [*found, *_headings(disturbance.output)]
+
+
+def _headings(readings: Bounded) -> list[str]:
+    if readings.bound[2] < math.pi / 2:
+        return []
+    return [
+        f"disturbance.output.bound of {readings.bound[2]:g} rad hides whether the robot drives "
+        "ahead or aside; make it less than pi/2"
+    ]
 
 
 def _wandering(experiment: Experiment) -> list[str]:
@@ -104,7 +111,7 @@ def _wandering(experiment: Experiment) -> list[str]:
     return [
         f"disturbance.state adds up to about {wander:.2g} m (RMS) at the end of the path, "
         f"{100 * wander / reference.size:.2g} % of its size, anew in each iteration: learning "
-        "cannot take that away, only feedback within the iteration can lessen it"
+        "cannot take that away, feedback within the iteration lessens it"
     ]
 
 

@@ -14,7 +14,7 @@ from hilc_cli.checks.simulation import Simulated, decided, simulated, theory_fin
 from hilc_cli.files import merge_folder
 from hilc_cli.laws.hybrid import HybridController
 from hilc_cli.laws.pid import PidController
-from hilc_cli.names import in_short
+from hilc_cli.names import counted, wrapped
 from hilc_cli.runs.running import OnIteration
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
@@ -32,6 +32,12 @@ from hilc_cli.theory.start import start_findings
 
 _RANKS = {"feasibility": 1, "advice": 2}
 """Parts whose warnings come after those of learning, which are of this very scenario."""
+_UNSURE = {
+    Outcome.OUT_OF_RANGE: "unclear",
+    Outcome.DOES_NOT_LEARN: "does not halve the error",
+    Outcome.DROWNED: "does not learn",
+}
+"""What is expected of learning where that is neither that it works nor that it cannot."""
 _MOST_TOLD = 4  # findings that a check shows of itself
 
 
@@ -59,10 +65,20 @@ class Check:
     findings: Mapping[str, Findings]
 
     def __repr__(self) -> str:
-        verdict = "cannot work" if self.failures else "nothing wrong"
         found = [*self.failures, *(f"warning: {warning}" for warning in self.warnings)]
         more = [f"and {len(found) - _MOST_TOLD} more"] if len(found) > _MOST_TOLD else []
-        return in_short(f"Check of {self.scenario.name!r}: {verdict}", *found[:_MOST_TOLD], *more)
+        title = f"Check of {self.scenario.name!r}: {self.verdict}"
+        return wrapped(title, *found[:_MOST_TOLD], *more)
+
+    @property
+    def verdict(self) -> str:
+        """What has come out, in a few words."""
+        warned = f", {counted(len(self.warnings), 'warning')}" if self.warnings else ""
+        if self.failures:
+            return f"cannot work, {counted(len(self.failures), 'error')}{warned}"
+        if self.outcome in _UNSURE:
+            return f"{_UNSURE[self.outcome]}{warned}"
+        return f"works{warned}" if warned else "nothing wrong"
 
     @property
     def forecast(self) -> Forecast | None:
@@ -74,7 +90,7 @@ class Check:
         """What comes of learning: as simulated, else as expected; None if that is not known."""
         if self.simulated is not None:
             return self.simulated.outcome if self.scenario.spec.controller.learns else None
-        return None if self.forecast is None else self.forecast.outcome
+        return self.law.outcome
 
     @property
     def expected(self) -> ExpectedError | None:
@@ -184,7 +200,7 @@ def check(
             "feasibility": with_what_is_left(
                 found, feasibility, experiment, scenario.setting.model, theory.expected
             ),
-            "start": start_findings(experiment, theory.forecast),
+            "start": start_findings(experiment, theory.forecast, theory.start),
             "learning": theory.findings,
         }
         premises, bounds = None, None
@@ -193,7 +209,7 @@ def check(
         beside = None
         if simulate:
             findings["simulation"], beside = simulated(
-                scenario, experiment, bounds or {}, on_iteration
+                scenario, experiment, bounds or {}, theory.expected, on_iteration
             )
         if beside is None:
             findings["prediction"] = unsure_findings(experiment, theory.expected)

@@ -19,7 +19,7 @@ from hilc_cli.runs.running import OnIteration, RunData, Summary, measured_trials
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.theory.findings import ExpectedError, Findings, extent
 from hilc_cli.theory.learning.expected import RESOLUTION
-from hilc_cli.theory.learning.outcome import CLEARLY, NEAR, Outcome, seen_outcome
+from hilc_cli.theory.learning.outcome import CLEARLY, FAILED, NEAR, Outcome, seen_outcome
 from hilc_cli.theory.proof.bounds import Bounds
 from hilc_cli.theory.proof.measured import Comparison
 from hilc_cli.theory.proof.measured import compare as beside
@@ -33,24 +33,37 @@ class Simulated:
     Attributes:
         run: The run.
         extent_m: Beside which errors are large or small.
+        unlearned_m: Largest position error of iteration 0 without disturbances; not-a-number if
+            that is not known.
         comparisons: The bounds of each theory beside the run, by the theory's name; empty if the
             law is another one than the hybrid law.
     """
 
     run: RunData
     extent_m: float
+    unlearned_m: float
     comparisons: Mapping[str, Comparison]
 
     @property
     def errors_m(self) -> Floats:
         """Largest position errors of the iterations [m]; infinite where the run diverged."""
-        errors: Floats = np.asarray(self.run.metrics["max_position_error_m"])
-        return errors if self.run.diverged_at is None else np.append(errors, np.inf)
+        return self._to_the_end(self.run.metrics["max_position_error_m"])
+
+    @property
+    def telling_errors_m(self) -> Floats:
+        """Likewise those by which the run is judged, from a wrong start of the second half."""
+        return self._to_the_end(self.run.telling_errors_m)
 
     @property
     def outcome(self) -> Outcome:
-        """What came of learning."""
-        return seen_outcome(self.errors_m, self.extent_m)
+        """What came of learning; an error of the whole path that has doubled is one in any case."""
+        whole = seen_outcome(self.errors_m, self.extent_m, self.unlearned_m)
+        if whole in FAILED:
+            return whole
+        return seen_outcome(self.telling_errors_m, self.extent_m, self.unlearned_m)
+
+    def _to_the_end(self, errors: Floats) -> Floats:
+        return errors if self.run.diverged_at is None else np.append(errors, np.inf)
 
     @property
     def summary(self) -> Summary:
@@ -62,6 +75,7 @@ def simulated(
     scenario: Scenario,
     experiment: Experiment,
     bounds: Mapping[str, Bounds],
+    expected: ExpectedError | None,
     on_iteration: OnIteration | None,
 ) -> tuple[Findings, Simulated | None]:
     """One run, of which each iteration is measured as it comes, and only the last is kept."""
@@ -102,8 +116,10 @@ def simulated(
         speed_limit=scenario.speed_limit,
         gravity_center=experiment.robot.gravity_center,
         diverged_at=diverged_at,
+        readings_off_m=max(experiment.disturbance.output.bound[:2]),
     )
-    return findings, Simulated(run, extent(experiment), comparisons)
+    unlearned = math.nan if expected is None else expected.first_m
+    return findings, Simulated(run, extent(experiment), unlearned, comparisons)
 
 
 def decided(
@@ -120,9 +136,15 @@ def decided(
     Returns:
         Failures only where the simulation did not do better, and what theory did not foresee.
     """
-    errors, outcome = simulated.errors_m, simulated.outcome
+    errors, outcome = simulated.telling_errors_m, simulated.outcome
+    whole = simulated.errors_m
+    if outcome is Outcome.MADE_WORSE and whole[-1] >= CLEARLY * whole[0]:
+        errors = whole
     first, last, count = float(errors[0]), float(errors[-1]), len(errors) - 1
-    went = f"the simulated error goes from {first:.3g} m to {last:.3g} m in iteration {count}"
+    of_half = "" if np.array_equal(errors, whole) else " of the second half"
+    went = (
+        f"the simulated error{of_half} goes from {first:.3g} m to {last:.3g} m in iteration {count}"
+    )
     failures, warnings = found.failures, found.warnings
     if outcome is Outcome.MADE_WORSE:
         if learns and not failures and math.isfinite(last):
@@ -137,8 +159,12 @@ def decided(
         warnings = (f"{went}, and was {errors[best]:.3g} m in iteration {best}", *warnings)
     if expected is not None and expected.unsure is None and not failures:
         foretold = max(expected.foretold_m, RESOLUTION * simulated.extent_m)
-        if last > CLEARLY * foretold:
-            warnings = (f"{went}, where theory expects {expected.foretold_m:.3g} m", *warnings)
+        if whole[-1] > CLEARLY * foretold:
+            warnings = (
+                f"the simulated error of iteration {count} is {whole[-1]:.3g} m, where theory "
+                f"expects {expected.foretold_m:.3g} m",
+                *warnings,
+            )
     return Findings(failures, warnings)
 
 

@@ -90,7 +90,7 @@ def _safe(text: str) -> str:
     return re.sub(_UNSAFE, "-", bare)
 
 
-_TABLES = ("iterations.csv", "cases.csv", "leaderboard.csv")
+_TABLES = _OF_RUNS, _OF_SWEEPS, _ = ("iterations.csv", "cases.csv", "leaderboard.csv")
 """Which runs, sweeps and leaderboards have, and nothing else does."""
 
 
@@ -107,13 +107,31 @@ def result_folders(folder: Path) -> Iterator[tuple[float, Path]]:
                     yield (place / table).stat().st_mtime, place
 
 
-def newest_results(folder: Path) -> Path:
+def newest_results(folder: Path, kinds: Sequence[str] = ()) -> Path:
     """The run, sweep or leaderboard below a folder that has been written last.
+
+    Args:
+        folder: The folder.
+        kinds: Pictures that it must have, such as ``error``, which sweeps have not.
 
     Raises:
         UsageError: There is none.
     """
-    _, newest = max(result_folders(folder), default=(0.0, None))
+    # What reads tables takes long to import for the completion of names, which needs none of it.
+    from hilc_cli.results.folder import SWEEP_PICTURE_KINDS
+    from hilc_cli.runs.run_folder import PICTURE_KINDS
+
+    drawn = {_OF_RUNS: PICTURE_KINDS, _OF_SWEEPS: SWEEP_PICTURE_KINDS}
+    tables = [table for table in _TABLES if set(kinds) <= set(drawn.get(table, ()))]
+    fitting = (
+        (written, place)
+        for written, place in result_folders(folder)
+        if any((place / table).is_file() for table in tables)
+    )
+    _, newest = max(fitting, default=(0.0, None))
     if newest is None:
-        raise UsageError(f"there are no results in {folder} to draw; name the folder of a run")
+        such = f" with pictures {', '.join(kinds)}" if kinds else ""
+        raise UsageError(
+            f"there are no results{such} in {folder} to draw; name the folder of a run"
+        )
     return newest

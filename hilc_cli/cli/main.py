@@ -5,19 +5,22 @@ Nothing heavy is imported here: ``hilc --help`` starts at once.
 
 from __future__ import annotations
 
-import io
-import os
-import signal
-import sys
-import traceback
-from collections.abc import Sequence
-from contextlib import suppress
-from pathlib import Path
-from typing import NoReturn
+try:
+    import io
+    import os
+    import signal
+    import sys
+    import traceback
+    from collections.abc import Sequence
+    from contextlib import suppress
+    from pathlib import Path
+    from typing import NoReturn
 
-from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
-from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
-from hilc_cli.surroundings import settle
+    from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
+    from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
+    from hilc_cli.surroundings import settle
+except KeyboardInterrupt:  # nothing has begun yet
+    raise SystemExit(130) from None
 
 DONE = 0
 COULD_NOT = 1
@@ -36,14 +39,16 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Runs a command line and exits with its code."""
     arguments = sys.argv[1:] if arguments is None else arguments
     session = Session()
-    _open_closed_streams()
-    settle()
     try:
         session.listen()
+        _open_closed_streams()
+        settle()
         code = _invoke(arguments, session)
         sys.stdout.flush()
     except BaseException as error:
+        session.leave()
         code = _exit_code(error, session)
+    session.leave()
     _leave(code)
 
 
@@ -106,8 +111,7 @@ def _exit_code(error: BaseException, session: Session) -> int:
             _say(f"hilc: {printable(str(error))}")
             return error.exit_code
         case OSError():
-            what = f"{error.filename}: " if error.filename else ""
-            _say(printable(f"hilc: {what}the system refused: {error.strerror or error}"))
+            _say(printable(f"hilc: {_what(error)}the system refused: {error.strerror or error}"))
             return COULD_NOT
         case MemoryError():
             _say("hilc: out of memory; record fewer iterations")
@@ -119,6 +123,16 @@ def _exit_code(error: BaseException, session: Session) -> int:
             _trace(error)
             _say("hilc: this is a bug; please report the lines above")
             return COULD_NOT
+
+
+def _what(error: OSError) -> str:
+    """What the system has refused, if that can be told."""
+    if not error.filename:
+        try:
+            os.stat(os.getcwd())  # noqa: PTH109, PTH116  # which libraries ask for as they are loaded
+        except FileNotFoundError:
+            return "the working folder: "
+    return f"{error.filename}: " if error.filename else ""
 
 
 def _usage(error: Exception, subcommand: str, arguments: Sequence[str]) -> str:

@@ -34,7 +34,11 @@ def _keys_meant(option: str) -> list[str]:
     from hilc_cli.yaml_input.known_keys import known_keys, spelled_out
 
     words = option.lstrip("-").split(".")
-    found = spelled_out(known_keys(ScenarioSpec), words, len(words))
+    # What has keys below it has no single value, but for a trajectory: that may be a file.
+    known = [
+        key for key in known_keys(ScenarioSpec) if not key.has_keys or key.dotted == "trajectory"
+    ]
+    found = spelled_out(known, words, len(words))
     return found if len(found) <= _MOST_KEYS else []
 
 

@@ -64,9 +64,9 @@ def plot(
 ) -> None:
     """Draw pictures of runs, a sweep or a leaderboard.
 
-    One run, sweep or leaderboard is drawn into its own folder, without a name the newest in runs/;
-    several runs are laid over each other and drawn into --out, by default runs/A-vs-B. All is drawn
-    from tables; nothing is simulated.
+    One run, sweep or leaderboard is drawn into its own folder, without a name the newest in runs/
+    that has such pictures; several runs are laid over each other and drawn into --out, by default
+    runs/A-vs-B. All is drawn from tables; nothing is simulated.
 
     \b
     Examples:
@@ -83,17 +83,18 @@ def plot(
         without_comparisons,
     )
     from hilc_cli.errors import UsageError
+    from hilc_cli.files import is_there
     from hilc_cli.leaderboards.comparing import is_leaderboard, plot_leaderboard, read_leaderboard
     from hilc_cli.reporting.terminal import say
     from hilc_cli.runs.run_folder import ITERATIONS
     from hilc_cli.runs.running import as_runs, plot
     from hilc_cli.sweeps.folders import is_sweep, plot_sweep, read_sweep
 
+    kinds = [choice.value for choice in kind or []]
     if not runs:
-        runs = [newest_results(RUNS)]
+        runs = [newest_results(RUNS, kinds)]
         if not quiet:
             say(f"no run is named: drawing the newest, {runs[0]}")
-    kinds = [choice.value for choice in kind or []]
     suffixes = [choice.value for choice in formats or [PictureFormat.PNG]]
     if any(map(is_sweep, runs)):
         if len(runs) > 1 or iterations is not None:
@@ -124,7 +125,7 @@ def plot(
     wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
     if len(runs) > 1:
         runs = without_comparisons(runs) or runs
-    elif not (runs[0] / ITERATIONS).exists():
+    elif not is_there(runs[0] / ITERATIONS):
         raise UsageError(
             f"{runs[0]}: holds neither a run nor a sweep nor a leaderboard; "
             "give a folder that hilc has written"

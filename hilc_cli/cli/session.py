@@ -39,7 +39,7 @@ class Session:
 
     Attributes:
         verbose: Whether failures show their traceback.
-        signal_number: Of the signal that has arrived, if one has.
+        signal_number: Of the first signal that has arrived, if one has.
     """
 
     verbose: bool = False
@@ -54,6 +54,14 @@ class Session:
         for number in STOPPED:
             if signal.getsignal(number) != signal.SIG_IGN:
                 signal.signal(number, self._stop)
+
+    def leave(self) -> None:
+        """From now on no signal to stop changes anything: the exit code is settled.
+
+        Python would otherwise put back at its end what ends a process by the signal itself.
+        """
+        for number in STOPPED:
+            signal.signal(number, signal.SIG_IGN)
 
     def go_on(self) -> None:
         """Called now and then by what takes long.
@@ -71,5 +79,5 @@ class Session:
         now = time.monotonic()
         if now - self._told_at < _CLEANING:
             return
-        self.signal_number, self._told_at = number, now
+        self.signal_number, self._told_at = self.signal_number or number, now
         self.go_on()

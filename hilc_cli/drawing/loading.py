@@ -6,9 +6,12 @@ sense. Pictures need none of it: `save.render` names the canvas, `style.applied`
 
 from __future__ import annotations
 
+import atexit
 import logging
 import os
+import shutil
 import sys
+import tempfile
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -17,8 +20,8 @@ from pathlib import Path
 from hilc_cli.surroundings import hidden
 
 _RC_FILE = "matplotlibrc"
-_MOST_SETTINGS = 1_000_000
-"""Bytes of a file of settings that is read."""
+_MOST_SETTINGS, _MOST_FONTS = 1_000_000, 100_000_000
+"""Bytes of a file of settings, and of a list of fonts, that is read."""
 
 
 def load_matplotlib() -> None:
@@ -39,16 +42,42 @@ def load_matplotlib() -> None:
             with suppress(ValueError):
                 matplotlib.rcParams["backend"] = backend
         matplotlib.rcParamsOrig = matplotlib.rcParams.copy()
+        _settle_folder()
         # Keeps a list of fonts in its folder, and complains where it cannot.
         import matplotlib.font_manager
+
+
+def _settle_folder() -> None:
+    """Gives Matplotlib a folder for this process alone where its own is of no use.
+
+    It does so itself if it cannot write there; here it would fail, or wait for ever.
+    """
+    import matplotlib
+
+    try:
+        usable = all(
+            _is_file_up_to(_MOST_FONTS, each)
+            for each in Path(matplotlib.get_cachedir()).glob("fontlist-*")
+        )
+    except (OSError, RuntimeError):  # a loop of links
+        usable = False
+    if not usable:
+        place = tempfile.mkdtemp(prefix="matplotlib-")
+        atexit.register(shutil.rmtree, place, ignore_errors=True)
+        os.environ["MPLCONFIGDIR"] = place
+        matplotlib.get_cachedir = lambda: place
 
 
 def _read_settings(path: Path) -> None:
     import matplotlib
 
-    if path.is_file() and path.stat().st_size <= _MOST_SETTINGS:
+    if _is_file_up_to(_MOST_SETTINGS, path):
         settings = matplotlib.rc_params_from_file(path, use_default_template=False)
         matplotlib.rcParams.update(settings)
+
+
+def _is_file_up_to(size: int, path: Path) -> bool:
+    return path.is_file() and path.stat().st_size <= size
 
 
 @contextmanager

@@ -16,6 +16,8 @@ from hilc_cli.yaml_input.model import Located, Model
 DEFAULT_LAW = "hybrid"
 DEFAULT_H = 200  # samples, the paper's choice in situation 3
 
+SLOWEST = 1.0  # [s]; no wheels are told less often what to do
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Setting:
@@ -132,4 +134,7 @@ def length_misfits(h: int | None, reference: Reference | None) -> list[Located]:
     if reference is None or h is None or h <= reference.samples:
         return []
     problem = f"must be at most the trajectory's {reference.samples} samples"
-    return [(("h",), problem, f"give a whole number from 1 to {reference.samples}")]
+    remedy = f"give a whole number from 1 to {reference.samples}"
+    if reference.sample_time > SLOWEST:
+        remedy += f", or is trajectory.sample_time of {reference.sample_time:g} s in ms?"
+    return [(("h",), problem, remedy)]

@@ -81,14 +81,16 @@ class LowPass:
     def __init__(self, cutoff: float, sample_time: float) -> None:
         """With f_c [Hz], above 0 and below the Nyquist frequency, and d_t [s]."""
         self._cutoff = math.tan(math.pi * cutoff * sample_time)
+        self._factors: Floats = np.empty(0)  # those of the last length, which is seldom another
 
     def __call__(self, signals: Floats) -> Floats:
         """The signals without what is faster than the cut-off, shape (..., n) as they come."""
         from scipy import fft  # few laws need it
 
         samples = signals.shape[-1]
-        factors = self.factors(np.pi * np.arange(samples) / samples)
-        filtered: Floats = fft.idct(factors * fft.dct(signals, norm="ortho"), norm="ortho")
+        if len(self._factors) != samples:
+            self._factors = self.factors(np.pi * np.arange(samples) / samples)
+        filtered: Floats = fft.idct(self._factors * fft.dct(signals, norm="ortho"), norm="ortho")
         return filtered
 
     def factors(self, frequencies: Floats) -> Floats:
@@ -108,19 +110,21 @@ def weighted_error(
 
     Args:
         gains: kp, ki [1/s] and kd [s].
-        error: e, shape (n + 1,).
+        error: e, shape (n + 1,) or, several at once, (n + 1, ...).
         pulse: `rectifying_pulse` [1/s], shape (n,); None for none.
         sample_time: d_t [s].
 
     Returns:
-        w, shape (n,).
+        w, shape (n,) or (n, ...).
     """
     kp, ki, kd = gains
     # Terms without a gain are left out: what they would be made of may overflow.
-    total = sample_time * np.cumsum(error)[1:] if ki else 0.0
+    total = sample_time * np.cumsum(error, axis=0)[1:] if ki else 0.0
     rate: Floats | float = 0.0
     if kd:
-        rate = np.diff(error) / sample_time + (0.0 if pulse is None else pulse * error[0])
+        rate = np.diff(error, axis=0) / sample_time
+        if pulse is not None:
+            rate += np.multiply.outer(pulse, error[0])
     return kp * error[1:] + ki * total + kd * rate
 
 

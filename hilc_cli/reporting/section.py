@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from hilc_cli.errors import printable
+from hilc_cli.names import counted as counted
 from hilc_cli.reporting.terminal import is_decorated, print_table, print_text, two_columns
 
 if TYPE_CHECKING:
@@ -103,11 +104,6 @@ def finding_lines(text: str) -> list[str]:
     if not is_decorated(sys.stdout):
         return [text]
     return textwrap.wrap(text, _width(), subsequent_indent="  ", break_long_words=False)
-
-
-def counted(count: int, name: str) -> str:
-    """``1 segment``, ``2 segments``."""
-    return f"{count} {name}" if count == 1 else f"{count} {name}s"
 
 
 def _table(grid: Grid) -> Table:

@@ -11,11 +11,20 @@ from pathlib import Path
 from typing import Any
 
 from hilc_cli.errors import ExistingResultsError, MissingFileError
-from hilc_cli.files import read_file, writing
+from hilc_cli.files import (
+    is_there,
+    output_place,
+    read_file,
+    resolved,
+    writing,
+)
 
 _MAX_MANIFEST_BYTES = 1_000_000_000
+_MAX_PICTURE_BYTES = 100_000_000
 
 PICTURE_FORMATS = ("png", "svg", "pdf")
+
+SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
 
 
 def read_manifest(path: Path, kind: str | None = None) -> dict[str, Any]:
@@ -32,6 +41,8 @@ def read_manifest(path: Path, kind: str | None = None) -> dict[str, Any]:
         UsageError: A folder, pipe or device stands there, or too large a file.
         FileAccessError: It cannot be read.
     """
+    if not is_there(path.parent):
+        return {}
     try:
         manifest = json.loads(read_file(path, _MAX_MANIFEST_BYTES))
     except (MissingFileError, ValueError, RecursionError):
@@ -49,7 +60,8 @@ def keep_pictures(old: Path, new: Path, tables: Collection[str], pictures: Colle
         new: The new one, with its tables and pictures.
         tables: Names of all files that pictures are drawn from. One that neither folder has is the
             same; if any differs, nothing is copied.
-        pictures: Names of files that hilc draws; one that the new folder has is not copied.
+        pictures: Names of files that hilc draws; one that the new folder has is not copied, nor one
+            that is too large to be a picture.
 
     Raises:
         OSError: They cannot be written.
@@ -60,7 +72,9 @@ def keep_pictures(old: Path, new: Path, tables: Collection[str], pictures: Colle
         for name in pictures:
             picture, copy = old / name, new / name
             # A link stays behind: what it leads to is nobody's picture of these tables.
-            if picture.is_file() and not picture.is_symlink() and not copy.exists():
+            if not picture.is_file() or picture.is_symlink() or copy.exists():
+                continue
+            if picture.stat().st_size <= _MAX_PICTURE_BYTES:
                 shutil.copyfile(picture, copy)
 
 
@@ -91,8 +105,12 @@ def check_replaceable(
     if not is_folder:
         if path.exists() or path.is_symlink():
             raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
+        with writing(path):
+            output_place(path)
         return
-    if Path.cwd().is_relative_to(path.resolve()):
+    with writing(path):
+        is_here = Path.cwd().is_relative_to(resolved(path))
+    if is_here:
         # It would be exchanged for another one under the feet of whoever stands in it.
         raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
     if is_empty:

@@ -29,6 +29,7 @@ class RunData:
         speed_limit: b_w [rad/s]; None for no limit.
         gravity_center: D_cx, D_cy [m] of the platform.
         diverged_at: The iteration that left the finite numbers; None if none did.
+        readings_off_m: How far off the measured position may be [m].
         learning: What the law tells of each completed iteration; most laws tell nothing.
         settings: What tells the run from others, in words: law, gains, compensation,
             start_offset; what is not known is left out.
@@ -44,6 +45,7 @@ class RunData:
     speed_limit: float | None = None
     gravity_center: tuple[float, float] = (0.0, 0.0)
     diverged_at: int | None = None
+    readings_off_m: float = 0.0
     learning: LearningTable = field(default_factory=LearningTable)
     settings: Mapping[str, str] = field(default_factory=dict)
     yardsticks: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -73,6 +75,19 @@ class RunData:
             > _SAME_POSE * reference.size
             or abs(reference.heading[0] - trial.heading[0]) > _SAME_POSE
         )
+
+    @property
+    def telling_errors_m(self) -> Floats:
+        """Largest position errors of the iterations by which a run is judged [m].
+
+        Those of the second half if it starts beside the trajectory, else of the whole path: an
+        initial error is there whatever is learned.
+        """
+        later = self.metrics[MAX_ERROR_SECOND_HALF]
+        # Folders of before the metric was have no numbers there.
+        if self.starts_off and np.isfinite(later).any():
+            return later
+        return self.metrics[MAX_ERROR]
 
     @property
     def start_decides(self) -> bool:

@@ -25,7 +25,9 @@ class OnPath:
     """How near to the path a run has come, and from when on.
 
     The tolerance is the smallest share of the path's size in ``RELATIVE_TOLERANCES`` that the last
-    iteration keeps: on the whole path, or, if it starts beside it, in the second half.
+    iteration keeps: on the whole path, or, if it starts beside it, in the second half. What is
+    finer than readings are told to be off is not looked at but for the largest: within that it is
+    noise, not learning, that decides which iterations keep it.
 
     Attributes:
         tolerance_m: The tolerance.
@@ -128,9 +130,7 @@ def _length(length: float) -> str:
 def summarise(run: RunData) -> Summary:
     """The summary of a run with at least one completed iteration."""
     errors, second_half = run.metrics[MAX_ERROR], run.metrics[MAX_ERROR_SECOND_HALF]
-    # Folders of before the metric was have no numbers there.
-    known = run.starts_off and bool(np.isfinite(second_half).any())
-    telling = np.nan_to_num(second_half if known else errors, nan=np.inf, posinf=np.inf)
+    telling = np.nan_to_num(run.telling_errors_m, nan=np.inf, posinf=np.inf)
     size = run.reference.size
     saturated = run.metrics["saturated_samples"].sum()
     return Summary(
@@ -165,8 +165,8 @@ def _on_path(run: RunData) -> OnPath | None:
         return None
     errors = run.position_error(run.last.iteration)
     half = len(errors) // 2  # samples k >= n / 2, as in the metrics
-    for share in sorted(RELATIVE_TOLERANCES.values()):
-        tolerance = share * run.reference.size
+    *finer, largest = sorted(share * run.reference.size for share in RELATIVE_TOLERANCES.values())
+    for tolerance in (*(each for each in finer if each >= run.readings_off_m), largest):
         first = settled_at(errors, tolerance)
         if first == 0:
             whole = settled_at(run.metrics[MAX_ERROR], tolerance)

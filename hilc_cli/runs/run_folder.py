@@ -7,12 +7,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
 from hilc_cli.errors import UsageError, printable
-from hilc_cli.files import read_file, write_folder
+from hilc_cli.files import folder_to_read, is_there, read_file, write_folder
 from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import PICTURE_FORMATS, check_replaceable, keep_pictures, read_manifest
@@ -136,16 +136,17 @@ def is_run_folder(path: Path) -> bool:
 def read_run_folder(path: Path) -> RunData:
     """The results in a run folder, from its tables.
 
-    The manifest adds the names, the speed limit, the settings and the yardsticks, if it is there.
+    The manifest adds the names, the speed limit, the noise, the settings and the yardsticks, if it
+    is there.
 
     Raises:
         HilcError: There is no such folder, or a table is missing or damaged.
     """
-    if not (path / ITERATIONS).exists():
+    if not is_there(path) or not is_there(path / ITERATIONS):
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
     manifest = read_manifest(path / MANIFEST)
     metrics = read_iterations(path / ITERATIONS)
-    own_name = printable(path.resolve().name)
+    own_name = printable(folder_to_read(path).name)
     name, trajectory = (
         name_from(manifest[key], f"{path / MANIFEST}: {key}") if key in manifest else own_name
         for key in ("name", "trajectory")
@@ -155,6 +156,7 @@ def read_run_folder(path: Path) -> RunData:
         raise UsageError(f"{path / SAMPLES}: is damaged: it has iterations that {ITERATIONS} lacks")
     saturated = metrics["saturated_samples"]
     limit, diverged_at = manifest.get("speed_limit_rad_s"), manifest.get("diverged_at")
+    off = manifest.get("readings_off_m")
     ahead, aside = _pair(manifest.get("gravity_center_m"))
     return RunData(
         name=name,
@@ -167,6 +169,7 @@ def read_run_folder(path: Path) -> RunData:
         speed_limit=float(limit) if isinstance(limit, int | float) else None,
         gravity_center=(ahead, aside),
         diverged_at=diverged_at if isinstance(diverged_at, int) else None,
+        readings_off_m=float(off) if _is_number(off) else 0.0,
         learning=read_learning(path / LEARNING),
         settings=_texts(manifest.get("settings")),
         yardsticks=_numbers(manifest.get("yardsticks")),
@@ -206,7 +209,7 @@ def _numbers(value: object) -> dict[str, dict[str, float]]:
     }
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float) and math.isfinite(value)
 
 

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, UsageError, printable
-from hilc_cli.files import merge_folder
+from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.manifest import circumstances
 from hilc_cli.results.metrics import MetricsTable, measure
@@ -132,6 +132,7 @@ class Run(RunData):
             "compensation": self.scenario.compensates,
             "speed_limit_rad_s": self.speed_limit,
             "settings": dict(self.settings),
+            "readings_off_m": self.readings_off_m,
             "yardsticks": {name: dict(values) for name, values in self.yardsticks.items()},
             "gravity_center_m": list(self.gravity_center),
             "diverged_at": self.diverged_at,
@@ -187,6 +188,7 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         speed_limit=scenario.speed_limit,
         gravity_center=experiment.robot.gravity_center,
         diverged_at=diverged_at,
+        readings_off_m=max(experiment.disturbance.output.bound[:2]),
         learning=learning,
         settings=settings_of(scenario),
         yardsticks=yardsticks_of(scenario),
@@ -243,7 +245,7 @@ def as_runs(runs: RunSource | Sequence[RunSource]) -> list[RunData]:
     ):
         return found
     folders = [Path(each) for each in sources if not isinstance(each, RunData)]
-    names = [folder.resolve().name for folder in folders]
+    names = [folder_to_read(folder).name for folder in folders]
     if len(set(names)) < len(names) and len(set(map(str, folders))) == len(folders):
         names = [str(folder) for folder in folders]
     return [replace(run, name=printable(name)) for run, name in zip(found, names, strict=True)]

@@ -18,7 +18,7 @@ from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
-from hilc_cli.theory.feasibility.plausibility import implausible
+from hilc_cli.theory.feasibility.plausibility import implausible, is_plain
 from hilc_cli.yaml_input.nodes import Place
 from hilc_cli.yaml_input.tree import to_yaml
 
@@ -118,9 +118,11 @@ class Scenario:
         found = [*self._implausible(), *self.spec.controller.warnings(self.setting)]
         found += self._without_learning()
         if abs(self.spec.initial_error[2]) > math.pi:
+            heading = self.spec.start_pose[2]
+            meant = f"; {heading:g} deg?" if is_plain(heading) else ""
             found.append(
                 "initial_pose.heading differs by more than half a turn from the trajectory's "
-                "start; headings are not wrapped, so the robot will turn all the way back"
+                f"start; headings are not wrapped, so the robot will turn all the way back{meant}"
             )
         return found
 

@@ -15,7 +15,7 @@ _OTHER_NAMES = {"ros": "rep103"}
 
 def _usual_name(value: object) -> object:
     """The name by which results call a convention."""
-    return _OTHER_NAMES.get(value, value) if isinstance(value, str) else value
+    return _OTHER_NAMES.get(value.lower(), value) if isinstance(value, str) else value
 
 
 TurnConventionName = Annotated[

@@ -71,6 +71,12 @@ def _recorded_iterations(record: RecordSpec | None, last: int | None) -> list[Lo
     ]
 
 
+_OTHER_KEYS = {
+    **dict.fromkeys(("laps", "passes", "trials", "repetitions"), "their number is iterations"),
+    "noise": "its bounds are in disturbance.state, disturbance.output and disturbance.initial_pose",
+}
+
+
 class InitialPoseSpec(Model):
     """Where each iteration starts; what is left out is as in the trajectory's start."""
 
@@ -81,6 +87,8 @@ class InitialPoseSpec(Model):
 
 class ScenarioSpec(Model):
     """An experiment: the reference, the plant, what the controller believes, and the law."""
+
+    other_names = _OTHER_KEYS
 
     name: Name
     description: Text = ""

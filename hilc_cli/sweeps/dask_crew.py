@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import logging
 import pickle
 import queue
@@ -12,8 +13,10 @@ import time
 import uuid
 import warnings
 from collections.abc import Callable
+from concurrent.futures import Future, wait
+from contextlib import suppress
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar
 from urllib.parse import urlsplit
 
 from hilc_cli.errors import HilcError, MissingPackageError, UsageError
@@ -24,13 +27,21 @@ from hilc_cli.sweeps.plan import Plan
 from hilc_cli.version import __version__
 
 _CONNECT = 5  # [s]
+_SILENCE = 60  # [s], of a scheduler that may have much to do
 _WAIT_FOR_WORKERS = 30  # [s]
 _IN_FLIGHT = 2
 """Chunks for each thread of the cluster, so that none waits for the next."""
 
 
+T = TypeVar("T")
+
+
 class ClusterError(HilcError):
     """The cluster cannot be reached, or does not do what it is asked for."""
+
+
+class SilentError(TimeoutError):
+    """Something that was asked does not answer."""
 
 
 class DaskCrew:
@@ -66,9 +77,15 @@ class DaskCrew:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of versions that differ: results do not
-                self._client = distributed.Client(address, timeout=_CONNECT, set_as_default=False)
-        except (OSError, TimeoutError, ValueError) as error:
-            raise ClusterError(f"{address}: there is no scheduler that answers: {error}") from None
+                self._client = within(
+                    _CONNECT,
+                    lambda: distributed.Client(address, timeout=_CONNECT, set_as_default=False),
+                    go_on,
+                )
+        except TimeoutError:
+            raise _unanswered(address, f"nothing within {_CONNECT} s") from None
+        except (OSError, ValueError) as error:
+            raise _unanswered(address, str(error)) from None
         try:
             self.workers = self._wait_for_workers()
         except BaseException:
@@ -108,11 +125,13 @@ class DaskCrew:
 
     def dismiss(self) -> None:
         """Takes back what is under way; the cluster goes on for others."""
-        try:
+
+        def leave() -> None:
             self._client.cancel(list(self._under_way.values()), force=True)
             self._client.close(timeout=2)
-        except (OSError, TimeoutError, RuntimeError):
-            pass  # the scheduler has gone
+
+        with suppress(OSError, RuntimeError):  # the scheduler has gone, or says nothing
+            within(_CONNECT, leave)
 
     def _await(self, chunk: Chunk, future: Any) -> None:
         future.add_done_callback(lambda done: self._ended.put((chunk, done)))
@@ -140,18 +159,32 @@ class DaskCrew:
         if self._client.status not in ("running", "connecting"):
             raise ClusterError(f"{self._address}: the scheduler is gone")
 
-    def _threads(self) -> int:
-        workers = self._client.scheduler_info(n_workers=-1)["workers"]
+    def _threads(self, seconds: float = _SILENCE) -> int:
+        known = self._ask(lambda: self._client.scheduler_info(n_workers=-1), seconds)
+        workers = known["workers"]
         return sum(int(worker["nthreads"]) for worker in workers.values())
+
+    def _ask(self, question: Callable[[], T], seconds: float) -> T:
+        """What the scheduler says to a question.
+
+        Raises:
+            ClusterError: It says nothing in time.
+        """
+        try:
+            return within(seconds, question, self._go_on)
+        except SilentError:
+            raise ClusterError(
+                f"{self._address}: the scheduler has fallen silent, for {seconds} s"
+            ) from None
 
     def _wait_for_workers(self) -> int:
         for _ in range(_WAIT_FOR_WORKERS):
             self._go_on()
             try:
-                self._client.wait_for_workers(1, timeout=1)
+                self._ask(lambda: self._client.wait_for_workers(1, timeout=1), _CONNECT)
             except TimeoutError:
                 continue
-            return self._threads()
+            return self._threads(_CONNECT)
         raise ClusterError(
             f"{self._address}: the scheduler has no workers; start some with "
             f"'dask worker {self._address} --nthreads 1'"
@@ -161,36 +194,69 @@ class DaskCrew:
 def _greet(address: str, go_on: Callable[[], None]) -> None:
     """Makes sure that a scheduler answers, which Dask's client may do for minutes.
 
-    In a thread that is left alone in the end: to look a name up, for one, cannot be stopped.
-
     Raises:
         ClusterError: None answers in time.
     """
-    answers: list[object] = []
     end = time.monotonic() + _CONNECT
 
-    def ask() -> None:
+    def ask() -> object:
         try:
             _reach(address, end)
-            answers.append(asyncio.run(asyncio.wait_for(_identity(address), _CONNECT)))
+            return asyncio.run(asyncio.wait_for(_identity(address), _CONNECT))
         except Exception as error:  # a server of another kind makes Dask stumble anywhere
-            answers.append(error)
+            return error
 
-    thread = threading.Thread(target=ask, daemon=True)
-    thread.start()
-    while thread.is_alive() and time.monotonic() < end + PATIENCE:
-        go_on()
-        thread.join(0.05)
-    match answers:
-        case [{"type": "Scheduler"}]:
+    try:
+        answer = within(_CONNECT, ask, go_on)
+    except SilentError as silence:
+        answer = silence
+    match answer:
+        case {"type": "Scheduler"}:
             return
-        case [] | [TimeoutError()]:
+        case TimeoutError():
             why = f"nothing within {_CONNECT} s"
-        case [OSError(strerror=str()) as error]:
-            why = reason(error)
+        case OSError(strerror=str()):
+            why = reason(answer)
         case _:
             why = "what answers there is none"
-    raise ClusterError(f"{address}: there is no scheduler that answers: {why}")
+    raise _unanswered(address, why)
+
+
+def _unanswered(address: str, why: str) -> ClusterError:
+    return ClusterError(f"{address}: there is no scheduler that answers: {why}")
+
+
+def within(seconds: float, call: Callable[[], T], go_on: Callable[[], None] = lambda: None) -> T:
+    """What a call returns, if it does so in time.
+
+    In a thread that is left alone in the end: to look a name up, for one, cannot be stopped, and
+    what Dask says of deadlines holds for a part of what it does.
+
+    Args:
+        seconds: How long it may take; a little more if it keeps to that by itself.
+        call: What may take too long.
+        go_on: Called now and then meanwhile; may raise to stop.
+
+    Raises:
+        SilentError: It takes longer.
+        Exception: What the call raises.
+    """
+    result: Future[T] = Future()
+
+    def answer() -> None:
+        try:
+            result.set_result(call())
+        except BaseException as error:
+            result.set_exception(error)
+
+    threading.Thread(target=answer, daemon=True).start()
+    end = time.monotonic() + seconds + PATIENCE
+    while not result.done():
+        if time.monotonic() > end:
+            raise SilentError
+        go_on()
+        wait([result], 0.05)
+    return result.result()
 
 
 def _reach(address: str, end: float) -> None:
@@ -199,6 +265,8 @@ def _reach(address: str, end: float) -> None:
     while True:
         try:
             socket.create_connection((place.hostname, place.port), _CONNECT).close()
+        except UnicodeError:  # of a host, in the alphabet of such names
+            raise OSError(errno.EINVAL, "its host has no name that can be looked up") from None
         except ConnectionRefusedError:
             if time.monotonic() > end:
                 raise

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from hilc_cli.files import merge_folder
+from hilc_cli.errors import HilcError
+from hilc_cli.files import merge_folder, writing
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.opening import discard
 from hilc_cli.sweeps.plan import Plan
@@ -28,8 +29,11 @@ def discard_work(plan: Plan, folder: str | Path) -> None:
 
 
 def is_resumable(folder: str | Path) -> bool:
-    """Whether a folder holds an unfinished sweep, or a shard."""
-    return bool(read_header(Path(folder)))
+    """Whether a folder can be read that holds an unfinished sweep, or a shard."""
+    try:
+        return bool(read_header(Path(folder)))
+    except HilcError:
+        return False
 
 
 def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -> None:
@@ -37,8 +41,12 @@ def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -
 
     Raises:
         ExistingResultsError: The folder holds another sweep, or is no sweep folder.
+        FileAccessError: Nothing can be written there, or the name is too long for what belongs to
+            it while the sweep is under way.
     """
     check_sweep_folder(Path(folder), plan.checksum(), force=force)
+    with writing(Path(folder)):
+        work_folder(folder).is_symlink()
 
 
 def is_complete(plan: Plan, folder: str | Path) -> bool:

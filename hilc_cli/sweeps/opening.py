@@ -44,13 +44,14 @@ def open_store(
             store = FolderStore(folder)
             store.forget_failures()
             return store
-        if not force:
-            what = "this sweep" if same else "another sweep or version of hilc"
-            go_on = "go on with --resume, or " if same else ""
-            raise ExistingResultsError(
-                f"{folder}: holds results of {what}; {go_on}start anew with --force"
-            )
-        with closing(locked_journal(folder, header)):
+        with closing(locked_journal(folder, header)) as journal:
+            # One that was killed before it had any results is in nobody's way.
+            if not force and not journal.is_empty():
+                what = "this sweep" if same else "another sweep or version of hilc"
+                go_on = "go on with --resume, or " if same else ""
+                raise ExistingResultsError(
+                    f"{folder}: holds results of {what}; {go_on}start anew with --force"
+                )
             remove(folder)
     return FolderStore.create(folder, plan, cases, shard)
 

@@ -206,7 +206,7 @@ class FolderStore:
             FileAccessError: It cannot be removed.
         """
         # The journal decides: a signal may come between its line and what is noted of it here.
-        if next(self._journal.entries(), None) is None:
+        if self._journal.is_empty():
             remove(self.folder)
 
     def close(self) -> None:

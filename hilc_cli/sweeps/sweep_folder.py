@@ -11,7 +11,13 @@ from hilc_cli.errors import UsageError
 from hilc_cli.files import write_folder
 from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.folder import PICTURE_FORMATS, check_replaceable, keep_pictures, read_manifest
+from hilc_cli.results.folder import (
+    PICTURE_FORMATS,
+    SWEEP_PICTURE_KINDS,
+    check_replaceable,
+    keep_pictures,
+    read_manifest,
+)
 from hilc_cli.results.tables import write_input
 from hilc_cli.runs.run_folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.sweeps.data import BEST, AsItIs, SweepData
@@ -23,7 +29,6 @@ MANIFEST = "sweep.json"
 CASES = "cases.csv"
 BANDS = "bands.csv"
 PARQUET = "cases.parquet"
-SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
 _PICTURES = {f"{kind}.{suffix}" for kind in SWEEP_PICTURE_KINDS for suffix in PICTURE_FORMATS}
 _TABLES = frozenset({CASES, BANDS, SCENARIO, INITIAL_INPUT, BEST})
 _OWN = _TABLES | {MANIFEST, PARQUET} | _PICTURES

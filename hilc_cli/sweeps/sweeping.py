@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hilc_cli.errors import HilcError, UsageError
+from hilc_cli.files import folder_to_read
 from hilc_cli.results.manifest import circumstances
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
 from hilc_cli.sweeps.chunks import Chunk, Failure
@@ -190,7 +191,7 @@ def merge_shards(
         HilcError: One cannot be read.
     """
     started = datetime.now(UTC)
-    places = [Path(folder).resolve() for folder in folders]
+    places = [folder_to_read(Path(folder)) for folder in folders]
     twice = next(
         (folder for folder, n in zip(folders, places, strict=True) if places.count(n) > 1), None
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.files import open_to_read, open_to_write, writing
+from hilc_cli.files import check_size, open_to_read, open_to_write, writing
 from hilc_cli.results.folder import read_manifest
 from hilc_cli.runs.run_folder import INITIAL_INPUT, SCENARIO
 
@@ -48,14 +48,23 @@ class Journal:
             os.fsync(self._descriptor)
 
     def entries(self) -> Iterator[dict[str, Any]]:
-        """All entries that are whole, in order."""
+        """All entries that are whole, in order.
+
+        Raises:
+            UsageError: The file is too large.
+        """
+        check_size(self._path, os.fstat(self._descriptor).st_size, _MOST_BYTES)
         os.lseek(self._descriptor, 0, os.SEEK_SET)
         with os.fdopen(self._descriptor, "rb", closefd=False) as file:
-            content = file.read(_MOST_BYTES)
+            content = file.read()
         for line in content.split(b"\n"):
             checksum, _, text = line.partition(b" ")
             if text and checksum == f"{zlib.crc32(text):08x}".encode():
                 yield json.loads(text)
+
+    def is_empty(self) -> bool:
+        """Whether nothing has been finished yet."""
+        return next(self.entries(), None) is None
 
     def close(self) -> None:
         """Closes the file, which gives up its lock."""

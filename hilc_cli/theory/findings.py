@@ -49,6 +49,8 @@ class ExpectedError:
         of_state_m: Likewise, that of the state.
         unsure: Why the figures may be off by more than a factor of two, as the part of a sentence
             that follows "since"; None if they are not.
+        is_floor: Whether what is computed is less than `foretold_m`, below which what theory leaves
+            out is as large.
     """
 
     first_m: float
@@ -58,6 +60,7 @@ class ExpectedError:
     of_readings_m: float = 0.0
     of_state_m: float = 0.0
     unsure: str | None = None
+    is_floor: bool = False
 
     @property
     def noise_m(self) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,30 +11,38 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge, least_left
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings
+from hilc_cli.theory.findings import joined as joined_findings
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import NEAR
 from hilc_cli.theory.matrices import desired_motion, desired_poses
 
+NOTHING_KNOWN = Findings()
+"""Of the way of a law into the trajectory."""
 _NONE = 1e-9  # an initial error up to this [m and rad] is rounding
+_MOSTLY_GONE = 0.1  # of an initial error, or of the path: less in the second half is no failure
 _ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 
 
-def start_findings(experiment: Experiment, expected: Forecast | None) -> Findings:
-    """What the start means for the experiment, whatever law it has but norm-optimal.
-
-    The way of law norm-optimal into the trajectory is known in full, see `merging`.
+def start_findings(
+    experiment: Experiment, expected: Forecast | None, way: Findings = NOTHING_KNOWN
+) -> Findings:
+    """What the start means for the experiment.
 
     Args:
         experiment: The experiment; its disturbances are left out.
         expected: What learning is expected to do, if that is known of the law.
+        way: What is known of the law's own way into the trajectory.
     """
     off = np.array(experiment.initial_pose) - desired_poses(experiment)[0]
     if isinstance(experiment.law, NormOptimalLaw) or float(np.abs(off).max()) <= _NONE:
-        return Findings()
+        return way
     by_wheels = _by_wheels(experiment)
-    if by_wheels.failures or expected is None:
-        return by_wheels
+    if by_wheels.failures:
+        return by_wheels  # of which the law's own way is a consequence
+    if expected is None:
+        return joined_findings([by_wheels, way])
     return Findings(_left_by_learning(experiment, expected), by_wheels.warnings)
 
 
@@ -51,9 +60,7 @@ def cannot_be_reached(experiment: Experiment) -> str:
     Where the trajectory itself is too fast for the wheels, that is what is to be told.
     """
     limit = experiment.speed_limit
-    if math.isinf(limit):
-        return ""
-    if np.abs(desired_motion(experiment).inputs).max() > limit * (1 + _ROUNDING):
+    if math.isinf(limit) or is_too_fast(experiment):
         return ""
     left = least_left(
         desired_poses(experiment),
@@ -69,6 +76,77 @@ def cannot_be_reached(experiment: Experiment) -> str:
         f"controller.b_w of {limit:g} rad/s, whatever the law: it is out of reach by {left:.2g} m "
         "at least; start nearer, or run the trajectory slower"
     )
+
+
+def is_too_fast(experiment: Experiment) -> bool:
+    """Whether the trajectory itself is too fast for the wheels."""
+    fastest = float(np.abs(desired_motion(experiment).inputs).max())
+    return fastest > experiment.speed_limit * (1 + _ROUNDING)
+
+
+@dataclass(frozen=True, slots=True)
+class LateStart:
+    """How a law gets from the start onto the trajectory.
+
+    Attributes:
+        who: Whose way it is, for sentences.
+        off: Distance of the initial pose from the trajectory's start [m].
+        size: Of the trajectory [m].
+        joins: First sample from which it is on the trajectory, as `near` has it, for good; None if
+            it is not by the end.
+        samples: Number of the trajectory's sampling intervals.
+        sample_time: d_t [s].
+        left: Distance from the trajectory at the end [m].
+        left_later: Largest one in the second half [m].
+        remedy: What helps.
+    """
+
+    who: str
+    off: float
+    size: float
+    joins: int | None
+    samples: int
+    sample_time: float
+    left: float
+    left_later: float
+    remedy: str
+
+
+def joined(away: Floats, close: float) -> int | None:
+    """First sample from which a distance stays within a bound; None if it is not at the end."""
+    far = np.flatnonzero(~(away <= close))
+    first = int(far[-1]) + 1 if len(far) else 0
+    return first if first < len(away) else None
+
+
+def in_second_half(away: Floats) -> float:
+    """Largest distance in the second half, samples k >= n / 2 as in the metrics."""
+    return float(away[len(away) // 2 :].max())
+
+
+def late_start(found: LateStart, *, asked: int = 0, hopeless: bool = True) -> Findings:
+    """What it means that a law is not on the trajectory in its second half, as runs are judged.
+
+    Args:
+        found: Its way.
+        asked: Sample by which it is asked to be there, which may be as late as one likes.
+        hopeless: Whether even so the start leaves as much error as there is without the law.
+    """
+    if found.joins is None:
+        text = (
+            f"from initial_pose, {found.off:.3g} m off, {found.who} does not get onto the "
+            f"trajectory before its end, where {found.left:.3g} m are left; {found.remedy}"
+        )
+        return Findings(failures=(text,))
+    if found.joins <= max(asked, (found.samples + 1) // 2):
+        return Findings()
+    text = (
+        f"from initial_pose, {found.off:.3g} m off, {found.who} is on the trajectory from sample "
+        f"{found.joins} of {found.samples} on only ({found.joins * found.sample_time:.4g} s), and "
+        f"up to {found.left_later:.3g} m off in its second half; {found.remedy}"
+    )
+    fails = hopeless and found.left_later > _MOSTLY_GONE * max(found.off, found.size)
+    return Findings(failures=(text,)) if fails else Findings(warnings=(text,))
 
 
 def _by_wheels(experiment: Experiment) -> Findings:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import get_args, get_origin
 
 from hilc_cli.errors import near_word
 from hilc_cli.yaml_input.model import Model, Step, model_in, models_in, steps_to
-from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, nearest
+from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, nearest, to_data
 
 _MOST_SHOWN = 3
 _MOST_LEVELS = 3
@@ -40,6 +40,11 @@ class KnownKey:
     def dotted(self) -> str:
         """The key as it is written after ``--set``."""
         return ".".join(self.keys)
+
+    @property
+    def has_keys(self) -> bool:
+        """Whether further keys stand below it, instead of a value behind it."""
+        return bool(models_in(self.annotation)) or get_origin(self.annotation) is dict
 
 
 def known_keys(
@@ -92,15 +97,16 @@ def meant(tree: Node, keys: PathKeys, model: type[Model], known: Sequence[KnownK
     word = str(keys[-1])
     place = nearest(tree, keys)[1]
     by_option = not place.source.has_lines
+    there = _with_entries(known, to_data(tree))
     if by_option and step.model is not None:
         chain = _chain(tree, keys)
-        found = spelled_out(known, chain, len(keys))
+        found = spelled_out(there, chain, len(keys))
         if not found and len(chain) > len(keys):
             near = near_word(word, step.fields)
             mended = [*map(str, keys[:-1]), str(near), *chain[len(keys) :]]
-            found = spelled_out(known, mended, len(keys))
+            found = spelled_out(there, mended, len(keys))
         if found or len(chain) > len(keys):
-            return did_you_mean(found) if found else None
+            return did_you_mean(found) if found else _of_other_choice(keys, chain, model)
     elif "." in word and word in {key.dotted for key in known}:
         return "in a file, write each part below the one before it, without dots"
     same = next((name for name in step.fields if same_word(name, word)), None)
@@ -116,28 +122,68 @@ def meant(tree: Node, keys: PathKeys, model: type[Model], known: Sequence[KnownK
     near = part[0] if len(part) == 1 else near_word(word, step.fields)
     if near is not None:
         return f"did you mean '{near}'?"
-    return _elsewhere(word, known) or _of_other_choice(keys, model)
+    return _elsewhere(word, known, there) or _of_other_choice(keys, [word], model)
 
 
-def _elsewhere(word: str, known: Sequence[KnownKey]) -> str | None:
-    """A key of another part of the file, by another name of it or one that is surely meant."""
+def _elsewhere(word: str, known: Sequence[KnownKey], there: Sequence[KnownKey]) -> str | None:
+    """A key of another part of the file, by another name of it or one that is surely meant.
+
+    Args:
+        word: The unknown key.
+        known: The keys that a file like this may have.
+        there: The same, as `_with_entries` gives them.
+    """
     for key in known:
         other = key.model.other_names.get(_plain(word))
         if other is not None:
-            return f"in '{'.'.join(key.keys[:-1])}', {other}"
-    near = near_word(word, {key.keys[-1] for key in known}, _SURELY)
+            above = key.keys[:-1]
+            return f"{f'in {_section(above)}' if above else 'at the top level'}, {other}"
+    of_entries = [key.keys for key in known if key.keys[-1] == word and _ANY_ENTRY in key.keys]
+    if of_entries and all(key.keys[-1] != word for key in there):
+        section = _section(of_entries[0][: of_entries[0].index(_ANY_ENTRY)])
+        return f"entries of {section} may have it, and none has it here"
+    near = near_word(word, {key.keys[-1] for key in there}, _SURELY)
     if near is None:
         return None
-    return did_you_mean([key.dotted for key in known if key.keys[-1] == near])
+    return did_you_mean([key.dotted for key in there if key.keys[-1] == near])
 
 
-def _of_other_choice(keys: PathKeys, model: type[Model]) -> str | None:
-    """A key of another place that needs another choice, such as another law."""
-    word, here = _plain(str(keys[-1])), tuple(map(_wild, keys))
-    for key in known_keys(model, all_choices=True):
-        if key.choice is not None and _plain(key.keys[-1]) == word and key.keys != here:
-            return f"{did_you_mean([key.dotted])} It needs '{key.choice[0]}: {key.choice[1]}'"
-    return None
+def _of_other_choice(keys: PathKeys, words: Sequence[str], model: type[Model]) -> str | None:
+    """A key of another place, by its last words, that needs another choice, such as a law."""
+    above = tuple(map(_wild, keys[:-1]))
+    every = [
+        key
+        for key in known_keys(model, all_choices=True)
+        if key.choice is not None and key.keys[: len(keys)] != (*above, str(keys[-1]))
+    ]
+    found = spelled_out(every, words, len(words))
+    if not found:
+        return None
+    choices = [key.choice for key in every if key.dotted == found[0] and key.choice is not None]
+    needed = " or ".join(f"'{chooser}: {choice}'" for chooser, choice in choices)
+    return f"{did_you_mean(found[:1])} It needs {needed}"
+
+
+def _with_entries(known: Iterable[KnownKey], data: object) -> list[KnownKey]:
+    """The keys, those within lists once for each entry that has them, with its number."""
+    single, numbered = [], []
+    for key in known:
+        if _ANY_ENTRY not in key.keys:
+            single.append(key)
+            continue
+        at = key.keys.index(_ANY_ENTRY)
+        entries = _value(data, key.keys[:at])
+        for number, entry in enumerate(entries if isinstance(entries, list) else []):
+            if _value(entry, key.keys[at + 1 :]) is not None:
+                keys = (*key.keys[:at], str(number), *key.keys[at + 1 :])
+                numbered.append((number, replace(key, keys=keys)))
+    return single + [key for _, key in sorted(numbered, key=lambda pair: pair[0])]
+
+
+def _value(data: object, keys: Sequence[str]) -> object:
+    for key in keys:
+        data = data.get(key) if isinstance(data, Mapping) else None
+    return data
 
 
 def spelled_out(known: Iterable[KnownKey], words: Sequence[str], least: int = 1) -> list[str]:

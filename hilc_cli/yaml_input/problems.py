@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from hilc_cli.errors import MOST_PROBLEMS, Problem, near_word
+from hilc_cli.errors import MOST_PROBLEMS, Problem, near_name
 from hilc_cli.names import NAME_PATTERN, name_remedy
 from hilc_cli.yaml_input.known_keys import KnownKey, known_keys, meant
 from hilc_cli.yaml_input.model import Model, listed, steps_to
@@ -40,8 +40,6 @@ _MESSAGES: Mapping[str, tuple[str, str]] = {
     "too_long": ("has too many entries", "remove some"),
 }
 _UNKNOWN = ("is an unknown key", None)
-_MOST_CHOICES = 6
-"""So many are read faster than one of them is guessed."""
 
 
 def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[Problem]:
@@ -140,10 +138,10 @@ def _has_decimal_commas(node: Node) -> bool:
 
 
 def _choice(expected: str, given: Node) -> str:
-    """What to give instead: of many choices the one that was probably meant."""
+    """What to give instead: the choice that was probably meant, or all of them."""
     choices = re.findall("'([^']*)'", expected)
     text = str(given.value) if isinstance(given, Scalar) else ""
-    near = near_word(text, choices) if len(choices) > _MOST_CHOICES else None
+    near = near_name(text, choices)
     return f"did you mean '{near}'?" if near else "give " + expected.replace("'", "")
 
 

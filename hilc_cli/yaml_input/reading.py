@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
-from hilc_cli.files import read_file, reason
+from hilc_cli.files import read_file, reason, resolved
 from hilc_cli.shipped_files import (
     KINDS,
     LEADERBOARDS,
@@ -250,6 +250,6 @@ def _short(path: Path) -> Path:
     """The path without detours such as ``scenarios/../trajectories``, where that is the same."""
     short = Path(os.path.normpath(path))
     try:
-        return short if short.resolve() == path.resolve() else path
-    except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL character
+        return short if resolved(short) == resolved(path) else path
+    except (OSError, ValueError):  # a loop of links, a NUL character
         return path

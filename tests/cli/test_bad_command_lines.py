@@ -206,6 +206,12 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "hilc: no such option: --no-plot; did you mean: --no-plots",
     ),
     (
+        "option-that-is-near-a-key-with-keys",
+        ["run", "scenario.yaml", "--output", "x"],
+        2,
+        "hilc: no such option: --output; did you mean: --out",
+    ),
+    (
         "key-as-option",
         ["run", "scenario.yaml", "--iterations", "70"],
         2,
@@ -404,7 +410,7 @@ CASES: list[tuple[str, list[str], int, str]] = [
     (
         "file-loop",
         ["run", "loop"],
-        1,
+        2,
         "hilc: loop: cannot be read: too many levels of symbolic links",
     ),
     (
@@ -414,7 +420,7 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "hilc: scenario.yaml/x: there is no such file; check the path",
     ),
     ("file-empty-name", ["run", ""], 2, "hilc: .: is a folder; give a regular file"),
-    ("file-long-name", ["run", LONG], 1, f"hilc: {LONG}: cannot be read: file name too long"),
+    ("file-long-name", ["run", LONG], 2, f"hilc: {LONG}: cannot be read: file name too long"),
     (
         "file-big",
         ["run", "big.yaml"],
@@ -515,7 +521,42 @@ CASES: list[tuple[str, list[str], int, str]] = [
         "out-below-file",
         ["run", "scenario.yaml", "--out", "path.yaml/x"],
         1,
-        "hilc: path.yaml/x: cannot be written: file exists",
+        "hilc: path.yaml/x: cannot be written: nothing is made below path.yaml, which is no folder",
+    ),
+    *(
+        (
+            f"{command[0]}-below-{link}",
+            [*command, "--out", f"{link}/x"],
+            1,
+            f"hilc: {link}/x: cannot be written: nothing is made below {link}, a link to nothing",
+        )
+        for link in ("dangling", "loop")
+        for command in (
+            ["run", "scenario.yaml"],
+            ["check", "scenario.yaml", "--plot"],
+            ["sweep", "scenario.yaml", "--vary", "iterations=1,2"],
+            ["reproduce"],
+            ["compare", "full", "full/"],
+        )
+    ),
+    *(
+        (
+            f"{command[0]}-of-{name[:4]}",
+            [*command, name],
+            2,
+            f"hilc: {name}: cannot be read: {why}",
+        )
+        for name, why in (
+            ("loop", "too many levels of symbolic links"),
+            (LONG, "file name too long"),
+        )
+        for command in (["plot"], ["compare", "full"], ["compare", "--laws"], ["sweep", "--merge"])
+    ),
+    (
+        "sweep-out-long",
+        ["sweep", "scenario.yaml", "--vary", "iterations=1,2", "--out", "n" * 252],
+        1,
+        f"hilc: {'n' * 252}: cannot be written: file name too long",
     ),
     (
         "out-dangling",

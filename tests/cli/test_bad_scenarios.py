@@ -128,7 +128,12 @@ CASES = [
     (
         "name-dots",
         scenario("name: test", "name: '..'"),
-        "scenario.yaml:1:7: name: has characters that are not allowed, got '..'; use letters, digits, '.', '_' and '-'",
+        "scenario.yaml:1:7: name: has characters that are not allowed, got '..'; begin with a letter or digit: hidden files and folders begin with '.'",
+    ),
+    (
+        "name-draft",
+        scenario("name: test", "name: .s.hilc-043a718b-aaaaaaaa"),
+        "scenario.yaml:1:7: name: has characters that are not allowed, got '.s.hilc-043a718b-aaaaaaaa'; begin with a letter or digit: hidden files and folders begin with '.'",
     ),
     (
         "name-empty",
@@ -495,7 +500,7 @@ CASES = [
     (
         "law",
         scenario("b_w: 180", "law: hybird"),
-        "scenario.yaml:7:8: controller.law: is not one of the choices, got 'hybird'; give hybrid, pid, norm-optimal or feedback",
+        "scenario.yaml:7:8: controller.law: is not one of the choices, got 'hybird'; did you mean 'hybrid'?",
     ),
     (
         "compensation",
@@ -510,7 +515,7 @@ CASES = [
     (
         "gain-heading",
         scenario("b_w: 180", "gain_heading: measure"),
-        "scenario.yaml:7:17: controller.gain_heading: is not one of the choices, got 'measure'; give measured, previous or reference",
+        "scenario.yaml:7:17: controller.gain_heading: is not one of the choices, got 'measure'; did you mean 'measured'?",
     ),
     (
         "tolerance",
@@ -535,7 +540,7 @@ CASES = [
     (
         "initial-trial",
         plus("initial_trial: openloop\n"),
-        "scenario.yaml:8:16: initial_trial: is not one of the choices, got 'openloop'; give open-loop or feedback",
+        "scenario.yaml:8:16: initial_trial: is not one of the choices, got 'openloop'; did you mean 'open-loop'?",
     ),
     (
         "friction-zero",

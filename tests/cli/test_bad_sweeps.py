@@ -268,7 +268,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gain_heading=measured,refrence"],
         2,
-        "--vary controller.gain_heading=measured,refrence: controller.gain_heading: is not one of the choices, got 'refrence'; give measured, previous or reference",
+        "--vary controller.gain_heading=measured,refrence: controller.gain_heading: is not one of the choices, got 'refrence'; did you mean 'reference'?",
     ),
     (
         ["--vary", "controller.gain_heading=1:2:3"],
@@ -748,6 +748,11 @@ CASES: list[tuple[list[str], int, str]] = [
         ["--vary", "controller.gains.l1=0,1", "--metric", "max_position_error"],
         2,
         "--metric max_position_error: metric: is not one of the choices, got 'max_position_error'; did you mean 'max_position_error_m'?",
+    ),
+    (
+        ["--vary", "controller.gains.l1=0,1", "--metric", "max_error"],
+        2,
+        "--metric max_error: metric: is not one of the choices, got 'max_error'; did you mean 'max_position_error_m'?",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--metric", "iterations_to_tolerance"],

@@ -218,3 +218,23 @@ def test_newest_results_may_be_a_sweep(hilc: Hilc, runs: Path) -> None:
     assert hilc(*sweep, "-q").code == 0
     outcome = hilc("plot", "--format", "svg")
     assert (outcome.code, outcome.out) == (0, "runs/test-sweep/curve.svg\n")
+
+
+def test_the_newest_is_of_those_with_such_pictures(hilc: Hilc, runs: Path) -> None:
+    os.utime(runs / "test/iterations.csv", (1e9, 1e9))
+    (runs / "sweep").mkdir()
+    (runs / "sweep/cases.csv").touch()
+    newest = hilc("plot", "--kind", "error", "--kind", "learning").err.splitlines()[0]
+    assert newest == "hilc: no run is named: drawing the newest, runs/other"
+    newest = hilc("plot", "--kind", "map").err.splitlines()[0]
+    assert newest == "hilc: no run is named: drawing the newest, runs/sweep"
+    assert hilc("plot", "--kind", "map", "--kind", "error").err == (
+        "hilc: there are no results with pictures map, error in runs to draw; "
+        "name the folder of a run\n"
+    )
+
+
+def test_pictures_of_sweeps_are_told_as_such(hilc: Hilc, runs: Path) -> None:
+    outcome = hilc("plot", "runs/test", "--kind", "map")
+    assert outcome.code == 2
+    assert outcome.err.startswith("hilc: picture 'map' is one of sweeps; those of runs: path-")

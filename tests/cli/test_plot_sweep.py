@@ -43,7 +43,10 @@ def test_kinds_formats_and_place_asked_for(hilc: Hilc, swept: None) -> None:
     [
         ([str(FOLDER), str(FOLDER)], "a sweep is drawn on its own, and without --iterations"),
         ([str(FOLDER), "--iterations", "0"], "a sweep is drawn on its own, and without"),
-        ([str(FOLDER), "--kind", "error"], "unknown kind of picture 'error'"),
+        (
+            [str(FOLDER), "--kind", "error"],
+            "picture 'error' is one of runs; pictures of this",
+        ),
         ([str(FOLDER), "--kind", "bands"], "bands"),
     ],
 )

@@ -19,6 +19,7 @@ import pytest
 
 from hilc_cli.cli.main import main
 from hilc_cli.cli.reproduce import _stage
+from hilc_cli.cli.session import STOPPED
 from hilc_cli.paper import folder as paper_folder
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.contents import FIGURES
@@ -80,14 +81,15 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, dict[str, Any]]]:
     """All figures, once: the folder, and what was told of it."""
     working = tmp_path_factory.mktemp("whole")
-    before = signal.getsignal(signal.SIGTERM)
+    before = {number: signal.getsignal(number) for number in STOPPED}
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as told:
         patch.chdir(working)
         patch.setattr("hilc_cli.paper.plan.plan_reproduction", quick)
         patch.setattr(sys, "argv", ["hilc", "reproduce"])
         with pytest.raises(SystemExit) as stop:
             main(["reproduce", "--dpi", "30", "--json"])
-    signal.signal(signal.SIGTERM, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
     assert stop.value.code == 0
     yield working / "runs" / "reproduce", json.loads(told.getvalue())
 

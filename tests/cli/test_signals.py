@@ -6,6 +6,7 @@ import errno
 import os
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -13,9 +14,10 @@ from typing import Any
 
 import pytest
 
+from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
 from hilc_cli.runs import run_folder
 from tests.cli.inputs import SCENARIO, TRAJECTORY, listing
-from tests.cli.processes import outcome_of, run_hilc, started
+from tests.cli.processes import TIMEOUT, environment, outcome_of, run_hilc, started, uncovered
 from tests.conftest import Hilc, Outcome, Write
 
 SIGNALS = [
@@ -69,6 +71,51 @@ def test_signal_in_mid_check(tmp_path: Path, number: int, code: int, message: st
         process.send_signal(number)
         assert outcome_of(process) == Outcome(code, "", message)
     assert [path.name for path in tmp_path.iterdir()] == ["path.yaml"]
+
+
+EARLY = """\
+import builtins
+load = builtins.__import__
+def interrupted(name, *arguments, **options):
+    if name == "hilc_cli.cli.session":
+        raise KeyboardInterrupt
+    return load(name, *arguments, **options)
+builtins.__import__ = interrupted
+import hilc_cli.cli.main
+"""
+
+
+def test_interrupt_while_the_program_is_loaded_is_silent() -> None:
+    done = subprocess.run([sys.executable, "-c", EARLY], capture_output=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"")
+
+
+SLOW_TO_LEAVE = """\
+import atexit, time, sys
+from hilc_cli.cli.main import main
+atexit.register(lambda: (print("leaving", flush=True), time.sleep(0.3)))
+main(["--version"])
+"""
+
+
+def test_signal_on_the_way_out_changes_no_exit_code(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", SLOW_TO_LEAVE]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=uncovered(environment())) as process:
+        assert process.stdout is not None
+        while process.stdout.readline() != b"leaving\n":
+            pass
+        for number in STOPPED:
+            process.send_signal(number)
+        assert process.wait(TIMEOUT) == 0
+
+
+def test_first_of_several_signals_is_the_exit_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hilc_cli.cli.session._CLEANING", 0)
+    session = Session()
+    for number in (signal.SIGQUIT, signal.SIGTERM):
+        with pytest.raises(InterruptedBySignal) as stop:
+            session._stop(number, None)
+        assert stop.value.number == signal.SIGQUIT
 
 
 def interrupt() -> None:

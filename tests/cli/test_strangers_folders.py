@@ -68,7 +68,19 @@ NAMES = [
     *((f"board/leaderboard.csv:{what}", PLOT_BOARD) for what in ("bend", "exact", "none", "slow")),
 ]
 HOSTILE = (
-    *("../../outside/x", "/outside/x", "..", "", "-x", "=1+1", "n" * 101, "ok\n", "red\x1b[31m"),
+    *(
+        "../../outside/x",
+        "/outside/x",
+        "..",
+        ".-",
+        ".s.hilc-043a718b-aaaaaaaa",
+        "",
+        "-x",
+        "=1+1",
+        "n" * 101,
+        "ok\n",
+        "red\x1b[31m",
+    ),
     *("[link=http://x]y", "\u202ex", None, ["x"]),
 )
 

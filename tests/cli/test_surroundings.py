@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
+import matplotlib
 import pytest
 
+from hilc_cli.drawing import loading
 from hilc_cli.surroundings import hidden, settle
 from tests.cli.inputs import SCENARIO, TRAJECTORY
 from tests.cli.processes import environment, run_hilc
@@ -58,6 +61,36 @@ def test_nothing_set_for_libraries_matters(hilc: Hilc, folder: Path) -> None:
     assert outcome == Outcome(0, "", "")
     assert results(folder / "odd") == results(folder / "plain")
     assert len(results(folder / "odd")) > 8
+
+
+def no_folder(place: Path) -> str:
+    raise RuntimeError("Symlink loop")  # as Python 3.11 says
+
+
+def folder_with_a_pipe(place: Path) -> str:
+    os.mkfifo(place / "fontlist-v1.json")
+    return str(place)
+
+
+@pytest.mark.parametrize("own", [no_folder, folder_with_a_pipe])
+def test_folder_of_matplotlib_that_is_of_no_use(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, own: Callable[[Path], str]
+) -> None:
+    monkeypatch.setenv("MPLCONFIGDIR", "own")
+    monkeypatch.setattr("matplotlib.get_cachedir", lambda: own(folder))
+    loading._settle_folder()
+    place = Path(matplotlib.get_cachedir())
+    assert place.is_dir() and not any(place.iterdir())
+    assert os.environ["MPLCONFIGDIR"] == str(place)
+
+
+def test_folder_of_matplotlib_that_is_of_use_stays(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "fontlist-v1.json").touch()
+    monkeypatch.setattr("matplotlib.get_cachedir", lambda: str(folder))
+    loading._settle_folder()
+    assert matplotlib.get_cachedir() == str(folder)
 
 
 NOTEBOOK = """\
@@ -112,3 +145,15 @@ def test_settings_of_numba_that_stay(monkeypatch: pytest.MonkeyPatch) -> None:
             **({"NUMBA_DISABLE_JIT": "1"} if stays else {}),
         }
     assert os.environ["OPENBLAS_NUM_THREADS"] == "3"
+
+
+def test_working_folder_that_is_gone_is_named(
+    hilc: Hilc, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        os.getcwd()  # noqa: PTH109  # as a library does that is loaded
+
+    monkeypatch.setattr("hilc_cli.api.merge_shards", fail)
+    folder.rmdir()
+    message = "hilc: the working folder: the system refused: No such file or directory\n"
+    assert hilc("sweep", "--merge", "../x") == Outcome(1, "", message)

@@ -68,6 +68,17 @@ def leave_unfinished(hilc: Hilc, *arguments: str) -> None:
     assert is_resumable(sweeps.PART)
 
 
+@pytest.mark.parametrize("again", [SWEEP, OTHER, (*OTHER, "--resume")])
+def test_sweep_killed_before_it_had_results_is_in_nobodys_way(
+    hilc: Hilc, write: Write, again: tuple[str, ...]
+) -> None:
+    write()
+    leave_unfinished(hilc, *SWEEP)
+    (sweeps.PART / "journal").write_bytes(b"")
+    assert hilc(*again) == DONE
+    assert not sweeps.PART.exists()
+
+
 def test_same_sweep_is_replaced_and_own_files_stay(hilc: Hilc, write: Write) -> None:
     write()
     assert hilc(*SWEEP) == DONE

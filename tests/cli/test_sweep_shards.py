@@ -70,7 +70,7 @@ def test_any_order_gives_the_sweep(hilc: Hilc, shards: list[str]) -> None:
     [((0, 1), "cases 5 to 7"), ((1, 2), "cases 0 to 1"), ((0, 2), "cases 2 to 4")],
 )
 def test_missing_shard(hilc: Hilc, shards: list[str], kept: tuple[int, int], missing: str) -> None:
-    message = f"hilc: {missing}: no shard holds them; give all shards of the sweep\n"
+    message = f"hilc: no shard holds {missing}; give all shards of the sweep\n"
     assert hilc(*MERGE, *(shards[number] for number in kept)) == Outcome(2, "", message)
     assert not sweeps.FOLDER.exists()
 
@@ -101,7 +101,7 @@ def test_shard_of_another_sweep(hilc: Hilc, shards: list[str], more: tuple[str, 
 
 def test_unfinished_shard(hilc: Hilc, shards: list[str]) -> None:
     (Path(shards[1]) / "journal").write_bytes(b"")
-    message = f"hilc: {shards[1]}: cases 2 to 4 are missing; finish it with --resume\n"
+    message = f"hilc: {shards[1]}: lacks cases 2 to 4; finish it with --resume\n"
     assert hilc(*MERGE, *shards) == Outcome(2, "", message)
     assert hilc(*SWEEP, "--shard", "2/3", "--resume") == DONE
     assert hilc(*MERGE, *shards) == DONE

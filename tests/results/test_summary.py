@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -67,6 +68,14 @@ def test_looser_share_where_the_tighter_is_not_kept() -> None:
     assert summary.on_path is not None
     assert summary.on_path.tolerance_m == pytest.approx(0.08)
     assert summary.settled_second_half_at == {"1 %": 0, "0.1 %": None}
+
+
+@pytest.mark.parametrize(("off", "iteration"), [(0.0, 3), (0.008, 3), (0.009, 1), (5.0, 1)])
+def test_share_that_noise_decides_is_not_told(off: float, iteration: int) -> None:
+    errors = [fading(0.5, 0.2, rest=rest) for rest in (0.4, 0.005, 0.01, 0.007)]
+    summary = summarise(replace(run_of(errors), readings_off_m=off))
+    within = "8 mm" if iteration == 3 else "80 mm"
+    assert summary.headline.endswith(f"; second half within {within} from iteration {iteration}")
 
 
 def test_late_return_to_the_path_is_none() -> None:

@@ -111,6 +111,16 @@ def test_yardsticks_of_the_manifest_are_read_as_far_as_they_are_numbers(
     assert hilc_api.read_run(done).yardsticks == read
 
 
+@pytest.mark.parametrize(("written", "read"), [(0.005, 0.005), ("x", 0.0), (None, 0.0)])
+def test_noise_of_the_manifest_is_read_if_it_is_a_number(
+    done: Path, written: object, read: float
+) -> None:
+    manifest = json.loads((done / "manifest.json").read_text())
+    assert manifest["readings_off_m"] == 0
+    (done / "manifest.json").write_text(json.dumps(manifest | {"readings_off_m": written}))
+    assert hilc_api.read_run(done).readings_off_m == read
+
+
 def test_second_run_gives_the_same_bytes(hilc: Hilc, done: Path) -> None:
     before = {name: (done / name).read_bytes() for name in (*TABLES, "scenario.yaml")}
     assert hilc("run", "scenario.yaml", *QUIET) == Outcome(0, "", "")
@@ -571,8 +581,11 @@ def test_same_tables_keep_the_pictures_that_are_there(hilc: Hilc, done: Path, wr
     for name, content in own.items():
         (done / name).write_bytes(content)
     (done / "learning.png").symlink_to("../../path.yaml")
+    with (done / "error.pdf").open("wb") as sparse:
+        sparse.truncate(10**12)
     assert hilc("run", "scenario.yaml", *QUIET) == Outcome(0, "", "")
     assert {name: (done / name).read_bytes() for name in own} == own
+    assert not (done / "error.pdf").exists(), "nothing of that size is a picture"
     assert not (done / "learning.png").exists(), "a link is no picture"
     assert json.loads((done / "manifest.json").read_text())["files"] == names(done)
     # Those of the formats that are drawn are new, the others stay.

@@ -66,11 +66,11 @@ def test_model_is_the_robot_where_it_is_left_out() -> None:
 
 
 def test_ros_is_another_name_of_rep103() -> None:
-    ros, rep103 = (
+    ros, capitals, rep103 = (
         load_scenario("scenario.yaml", {"robot.turn_convention": name})
-        for name in ("ros", "rep103")
+        for name in ("ros", "ROS", "rep103")
     )
-    assert ros.resolved_yaml() == rep103.resolved_yaml()
+    assert ros.resolved_yaml() == capitals.resolved_yaml() == rep103.resolved_yaml()
     assert ros.experiment().robot.signed_half_track == -0.5
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import signal
 import socket
 import threading
 import time
@@ -150,6 +152,52 @@ def test_server_of_another_kind(
     told = f"{re.escape(address)}: there is no scheduler that answers: ({why})"
     assert re.fullmatch(told, str(failure.value))
     assert time.monotonic() - start < 20
+
+
+class Hanging(Client):
+    """A client of a scheduler that says nothing any more, which is waited for without an end."""
+
+    connects = False
+
+    def __init__(self, address: str, **options: Any) -> None:
+        if not self.connects:
+            self.wait_for_workers(1, 1)
+
+    def wait_for_workers(self, count: int, timeout: float) -> None:
+        threading.Event().wait()
+
+    def close(self, timeout: float) -> None:
+        threading.Event().wait()
+
+
+@pytest.mark.parametrize(
+    ("connects", "why"),
+    [
+        (False, "there is no scheduler that answers: nothing within 0.1 s"),
+        (True, "the scheduler has fallen silent, for 0.1 s"),
+    ],
+)
+def test_scheduler_that_falls_silent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, connects: bool, why: str
+) -> None:
+    monkeypatch.setattr(distributed, "Client", Hanging)
+    monkeypatch.setattr(Hanging, "connects", connects)
+    monkeypatch.setattr(dask_crew, "_greet", lambda address, go_on: None)
+    monkeypatch.setattr(dask_crew, "_CONNECT", 0.1)
+    monkeypatch.setattr(dask_crew, "PATIENCE", 0.1)
+    with pytest.raises(ClusterError, match=f"^tcp://nowhere:1: {why}$"):
+        DaskCrew(small_plan(tmp_path), "tcp://nowhere:1", lambda: None)
+
+
+def test_signal_is_heard_while_nothing_answers() -> None:
+    with pytest.raises(KeyboardInterrupt):
+        dask_crew.within(60, threading.Event().wait, lambda: os.kill(os.getpid(), signal.SIGINT))
+
+
+def test_host_of_too_long_a_name() -> None:
+    why = "there is no scheduler that answers: its host has no name that can be looked up$"
+    with pytest.raises(ClusterError, match=why):
+        dask_crew._greet(f"tcp://{'a' * 70}:1", lambda: None)
 
 
 def test_host_of_no_such_name() -> None:

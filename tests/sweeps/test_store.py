@@ -6,6 +6,7 @@ import json
 import random
 import zlib
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from hilc_cli.sweeps.chunks import Chunk, run_chunk
 from hilc_cli.sweeps.opening import open_store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.store import FolderStore
+from hilc_cli.sweeps.work_folder import Journal
 from tests.cli.inputs import listing
 from tests.sweeps.plans import small_plan
 
@@ -147,6 +149,16 @@ def test_line_after_a_torn_one_counts(tmp_path: Path) -> None:
     store = open_store(folder, plan, ALL, None, resume=True, force=False)
     assert store.missing() == [Chunk(0, 8), Chunk(16, 64)]
     store.close()
+
+
+def test_huge_journal_is_refused_unread(tmp_path: Path) -> None:
+    with (tmp_path / "journal").open("wb") as file:
+        file.truncate(10**12)
+    with (
+        closing(Journal(tmp_path / "journal", read_only=True)) as journal,
+        pytest.raises(UsageError, match=r"journal: is larger than 2000000000 bytes"),
+    ):
+        journal.is_empty()
 
 
 @pytest.mark.parametrize("first", [-8, 56, 10**15])

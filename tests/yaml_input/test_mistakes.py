@@ -157,6 +157,10 @@ OVERRIDES = [
     ("start.x", "did you mean 'trajectory.start.x'?"),
     ("kd", "did you mean 'controller.gains.kd'? It needs 'law: pid'"),
     ("wheel_seperation", "did you mean 'robot.wheel_separation' or 'model.wheel_separation'?"),
+    ("length", "did you mean 'trajectory.segments.0.line.length'?"),
+    ("line.length", "did you mean 'trajectory.segments.0.line.length'?"),
+    ("speed", "entries of 'trajectory.segments' may have it, and none has it here"),
+    ("laps", "their number is iterations"),
 ]
 
 
@@ -173,6 +177,25 @@ def test_keys_are_completed_by_their_end(write: Write, key: str, hint: str) -> N
                 load_scenario(HERE, [f"{suggested}=0.25"])
             except InvalidInputError as wrong:
                 assert "unknown key" not in str(wrong)
+
+
+OF_OTHER_LAW = [
+    ("kp", "did you mean 'controller.gains.kp'? It needs 'law: pid'"),
+    ("gains.l1", "did you mean 'controller.gains.l1'? It needs 'law: hybrid'"),
+    ("lateral", "did you mean 'controller.gains.lateral'? It needs 'law: hybrid'"),
+]
+
+
+@pytest.mark.parametrize(("key", "hint"), OF_OTHER_LAW)
+def test_keys_of_another_law_are_told_with_it(write: Write, key: str, hint: str) -> None:
+    write({HERE: scenario("  gains: {l1: 0.5}\n", "  law: norm-optimal\n")})
+    told = f"{key}=1: {key.split('.')[0]}: is an unknown key; {hint}"
+    with pytest.raises(InvalidInputError) as error:
+        load_scenario(HERE, [f"{key}=1"])
+    assert str(error.value) == f"--set {told}"
+    with pytest.raises(InvalidInputError) as error:
+        plan_of(load_scenario(HERE), [f"{key}=1"])
+    assert str(error.value) == f"--vary {told}"
 
 
 @pytest.mark.parametrize("key", ["l5", "gains.l9", "qqq", "controller.gains.kp9", "robot.mass"])
@@ -264,11 +287,11 @@ def test_characters_are_named_where_they_stand(write: Write, content: str, line:
     [
         (
             robot(ROBOT.replace("paper", "paper\u00a0")),
-            "3:62: robot.turn_convention: is not one of the choices, got 'paper\ufffd'; give paper or rep103; it has a no-break space (U+00A0): write a plain space",
+            "3:62: robot.turn_convention: is not one of the choices, got 'paper\ufffd'; did you mean 'paper'? It has a no-break space (U+00A0): write a plain space",
         ),
         (
             plus("initial_trial: “feedback”\n"),
-            "8:16: initial_trial: is not one of the choices, got '“feedback”'; give open-loop or feedback; it has a left double quotation mark (U+201C): write plain quotes, or none",
+            "8:16: initial_trial: is not one of the choices, got '“feedback”'; did you mean 'feedback'? It has a left double quotation mark (U+201C): write plain quotes, or none",
         ),
         (
             scenario("path.yaml", '"data\\test.yaml"'),

@@ -135,6 +135,7 @@ def expected_document(expected: ExpectedError) -> dict[str, object]:
         "first_m": expected.first_m,
         "final_m": expected.final_m,
         "with_disturbances_m": expected.foretold_m,
+        "with_disturbances_is_floor": expected.is_floor,
         "of_start_m": expected.of_start_m,
         "of_readings_m": expected.of_readings_m,
         "of_state_m": expected.of_state_m,
@@ -154,6 +155,8 @@ def disturbed_rows(expected: ExpectedError) -> list[tuple[str, str]]:
         return []
     alone = f" ({', '.join(made)})" if len(made) > 1 else ""
     shown = f"up to {expected.foretold_m:.4g} m in {LEVEL:.0%} of runs"
+    if expected.is_floor:
+        shown = f"less than theory tells apart, {expected.foretold_m:.2g} m"
     return [("Disturbed", shown + alone)]
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     from hilc_cli.theory.laws.law_theory import LawTheory
-    from hilc_cli.theory.laws.norm_optimal import Merging, ModelMismatch
+    from hilc_cli.theory.laws.merging import Merging
+    from hilc_cli.theory.laws.model_mismatch import ModelMismatch
     from hilc_cli.theory.laws.tracking_loop import TrackingLoop
     from hilc_cli.theory.laws.tracking_response import TrackingResponse
     from hilc_cli.theory.learning.gains import StepGain
@@ -92,12 +93,22 @@ def _way_in(found: Merging) -> Rows:
     earliest = _sample(found, found.earliest, "at no sample")
     if math.isinf(found.speed_limit):
         earliest = "at once: there is no speed limit"
-    planned = _sample(found, found.planned, "not before the end")
+    planned = _merge(found)
     return [
         ("Initial error", off),
         ("Earliest merge of any law", earliest),
         ("Merge of this law", f"{planned}; h is {found.h}"),
     ]
+
+
+def _merge(found: Merging) -> str:
+    """Where the law's own way in ends: within a millimetre, or else as near as counts."""
+    if found.planned is not None:
+        return _sample(found, found.planned, "")
+    if found.joins is None:
+        return "not before the end"
+    what = "it" if found.is_possible else "what the limit leaves of it"
+    return f"within {found.near:.2g} m of {what} from {_sample(found, found.joins, '')}"
 
 
 def way_in_brief(theory: LawTheory, found: Merging) -> Rows:
@@ -112,7 +123,7 @@ def way_in_brief(theory: LawTheory, found: Merging) -> Rows:
         )
     if not found.is_off:
         return told
-    planned = _sample(found, found.planned, "not before the end")
+    planned = _merge(found)
     text = f"from {found.position_error:.4g} m, {found.heading_error:.4g} rad off: {planned}"
     if found.earliest is not None and math.isfinite(found.speed_limit):
         text += f"; any law from {found.earliest} on"

@@ -13,7 +13,6 @@ from hilc_cli.checks.report.learning import learning_section
 from hilc_cli.checks.report.theory import theory_section
 from hilc_cli.reporting.section import counted, finding_lines, print_grid, print_section, title
 from hilc_cli.reporting.terminal import is_decorated, print_table, print_text, two_columns
-from hilc_cli.theory.learning.outcome import Outcome
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
@@ -23,12 +22,6 @@ _SCREEN = 24
 """Lines that a report has if nothing more is asked for."""
 _LEAST_SHOWN = 2
 """So many errors, or warnings if there are no errors, are shown however long they are."""
-_UNSURE = {
-    Outcome.OUT_OF_RANGE: "unclear",
-    Outcome.DOES_NOT_LEARN: "does not halve the error",
-    Outcome.DROWNED: "does not learn",
-}
-"""What is expected of learning where that is neither that it works nor that it cannot."""
 
 
 def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -> None:
@@ -39,7 +32,7 @@ def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -
         verbose: All findings, each segment and joint, and the figures of the linear theory.
         theory: The paper's conditions, constants and bounds.
     """
-    print_table(title(f"{check.scenario.name}: {verdict(check)}"))
+    print_table(title(f"{check.scenario.name}: {check.verdict}"))
     errors = [f"error: {text}" for text in check.failures]
     lines = 1 + _print_findings(errors, 0, _LEAST_SHOWN, show_all=verbose)
     lines += print_table(two_columns("", _rows(check), numbers=False))
@@ -76,22 +69,12 @@ def document(check: Check, pictures: Sequence[Path] = ()) -> dict[str, object]:
         "name": check.scenario.name,
         "trajectory": check.scenario.spec.trajectory.name,
         "ok": not check.failures,
-        "verdict": verdict(check),
+        "verdict": check.verdict,
         "failures": list(check.failures),
         "warnings": list(check.warnings),
         **{part.key: part.document for part in parts},
         "files": [str(picture) for picture in pictures],
     }
-
-
-def verdict(check: Check) -> str:
-    """What has come out, in a few words."""
-    warned = f", {counted(len(check.warnings), 'warning')}" if check.warnings else ""
-    if check.failures:
-        return f"cannot work, {counted(len(check.failures), 'error')}{warned}"
-    if check.outcome in _UNSURE:
-        return f"{_UNSURE[check.outcome]}{warned}"
-    return f"works{warned}" if warned else "nothing wrong"
 
 
 def _rows(check: Check) -> list[tuple[str, str]]:

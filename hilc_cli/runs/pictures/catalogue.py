@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.results.folder import SWEEP_PICTURE_KINDS
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.error import error_figure
 from hilc_cli.runs.pictures.final_path import final_path_figure
@@ -91,6 +92,10 @@ def _check(
     if not runs:
         raise UsageError("there is no run to draw; give at least one")
     for kind in kinds:
+        if kind in SWEEP_PICTURE_KINDS:
+            raise UsageError(
+                f"picture '{kind}' is one of sweeps; those of runs: {', '.join(KINDS)}"
+            )
         if kind not in KINDS:
             raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, KINDS)}")
     check_iterations(runs, iterations)

@@ -10,6 +10,8 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.results.folder import SWEEP_PICTURE_KINDS
+from hilc_cli.runs.run_folder import PICTURE_KINDS
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.bands import bands_figure
 from hilc_cli.sweeps.pictures.best import best_figure
@@ -18,7 +20,6 @@ from hilc_cli.sweeps.pictures.effects import effects_figure
 from hilc_cli.sweeps.pictures.heat_map import map_figure
 from hilc_cli.sweeps.pictures.picking import varied_keys
 from hilc_cli.sweeps.pictures.progress import search_figure
-from hilc_cli.sweeps.sweep_folder import SWEEP_PICTURE_KINDS
 
 _DRAWERS: Mapping[str, Callable[[SweepData], Figure]] = {
     "curve": curve_figure,
@@ -98,6 +99,9 @@ def save_sweep_figures(
 
 
 def _check(kind: str, data: SweepData) -> None:
+    if kind in PICTURE_KINDS:
+        fitting = ", ".join(kinds_for(data)) or "none"
+        raise UsageError(f"picture '{kind}' is one of runs; pictures of this sweep: {fitting}")
     if kind not in SWEEP_KINDS:
         raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, SWEEP_KINDS)}")
     keys = len(varied_keys(data))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from hilc_cli.laws.parameters import SLOWEST
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.theory.feasibility.demand import Demand
 
@@ -13,7 +14,8 @@ _ALIKE = 3.0
 _WHEEL_RADII = (1e-3, 2.0)  # [m]: from a toy to the largest lorries
 _HALF_TRACKS = (5e-3, 10.0)  # [m]
 _NARROWEST, _WIDEST = 1 / 3, 50.0  # half track by wheel radius
-_ON_THE_SPOT = 0.05  # radius by half track: an arc below is a way to write a turn in place
+ON_THE_SPOT = 0.05  # radius by half track: an arc below is a way to write a turn in place
+_DECIMALS = 3  # of an angle that somebody wrote as a plain number
 _UNITS = {"mm": 1e-3, "cm": 1e-2}
 _ROUNDING = 1e-9  # relative
 
@@ -33,6 +35,7 @@ def implausible(
         *_sizes(robot),
         *_beliefs(robot, model),
         *_path_size(demand, robot),
+        *_sample_time(demand),
         *_sweeps(demand),
         *_headings(headings),
     ]
@@ -87,7 +90,7 @@ def _beliefs(robot: Robot, model: Robot) -> list[str]:
 
 def _path_size(demand: Demand, robot: Robot) -> list[str]:
     """Of a path that disappears below the robot, unless it is one on the spot."""
-    on_the_spot = _ON_THE_SPOT * robot.half_track
+    on_the_spot = ON_THE_SPOT * robot.half_track
     if all(segment.length <= on_the_spot * abs(segment.turn) for segment in demand.segments):
         return []
     if demand.extent >= 2 * robot.half_track * (1 - _ROUNDING):
@@ -98,8 +101,18 @@ def _path_size(demand: Demand, robot: Robot) -> list[str]:
     ]
 
 
+def _sample_time(demand: Demand) -> list[str]:
+    """Of samples in which a robot is left alone for long."""
+    if demand.sample_time <= SLOWEST:
+        return []
+    return [
+        f"trajectory.sample_time of {demand.sample_time:g} s is longer than any robot is left "
+        f"alone; {demand.sample_time:g} ms?"
+    ]
+
+
 def _sweeps(demand: Demand) -> list[str]:
-    """Of arcs of more than a turn whose angle is no part of a turn, but a round number."""
+    """Of arcs of more than a turn whose angle is no part of a turn, but a plain number."""
     return [
         f"trajectory.{segment.name}.sweep is {_in_turns(abs(segment.turn))}"
         for segment in demand.segments
@@ -114,10 +127,24 @@ def _headings(headings: Mapping[str, float]) -> list[str]:
 
 
 def _is_in_degrees(angle: float) -> bool:
-    """Whether an angle [rad] looks like one in degrees."""
-    quarters = 4 * abs(angle)
-    is_round = abs(quarters - round(quarters)) <= _ROUNDING * quarters
-    return abs(angle) > 2 * math.pi and is_round
+    """Whether an angle [rad] looks like one in degrees: of more than a turn, and a plain number."""
+    return abs(angle) > 2 * math.pi and is_plain(angle)
+
+
+def is_plain(angle: float) -> bool:
+    """Whether an angle [rad] is a number of few decimals, and not a rounded part of a turn.
+
+    What is given in parts of pi, or in degrees, is none: 14 pi has decimals without end. 43.98 is
+    14 pi rounded.
+    """
+    size = abs(angle)
+    close = _ROUNDING * size
+    decimals = next((d for d in range(_DECIMALS + 1) if abs(size - round(size, d)) <= close), None)
+    if decimals is None:
+        return False
+    quarter = math.pi / 2
+    off = abs(size - quarter * round(size / quarter))
+    return decimals < 2 or off > 0.5 * 10**-decimals * (1 + _ROUNDING)
 
 
 def _in_turns(angle: float) -> str:

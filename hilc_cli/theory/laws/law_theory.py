@@ -10,20 +10,24 @@ from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.laws.pid import PidLaw
 from hilc_cli.theory.findings import ExpectedError, Findings, joined
-from hilc_cli.theory.laws.norm_optimal import (
-    Merging,
+from hilc_cli.theory.laws.merging import Merging, merging, merging_findings
+from hilc_cli.theory.laws.model_mismatch import (
     ModelMismatch,
-    merging,
-    merging_findings,
     mismatch_findings,
     model_mismatch,
     untried_findings,
 )
-from hilc_cli.theory.laws.tracking_loop import TrackingLoop, tracking_findings, tracking_loop
+from hilc_cli.theory.laws.tracking_loop import (
+    TrackingLoop,
+    tracking_findings,
+    tracking_loop,
+    way_findings,
+)
 from hilc_cli.theory.laws.tracking_response import TrackingResponse, tracking_response
 from hilc_cli.theory.learning.expected import expected_of_learning, expected_of_norm_optimal
 from hilc_cli.theory.learning.findings import forecast_findings
 from hilc_cli.theory.learning.forecast import Forecast, forecast, rest_error
+from hilc_cli.theory.learning.outcome import Outcome
 from hilc_cli.theory.noise.findings import noise_findings
 from hilc_cli.theory.noise.wheels import WheelNoise, wheel_findings
 
@@ -43,7 +47,9 @@ class LawTheory:
         response: What it does along the path.
         wheels: What disturbances make of the wheel speeds.
         expected: How large the error of the last iteration will be; None if that is not known.
-        findings: What all this means.
+        outcome: What comes of learning.
+        start: What the way from the initial pose means, of the laws whose way is known.
+        findings: What all the rest means.
     """
 
     forecast: Forecast | None = None
@@ -55,6 +61,8 @@ class LawTheory:
     response: TrackingResponse | None = None
     wheels: WheelNoise | None = None
     expected: ExpectedError | None = None
+    outcome: Outcome | None = None
+    start: Findings = field(default_factory=Findings)
     findings: Findings = field(default_factory=Findings)
 
 
@@ -67,6 +75,7 @@ def law_theory(experiment: Experiment) -> LawTheory:
         wheels = _learned_noise(experiment, found)
         return LawTheory(
             forecast=found,
+            outcome=found.outcome,
             rest_error_m=rest_error(experiment, rest) if rest and rest.is_finite else None,
             expected=expected,
             wheels=wheels,
@@ -80,14 +89,13 @@ def law_theory(experiment: Experiment) -> LawTheory:
         )
     if isinstance(law, NormOptimalLaw):
         way, mismatch = merging(experiment, law), model_mismatch(experiment, law)
-        expected, wheels = expected_of_norm_optimal(experiment, law, mismatch)
+        expected, outcome, wheels = expected_of_norm_optimal(experiment, law, mismatch)
         parts = [
-            merging_findings(way),
             untried_findings(experiment, law),
             wheel_findings(wheels, "raise controller.feedback_weights, or set 'feedback: none'"),
         ]
         if mismatch is not None:
-            parts.append(mismatch_findings(mismatch))
+            parts.append(mismatch_findings(mismatch, expected, outcome))
         parts.append(noise_findings(experiment, expected))
         return LawTheory(
             merging=way,
@@ -95,6 +103,8 @@ def law_theory(experiment: Experiment) -> LawTheory:
             wheels=wheels,
             identifies=law.parameters.identify,
             expected=expected,
+            outcome=outcome,
+            start=merging_findings(way),
             findings=joined(parts),
         )
     if isinstance(law, FeedbackLaw):
@@ -109,6 +119,7 @@ def law_theory(experiment: Experiment) -> LawTheory:
             response=response,
             wheels=response.wheels,
             expected=response.expected,
+            start=way_findings(loop, response),
             findings=joined(parts),
         )
     return LawTheory()

@@ -29,7 +29,9 @@ from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.feedforward import reference_twist
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.laws.tracking_response import TrackingResponse
+from hilc_cli.theory.laws.tracking_response import FAR, TrackingResponse
+from hilc_cli.theory.learning.outcome import CLEARLY
+from hilc_cli.theory.start import LateStart, late_start
 
 _MARGIN = 1e-9  # beyond what rounding may make of a limiting case
 _SOFT = 0.25  # of an error to the side: who leaves more of it at the end hardly acts
@@ -135,7 +137,7 @@ def tracking_findings(found: TrackingLoop, response: TrackingResponse) -> Findin
         warnings.append(
             "there are errors that do not fall: raise those of controller.gains that are 0"
         )
-    elif found.stays and response.aside_left > _SOFT:
+    elif found.stays and response.aside_left > _SOFT and not response.only_stands:
         warnings.append(
             f"controller.gains.k_y is too soft for this path: of an error to the side at the start "
             f"{100 * response.aside_left:.0f} % is left at its end, since it falls over a length "
@@ -150,6 +152,28 @@ def tracking_findings(found: TrackingLoop, response: TrackingResponse) -> Findin
     return Findings(tuple(failures), tuple(warnings))
 
 
+def way_findings(loop: TrackingLoop, found: TrackingResponse) -> Findings:
+    """What the way from the initial pose means; nothing where no start would be near enough."""
+    explodes = not math.isfinite(found.expected.final_m) or loop.decades >= _HOPELESS
+    if not found.is_off or explodes:
+        return Findings()
+    late = late_start(
+        LateStart(
+            "the platform",
+            found.start_off_m,
+            found.near_m / FAR,
+            found.joins,
+            found.samples,
+            found.sample_time,
+            found.end_off_m,
+            found.later_off_m,
+            "start nearer, raise controller.gains, or make the path longer",
+        ),
+        hopeless=found.start_off_m >= found.unlearned_m / CLEARLY,
+    )
+    return Findings(late.failures)  # errors that fall by and by are late, and nothing to mind
+
+
 def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[list[str], list[str]]:
     """Failures and warnings of the response."""
     failures, warnings = [], []
@@ -158,21 +182,22 @@ def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[li
             "the feedback drives the platform beyond all numbers along this path; lower "
             "controller.gains, or set controller.b_w"
         )
-    elif response.joins_s is None and response.is_off:
-        failures.append(
-            f"from initial_pose, {response.start_off_m:.3g} m off, the platform does not get onto "
-            f"the trajectory before its end, where {response.end_off_m:.3g} m are left; start "
-            "nearer, raise controller.gains, or make the path longer"
+    if response.error_m > response.near_m and found.decades < _HOPELESS:
+        # The model is to blame for what goes away with a right one.
+        by_model = response.error_known_m < response.error_m / CLEARLY
+        model = (
+            "though its model is right"
+            if found.model_is_right
+            else "and hardly less with a right model"
         )
-    if response.error_m > response.near_m:
         error = f"up to {response.error_m:.3g} m off the reference"
-        if not found.stays and found.is_stable and math.isfinite(found.rest):
+        if by_model and not found.stays and found.is_stable and math.isfinite(found.rest):
             warnings.append(
                 f"the wrong model drives the platform {error}, ahead of it, and beyond "
                 f"k_theta / k_y, {found.most_ahead:.3g} m, it turns away from it: correct "
                 "model, or raise controller.gains.k_x"
             )
-        elif not found.model_is_right:
+        elif by_model and not found.model_is_right:
             warnings.append(
                 f"the wrong model leaves the platform {error} along this path, in each iteration "
                 "again; correct model, raise controller.gains, or take a law that learns"
@@ -184,8 +209,8 @@ def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[li
             )
         else:
             warnings.append(
-                f"the feedback leaves the platform {error} along this path, though its model is "
-                "right: raise controller.gains, shorten sample_time, or round its corners"
+                f"the feedback leaves the platform {error} along this path, {model}: raise "
+                "controller.gains, shorten sample_time, or round its corners"
             )
     if response.heading_error_rad > _TURNED:
         warnings.append(

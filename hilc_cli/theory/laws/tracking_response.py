@@ -24,8 +24,9 @@ from hilc_cli.plants.kinematic import advance, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import LEVEL, ExpectedError
-from hilc_cli.theory.noise.draws import NoiseDraws
+from hilc_cli.theory.noise.draws import NoiseDraws, unlearned_error
 from hilc_cli.theory.noise.wheels import WheelNoise
+from hilc_cli.theory.start import in_second_half, joined
 
 ManyWheels = Callable[[int, Floats, Floats, Floats, Floats, Floats], tuple[Floats, Floats]]
 """A `WheelController` of many passes at once, shape (passes,) each."""
@@ -182,15 +183,20 @@ class TrackingResponse:
 
     Attributes:
         error_m: Largest position error from the trajectory's own start, undisturbed [m].
+        error_known_m: Likewise with the true platform as model [m].
         heading_error_rad: Likewise of the heading, where the reference stands [rad]; 0 if it
             nowhere does.
         standing_s: How long the reference turns in place or stands still [s].
         near_m: What counts as on the trajectory [m].
         start_off_m: Distance of the initial pose from the trajectory's start [m].
         is_off: Whether it, or its heading, differs from that at all.
-        joins_s: When the pass from the initial pose is, for good, no further than `near_m` from
-            the one from the trajectory's start [s]; None if it is not by the end.
+        joins: First sample from which the pass from the initial pose is, for good, no further than
+            `near_m` from the one from the trajectory's start; None if it is not by the end.
         end_off_m: How far from that it is at the end [m].
+        later_off_m: Likewise in the second half, at most [m].
+        samples: Number of the trajectory's sampling intervals.
+        sample_time: d_t [s].
+        unlearned_m: Position error of the believed feedforward from the initial pose [m].
         aside_left: Share that is left at the end of a small error to the side at the start.
         at_limit: Share of the samples at which the limit acts, undisturbed.
         expected: The error to be expected, with disturbances.
@@ -198,17 +204,32 @@ class TrackingResponse:
     """
 
     error_m: float
+    error_known_m: float
     heading_error_rad: float
     standing_s: float
     near_m: float
     start_off_m: float
     is_off: bool
-    joins_s: float | None
+    joins: int | None
     end_off_m: float
+    later_off_m: float
+    samples: int
+    sample_time: float
+    unlearned_m: float
     aside_left: float
     at_limit: float
     expected: ExpectedError
     wheels: WheelNoise | None
+
+    @property
+    def only_stands(self) -> bool:
+        """Whether the reference goes nowhere, so that no side error can be steered away."""
+        return self.standing_s > (self.samples - 0.5) * self.sample_time
+
+    @property
+    def joins_s(self) -> float | None:
+        """`joins` in seconds."""
+        return None if self.joins is None else self.joins * self.sample_time
 
 
 def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingResponse:
@@ -220,6 +241,7 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
     nudge = _NUDGE * size
     aside = own[0] - nudge * math.sin(own[2]), own[1] + nudge * math.cos(own[2]), own[2]
     quiet, from_own, from_aside = (_undisturbed(experiment, pose) for pose in (start, own, aside))
+    known = replace(experiment, law=replace(law, model=experiment.robot))
     between = _apart(quiet, from_own)
     near, off = FAR * size, max(abs(a - b) for a, b in zip(start, own, strict=True))
     standing = _standing(experiment)
@@ -227,13 +249,18 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
     expected, wheels = _disturbed(experiment, law, _furthest(experiment, quiet))
     return TrackingResponse(
         _furthest(experiment, from_own),
+        _furthest(experiment, _undisturbed(known, own)),
         float(turned.max()) if len(turned) else 0.0,
         float(standing.sum()) * reference.sample_time,
         near,
         float(between[0]),
         off > _NONE,
-        _joined(between, near, reference.sample_time),
+        joined(between, near),
         float(between[-1]),
+        in_second_half(between),
+        reference.samples,
+        reference.sample_time,
+        unlearned_error(experiment, law.model),
         float(_apart(from_own, from_aside)[-1]) / nudge,
         quiet.saturated_samples / reference.samples,
         expected,
@@ -325,13 +352,6 @@ def _apart(one: Trial, other: Trial) -> Floats:
     """Distance between two passes [m], shape (n + 1,)."""
     distance: Floats = np.hypot(one.x - other.x, one.y - other.y)
     return distance
-
-
-def _joined(between: Floats, near: float, sample_time: float) -> float | None:
-    """From when on a distance stays within a bound [s]."""
-    far = np.flatnonzero(~(between <= near))
-    first = int(far[-1]) + 1 if len(far) else 0
-    return first * sample_time if first < len(between) else None
 
 
 def _standing(experiment: Experiment) -> NDArray[np.bool_]:

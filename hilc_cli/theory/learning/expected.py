@@ -3,176 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.loop import simulate
+from hilc_cli.errors import DivergedError
+from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, extent
-from hilc_cli.theory.laws.norm_optimal import ModelMismatch
+from hilc_cli.theory.laws.model_mismatch import ModelMismatch
 from hilc_cli.theory.learning.forecast import FAR_HEADING, Forecast
-from hilc_cli.theory.learning.recursion import linearise
+from hilc_cli.theory.learning.outcome import FAILED, Outcome, Prospects, predicted_outcome
 from hilc_cli.theory.matrices import desired_poses
-from hilc_cli.theory.noise.draws import (
-    SEEDS,
-    DisturbanceDraws,
-    NoiseDraws,
-    deviations,
-    open_loop_error,
-)
+from hilc_cli.theory.noise.draws import SEEDS, open_loop_error, open_loop_errors
 from hilc_cli.theory.noise.learning import noisy_learning
-from hilc_cli.theory.noise.wheels import WheelNoise, changes_beside_first
-
-_WITHIN = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
-_PLANS = 3  # updates after which the plan of a platform that is known hardly changes
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PlannedMotion:
-    """What the law plans once it knows the platform.
-
-    Attributes:
-        poses: Shape (n + 1, 3).
-        inputs: Wheel speeds of the true platform [rad/s], shape (n, 2).
-        gains: Of the regulator, shape (n, 2, 3).
-    """
-
-    poses: Floats
-    inputs: Floats
-    gains: Floats
-
-
-def planned_motion(experiment: Experiment, law: NormOptimalLaw) -> PlannedMotion:
-    """The motion that learning leads to, within the limit and without disturbances."""
-    from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner  # the compiler starts slowly
-
-    learner = NormOptimalLearner(
-        law.parameters, experiment.reference, experiment.robot, experiment.speed_limit
-    )
-    start = np.array(experiment.initial_pose)
-    for _ in range(_PLANS):
-        plan = learner.plan(start)
-    return PlannedMotion(plan.desired, plan.feedforward, plan.gains)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class NoisyPasses:
-    """The last iteration, a column for each seed; the first one is not disturbed.
-
-    Attributes:
-        position_m: Largest position error [m], shape (seeds,).
-        change_rad_s: RMS change of the wheel speeds from sample to sample beside the first [rad/s].
-        at_limit: Share of samples at which the limit acts.
-    """
-
-    position_m: Floats
-    change_rad_s: Floats
-    at_limit: Floats
-
-
-def noisy_passes(
-    experiment: Experiment, law: NormOptimalLaw, plan: PlannedMotion, seeds: int
-) -> NoisyPasses:
-    """The last iteration of many seeds.
-
-    Args:
-        experiment: With its disturbances, and at least one learning update.
-        law: Its law.
-        plan: What learning leads to.
-        seeds: How many are followed side by side.
-    """
-    n, draws = experiment.reference.samples, DisturbanceDraws(experiment.disturbance, seeds)
-    memory = min(law.parameters.memory if law.parameters.identify else 1, experiment.iterations)
-    nothing = np.zeros((n + 1, 3, seeds))
-    start_before = _mean(draws.start, 1, memory, nothing[:1])[0]
-    state_before = _mean(draws.state, n, memory, nothing[1:])
-    left = _smoothed(experiment, _mean(draws.output, n + 1, memory, nothing))
-    start, state, output = draws.start.drawn(1), draws.state.drawn(n), draws.output.drawn(n + 1)
-
-    plant = linearise(experiment)
-    pushed = -state_before - left[1:] + plant_states(plant.states, left[:-1])
-    if state is not None:
-        pushed = pushed + state
-    away = (0.0 if start is None else start[0]) - start_before - left[0]
-    limit = experiment.speed_limit
-    deviation = np.empty((n + 1, 3, seeds))
-    deviation[0] = away
-    gains, applied, held = _gains(experiment, law, plan), np.empty((n, 2, seeds)), np.zeros(seeds)
-    for k in range(n):
-        now = deviation[k]
-        seen = now if output is None else now + output[k]
-        speeds = plan.inputs[k][:, None] - gains[k] @ seen
-        fastest = np.abs(speeds).max(axis=0)
-        if (fastest > limit).any():
-            speeds = speeds * np.minimum(1.0, limit / np.maximum(fastest, limit))
-            held += fastest > limit * (1 + _WITHIN)
-        applied[k] = speeds
-        driven = plant.inputs[k] @ (speeds - plan.inputs[k][:, None])
-        deviation[k + 1] = plant.states[k] @ now + driven + pushed[k]
-
-    way_in = np.clip(1 - np.arange(n + 1) / min(law.parameters.h, n), 0, 1)[:, None, None]
-    meant = (plan.poses - desired_poses(experiment))[:, :, None]
-    error = meant + deviation + way_in * (start_before + left[0])
-    furthest = np.sqrt((error[:, 0] ** 2 + error[:, 1] ** 2).max(axis=0))
-    return NoisyPasses(furthest, changes_beside_first(applied), held / n)
-
-
-def plant_states(states: Floats, errors: Floats) -> Floats:
-    """A_k times errors, shapes (n, 3, 3) and (n, 3, seeds)."""
-    return np.ascontiguousarray(states) @ errors
-
-
-def _gains(experiment: Experiment, law: NormOptimalLaw, plan: PlannedMotion) -> Floats:
-    """Those of the regulator, for the believed platform where it stays as it is."""
-    from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
-
-    parameters = law.parameters
-    if parameters.identify or parameters.feedback == "none":
-        return plan.gains
-    weights = [parameters.feedback_position**-2, parameters.feedback_heading**-2]
-    model = law.model
-    return feedback_gains(
-        plan.poses,
-        *step_gains(model.wheel_radius, model.signed_half_track, experiment.reference.sample_time),
-        np.tile(weights, (len(plan.poses), 1)),
-        parameters.input_change**-2,
-    )
-
-
-def _mean(source: NoiseDraws, samples: int, memory: int, nothing: Floats) -> Floats:
-    """The mean of some iterations."""
-    total = nothing
-    for _ in range(memory):
-        drawn = source.drawn(samples)
-        if drawn is None:
-            return nothing
-        total = total + drawn
-    return total / memory
-
-
-def _smoothed(experiment: Experiment, noise: Floats) -> Floats:
-    """What the law's smoother leaves of the readings' noise, shape (n + 1, 3, seeds)."""
-    from hilc_cli.laws.norm_optimal.local_level import smoothed  # the compiler starts slowly
-
-    disturbance = experiment.disturbance
-    if not disturbance.output.active:
-        return noise
-    found = np.empty_like(noise)
-    pairs = zip(deviations(disturbance.state), deviations(disturbance.output), strict=True)
-    for axis, (drift, reading) in enumerate(pairs):
-        both = drift**2 + reading**2
-        share = drift**2 / both if both else 0.0
-        for seed in range(noise.shape[2]):
-            found[:, axis, seed] = smoothed(np.ascontiguousarray(noise[:, axis, seed]), share)[0]
-    return found
-
+from hilc_cli.theory.noise.passes import noisy_passes, planned_motion
+from hilc_cli.theory.noise.wheels import WheelNoise
 
 RESOLUTION = 1e-3
 """Share of the path's size below which no error is foretold: what theory leaves out is as large."""
+_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
+_FEW_PASSES = 4
+"""Iterations up to which the law itself is run: later ones have identified the platform."""
+_FEWER_PASSES = 2
+"""What more of them leave is taken from so many."""
+_MOST_LEARNED = 6000
+"""Samples of all iterations that are run for each seed, in some 5 s."""
+_TOO_LONG = "what noise makes of identification is not followed over so many samples"
+_OTHER_SEEDS = 2**63  # than anybody takes
 _SELDOM = 0.02
 """Share of an iteration's samples at the limit that a prediction without it need not mind."""
 
@@ -198,13 +60,14 @@ def expected_of_learning(experiment: Experiment, found: Forecast) -> ExpectedErr
         readings,
         state,
         _unsure(experiment, found),
+        _is_floor(experiment, ensemble.final_m),
     )
 
 
 def expected_of_norm_optimal(
     experiment: Experiment, law: NormOptimalLaw, mismatch: ModelMismatch | None
-) -> tuple[ExpectedError, WheelNoise | None]:
-    """The error to be expected of the norm-optimal law, and the noise of its wheels.
+) -> tuple[ExpectedError, Outcome, WheelNoise | None]:
+    """The error to be expected of the norm-optimal law, what comes of it, and the wheels' noise.
 
     Args:
         experiment: The experiment.
@@ -212,29 +75,103 @@ def expected_of_norm_optimal(
         mismatch: What a wrong model does to its learning, if it can make up for it by nothing.
     """
     plan = planned_motion(experiment, law)
-    away = (plan.poses - desired_poses(experiment))[:, :2]
-    planned = float(np.hypot(*away.T).max())
+    away: Floats = np.hypot(*(plan.poses - desired_poses(experiment))[:, :2].T)
+    planned = float(away.max())
     first = planned if experiment.learn_in_first else open_loop_error(experiment)
     if experiment.iterations == 0:
-        return ExpectedError(first, first, first), None
-    final = planned
-    if mismatch is not None:
-        final += first * mismatch.left**experiment.iterations
+        return ExpectedError(first, first, first), Outcome.NOTHING, None
+    left = 0.0 if mismatch is None else min(mismatch.left, 1.0) ** experiment.iterations
+    final = planned + first * left
+    outcome = _halved(experiment, law, away, left)
+    run = min(experiment.iterations, _FEW_PASSES)
+    is_noisy = experiment.disturbance.output.active
+    is_too_long = experiment.reference.samples * (run + 1) > _MOST_LEARNED
 
-    def passes(part: Experiment) -> Floats:
+    def known(part: Experiment) -> Floats:
         return noisy_passes(part, law, plan, SEEDS).position_m + (final - planned)
 
-    together = noisy_passes(experiment, law, plan, SEEDS)
-    errors = together.position_m + (final - planned)
+    def passes(part: Experiment) -> Floats:
+        # Readings are what identification goes wrong by; all noise together has the last word.
+        is_spoiled = part.disturbance.output.active or part is experiment
+        if not (law.parameters.identify and is_spoiled) or is_too_long:
+            return known(part)
+        if part.iterations <= _FEW_PASSES:
+            return _few_passes(part, final)
+        # What is identified wrong falls with the root of the passes.
+        few = replace(part, iterations=_FEWER_PASSES)
+        beyond = max(0.0, _few_passes(few, final).max() ** 2 - known(few).max() ** 2)
+        left = beyond * _FEWER_PASSES / part.iterations
+        errors = known(part)
+        return np.append(errors[:1], np.sqrt(errors[1:] ** 2 + left))
+
+    together, errors = noisy_passes(experiment, law, plan, SEEDS), passes(experiment)
     start, readings, state = _parts(experiment, errors, passes)
-    foretold = _foretold(experiment, final, errors)
-    wheels = WheelNoise.of_seeds(together.change_rad_s, together.at_limit)
-    return ExpectedError(first, final, foretold, start, readings, state), wheels
+    found = ExpectedError(
+        first,
+        final,
+        _foretold(experiment, final, errors),
+        start,
+        readings,
+        state,
+        _TOO_LONG if is_too_long and law.parameters.identify and is_noisy else None,
+        _is_floor(experiment, errors),
+    )
+    return found, outcome, WheelNoise.of_seeds(together.change_rad_s, together.at_limit)
+
+
+def _few_passes(experiment: Experiment, final: float) -> Floats:
+    """Errors of the last of few iterations, shape (seeds,), as the law learns in them [m].
+
+    What it has identified from few noisy passes is off, which nothing but the law itself tells.
+
+    Args:
+        experiment: With its disturbances.
+        final: Without them [m], of the first of the seeds.
+    """
+    reference, given = experiment.reference, experiment.disturbance
+    found = np.full(SEEDS, final)
+    if not any(each.active for each in (given.initial_pose, given.output, given.state)):
+        return found
+    for seed in range(1, SEEDS):
+        seeded = replace(given, seed=_OTHER_SEEDS + seed)
+        try:
+            *_, last = simulate(replace(experiment, disturbance=seeded))
+        except DivergedError:
+            return np.append(found[:-1], np.inf)
+        found[seed] = np.hypot(reference.x - last.x, reference.y - last.y).max()
+    return found
+
+
+def _halved(experiment: Experiment, law: NormOptimalLaw, away: Floats, left: float) -> Outcome:
+    """What comes of learning towards a motion, by the rule of all laws that learn.
+
+    Args:
+        experiment: The experiment.
+        law: Its law.
+        away: Distance of the motion that learning leads to from the trajectory [m].
+        left: Share of the error of iteration 0 that is left in the last one.
+    """
+    # Where iteration 0 runs the law, learning is held against what there is without it.
+    inputs = feedforward(experiment.reference, law.model) if experiment.learn_in_first else None
+    first, planned = open_loop_errors(experiment, inputs), away
+    pose = desired_poses(experiment)[0]
+    if np.abs(pose - experiment.initial_pose).max() > _NONE:  # as runs are judged
+        first, planned = first[len(first) // 2 :], planned[len(planned) // 2 :]
+    before = float(first.max())
+    errors = np.array([before, float(planned.max()) + left * before])
+    found = predicted_outcome(Prospects(errors, np.zeros(0), extent(experiment)))
+    # A motion that is further off at one place is so for its squares' sake.
+    return Outcome.DOES_NOT_LEARN if found in FAILED else found
 
 
 def _foretold(experiment: Experiment, final: float, errors: Floats) -> float:
     """What the errors of all seeds stay below; so many seeds are as many as the level asks for."""
     return max(final, float(errors.max()), RESOLUTION * extent(experiment))
+
+
+def _is_floor(experiment: Experiment, errors: Floats) -> bool:
+    """Whether the errors of all seeds are below what is foretold at least."""
+    return bool(errors.max() < RESOLUTION * extent(experiment))
 
 
 def _parts(

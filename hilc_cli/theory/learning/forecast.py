@@ -12,6 +12,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.pid import PidLaw
+from hilc_cli.names import counted, in_short
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import extent
 from hilc_cli.theory.learning.fixed_point import FixedPoint, fixed_point
@@ -200,7 +201,7 @@ MARGIN = 1e-9
 """Beyond what rounding may make of a limiting case."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Forecast:
     """Learning along the reference.
 
@@ -228,6 +229,15 @@ class Forecast:
     rest: FixedPoint | None
     rest_from: int
     step_gain: StepGain | None
+
+    def __repr__(self) -> str:
+        errors = self.errors_m
+        return in_short(
+            f"Forecast of {counted(self.iterations, 'iteration')}: {self.outcome.value}",
+            f"predicted from {errors[0]:.4g} m in iteration 0 to {errors[-1]:.4g} m in iteration "
+            f"{len(errors) - 1}",
+            f"spectral radius {self.spectral_radius:.6g}",
+        )
 
     @property
     def spectral_radius(self) -> float:

@@ -35,7 +35,7 @@ class Outcome(StrEnum):
     GROWS_LATER = "learns-then-grows-later"
     """It falls within the experiment's iterations, and grows again after them."""
     LEARNS = "learns"
-    """It falls to less than half of that of iteration 0, or is small."""
+    """It falls to less than half of that of iteration 0, or is small, or was without noise."""
     NOTHING = "nothing-to-learn"
     """The experiment has no learning updates."""
 
@@ -104,15 +104,20 @@ def _without_disturbances(found: Prospects) -> Outcome:
     return Outcome.LEARNS
 
 
-def seen_outcome(errors: Floats, extent: float) -> Outcome:
+def seen_outcome(errors: Floats, extent: float, unlearned: float = np.nan) -> Outcome:
     """The outcome of an experiment that was run.
 
     Args:
         errors: Largest position errors of its iterations [m]; the last one infinite if it left the
             finite numbers.
         extent: Beside which errors are large or small [m].
+        unlearned: That of iteration 0 without disturbances [m], if it is known. Where that is
+            small, nothing is there to be halved.
     """
-    return predicted_outcome(Prospects(errors, np.zeros(0), extent))
+    found = predicted_outcome(Prospects(errors, np.zeros(0), extent))
+    if found is Outcome.DOES_NOT_LEARN and unlearned <= NEAR * extent:
+        return Outcome.LEARNS
+    return found
 
 
 LEARNING = (Outcome.LEARNS, Outcome.GROWS_LATER, Outcome.GROWS_WITHIN)

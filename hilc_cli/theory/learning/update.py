@@ -27,7 +27,10 @@ class LearningUpdate(Protocol):
     smooths: bool
 
     def learned(self, inputs: Floats, errors: Floats) -> Floats:
-        """What is learned of an input, shape (n, 2), and its errors, shape (n + 1, 3)."""
+        """What is learned of an input, shape (n, 2), and its errors, shape (n + 1, 3).
+
+        Further axes stand for seeds, side by side.
+        """
 
     def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
         """The transpose of `learned`: shares of an input, shape (n, 2), and of errors."""
@@ -59,12 +62,8 @@ class HybridUpdate:
         """The input with its correction."""
         past = self.next_gain * errors[1:]
         if self._weights is not None:
-            past = np.array(
-                [
-                    compensated_error(self.next_gain, errors[1:, axis], self._weights, start)
-                    for axis, start in enumerate(errors[0])
-                ]
-            ).T
+            weights = self._weights.reshape(-1, *(1,) * (errors.ndim - 1))
+            past = compensated_error(self.next_gain, errors[1:], weights, errors[0])
         return inputs + times(self._gains, past)
 
     def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
@@ -95,12 +94,7 @@ class PidUpdate:
 
     def learned(self, inputs: Floats, errors: Floats) -> Floats:
         """The smoothed input with its correction."""
-        past = np.array(
-            [
-                weighted_error(self._law.gains, errors[:, axis], self._pulse, self._sample_time)
-                for axis in range(3)
-            ]
-        ).T
+        past = weighted_error(self._law.gains, errors, self._pulse, self._sample_time)
         return self._smoothed(self.kept * inputs) + times(self._gains, self._smoothed(past))
 
     def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
@@ -145,6 +139,6 @@ def update_of(law: HybridLaw | PidLaw, gains: Floats, sample_time: float) -> Lea
 
 
 def times(matrices: Floats, vectors: Floats) -> Floats:
-    """Each matrix times its vector: shapes (n, a, b) and (n, b) to (n, a)."""
-    product: Floats = np.einsum("kab,kb->ka", matrices, vectors)
+    """Each matrix times its vectors: shapes (n, a, b) and (n, b, ...) to (n, a, ...)."""
+    product: Floats = np.einsum("kab,kb...->ka...", matrices, vectors)
     return product

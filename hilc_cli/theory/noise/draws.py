@@ -78,11 +78,19 @@ def _deviation(is_uniform: bool, bound: float, deviation: float) -> float:
 
 
 def open_loop_error(experiment: Experiment, inputs: tuple[Floats, Floats] | None = None) -> float:
-    """Largest position error of given wheel speeds within the limit, without disturbances [m].
+    """Largest of `open_loop_errors`."""
+    return float(open_loop_errors(experiment, inputs).max())
+
+
+def open_loop_errors(experiment: Experiment, inputs: tuple[Floats, Floats] | None = None) -> Floats:
+    """Position errors of given wheel speeds within the limit, without disturbances [m].
 
     Args:
         experiment: The experiment.
         inputs: Left and right [rad/s]; those of iteration 0 if not given.
+
+    Returns:
+        Shape (n + 1,).
     """
     reference = experiment.reference
     left, right = inputs or (experiment.initial_left, experiment.initial_right)
@@ -97,7 +105,8 @@ def open_loop_error(experiment: Experiment, inputs: tuple[Floats, Floats] | None
         experiment.robot,
         reference.sample_time,
     )
-    return float(np.hypot(reference.x - x, reference.y - y).max())
+    errors: Floats = np.hypot(reference.x - x, reference.y - y)
+    return errors
 
 
 def unlearned_error(experiment: Experiment, model: Robot) -> float:

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.feedback import FeedbackLaw
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.law import Law
+from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.theory.feasibility.feasibility import Feasibility
 from hilc_cli.theory.findings import ExpectedError, Findings, extent
@@ -25,6 +30,40 @@ def share_of_path(error: float, experiment: Experiment) -> str:
     sizes = error / extent(experiment)
     share = f"{100 * sizes:.2g} % of" if sizes < 1 else f"{sizes:.3g} times"
     return f"{share} the path's size"
+
+
+class Remedies(NamedTuple):
+    """What a law's user can do about each disturbance, after what is done about its cause."""
+
+    start: str
+    readings: str
+    state: str
+
+
+def _remedies(law: Law) -> Remedies:
+    """By law: only what it has, and has not done yet."""
+    place, read, drive = "place the robot better", "measure better", "make it smaller"
+    if isinstance(law, FeedbackLaw):
+        stiffer = "raise controller.gains"
+        return Remedies(
+            f"{place}, or {stiffer}", f"{read}, or lower controller.gains", f"{drive}, or {stiffer}"
+        )
+    if isinstance(law, NormOptimalLaw):
+        if law.parameters.feedback == "none":
+            feedback = "set controller.feedback: lqr"
+            return Remedies(
+                f"{place}, or {feedback}", f"{read}, or raise iterations", f"{drive}, or {feedback}"
+            )
+        weights = "controller.feedback_weights"
+        return Remedies(
+            f"{place}, or lower {weights}",
+            f"{read}, raise {weights}, or set 'feedback: none'",
+            f"{drive}, or lower {weights}",
+        )
+    feedback = ""
+    if not (isinstance(law, HybridLaw) and not law.compensation and (law.l2 > 0 or law.l3 > 0)):
+        feedback = ", or take a law with feedback within the iteration"
+    return Remedies(f"{place}{feedback}", "lower the gains", f"lower the gains{feedback}")
 
 
 def noise_findings(
@@ -78,8 +117,7 @@ def _of_start(experiment: Experiment, found: ExpectedError) -> list[str]:
     return [
         f"disturbance.initial_pose swings the whole path: {spread:.2g} m (RMS) off where it is "
         f"worst, {share_of_path(spread, experiment)}, {anew} and before anything is learned; "
-        f"{_by_the_end(found.of_start_m, spread)}; place the robot better, or take feedback within "
-        "the iteration"
+        f"{_by_the_end(found.of_start_m, spread)}; {_remedies(experiment.law).start}"
     ]
 
 
@@ -93,7 +131,7 @@ def _of_readings(experiment: Experiment, found: ExpectedError, learns: bool) -> 
         f"disturbance.output is {'learned from' if learns else 'followed'} as if it were an error: "
         f"readings are {read:.2g} m and {heading:.2g} rad (RMS) off; "
         f"{_by_the_end(found.of_readings_m, read)}, "
-        f"{share_of_path(found.of_readings_m, experiment)}; lower the gains"
+        f"{share_of_path(found.of_readings_m, experiment)}; {_remedies(experiment.law).readings}"
     ]
 
 
@@ -103,8 +141,7 @@ def _of_state(experiment: Experiment, found: ExpectedError) -> list[str]:
         return []
     return [
         f"disturbance.state makes up to {found.of_state_m:.2g} m of the last iteration's error, "
-        f"{share_of_path(found.of_state_m, experiment)}; lower the gains, or take feedback within "
-        "the iteration"
+        f"{share_of_path(found.of_state_m, experiment)}; {_remedies(experiment.law).state}"
     ]
 
 
@@ -175,10 +212,15 @@ def with_what_is_left(
         least = max(least, expected.final_m)
         if least > max(STAYS * unlearned, small):
             return found
-    left = f"about {least:.2g} m" if least > small else "little"
+    if expected is not None and expected.unsure is None:
+        left = f"about {max(least, expected.final_m):.2g} m of error is left"
+    elif least > small:
+        left = f"at least {least:.2g} m of error is left"
+    else:
+        left = "how much of error is left is not known (--simulate)"
     return Findings(
         warnings=(
-            *(f"{text}; as it is, {left} of error is left" for text in found.failures),
+            *(f"{text}; as it is, {left}" for text in found.failures),
             *found.warnings,
         )
     )

@@ -19,9 +19,9 @@ from hilc_cli.theory.noise.draws import SEEDS, DisturbanceDraws
 from hilc_cli.theory.noise.wheels import changes_beside_first
 
 _MOST_STEPS = 30_000
-"""Samples that may be followed one by one: about 0.4 s. More is done without the limit."""
+"""Samples that may be followed one by one: about 1 s. More is done without the limit."""
 _MOST_SAMPLES = 6_000_000
-"""Of all iterations and seeds: about half a second. What is longer is not followed to its end."""
+"""Of all iterations and seeds: 1 to 2.5 s. What is longer is not followed to its end."""
 _SAMPLES_AS_LONG_AS_A_CALL = 300
 """What an iteration costs beside its samples, counted in samples."""
 _FEWEST = 7
@@ -131,9 +131,8 @@ class _Ensemble:
         return NoisyLearning(position, heading, held, changes, self._is_limited)
 
     def _updated(self, inputs: Floats, seen: Floats) -> Floats:
-        lifted, found = self._lifted, np.empty_like(inputs)
-        for seed in range(self._seeds):
-            found[:, :, seed] = lifted.update.learned(inputs[:, :, seed], seen[:, :, seed])
+        lifted = self._lifted
+        found = lifted.update.learned(inputs, seen)
         return found if lifted.added is None else found + lifted.added[:, :, None]
 
     def _pass(

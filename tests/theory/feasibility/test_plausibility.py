@@ -83,7 +83,15 @@ def test_path_below_the_robot() -> None:
 
 @pytest.mark.parametrize(
     ("angle", "turns"),
-    [(90, "14.3"), (45, "7.16"), (22.5, "3.58"), (180, "28.6"), (7, "1.11")],
+    [
+        (90, "14.3"),
+        (45, "7.16"),
+        (37.3, "5.94"),
+        (100.125, "15.9"),
+        (22.5, "3.58"),
+        (180, "28.6"),
+        (7, "1.11"),
+    ],
 )
 def test_angles_in_degrees(angle: float, turns: str) -> None:
     meant = f"{angle:g} rad, which is {turns} turns; {angle:g} deg?"
@@ -94,7 +102,21 @@ def test_angles_in_degrees(angle: float, turns: str) -> None:
     assert text.startswith(f"trajectory.start.heading is -{angle:g} rad, which is {turns} turns; ")
 
 
-@pytest.mark.parametrize("angle", [math.pi / 2, 2 * math.pi, 4 * math.pi, 20 * math.pi, 6.0, 1.5])
+@pytest.mark.parametrize(
+    "angle",
+    [
+        *(math.pi * share for share in (0.5, 2, 4, 20, 14, 5.5, 7 / 3, 2.2)),
+        *(6.0, 1.5, 43.98, 17.279, math.radians(800), math.radians(1234.5)),
+    ],
+)
 def test_angles_in_radians(angle: float) -> None:
     arc = ArcPlan(angle, "left", radius=1.0, duration=500.0)
     assert told(plans=[arc], headings={"initial_pose.heading": -angle}) == []
+
+
+def test_sample_time_in_milliseconds() -> None:
+    reference = build_reference("path", (0, 0, 0), [LinePlan(length=2.0, duration=100.0)], 50.0)
+    found = implausible(demand_of(reference, ROBOT, ["segments.0"]), ROBOT, ROBOT, {})
+    assert found == [
+        "trajectory.sample_time of 50 s is longer than any robot is left alone; 50 ms?"
+    ]

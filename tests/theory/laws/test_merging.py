@@ -15,7 +15,7 @@ from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import LinePlan, build_reference
 from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.laws.norm_optimal import Merging, merging, merging_findings
+from hilc_cli.theory.laws.merging import Merging, merging, merging_findings
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import Pose
 
@@ -88,8 +88,8 @@ def test_start_out_of_reach_cannot_work() -> None:
     assert text.startswith("from initial_pose no sample of the trajectory can be reached in time")
     near, findings = found_of((-1.19, 0, 0))
     assert near.earliest == SAMPLES  # 1.19 s
-    assert findings.failures == ()
-    assert len(findings.warnings) == 1
+    (text,) = findings.failures
+    assert "is on the trajectory from sample 59 of 60 on only (1.18 s)" in text
 
 
 def test_trajectory_that_is_too_fast_is_left() -> None:
@@ -120,13 +120,33 @@ def test_without_a_limit_everything_is_in_reach_at_once() -> None:
     assert findings == Findings()
 
 
-def test_start_from_which_there_is_a_way_but_not_for_this_law_is_warned_of() -> None:
-    found, findings = found_of((0, 1.1, 0))
-    assert found.earliest is not None
-    assert found.planned is None
+def test_start_from_which_there_is_a_way_but_not_for_this_law_cannot_work() -> None:
+    assert found_of((0, 1.1, 0))[1].failures == ()  # a way that is late, and no more
+    for aside in (1.4, 1.6):
+        found, findings = found_of((0, aside, 0))
+        assert found.earliest is not None
+        (text,) = findings.failures
+        assert text.startswith(f"from initial_pose, {aside:g} m off, the law within controller.b_w")
+        *_, trial = simulate(experiment((0, aside, 0)))
+        away = np.hypot(LINE.x - trial.x, LINE.y - trial.y)
+        assert found.left_later == pytest.approx(away[SAMPLES // 2 :].max(), rel=0.02)
+        assert found.left_later > 0.1 * 2.4
+
+
+def test_trajectory_that_is_too_fast_is_reached_where_the_law_drives_it() -> None:
+    near, findings = found_of((0, 0.05, 0), limit=9.9)
+    assert not near.is_possible
+    assert near.joins is not None
     assert findings.failures == ()
-    (text,) = findings.warnings
-    assert text.startswith("from initial_pose the law does not get onto the trajectory before its")
+    far, findings = found_of((0, 1.5, 0), limit=9.9)
+    assert len(findings.failures) == 1
+    assert far.left_later > 0.5
+
+
+def test_way_in_that_h_asks_for_may_end_as_late_as_it_says() -> None:
+    found, findings = found_of((-0.7, 0, 0), h=50)
+    assert found.joins is not None and found.joins > SAMPLES / 2
+    assert findings == Findings()
 
 
 @pytest.mark.parametrize(("planned", "told"), [(22, False), (23, True)])

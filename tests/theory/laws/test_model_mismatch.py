@@ -13,8 +13,9 @@ from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.laws.norm_optimal import mismatch_findings, model_mismatch, untried_findings
+from hilc_cli.theory.findings import ExpectedError, Findings
+from hilc_cli.theory.laws.model_mismatch import mismatch_findings, model_mismatch, untried_findings
+from hilc_cli.theory.learning.outcome import Outcome
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.theory.cases import Case, winding
 from tests.theory.straight import line
@@ -22,6 +23,8 @@ from tests.theory.straight import line
 STEPS = 30
 ALONE = NormOptimalParameters(feedback="none", identify=False)
 MODELS = [PLATFORM, Robot(0.26, 0.36), Robot(0.14, 0.67), Robot(0.08, 0.4)]
+
+SMALL = ExpectedError(0.1, 0.01, 0.01)
 
 
 def law(model: Robot, parameters: NormOptimalParameters = ALONE) -> NormOptimalLaw:
@@ -79,7 +82,7 @@ def test_small_errors_of_a_run_go_by_the_ratio_of_the_radii(radius: float) -> No
     assert found.left == pytest.approx(abs(1 - 0.2 / radius), rel=1e-9)
     falls = errors[6] < errors[2]
     assert falls == found.converges == (0.2 / radius < 2)
-    findings = mismatch_findings(found)
+    findings = mismatch_findings(found, SMALL, Outcome.LEARNS)
     if falls:
         assert findings == Findings()
     else:
@@ -93,7 +96,7 @@ def test_turn_gain_is_told_where_it_is_the_worse_one() -> None:
     experiment = replace(experiment_of(winding(STEPS), law_of(0.0)), law=law(model))
     found = model_mismatch(experiment, law(model))
     assert found is not None
-    (text,) = mismatch_findings(found).failures
+    (text,) = mismatch_findings(found, SMALL, Outcome.LEARNS).failures
     assert "because R B_b / (R_b B) is 2.4; " in text
 
 

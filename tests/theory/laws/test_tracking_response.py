@@ -16,7 +16,8 @@ from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
-from hilc_cli.theory.laws.tracking_loop import tracking_findings, tracking_loop
+from hilc_cli.theory.findings import joined
+from hilc_cli.theory.laws.tracking_loop import tracking_findings, tracking_loop, way_findings
 from hilc_cli.theory.laws.tracking_response import TrackingResponse, tracking_response
 from hilc_cli.theory.noise.wheels import seen_in, seen_warnings, wheel_findings
 from tests.engine.experiments import experiment_of, law_of
@@ -89,7 +90,8 @@ def away(made: Experiment, trial: Trial) -> Floats:
 def told(made: Experiment) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """How the findings begin: failures, and warnings."""
     assert isinstance(made.law, FeedbackLaw)
-    found = tracking_findings(tracking_loop(made, made.law), response_of(made))
+    loop, response = tracking_loop(made, made.law), response_of(made)
+    found = joined([tracking_findings(loop, response), way_findings(loop, response)])
     return found.failures, found.warnings
 
 

@@ -13,6 +13,7 @@ from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.pid import PidLaw
@@ -23,6 +24,8 @@ from hilc_cli.theory.learning import transient
 from hilc_cli.theory.learning.expected import expected_of_learning, expected_of_norm_optimal
 from hilc_cli.theory.learning.forecast import forecast
 from hilc_cli.theory.learning.transient import predict_transient
+from hilc_cli.theory.learning.update import update_of
+from hilc_cli.theory.matrices import GainParts
 from hilc_cli.theory.noise.draws import SEEDS, NoiseDraws, deviations, spread_of_start
 from hilc_cli.theory.noise.learning import noisy_learning
 from tests.engine.experiments import experiment_of, law_of, matrix_of
@@ -100,6 +103,27 @@ def test_on_a_line_the_limit_is_followed_exactly(l2: float, limit: float) -> Non
     np.testing.assert_allclose(found.position_m[:, 0], simulated(given), rtol=1e-9)
 
 
+@pytest.mark.parametrize(
+    "law",
+    [
+        PidLaw(
+            0.2, 0.1, 0.3, 0.1, matrix_of("model", MODEL), "measured", cutoff=1.0, rectifying=15
+        ),
+        law_of(0.5, compensation=True, h=15),
+        law_of(0.5),
+    ],
+    ids=["pid", "compensated", "p-type"],
+)
+def test_seeds_side_by_side_learn_as_each_alone(law: PidLaw | HybridLaw) -> None:
+    n, seeds = ROUND.samples, 3
+    update = update_of(law, GainParts.of(law.matrix).at(ROUND.heading[:-1]), ROUND.sample_time)
+    random = np.random.default_rng(1)
+    inputs, errors = random.normal(size=(n, 2, seeds)), random.normal(size=(n + 1, 3, seeds))
+    alone = [update.learned(inputs[..., seed], errors[..., seed]) for seed in range(seeds)]
+    together = update.learned(inputs, errors)
+    np.testing.assert_allclose(together, np.stack(alone, axis=-1), rtol=1e-12, atol=1e-12)
+
+
 NOISES = {
     "initial_pose": Bounded((0.02, 0.01, 0.03)),
     "output": Bounded((0.004, 0.004, 0.01), "truncated-normal", (0.002, 0.002, 0.005)),
@@ -123,7 +147,7 @@ LAWS = {
 def test_what_is_foretold_is_what_runs_do(law: str, noise: str, repeat: bool) -> None:
     given = experiment(LAWS[law], noise={noise: replace(NOISES[noise], repeat=repeat)})
     if isinstance(given.law, NormOptimalLaw):
-        found, _ = expected_of_norm_optimal(given, given.law, None)
+        found, _, _ = expected_of_norm_optimal(given, given.law, None)
     else:
         found = expected_of_learning(given, forecast(given))
     assert found.unsure is None

@@ -48,7 +48,7 @@ def findings(
     found = feasibility_findings(feasibility)
     judged = with_what_is_left(found, feasibility, given, PLATFORM, expected)
     assert len(judged.failures) + len(judged.warnings) == len(found.failures) + len(found.warnings)
-    return len(judged.failures), sum("of error is left" in text for text in judged.warnings)
+    return len(judged.failures), sum("error is left" in text for text in judged.warnings)
 
 
 @pytest.mark.parametrize("share", [0.35, 0.8, 1.0, 1.4])
@@ -91,6 +91,21 @@ def test_corner_that_takes_some_samples_is_judged_by_what_it_leaves() -> None:
     assert findings(given, replace(first, final_m=0.02)) == (0, 1)
     assert findings(given, replace(first, final_m=2.5)) == (1, 0)
     assert findings(given, replace(first, final_m=2.5, unsure="nothing is known")) == (0, 1)
+
+
+def test_what_is_left_is_said_only_where_it_is_known() -> None:
+    found = {
+        None: "; as it is, how much of error is left is not known (--simulate)",
+        ExpectedError(0.5, 0.37, 0.4): "; as it is, about 0.37 m of error is left",
+        ExpectedError(0.5, 0.37, 0.4, unsure="so"): "is not known (--simulate)",
+    }
+    given = experiment(CORNER, 12.0)
+    names = [f"segments.{index}" for index in range(2)]
+    feasibility = Feasibility(demand_of(CORNER, PLATFORM, names), PLATFORM, Limits(12.0, None))
+    failures = feasibility_findings(feasibility)
+    for expected, end in found.items():
+        judged = with_what_is_left(failures, feasibility, given, PLATFORM, expected)
+        assert judged.warnings[0].endswith(end)
 
 
 def test_what_tyres_do_not_hold_stays_a_failure() -> None:
