@@ -11,14 +11,13 @@ import numpy as np
 from pydantic import Field
 
 from hilc_cli.laws.gain_matrix import GainMatrix, GainMatrixChoice, gain_matrix, matrix_misfits
-from hilc_cli.laws.law import Iteration, LastIteration, Learner, Task, WheelController
+from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
 from hilc_cli.laws.parameters import Controller, Setting, default_length, length_misfits
 from hilc_cli.laws.past_errors import (
     GainHeading,
     PastErrors,
-    corrected_input,
+    corrected_plan,
     per_component,
-    with_gain_heading,
 )
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
@@ -181,12 +180,10 @@ class PidLaw:
         smoothed: Smoothing | None = None
         if self.cutoff is not None:
             smoothed = LowPass(self.cutoff, task.reference.sample_time)
-        return LastIteration(task, lambda last: self.controller(last, task, smoothed))
+        return LastIteration(task, lambda last: self.plan(last, task, smoothed))
 
-    def controller(
-        self, previous: Iteration, task: Task, smoothed: Smoothing | None = None
-    ) -> WheelController:
-        """The controller of the next iteration, learned from the previous one.
+    def plan(self, previous: Iteration, task: Task, smoothed: Smoothing | None = None) -> Plan:
+        """Plans the next iteration, learning from the previous one, see `corrected_plan`.
 
         Args:
             previous: The iteration to learn from.
@@ -200,8 +197,10 @@ class PidLaw:
         if smoothed is not None:
             left, right, *errors = smoothed(np.stack([left, right, *past]))
             past = errors[0], errors[1], errors[2]
-        controller = corrected_input(self.matrix.coefficients, left, right, past)
-        return with_gain_heading(controller, self.gain_heading, previous, reference)
+        coefficients = self.matrix.coefficients
+        return corrected_plan(
+            coefficients, (left, right), past, self.gain_heading, previous, reference
+        )
 
     def _remembered(self, learned: Floats, initial: Floats) -> Floats:
         if self.forgetting == 0:

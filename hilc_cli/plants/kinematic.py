@@ -8,8 +8,10 @@ conventions differ by nothing else.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeVar
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,6 +130,40 @@ def step_gains(
     )
 
 
+def drifting_step(
+    x: float,
+    y: float,
+    heading: float,
+    cos_heading: float,
+    sin_heading: float,
+    distance: float,
+    turn: float,
+    drift_ahead: float,
+    drift_left: float,
+    drift_turn: float,
+) -> tuple[float, float, float]:
+    """Pose after `advance` and a drift of the platform in its own frame.
+
+    Args:
+        x: Position [m].
+        y: Position [m].
+        heading: Heading [rad].
+        cos_heading: Cosine of the heading.
+        sin_heading: Sine of the heading.
+        distance: Length of the step [m].
+        turn: Turn [rad].
+        drift_ahead: Drift along the heading [m].
+        drift_left: Drift to its left [m].
+        drift_turn: Drift of the heading [rad].
+    """
+    ahead = distance + drift_ahead
+    return (
+        x + (ahead * cos_heading - drift_left * sin_heading),
+        y + (ahead * sin_heading + drift_left * cos_heading),
+        heading + (turn + drift_turn),
+    )
+
+
 def driven_path(
     start: tuple[float, float, float], left: Floats, right: Floats, robot: Robot, sample_time: float
 ) -> tuple[Floats, Floats, Floats]:
@@ -160,6 +196,85 @@ def _running_sum(start: float, steps: Floats) -> Floats:
     sums = np.empty(len(steps) + 1)
     sums[0], sums[1:] = start, steps
     return np.cumsum(sums, out=sums)
+
+
+class Linearisation(NamedTuple):
+    """The change of a pose in one sample, to first order in the pose and the wheel speeds.
+
+    Attributes:
+        states: A_k, what a change of the pose becomes, shape (n, 3, 3).
+        inputs: d_k B_k, what a change of the wheel speeds [rad/s] adds to it, shape (n, 3, 2).
+    """
+
+    states: Floats
+    inputs: Floats
+
+
+def control_matrices(robot: Robot, headings: Floats) -> Floats:
+    """B(q) at headings of any shape, without the sample time.
+
+    Returns:
+        Matrices from wheel speeds [rad/s] to motion [m/s, m/s, rad/s], shape (..., 3, 2).
+
+    Source:
+        Qiao et al. 2021, Eq. 9.
+    """
+    angle = np.asarray(headings)
+    cos, sin = np.cos(angle), np.sin(angle)
+    turning = np.full_like(cos, 1 / robot.signed_half_track)
+    matrices = np.stack([cos, cos, sin, sin, turning, -turning], axis=-1)
+    values: Floats = robot.wheel_radius / 2 * matrices.reshape(*angle.shape, 3, 2)
+    return values
+
+
+@dataclass(frozen=True, slots=True)
+class KinematicPlant:
+    """The paper's ideal plant: wheels turn as they are told and roll without slip.
+
+    Attributes:
+        robot: The platform.
+
+    Source:
+        Qiao et al. 2021, Eqs. 6 and 8.
+    """
+
+    robot: Robot
+
+    def start(
+        self, pose: tuple[float, float, float], sample_time: float
+    ) -> Callable[[tuple[float, float, float], float, float], tuple[float, float, float]]:
+        """Starts a pass; each step is an `euler_step`, and there is nothing else to keep."""
+        distance_gain, turn_gain = self.lane_gains(sample_time)
+        cos, sin = math.cos, math.sin
+
+        def step(
+            pose: tuple[float, float, float], left: float, right: float
+        ) -> tuple[float, float, float]:
+            x, y, heading = pose
+            return euler_step(
+                x, y, heading, cos(heading), sin(heading), left, right, distance_gain, turn_gain
+            )
+
+        return step
+
+    def linearisation(
+        self, headings: Floats, left: Floats, right: Floats, sample_time: float
+    ) -> Linearisation:
+        """Returns A_k and d_k B_k of Eq. 8; a change of the heading turns the step."""
+        distance_gain, _ = self.lane_gains(sample_time)
+        distance = distance_gain * (left + right)
+        # Sample next to sample: products over all of them are several times as fast then.
+        states = np.zeros((len(headings), 3, 3), order="F")
+        states[:] = np.eye(3)
+        states[:, 0, 2] = -distance * np.sin(headings)
+        states[:, 1, 2] = distance * np.cos(headings)
+        inputs = sample_time * control_matrices(self.robot, headings)
+        return Linearisation(states, np.asfortranarray(inputs))
+
+    def lane_gains(self, sample_time: float) -> tuple[float, float]:
+        """Returns `step_gains` of the platform."""
+        robot = self.robot
+        return step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
 
 
 def limit_wheel_speeds(left: float, right: float, bound: float) -> tuple[float, float]:

@@ -14,6 +14,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.names import in_short
+from hilc_cli.plants.kinematic import KinematicPlant
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
@@ -83,7 +84,7 @@ class Scenario:
         left, right = self._first_input(reference)
         return Experiment(
             reference=reference,
-            robot=spec.robot.robot(),
+            plant=KinematicPlant(spec.robot.robot()),
             law=spec.controller.law_for(self.setting),
             initial_pose=spec.start_pose,
             initial_left=left,

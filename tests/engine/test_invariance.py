@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import KinematicPlant, Robot
 from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import METRIC_NAMES, MetricsTable, measure
