@@ -141,11 +141,12 @@ def _found(kind: Kind, name: str, trust: bool, own: Iterable[str]) -> PlugIn:
         return _by_reference(kind, name, trust)
     points = [each for each in _entry_points(kind) if each[0].name == name]
     if not points:
-        known = [*own, *(each for each in installed(kind) if each not in own)]
+        known = list(dict.fromkeys([*own, *installed(kind)]))
         near = near_word(name, known)
-        problem = f"is no {kind} that is installed"
         meant = f"did you mean '{near}'? " if near else ""
-        raise PlugInError(kind, name, problem, f"{meant}known: {', '.join(known) or 'none'}")
+        *others, last = known or ["package.module:Class"]
+        given = f"{meant}give {', '.join(others)} or {last}" if others else f"{meant}give {last}"
+        raise PlugInError(kind, name, "is not one of the choices", given)
     if len(points) > 1:
         packages = sorted(distribution.name for _, distribution in points)
         problem = f"is the name of more than one installed {kind}"

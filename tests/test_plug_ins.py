@@ -78,7 +78,7 @@ def test_trust_is_given_for_what_is_inside(site: Path) -> None:
 
 def test_unknown_name_is_told_with_those_that_are_known(site: Path) -> None:
     assert problem_of("toyy").endswith(
-        "is no law that is installed; did you mean 'toy'? known: pid, hybrid, broken, number, toy"
+        "is not one of the choices; did you mean 'toy'? give pid, hybrid, broken, number or toy"
     )
 
 
