@@ -13,6 +13,7 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.parameters import Setting
+from hilc_cli.laws.registry import packages_of
 from hilc_cli.names import in_short
 from hilc_cli.plants.kinematic import KinematicPlant
 from hilc_cli.reference.sampled import Floats, Reference
@@ -71,6 +72,11 @@ class Scenario:
     def law_in_words(self) -> str:
         """The law and its gains, in one line."""
         return self.spec.controller.in_words(self.setting)
+
+    @property
+    def plug_ins(self) -> dict[str, dict[str, str | None]]:
+        """Package and version of what is not hilc's own in it, as manifests note them."""
+        return packages_of([self.spec.controller.law])
 
     @property
     def speed_limit(self) -> float | None:
