@@ -8,8 +8,6 @@ conventions differ by nothing else.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeVar
 
@@ -225,56 +223,6 @@ def control_matrices(robot: Robot, headings: Floats) -> Floats:
     matrices = np.stack([cos, cos, sin, sin, turning, -turning], axis=-1)
     values: Floats = robot.wheel_radius / 2 * matrices.reshape(*angle.shape, 3, 2)
     return values
-
-
-@dataclass(frozen=True, slots=True)
-class KinematicPlant:
-    """The paper's ideal plant: wheels turn as they are told and roll without slip.
-
-    Attributes:
-        robot: The platform.
-
-    Source:
-        Qiao et al. 2021, Eqs. 6 and 8.
-    """
-
-    robot: Robot
-
-    def start(
-        self, pose: tuple[float, float, float], sample_time: float
-    ) -> Callable[[tuple[float, float, float], float, float], tuple[float, float, float]]:
-        """Starts a pass; each step is an `euler_step`, and there is nothing else to keep."""
-        distance_gain, turn_gain = self.lane_gains(sample_time)
-        cos, sin = math.cos, math.sin
-
-        def step(
-            pose: tuple[float, float, float], left: float, right: float
-        ) -> tuple[float, float, float]:
-            x, y, heading = pose
-            return euler_step(
-                x, y, heading, cos(heading), sin(heading), left, right, distance_gain, turn_gain
-            )
-
-        return step
-
-    def linearisation(
-        self, headings: Floats, left: Floats, right: Floats, sample_time: float
-    ) -> Linearisation:
-        """Returns A_k and d_k B_k of Eq. 8; a change of the heading turns the step."""
-        distance_gain, _ = self.lane_gains(sample_time)
-        distance = distance_gain * (left + right)
-        # Sample next to sample: products over all of them are several times as fast then.
-        states = np.zeros((len(headings), 3, 3), order="F")
-        states[:] = np.eye(3)
-        states[:, 0, 2] = -distance * np.sin(headings)
-        states[:, 1, 2] = distance * np.cos(headings)
-        inputs = sample_time * control_matrices(self.robot, headings)
-        return Linearisation(states, np.asfortranarray(inputs))
-
-    def lane_gains(self, sample_time: float) -> tuple[float, float]:
-        """Returns `step_gains` of the platform."""
-        robot = self.robot
-        return step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
 
 
 def limit_wheel_speeds(left: float, right: float, bound: float) -> tuple[float, float]:

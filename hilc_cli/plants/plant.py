@@ -8,8 +8,8 @@ and theory has nothing to say of it.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Protocol
 
 from hilc_cli.plants.kinematic import Linearisation, Robot
 from hilc_cli.reference.sampled import Floats
@@ -25,17 +25,16 @@ fast the wheels turn. The pose is handed in, since disturbances move the platfor
 """
 
 
-class Plant(Protocol):
-    """A plant; one that inherits from this offers nothing more than its motion until it says so.
+class Plant(ABC):
+    """A plant, best a frozen dataclass; it offers no more than its motion until it says so.
 
     Attributes:
         robot: The platform: wheel radius, half track, turn convention, gravity centre.
     """
 
-    @property
-    def robot(self) -> Robot:
-        """The platform, which every plant has."""
+    robot: Robot
 
+    @abstractmethod
     def start(self, pose: Pose, sample_time: float) -> Step:
         """Starts a pass with the wheels at rest.
 

@@ -15,7 +15,8 @@ from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import packages_of
 from hilc_cli.names import in_short
-from hilc_cli.plants.kinematic import KinematicPlant
+from hilc_cli.plants.parameters import DEFAULT_PLANT
+from hilc_cli.plants.registry import package_of
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
@@ -76,7 +77,7 @@ class Scenario:
     @property
     def plug_ins(self) -> dict[str, dict[str, str | None]]:
         """Package and version of what is not hilc's own in it, as manifests note them."""
-        return packages_of([self.spec.controller.law])
+        return packages_of([self.spec.controller.law]) | package_of(self.spec.robot.plant)
 
     @property
     def speed_limit(self) -> float | None:
@@ -90,7 +91,7 @@ class Scenario:
         left, right = self._first_input(reference)
         return Experiment(
             reference=reference,
-            plant=KinematicPlant(spec.robot.robot()),
+            plant=spec.robot.as_plant(),
             law=spec.controller.law_for(self.setting),
             initial_pose=spec.start_pose,
             initial_left=left,
@@ -180,6 +181,7 @@ class Scenario:
             del data[key]["wheel_separation"]
         if spec.robot.friction is None:
             del data["robot"]["friction"]
+        _without_usual_plant(data)
         data["model"]["wheel_radius"] = model.wheel_radius
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:
@@ -203,8 +205,15 @@ class Scenario:
         data = self.spec.model_dump(mode="json", exclude={"sweep"}, exclude_none=True)
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE
+        _without_usual_plant(data)
         return data
 
     def resolved_yaml(self) -> str:
         """The resolved scenario as a scenario file that gives the same results."""
         return to_yaml(self.resolved())
+
+
+def _without_usual_plant(data: dict[str, Any]) -> None:
+    """Leaves the plant out of a scenario where it is the one that every scenario has."""
+    if data["robot"]["plant"] == DEFAULT_PLANT:
+        del data["robot"]["plant"]
