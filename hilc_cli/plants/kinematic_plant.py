@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -68,8 +68,6 @@ class KinematicPlant(Plant):
 
 class KinematicSpec(RobotSpec):
     """The plant as it really is."""
-
-    in_lanes: ClassVar[bool] = True
 
     plant: Literal["kinematic"] = "kinematic"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, get_args
+from typing import Annotated, get_args
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
@@ -52,9 +52,6 @@ class RobotSpec(Model):
     ``plant`` says what the scenario calls it; of hilc's own plants that has one value.
     """
 
-    in_lanes: ClassVar[bool] = False
-    """Whether the batch engine can move the plant."""
-
     other_names = OTHER_KEYS
 
     exactly_one = (("half_track", "wheel_separation"),)
@@ -94,6 +91,11 @@ class RobotSpec(Model):
     @abstractmethod
     def as_plant(self) -> Plant:
         """Returns the plant for the engines."""
+
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine can move the plant."""
+        return self.as_plant().lane_gains(1.0) is not None
 
     def robot(self) -> Robot:
         """Returns the platform."""

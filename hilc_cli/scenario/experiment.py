@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.learning import Learning
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import packages_of
@@ -101,6 +102,10 @@ class Scenario:
             speed_limit=math.inf if self.speed_limit is None else self.speed_limit,
             disturbance=spec.disturbance.disturbance(),
         )
+
+    def learner(self) -> Learning:
+        """Returns the law at work, for trials that are driven elsewhere: nothing is simulated."""
+        return Learning(self.experiment())
 
     @property
     def setting(self) -> Setting:
