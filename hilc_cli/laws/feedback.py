@@ -65,6 +65,8 @@ class FeedbackLaw:
         model: The platform as the controller believes it to be.
     """
 
+    theory: ClassVar[str] = "hilc_cli.theory.laws.feedback:FeedbackTheory"
+
     k_x: float
     k_y: float
     k_theta: float

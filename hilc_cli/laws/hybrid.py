@@ -83,6 +83,8 @@ class HybridLaw:
         h: Length of the compensation in samples.
     """
 
+    theory: ClassVar[str] = "hilc_cli.theory.laws.hybrid:HybridTheory"
+
     l1: float
     l2: float
     l3: float
@@ -263,6 +265,13 @@ class HybridController(Controller):
         law = "Eq. 21, compensating the initial error" if compensates else "Eq. 17"
         lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
         return f"{law}; l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
+
+    def in_short(self, setting: Setting) -> str:
+        """The equation and the gains, for a title."""
+        gains = self.gains
+        equation = "Eq. 21" if self.compensates(setting) else "Eq. 17"
+        lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
+        return f"{equation}, l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""

@@ -92,6 +92,10 @@ class Controller(Model):
     def in_words(self, setting: Setting) -> str:
         """The law and its gains, in one line."""
 
+    def in_short(self, setting: Setting) -> str:
+        """Returns the law and what matters most of its gains, for a title."""
+        return self.in_words(setting)
+
     def misfits_on(self, reference: Reference) -> list[Located]:
         """What does not fit a trajectory."""
         return []

@@ -155,6 +155,8 @@ class PidLaw:
         Q-filter); Sun and Wang 2002 (the pulse); gain matrix and limit as in Qiao et al. 2021.
     """
 
+    theory: ClassVar[str] = "hilc_cli.theory.laws.pid:PidTheory"
+
     kp: float
     ki: float
     kd: float
@@ -277,7 +279,7 @@ class PidController(Controller):
             default_length(self.h, setting.reference) if self.rectifying == "on" else None,
         )
 
-    def in_short(self) -> str:
+    def in_short(self, setting: Setting) -> str:
         """What is not 0, for a title."""
         gains = self.gains
         parts = [

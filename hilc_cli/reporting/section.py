@@ -105,11 +105,6 @@ def finding_lines(text: str) -> list[str]:
     return textwrap.wrap(text, _width(), subsequent_indent="  ", break_long_words=False)
 
 
-def counted(count: int, name: str) -> str:
-    """``1 segment``, ``2 segments``."""
-    return f"{count} {name}" if count == 1 else f"{count} {name}s"
-
-
 def _table(grid: Grid) -> Table:
     from rich import box
     from rich.table import Table

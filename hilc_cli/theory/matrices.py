@@ -7,12 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.errors import UsageError
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.law import Law
-from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 
@@ -87,33 +83,7 @@ def desired_motion(experiment: Experiment) -> Desired:
     return Desired(inputs, np.diff(desired_poses(experiment), axis=0) - steps)
 
 
-def learning_law(experiment: Experiment) -> HybridLaw | PidLaw:
-    """The experiment's law.
-
-    Raises:
-        UsageError: It is another one than those of which the linear theory speaks.
-    """
-    if not isinstance(experiment.law, HybridLaw | PidLaw):
-        raise UsageError("the convergence theory is that of the laws hybrid and pid only")
-    return experiment.law
-
-
-def hybrid_law(experiment: Experiment) -> HybridLaw:
-    """The experiment's law as Eq. 17 or 21; law pid with kp alone is Eq. 17 with l1 = kp.
-
-    Raises:
-        UsageError: It is another one, of which the paper does not speak.
-    """
-    law = experiment.law
-    if isinstance(law, PidLaw) and is_hybrid(law):
-        return HybridLaw(law.kp, 0.0, 0.0, law.matrix, law.gain_heading, False, 1)
-    if not isinstance(law, HybridLaw):
-        raise UsageError("the paper's theory is that of the hybrid law only")
-    return law
-
-
-def is_hybrid(law: Law) -> bool:
-    """Whether the paper speaks of a law: the hybrid law, also by the name of pid."""
-    if isinstance(law, PidLaw):
-        return law.ki == law.kd == law.forgetting == 0 and law.cutoff is None
-    return isinstance(law, HybridLaw)
+def times(matrices: Floats, vectors: Floats) -> Floats:
+    """Each matrix times its vector: shapes (n, a, b) and (n, b) to (n, a)."""
+    product: Floats = np.einsum("kab,kb->ka", matrices, vectors)
+    return product

@@ -11,7 +11,8 @@ from hilc_cli.checks.report.errors import errors_grid
 from hilc_cli.checks.report.feasibility import feasibility_section
 from hilc_cli.checks.report.learning import learning_section
 from hilc_cli.checks.report.theory import theory_section
-from hilc_cli.reporting.section import counted, finding_lines, print_grid, print_section, title
+from hilc_cli.names import counted
+from hilc_cli.reporting.section import finding_lines, print_grid, print_section, title
 from hilc_cli.reporting.terminal import is_decorated, print_table, print_text, two_columns
 from hilc_cli.theory.learning.outcome import Outcome
 
@@ -91,6 +92,8 @@ def verdict(check: Check) -> str:
         return f"cannot work, {counted(len(check.failures), 'error')}{warned}"
     if check.outcome in _UNSURE:
         return f"{_UNSURE[check.outcome]}{warned}"
+    if not check.law.is_known and check.simulated is None:
+        return f"nothing wrong with the path, and the law is not known{warned}"
     return f"works{warned}" if warned else "nothing wrong"
 
 

@@ -56,6 +56,8 @@ class NormOptimalLaw:
         model: The platform as the controller believes it to be at first.
     """
 
+    theory: ClassVar[str] = "hilc_cli.theory.laws.norm_optimal:NormOptimalTheory"
+
     parameters: NormOptimalParameters
     model: Robot
 

@@ -1,287 +1,167 @@
-"""How soon the norm-optimal law can be on the trajectory, and when it means to be."""
+"""What theory knows of the norm-optimal law."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from functools import cached_property
+from typing import cast
 
-import numpy as np
-
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.feedforward import feedforward
-from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.plants.kinematic import step_gains
-from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.matrices import desired_motion, desired_poses
-from hilc_cli.theory.start import cannot_be_reached, near
+from hilc_cli.theory.findings import ExpectedError, Findings, Rows, expected_rows, joined
+from hilc_cli.theory.law_theory import LawTheory
+from hilc_cli.theory.laws.merging import Merging, merging, merging_findings
+from hilc_cli.theory.laws.model_mismatch import (
+    ModelMismatch,
+    mismatch_findings,
+    model_mismatch,
+    untried_findings,
+)
+from hilc_cli.theory.learning.expected import expected_of_norm_optimal
+from hilc_cli.theory.noise.findings import noise_findings
+from hilc_cli.theory.noise.wheels import WheelNoise, wheel_findings, wheel_rows
 
-_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
-_LATE = 2  # samples behind h that nobody minds
-_ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 
+class NormOptimalTheory(LawTheory):
+    """How soon the law is on the trajectory, and what a wrong model does to its learning."""
 
-@dataclass(frozen=True, slots=True)
-class Merging:
-    """The way of the norm-optimal law into the trajectory.
-
-    Attributes:
-        sample_time: d_t [s].
-        h: Sample from which on the law is asked to be on the trajectory.
-        speed_limit: b_w [rad/s]; infinity for none.
-        position_error: Distance of the initial pose from the start of the trajectory [m].
-        heading_error: Likewise of the heading [rad], absolute.
-        is_off: Whether that is more than rounding.
-        earliest: First sample that the speed limit lets any controller reach; None if there is
-            none.
-        planned: First sample from which the law's own path stays on the trajectory within a
-            millimetre, with the true wheel radius and half track; None if it does not get there.
-        left: Position error of that path at the end [m].
-        near: Position error up to which a platform counts as on the trajectory [m].
-        out_of_reach: Why no controller gets onto the trajectory; empty if one does.
-        fastest: Largest wheel speed that the trajectory asks of the true robot [rad/s].
-        fastest_believed: Likewise of the one that the law believes in at first.
-    """
-
-    sample_time: float
-    h: int
-    speed_limit: float
-    position_error: float
-    heading_error: float
-    is_off: bool
-    earliest: int | None
-    planned: int | None
-    left: float
-    near: float
-    out_of_reach: str
-    fastest: float
-    fastest_believed: float
+    tells_the_way_in = True
 
     @property
-    def is_possible(self) -> bool:
-        """Whether the speed limit allows the trajectory itself."""
-        return self.fastest <= self.speed_limit * (1 + _ROUNDING)
+    def law(self) -> NormOptimalLaw:
+        """The law."""
+        return cast("NormOptimalLaw", self.experiment.law)
+
+    @cached_property
+    def merging(self) -> Merging:
+        """The way into the trajectory."""
+        return merging(self.experiment, self.law)
+
+    @cached_property
+    def mismatch(self) -> ModelMismatch | None:
+        """What a wrong model does, if the law can make up for it by nothing."""
+        return model_mismatch(self.experiment, self.law)
+
+    @cached_property
+    def _last_iteration(self) -> tuple[ExpectedError, WheelNoise | None]:
+        return expected_of_norm_optimal(self.experiment, self.law, self.mismatch)
 
     @property
-    def is_believed_possible(self) -> bool:
-        """Whether the law believes so before it has identified the robot."""
-        return self.fastest_believed <= self.speed_limit * (1 + _ROUNDING)
+    def expected(self) -> ExpectedError:
+        """How large the error of the last iteration will be."""
+        return self._last_iteration[0]
 
+    @property
+    def wheels(self) -> WheelNoise | None:
+        """What disturbances make of the wheel speeds."""
+        return self._last_iteration[1]
 
-def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
-    """The way into the trajectory, from the experiment's initial pose.
-
-    Args:
-        experiment: An experiment of the law; its disturbances are left out.
-        law: The law.
-    """
-    reference, robot = experiment.reference, experiment.robot
-    trajectory, start = desired_poses(experiment), np.array(experiment.initial_pose)
-    off = start - trajectory[0]
-    position, heading = math.hypot(off[0], off[1]), abs(float(off[2]))
-    is_off = max(position, heading) > _NONE
-    earliest: int | None = 0
-    planned: int | None = 0
-    left, out_of_reach = 0.0, ""
-    if is_off:
-        top_speed = robot.wheel_radius * experiment.speed_limit
-        earliest = earliest_merge(
-            trajectory, start, top_speed, robot.half_track, reference.sample_time
+    @property
+    def findings(self) -> Findings:
+        """What all this means."""
+        softer = "raise controller.feedback_weights, or set 'feedback: none'"
+        return joined(
+            [
+                merging_findings(self.merging),
+                untried_findings(self.experiment, self.law),
+                wheel_findings(self.wheels, softer),
+                Findings() if self.mismatch is None else mismatch_findings(self.mismatch),
+                noise_findings(self.experiment, self.expected),
+            ]
         )
-        planned, left = _planned(experiment, law, trajectory, start)
-        out_of_reach = cannot_be_reached(experiment)
-    believed = feedforward(reference, law.model)
-    return Merging(
-        reference.sample_time,
-        min(law.parameters.h, reference.samples),
-        experiment.speed_limit,
-        position,
-        heading,
-        is_off,
-        earliest,
-        planned,
-        left,
-        near(experiment),
-        out_of_reach,
-        float(np.abs(desired_motion(experiment).inputs).max()),
-        float(np.abs(believed).max()),
-    )
 
+    @property
+    def rows(self) -> Rows:
+        """The way in, and what learning does to errors."""
+        return [*_way_in(self.merging), *self._learning()]
 
-def _planned(
-    experiment: Experiment, law: NormOptimalLaw, trajectory: Floats, start: Floats
-) -> tuple[int | None, float]:
-    """Where the law's path on the true robot, which identification leads to, merges and ends."""
-    from hilc_cli.laws.norm_optimal.learner import rectified_for  # the compiler starts slowly
-
-    robot, sample_time = experiment.robot, experiment.reference.sample_time
-    gains = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
-    way = rectified_for(law.parameters, trajectory, start, *gains, experiment.speed_limit)
-    return way.merged, math.dist(way.motion[-1, :2], trajectory[-1, :2])
-
-
-def merging_findings(found: Merging) -> Findings:
-    """What the way into the trajectory means for the experiment."""
-    if not found.is_possible:
-        # The parts that are too fast are told of the trajectory, each with its remedy.
-        return Findings(
-            warnings=(
-                "where the trajectory asks for more than controller.b_w, the law leaves it: it "
-                "makes the squared errors of the whole path least, not the delay; run it slower",
+    @property
+    def brief(self) -> Rows:
+        """The same in short, and the error to be expected."""
+        found = self.merging
+        told = self._learning()
+        if self.mismatch is None:
+            told[-1] = (
+                "Learning",
+                "identifies wheel radius and half track"
+                if self.law.parameters.identify
+                else "feedback makes up for a wrong model",
             )
-        )
+        if found.is_off:
+            planned = _sample(found, found.planned, "not before the end")
+            text = (
+                f"from {found.position_error:.4g} m, {found.heading_error:.4g} rad off: {planned}"
+            )
+            if found.earliest is not None and math.isfinite(found.speed_limit):
+                text += f"; any law from {found.earliest} on"
+            told.insert(0, ("Merges", text))
+        last = self.experiment.iterations
+        return [*told, *expected_rows(self.expected, last), *wheel_rows(self.wheels)]
+
+    @property
+    def document(self) -> dict[str, object]:
+        """The same as JSON."""
+        found, mismatch = self.merging, self.mismatch
+        document: dict[str, object] = {
+            "initial_position_error_m": found.position_error,
+            "initial_heading_error_rad": found.heading_error,
+            "h_samples": found.h,
+            "earliest_merge_sample": found.earliest,
+            "merge_sample": found.planned,
+            "believed_max_wheel_speed_rad_s": found.fastest_believed,
+        }
+        if mismatch is not None:
+            document |= {
+                "correction_along": mismatch.along,
+                "correction_turning": mismatch.turning,
+                "correction_strongest": mismatch.strongest,
+                "iteration_leaves": mismatch.left,
+                "converges": mismatch.converges,
+            }
+        return document
+
+    def _learning(self) -> Rows:
+        rows: Rows = []
+        found, mismatch = self.merging, self.mismatch
+        if (
+            math.isfinite(found.speed_limit)
+            and found.is_possible
+            and not found.is_believed_possible
+        ):
+            rows.append(
+                (
+                    "Believed robot",
+                    f"needs {found.fastest_believed:.4g} rad/s, above b_w: the law lags at first",
+                )
+            )
+        if mismatch is None:
+            why = (
+                "wheel radius and half track are identified"
+                if self.law.parameters.identify
+                else "the feedback makes up for a wrong model"
+            )
+            return [*rows, ("Theory", f"no condition is evaluated: {why}")]
+        strongest = f"{mismatch.along:.4g} along the path, {mismatch.turning:.4g} in turning"
+        return [
+            *rows,
+            ("Correction, times the right one", f"{strongest}; must be below 2"),
+            ("An iteration leaves", f"{mismatch.left:.3g} of small errors that weigh much"),
+        ]
+
+
+def _way_in(found: Merging) -> Rows:
+    off = f"{found.position_error:.4g} m, {found.heading_error:.4g} rad"
     if not found.is_off:
-        return Findings()
-    limit = f"controller.b_w of {found.speed_limit:g} rad/s"
-    if found.out_of_reach:
-        return Findings(failures=(found.out_of_reach,))
-    if found.planned is None:
-        late = (
-            "from initial_pose the law does not get onto the trajectory before its end within "
-            f"{limit}; start nearer, or run the trajectory slower"
-        )
-        return Findings((late,)) if found.left > found.near else Findings(warnings=(late,))
-    is_too_soon = found.earliest is not None and found.h < found.earliest
-    if found.planned <= found.h + (0 if is_too_soon else _LATE):
-        return Findings()
-    merges = (
-        f"the law merges into the trajectory at sample {found.planned} "
-        f"({_seconds(found, found.planned)}), later than controller.h of {found.h}"
-    )
-    if found.earliest is not None and is_too_soon:
-        return Findings(
-            warnings=(
-                f"{merges}: within {limit} no sample before {found.earliest} "
-                f"({_seconds(found, found.earliest)}) can be reached from initial_pose; raise h "
-                f"to at least {found.earliest}",
-            )
-        )
-    return Findings(warnings=(f"{merges}, because of {limit}; raise h for a gentler way in",))
+        return [("Initial error", f"{off}: the trajectory itself is the reference")]
+    earliest = _sample(found, found.earliest, "at no sample")
+    if math.isinf(found.speed_limit):
+        earliest = "at once: there is no speed limit"
+    planned = _sample(found, found.planned, "not before the end")
+    return [
+        ("Initial error", off),
+        ("Earliest merge of any law", earliest),
+        ("Merge of this law", f"{planned}; h is {found.h}"),
+    ]
 
 
-def _seconds(found: Merging, sample: int) -> str:
-    return f"{sample * found.sample_time:.6g} s"
-
-
-_STEPS = 60
-_ENOUGH = 1e-6  # relative change of the estimate at which the search ends
-_TRIED_ALONG, _TRIED_TURNING = (1 / 3, 1.5), (0.4, 2.0)
-"""Where learning with feedback fell from iteration to iteration; docs/laws/norm-optimal.md."""
-
-
-@dataclass(frozen=True, slots=True)
-class ModelMismatch:
-    """Learning from the wheel speeds alone, on a belief that stays as it is.
-
-    Attributes:
-        along: R / R_b.
-        turning: R B_b / (R_b B).
-        strongest: The largest eigenvalue of S D.
-    """
-
-    along: float
-    turning: float
-    strongest: float
-
-    @property
-    def left(self) -> float:
-        """Share that an iteration leaves of a small error where errors weigh much."""
-        return max(abs(1 - self.along), abs(1 - self.turning))
-
-    @property
-    def converges(self) -> bool:
-        """Whether small errors fall in the end."""
-        return self.strongest < 2
-
-
-def model_mismatch(experiment: Experiment, law: NormOptimalLaw) -> ModelMismatch | None:
-    """What the believed wheel radius and half track do to learning.
-
-    Returns:
-        None where no theory is evaluated: R and B are identified, or a feedback in the iteration
-        makes up for what is wrong with them.
-    """
-    if law.parameters.identify or law.parameters.feedback != "none":
-        return None
-    along, turning = _shares(experiment, law)
-    return ModelMismatch(along, turning, _strongest(experiment, law, along, turning))
-
-
-def untried_findings(experiment: Experiment, law: NormOptimalLaw) -> Findings:
-    """Whether feedback is asked to make up for more than it has been seen to."""
-    if law.parameters.identify or law.parameters.feedback == "none":
-        return Findings()
-    shares = _shares(experiment, law)
-    tried = (_TRIED_ALONG, _TRIED_TURNING)
-    if all(low <= share <= high for share, (low, high) in zip(shares, tried, strict=True)):
-        return Findings()
-    return Findings(
-        warnings=(
-            f"with R / R_b of {shares[0]:.3g} and R B_b / (R_b B) of {shares[1]:.3g} errors may "
-            "grow from iteration to iteration: learning without identification has been tried from "
-            "1/3 to 1.5 of the one and 0.4 to 2 of the other; correct model, or set "
-            "controller.identify: true",
-        )
-    )
-
-
-def _shares(experiment: Experiment, law: NormOptimalLaw) -> tuple[float, float]:
-    """R / R_b and R B_b / (R_b B)."""
-    robot, model = experiment.robot, law.model
-    along = robot.wheel_radius / model.wheel_radius
-    return along, along * model.signed_half_track / robot.signed_half_track
-
-
-def mismatch_findings(found: ModelMismatch) -> Findings:
-    """What they mean for the experiment."""
-    if found.converges:
-        return Findings()
-    # The track has a part in it only if turning is the worse one, beyond rounding.
-    is_radius = found.along > found.turning * (1 - _ENOUGH)
-    worst = "R / R_b" if is_radius else "R B_b / (R_b B)"
-    return Findings(
-        failures=(
-            f"learning cannot converge: the correction is {found.strongest:.4g} times what would "
-            f"be right, and may be 2 times at most, because {worst} is "
-            f"{max(found.along, found.turning):.4g}; correct model, or set "
-            "controller.identify: true or controller.feedback: lqr",
-        )
-    )
-
-
-def _strongest(experiment: Experiment, law: NormOptimalLaw, along: float, turning: float) -> float:
-    """The largest eigenvalue of S D, by powers of it: all are real and positive."""
-    from hilc_cli.laws.norm_optimal.linear_quadratic import (
-        LinearQuadratic,
-        linearised,
-    )  # the compiler starts slowly
-
-    model, samples = law.model, experiment.reference.samples
-    gains = step_gains(
-        model.wheel_radius, model.signed_half_track, experiment.reference.sample_time
-    )
-    position, heading, wheel = law.parameters.squared_weights
-    motion = linearised(desired_poses(experiment), *gains)
-    pose_weights = np.tile([position, heading], (samples + 1, 1))
-    input_weights, none = np.full((samples, 2), wheel), np.zeros((samples, 2))
-    no_slopes = np.zeros((samples + 1, 3))
-    plain = LinearQuadratic(motion, pose_weights, input_weights, no_slopes, none)
-
-    def applied(inputs: Floats) -> Floats:
-        """S D times an input, shape (n, 2)."""
-        mean, half = inputs.sum(axis=1) / 2 * along, (inputs[:, 0] - inputs[:, 1]) / 2 * turning
-        moved = plain.moved(np.stack([mean + half, mean - half], axis=1))
-        slopes = -pose_weights[:, [0, 0, 1]] * moved
-        problem = LinearQuadratic(motion, pose_weights, input_weights, slopes, none)
-        return problem.solution(input_weights, none)[0]
-
-    vector = np.random.default_rng(0).standard_normal((samples, 2))
-    found = 0.0
-    for _ in range(_STEPS):
-        vector = applied(vector)
-        before, found = found, float(np.linalg.norm(vector))
-        vector /= found
-        if abs(found - before) <= _ENOUGH * found:
-            break
-    return found
+def _sample(found: Merging, sample: int | None, none: str) -> str:
+    return none if sample is None else f"sample {sample} ({sample * found.sample_time:.6g} s)"

@@ -13,7 +13,7 @@ from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, extent
-from hilc_cli.theory.laws.norm_optimal import ModelMismatch
+from hilc_cli.theory.laws.model_mismatch import ModelMismatch
 from hilc_cli.theory.learning.forecast import FAR_HEADING, Forecast
 from hilc_cli.theory.learning.recursion import linearise
 from hilc_cli.theory.matrices import desired_poses

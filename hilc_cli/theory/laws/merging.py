@@ -1,0 +1,164 @@
+"""How soon the norm-optimal law can be on the trajectory, and when it means to be."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
+from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
+from hilc_cli.plants.kinematic import step_gains
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.findings import Findings
+from hilc_cli.theory.matrices import desired_motion, desired_poses
+from hilc_cli.theory.start import cannot_be_reached, near
+
+_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
+_LATE = 2  # samples behind h that nobody minds
+_ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
+
+
+@dataclass(frozen=True, slots=True)
+class Merging:
+    """The way of the norm-optimal law into the trajectory.
+
+    Attributes:
+        sample_time: d_t [s].
+        h: Sample from which on the law is asked to be on the trajectory.
+        speed_limit: b_w [rad/s]; infinity for none.
+        position_error: Distance of the initial pose from the start of the trajectory [m].
+        heading_error: Likewise of the heading [rad], absolute.
+        is_off: Whether that is more than rounding.
+        earliest: First sample that the speed limit lets any controller reach; None if there is
+            none.
+        planned: First sample from which the law's own path stays on the trajectory within a
+            millimetre, with the true wheel radius and half track; None if it does not get there.
+        left: Position error of that path at the end [m].
+        near: Position error up to which a platform counts as on the trajectory [m].
+        out_of_reach: Why no controller gets onto the trajectory; empty if one does.
+        fastest: Largest wheel speed that the trajectory asks of the true robot [rad/s].
+        fastest_believed: Likewise of the one that the law believes in at first.
+    """
+
+    sample_time: float
+    h: int
+    speed_limit: float
+    position_error: float
+    heading_error: float
+    is_off: bool
+    earliest: int | None
+    planned: int | None
+    left: float
+    near: float
+    out_of_reach: str
+    fastest: float
+    fastest_believed: float
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether the speed limit allows the trajectory itself."""
+        return self.fastest <= self.speed_limit * (1 + _ROUNDING)
+
+    @property
+    def is_believed_possible(self) -> bool:
+        """Whether the law believes so before it has identified the robot."""
+        return self.fastest_believed <= self.speed_limit * (1 + _ROUNDING)
+
+
+def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
+    """The way into the trajectory, from the experiment's initial pose.
+
+    Args:
+        experiment: An experiment of the law; its disturbances are left out.
+        law: The law.
+    """
+    reference, robot = experiment.reference, experiment.robot
+    trajectory, start = desired_poses(experiment), np.array(experiment.initial_pose)
+    off = start - trajectory[0]
+    position, heading = math.hypot(off[0], off[1]), abs(float(off[2]))
+    is_off = max(position, heading) > _NONE
+    earliest: int | None = 0
+    planned: int | None = 0
+    left, out_of_reach = 0.0, ""
+    if is_off:
+        top_speed = robot.wheel_radius * experiment.speed_limit
+        earliest = earliest_merge(
+            trajectory, start, top_speed, robot.half_track, reference.sample_time
+        )
+        planned, left = _planned(experiment, law, trajectory, start)
+        out_of_reach = cannot_be_reached(experiment)
+    believed = feedforward(reference, law.model)
+    return Merging(
+        reference.sample_time,
+        min(law.parameters.h, reference.samples),
+        experiment.speed_limit,
+        position,
+        heading,
+        is_off,
+        earliest,
+        planned,
+        left,
+        near(experiment),
+        out_of_reach,
+        float(np.abs(desired_motion(experiment).inputs).max()),
+        float(np.abs(believed).max()),
+    )
+
+
+def _planned(
+    experiment: Experiment, law: NormOptimalLaw, trajectory: Floats, start: Floats
+) -> tuple[int | None, float]:
+    """Where the law's path on the true robot, which identification leads to, merges and ends."""
+    from hilc_cli.laws.norm_optimal.learner import rectified_for  # the compiler starts slowly
+
+    robot, sample_time = experiment.robot, experiment.reference.sample_time
+    gains = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
+    way = rectified_for(law.parameters, trajectory, start, *gains, experiment.speed_limit)
+    return way.merged, math.dist(way.motion[-1, :2], trajectory[-1, :2])
+
+
+def merging_findings(found: Merging) -> Findings:
+    """What the way into the trajectory means for the experiment."""
+    if not found.is_possible:
+        # The parts that are too fast are told of the trajectory, each with its remedy.
+        return Findings(
+            warnings=(
+                "where the trajectory asks for more than controller.b_w, the law leaves it: it "
+                "makes the squared errors of the whole path least, not the delay; run it slower",
+            )
+        )
+    if not found.is_off:
+        return Findings()
+    limit = f"controller.b_w of {found.speed_limit:g} rad/s"
+    if found.out_of_reach:
+        return Findings(failures=(found.out_of_reach,))
+    if found.planned is None:
+        late = (
+            "from initial_pose the law does not get onto the trajectory before its end within "
+            f"{limit}; start nearer, or run the trajectory slower"
+        )
+        return Findings((late,)) if found.left > found.near else Findings(warnings=(late,))
+    is_too_soon = found.earliest is not None and found.h < found.earliest
+    if found.planned <= found.h + (0 if is_too_soon else _LATE):
+        return Findings()
+    merges = (
+        f"the law merges into the trajectory at sample {found.planned} "
+        f"({_seconds(found, found.planned)}), later than controller.h of {found.h}"
+    )
+    if found.earliest is not None and is_too_soon:
+        return Findings(
+            warnings=(
+                f"{merges}: within {limit} no sample before {found.earliest} "
+                f"({_seconds(found, found.earliest)}) can be reached from initial_pose; raise h "
+                f"to at least {found.earliest}",
+            )
+        )
+    return Findings(warnings=(f"{merges}, because of {limit}; raise h for a gentler way in",))
+
+
+def _seconds(found: Merging, sample: int) -> str:
+    return f"{sample * found.sample_time:.6g} s"
