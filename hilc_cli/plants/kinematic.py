@@ -163,37 +163,46 @@ def drifting_step(
 
 
 def driven_path(
-    start: tuple[float, float, float], left: Floats, right: Floats, robot: Robot, sample_time: float
+    start: tuple[Number, Number, Number],
+    left: Floats,
+    right: Floats,
+    robot: Robot,
+    sample_time: float,
+    disturbance: Floats | None = None,
 ) -> tuple[Floats, Floats, Floats]:
-    """Where given wheel speeds lead: `euler_step` for all samples at once, without disturbance.
+    """Returns where wheel speeds lead: `euler_step` for all samples of one pass, or of m, at once.
 
     Args:
-        start: Pose at sample 0: x [m], y [m], heading [rad].
-        left: Speeds of the left wheel [rad/s], shape (n,).
-        right: Speeds of the right wheel [rad/s], shape (n,).
+        start: Pose at sample 0: x [m], y [m], heading [rad]; of m passes each of shape (m,).
+        left: Speeds of the left wheel [rad/s], shape (n,), or (n, m).
+        right: Speeds of the right wheel [rad/s], likewise.
         robot: The platform.
         sample_time: d_t [s].
+        disturbance: beta of x, y and heading in each sample, shape (n, 3), or (n, 3, m).
 
     Returns:
-        x [m], y [m] and heading [rad], shape (n + 1,) each; infinite or not-a-number from where
-        they leave the finite numbers.
+        x [m], y [m] and heading [rad], shape (n + 1,), or (n + 1, m), each; infinite or
+        not-a-number from where they leave the finite numbers.
 
     Source:
         Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
     """
     distance_gain, turn_gain = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
-    heading = _running_sum(start[2], turn_gain * (left - right))
+    noise = (None,) * 3 if disturbance is None else np.moveaxis(disturbance, 1, 0)
+    heading = _running_sum(start[2], turn_gain * (left - right), noise[2])
     distance = distance_gain * (left + right)
-    x = _running_sum(start[0], distance * np.cos(heading[:-1]))  # Eq. 8
-    y = _running_sum(start[1], distance * np.sin(heading[:-1]))
+    x = _running_sum(start[0], distance * np.cos(heading[:-1]), noise[0])  # Eq. 8
+    y = _running_sum(start[1], distance * np.sin(heading[:-1]), noise[1])
     return x, y, heading
 
 
-def _running_sum(start: float, steps: Floats) -> Floats:
-    """The sums from a start on, in the order of a loop."""
-    sums = np.empty(len(steps) + 1)
+def _running_sum(start: Number, steps: Floats, noise: Floats | None) -> Floats:
+    """Returns the sums from a start on, in the order of a loop."""
+    sums = np.empty((len(steps) + 1, *steps.shape[1:]))
     sums[0], sums[1:] = start, steps
-    return np.cumsum(sums, out=sums)
+    if noise is not None:
+        sums[1:] += noise
+    return np.cumsum(sums, axis=0, out=sums)
 
 
 class Linearisation(NamedTuple):

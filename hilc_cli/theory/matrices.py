@@ -9,7 +9,7 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import control_matrices
 from hilc_cli.reference.sampled import Floats
 
 
@@ -36,23 +36,6 @@ class GainParts(NamedTuple):
         angle = np.asarray(headings)[..., np.newaxis, np.newaxis]
         values: Floats = self.constant + np.cos(angle) * self.cos + np.sin(angle) * self.sin
         return values
-
-
-def control_matrices(robot: Robot, headings: Floats) -> Floats:
-    """B(q) at headings of any shape, without the sample time.
-
-    Returns:
-        Matrices from wheel speeds [rad/s] to motion [m/s, m/s, rad/s], shape (..., 3, 2).
-
-    Source:
-        Qiao et al. 2021, Eq. 9.
-    """
-    angle = np.asarray(headings)
-    cos, sin = np.cos(angle), np.sin(angle)
-    turning = np.full_like(cos, 1 / robot.signed_half_track)
-    matrices = np.stack([cos, cos, sin, sin, turning, -turning], axis=-1)
-    values: Floats = robot.wheel_radius / 2 * matrices.reshape(*angle.shape, 3, 2)
-    return values
 
 
 class Desired(NamedTuple):

@@ -9,7 +9,7 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge, least_left
 from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.law_theory import LawTheory
+from hilc_cli.theory.law_theory import LawTheory, knows_plant
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import NEAR
 from hilc_cli.theory.matrices import desired_motion, desired_poses
@@ -26,7 +26,8 @@ def start_findings(theory: LawTheory) -> Findings:
     """
     experiment = theory.experiment
     off = np.array(experiment.initial_pose) - desired_poses(experiment)[0]
-    if theory.tells_the_way_in or float(np.abs(off).max()) <= _NONE:
+    told = theory.tells_the_way_in or not knows_plant(experiment)
+    if told or float(np.abs(off).max()) <= _NONE:
         return Findings()
     law, expected = theory.linear, theory.forecast
     by_wheels = _by_wheels(experiment, None if law is None else law.compensated_until)

@@ -28,7 +28,7 @@ class MotorLag(Plant):
                 kept * wheel + (1 - kept) * told
                 for wheel, told in zip(wheels, (left, right), strict=True)
             )
-            return euler_step(*pose, cos, sin, *wheels, *gains)
+            return euler_step(*pose, cos, sin, wheels[0], wheels[1], *gains)
 
         return step
 

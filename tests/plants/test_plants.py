@@ -56,7 +56,7 @@ def toy(folder: Path) -> Callable[..., str]:
 
 
 def test_kinematic_plant_goes_straight_ahead_with_the_heading_of_before() -> None:
-    # Wheels of 0.1 m at 20 and 10 rad/s for 0.1 s: 0.15 m ahead, and with 0.5 m 0.1 rad to the left.
+    # Wheels of 0.1 m at 20 and 10 rad/s for 0.1 s: 0.15 m ahead and 0.1 rad to the left.
     step = KinematicPlant(Robot(0.1, 0.5)).start((1.0, 2.0, 0.0), 0.1)
     assert step((1.0, 2.0, math.pi / 2), 20, 10) == pytest.approx((1.0, 2.15, math.pi / 2 + 0.1))
 
@@ -164,3 +164,18 @@ def test_sweep_and_run_agree_on_another_plant(hilc: Hilc, toy: Callable[..., str
     found = float(table[2].split(",")[table[0].split(",").index("max_position_error_m")])
     run = hilc_api.run(hilc_api.load_scenario(path, trust=True))
     assert found == run.metrics["max_position_error_m"][-1]
+
+
+def test_check_says_that_it_does_not_know_the_plant(hilc: Hilc, toy: Callable[..., str]) -> None:
+    path = toy(plant=LAGGING)
+    outcome = hilc("check", path, "--trust")
+    assert outcome.code == 0, outcome.err
+    assert "nothing wrong with the path, and the plant is not known" in outcome.out
+    told = f"nothing is known of plant {LAGGING} before it is run; --simulate shows it"
+    assert told in " ".join(outcome.out.split())
+    unknown = hilc("check", path, "--trust", "--simulate", "--json")
+    known = hilc("check", toy(), "--json")
+    learned, not_known = (json.loads(each.out)["learning"] for each in (known, unknown))
+    assert "spectral_radius" in json.dumps(learned)
+    assert not_known["simulated"]["iterations"] == 3
+    assert "spectral_radius" not in json.dumps(not_known)

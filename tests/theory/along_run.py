@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.plants.kinematic import control_matrices
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.linear_law import paper_law
-from hilc_cli.theory.matrices import GainParts, control_matrices
+from hilc_cli.theory.matrices import GainParts
 from hilc_cli.theory.proof.norms import wheel_map_norm
 
 

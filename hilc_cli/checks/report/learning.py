@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from hilc_cli.checks.report.errors import errors_grid
 from hilc_cli.reporting.section import Section
 from hilc_cli.theory.findings import expected_document
+from hilc_cli.theory.law_theory import knows_plant
 from hilc_cli.theory.noise.wheels import wheel_document, wheel_rows
 
 if TYPE_CHECKING:
@@ -24,11 +25,18 @@ def learning_section(check: Check) -> Section:
         document["simulated"] = _simulated(check.simulated.summary)
     rows = [*theory.rows, *wheel_rows(theory.wheels)]
     if not theory.is_known:
-        text = f"nothing is known of law {check.scenario.spec.controller.law} before it is run"
+        text = f"nothing is known of {_unknown(check)} before it is run"
         shows = "" if check.simulated is not None else "; --simulate shows it"
         rows = [("Theory", text + shows)]
     grids = [] if errors is None else [errors]
     return Section("learning", theory.title, rows, grids, document, (), theory.brief)
+
+
+def _unknown(check: Check) -> str:
+    """What theory does not speak of: the plant, or the law on a plant that it knows."""
+    spec = check.scenario.spec
+    is_plant = not knows_plant(check.law.experiment)
+    return f"plant {spec.robot.plant}" if is_plant else f"law {spec.controller.law}"
 
 
 def _simulated(summary: Summary) -> dict[str, object]:

@@ -14,6 +14,7 @@ from hilc_cli.checks.report.theory import theory_section
 from hilc_cli.names import counted
 from hilc_cli.reporting.section import finding_lines, print_grid, print_section, title
 from hilc_cli.reporting.terminal import is_decorated, print_table, print_text, two_columns
+from hilc_cli.theory.law_theory import knows_plant
 from hilc_cli.theory.learning.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -93,7 +94,8 @@ def verdict(check: Check) -> str:
     if check.outcome in _UNSURE:
         return f"{_UNSURE[check.outcome]}{warned}"
     if not check.law.is_known and check.simulated is None:
-        return f"nothing wrong with the path, and the law is not known{warned}"
+        unknown = "law" if knows_plant(check.law.experiment) else "plant"
+        return f"nothing wrong with the path, and the {unknown} is not known{warned}"
     return f"works{warned}" if warned else "nothing wrong"
 
 

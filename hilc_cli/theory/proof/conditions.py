@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.plants.kinematic import control_matrices
 from hilc_cli.theory.linear_law import paper_law
-from hilc_cli.theory.matrices import GainParts, control_matrices
+from hilc_cli.theory.matrices import GainParts
 from hilc_cli.theory.proof.norms import WheelNorm, wheel_map_norm
 
 _EQUAL = 1e-12  # relative; norms that differ by less count as the same
