@@ -59,8 +59,12 @@ class Learning:
         Raises:
             UsageError: An array has another length than the trajectory asks for, or is not finite.
         """
+        _check(trial, self.reference)
+        return self.take_in(trial)
+
+    def take_in(self, trial: Trial) -> Figures:
+        """Learns from a trial whatever it holds: an engine notices divergence by itself."""
         reference = self.reference
-        _check(trial, reference)
         measured = Iteration(
             trial.left,
             trial.right,

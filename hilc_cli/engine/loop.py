@@ -35,7 +35,7 @@ def simulate(experiment: Experiment, learning: Learning | None = None) -> Iterat
     for iteration in range(experiment.iterations + 1):
         controller = learning.unlimited_plan().controller(experiment.reference)
         trial, measured = _run_iteration(experiment, iteration, controller)
-        figures = learning.learn(measured)
+        figures = learning.take_in(measured)
         yield replace(trial, figures=figures) if figures else trial
 
 
