@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from hilc_cli.checks.advice import advice
-from hilc_cli.checks.picture import TRANSIENT_FILE, write_transient
 from hilc_cli.checks.simulation import Simulated, decided, simulated, theory_findings
 from hilc_cli.files import merge_folder
 from hilc_cli.names import in_short
@@ -113,8 +112,12 @@ class Check:
             ExistingResultsError: A file stands there that may not be replaced.
             FileAccessError: They cannot be written.
         """
-        from hilc_cli.checks.picture import transient_figure
-        from hilc_cli.drawing.save import save_figure  # Matplotlib starts slowly
+        from hilc_cli.checks.picture import (  # Matplotlib starts slowly
+            TRANSIENT_FILE,
+            transient_figure,
+            write_transient,
+        )
+        from hilc_cli.drawing.save import save_figure
 
         expected, spec = self.forecast, self.scenario.spec
         if expected is None:

@@ -9,7 +9,13 @@ from importlib import import_module
 from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
-from pydantic import ConfigDict, GetJsonSchemaHandler, ValidationError, WrapValidator
+from pydantic import (
+    ConfigDict,
+    GetJsonSchemaHandler,
+    SerializeAsAny,
+    ValidationError,
+    WrapValidator,
+)
 from pydantic_core import InitErrorDetails, core_schema
 
 from hilc_cli import plug_ins
@@ -125,5 +131,7 @@ if TYPE_CHECKING:
     ControllerSpec = Controller
 else:
     ControllerSpec = Annotated[
-        reduce(or_, (*CONTROLLERS.values(), InstalledController)), WrapValidator(_of_its_law)
+        reduce(or_, (*CONTROLLERS.values(), InstalledController)),
+        WrapValidator(_of_its_law),
+        SerializeAsAny(),
     ]
