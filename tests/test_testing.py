@@ -1,4 +1,4 @@
-"""Laws that break their word are found out, each by the sentence that says how."""
+"""Laws and plants that break their word are found out, each by the sentence that says how."""
 
 from __future__ import annotations
 
@@ -14,10 +14,15 @@ import numpy as np
 import pytest
 from pydantic import ConfigDict, Field
 
-from hilc_cli.laws.law import Iteration, LastIteration, Learner, Task, WheelController
+from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
 from hilc_cli.laws.parameters import Controller, Setting
 from hilc_cli.laws.registry import CONTROLLERS
-from hilc_cli.testing import check_law
+from hilc_cli.plants.kinematic import Linearisation, Robot
+from hilc_cli.plants.kinematic_plant import KinematicPlant, KinematicSpec
+from hilc_cli.plants.parameters import RobotSpec
+from hilc_cli.plants.plant import Plant, Pose, Step
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.testing import check_law, check_plant
 from hilc_cli.yaml_input.quantities import PositiveWheelSpeed
 from tests.plug_in_packages import blocks, modules
 
@@ -36,11 +41,13 @@ class Same:
     broken: Callable[[Iteration, float], float] = field(default=lambda last, speed: speed)
 
     def learner(self, task: Task) -> Learner:
-        return LastIteration(task, self.after)
+        return LastIteration(task, lambda last: self.after(last, task))
 
-    def after(self, last: Iteration) -> WheelController:
-        left = last.left.tolist()
-        return lambda k, *measured: (self.broken(last, left[k]), self.broken(last, left[k]))
+    def after(self, last: Iteration, task: Task) -> Plan:
+        left, right = (
+            np.array([self.broken(last, speed) for speed in last.left.tolist()]) for _ in range(2)
+        )
+        return Plan(left, right, task.reference.poses)
 
 
 def nothing(last: Iteration, speed: float) -> float:
@@ -108,15 +115,21 @@ def test_laws_of_hilc_keep_their_word(law: str) -> None:
     check_law(CONTROLLERS[law], {"law": law, **OWN[law]})
 
 
-def test_test_of_the_page_passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (test,) = [text for text in blocks("python") if "check_law" in text]
-    for name, text in {**modules(), "of_the_page.py": test}.items():
+@pytest.mark.parametrize(
+    ("check", "test"),
+    [("check_law", "test_steering_is_a_law"), ("check_plant", "test_lagging_robot_is_a_plant")],
+)
+def test_test_of_the_page_passes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, check: str, test: str
+) -> None:
+    (code,) = [text for text in blocks("python") if check in text]
+    for name, text in {**modules(), "of_the_page.py": code}.items():
         (tmp_path / name).write_text(text)
     monkeypatch.syspath_prepend(tmp_path)
     try:
-        import_module("of_the_page").test_steering_is_a_law()
+        getattr(import_module("of_the_page"), test)()
     finally:
-        for name in ("of_the_page", "my_laws"):
+        for name in ("of_the_page", "my_laws", "my_plants"):
             sys.modules.pop(name, None)
 
 
@@ -142,3 +155,82 @@ def test_law_that_breaks_its_word_is_told_how(model: type[Controller], sentence:
 def test_parameters_that_are_not_valid_are_told() -> None:
     with pytest.raises(AssertionError, match="the parameters are not valid"):
         check_law(SameController, {"law": "same", "b_w": -1})
+
+
+ROBOT = {"wheel_radius": 0.1, "half_track": 0.2, "turn_convention": "ros"}
+
+
+class Wrong(KinematicPlant):
+    """The usual plant, of which one thing is to be wrong."""
+
+
+class Drifting(Wrong):
+    def start(self, pose: Pose, sample_time: float) -> Step:
+        step = super().start(pose, sample_time)
+        return lambda pose, left, right: (pose[0] + next(COUNTED), *step(pose, left, right)[1:])
+
+
+class Deaf(Wrong):
+    def start(self, pose: Pose, sample_time: float) -> Step:
+        step, place = super().start(pose, sample_time), [pose]
+
+        def moved(pose: Pose, left: float, right: float) -> Pose:
+            place[0] = step(place[0], left, right)
+            return place[0]
+
+        return moved
+
+
+class Halved(Wrong):
+    def linearisation(
+        self, headings: Floats, left: Floats, right: Floats, sample_time: float
+    ) -> Linearisation:
+        found = super().linearisation(headings, left, right, sample_time)
+        return found._replace(inputs=found.inputs / 2)
+
+
+class Faster(Plant):
+    """Moves as hilc's own plant, and says that it is faster."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+
+    def start(self, pose: Pose, sample_time: float) -> Step:
+        return KinematicPlant(self.robot).start(pose, sample_time)
+
+    def lane_gains(self, sample_time: float) -> tuple[float, float]:
+        distance, turn = KinematicPlant(self.robot).lane_gains(sample_time)
+        return 1.01 * distance, turn
+
+
+def test_plant_of_hilc_keeps_its_word() -> None:
+    check_plant(KinematicSpec, ROBOT)
+
+
+@pytest.mark.parametrize(
+    ("plant", "sentence"),
+    [
+        (Drifting, "two passes of the plant with the same wheel speeds must be the same"),
+        (Deaf, "a step of the plant must begin at the pose that it is handed"),
+        (Halved, "the linearisation must be that of the steps"),
+        (Faster, "must move as its lane_gains say"),
+    ],
+)
+def test_plant_that_breaks_its_word_is_told_how(
+    plant: Callable[[Robot], Plant], sentence: str
+) -> None:
+    class Spec(RobotSpec):
+        def as_plant(self) -> Plant:
+            return plant(self.robot())
+
+    with pytest.raises(AssertionError, match=sentence) as error:
+        check_plant(Spec, {**ROBOT, "plant": "wrong"})
+    assert "\n" not in str(error.value)
+
+
+def test_robot_with_a_key_of_which_nothing_is_said_is_told() -> None:
+    class Silent(KinematicSpec):
+        weight: float = 1.0
+
+    with pytest.raises(AssertionError, match="the parameter weight must have a description"):
+        check_plant(Silent, ROBOT)

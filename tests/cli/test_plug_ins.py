@@ -1,4 +1,4 @@
-"""The law of docs/plug-ins.md, installed as a package, wherever a law can be named."""
+"""Law and plant of docs/plug-ins.md, installed as a package, wherever they can be named."""
 
 from __future__ import annotations
 
@@ -55,7 +55,8 @@ def plugged(tmp_path: Path, hilc: Hilc, monkeypatch: pytest.MonkeyPatch) -> Iter
     def forget() -> None:
         """As in a new process, nothing has been imported yet."""
         plug_ins._FOUND.clear()
-        sys.modules.pop("my_laws", None)
+        for name in ("my_laws", "my_plants"):
+            sys.modules.pop(name, None)
 
     yield run
     forget()
@@ -205,14 +206,37 @@ def test_check_says_what_it_does_not_know(plugged: Plugged) -> None:
     assert document["verdict"].startswith("works"), "it has been seen"
 
 
+def test_plant_runs_and_is_noted_with_its_package(plugged: Plugged, tmp_path: Path) -> None:
+    lagging = ("--set", "robot.plant=lagging", "--set", "robot.lag=50 ms", "--no-plots", "-q")
+    assert plugged("run", "named.yaml", *lagging, "--out", "slow") == Outcome(0, "", "")
+    manifest = json.loads((tmp_path / "here" / "slow" / "manifest.json").read_text())
+    assert list(manifest["plug_ins"]) == ["steering", "lagging"]
+    assert manifest["plug_ins"]["lagging"] == {"package": "my-laws", "version": "1.0"}
+    again = plugged("run", "slow/scenario.yaml", "--no-plots", "-q", "--out", "again")
+    assert again == Outcome(0, "", "")
+    here = tmp_path / "here"
+    assert (here / "again/samples.csv").read_bytes() == (here / "slow/samples.csv").read_bytes()
+
+
+def test_plant_in_a_leaderboard(plugged: Plugged, tmp_path: Path) -> None:
+    file = tmp_path / "here" / "named.yaml"
+    file.write_text(file.read_text().replace("robot: {", "robot: {plant: lagging, "))
+    (tmp_path / "here" / "board.yaml").write_text(
+        "name: board\ncases: {bend: named.yaml}\nafter: [1, 20]\n"
+        f"laws:\n  ours: {BY_NAME}\n  feedback: {{law: feedback}}\n"
+    )
+    done = plugged("compare", "--laws", "board.yaml", "--no-plots", "-q")
+    assert done == Outcome(0, "", "")
+
+
 def test_schema_names_what_is_installed(plugged: Plugged) -> None:
     schema = json.loads(plugged("schema", "scenario").out)
     assert "steering" in schema["$defs"]["InstalledController"]["properties"]["law"]["pattern"]
+    assert "lagging" in schema["$defs"]["InstalledRobot"]["properties"]["plant"]["pattern"]
 
 
 def test_commands_of_the_page_run(plugged: Plugged) -> None:
-    (script,) = blocks("sh")
-    for line in script.splitlines():
+    for line in "".join(blocks("sh")).splitlines():
         program, *arguments = shlex.split(line)
         assert program == "hilc"
         quick = ("--set", "iterations=1", "-q")
