@@ -20,7 +20,7 @@ import hilc_cli as hilc
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
-from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, Plan
+from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, OptimalPlan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.norm_optimal.rectified import trajectory_inputs
@@ -82,7 +82,7 @@ def learn(
     off = np.abs(target[0] - experiment.initial_pose).max() > 0
     first = reference.samples // 2 if off else 0
     errors, fastest, seconds = [], 0.0, 0.0
-    plan: Plan | None = None
+    plan: OptimalPlan | None = None
     for iteration in range(iterations + 1):
         poses, measured, applied = run(experiment, plan, disturbance, iteration)
         errors.append(float(np.hypot(*(poses - target)[first:, :2].T).max()))
@@ -95,7 +95,7 @@ def learn(
 
 
 def run(
-    experiment: Experiment, plan: Plan | None, disturbance: Disturbance, iteration: int
+    experiment: Experiment, plan: OptimalPlan | None, disturbance: Disturbance, iteration: int
 ) -> tuple[Floats, Floats, Floats]:
     """True poses, measured poses and wheel speeds of one iteration."""
     n = experiment.reference.samples

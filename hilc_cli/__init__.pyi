@@ -12,7 +12,9 @@ from hilc_cli.comparisons.comparing import (
 from hilc_cli.comparisons.comparing import (
     compare as compare,
 )
+from hilc_cli.engine.learning import Learning as Learning
 from hilc_cli.errors import HilcError as HilcError
+from hilc_cli.laws.law import Plan as Plan
 from hilc_cli.leaderboards.comparing import (
     LawComparison as LawComparison,
 )
@@ -44,6 +46,7 @@ from hilc_cli.paper.reproducing import (
 from hilc_cli.paper.reproducing import (
     reproduce as reproduce,
 )
+from hilc_cli.results.trial import Trial as Trial
 from hilc_cli.runs.running import (
     Run as Run,
 )

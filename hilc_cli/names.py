@@ -98,6 +98,11 @@ def listed(names: Iterable[Any], most: int = 12) -> str:
     return ", ".join(texts[:most]) + more
 
 
+def counted(count: int, name: str) -> str:
+    """``1 segment``, ``2 segments``."""
+    return f"{count} {name}" if count == 1 else f"{count} {name}s"
+
+
 def in_short(title: str, *lines: str) -> str:
     """What a result shows of itself: a title and lines below it, each cut where it is long."""
     texts = [title, *(f"  {line}" for line in lines)]
@@ -110,8 +115,3 @@ def wrapped(title: str, *texts: str) -> str:
         textwrap.fill(text, _WIDTH, initial_indent="  ", subsequent_indent="    ") for text in texts
     ]
     return "\n".join([title, *lines])
-
-
-def counted(count: int, name: str) -> str:
-    """``1 segment``, ``2 segments``."""
-    return f"{count} {name}" if count == 1 else f"{count} {name}s"

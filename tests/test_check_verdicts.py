@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import hilc_cli as hilc
-from hilc_cli.checks.report.errors import disturbed_rows
+from hilc_cli.theory.findings import disturbed_rows
 from hilc_cli.theory.learning import transient
 from hilc_cli.theory.learning.outcome import Outcome
 

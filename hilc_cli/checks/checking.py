@@ -9,21 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from hilc_cli.checks.advice import advice
-from hilc_cli.checks.picture import TRANSIENT_FILE, write_transient
 from hilc_cli.checks.simulation import Simulated, decided, simulated, theory_findings
 from hilc_cli.files import merge_folder
-from hilc_cli.laws.hybrid import HybridController
-from hilc_cli.laws.pid import PidController
 from hilc_cli.names import counted, wrapped
 from hilc_cli.runs.running import OnIteration
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
 from hilc_cli.theory.feasibility.feasibility import Feasibility, feasibility_findings
 from hilc_cli.theory.findings import ExpectedError, Findings
-from hilc_cli.theory.laws.law_theory import LawTheory, law_theory
+from hilc_cli.theory.law_theory import LawTheory, knows_plant, law_theory
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import Outcome
-from hilc_cli.theory.matrices import is_hybrid
 from hilc_cli.theory.noise.findings import unsure_findings, with_what_is_left
 from hilc_cli.theory.proof.bounds import Bounds
 from hilc_cli.theory.proof.conditions import Conditions, conditions
@@ -78,6 +74,9 @@ class Check:
             return f"cannot work, {counted(len(self.failures), 'error')}{warned}"
         if self.outcome in _UNSURE:
             return f"{_UNSURE[self.outcome]}{warned}"
+        if not self.law.is_known and self.simulated is None:
+            unknown = "law" if knows_plant(self.law.experiment) else "plant"
+            return f"nothing wrong with the path, and the {unknown} is not known{warned}"
         return f"works{warned}" if warned else "nothing wrong"
 
     @property
@@ -132,20 +131,24 @@ class Check:
             ExistingResultsError: A file stands there that may not be replaced.
             FileAccessError: They cannot be written.
         """
-        from hilc_cli.checks.picture import transient_figure
-        from hilc_cli.drawing.save import save_figure  # Matplotlib starts slowly
+        from hilc_cli.checks.picture import (  # Matplotlib starts slowly
+            TRANSIENT_FILE,
+            transient_figure,
+            write_transient,
+        )
+        from hilc_cli.drawing.save import save_figure
 
-        expected = self.forecast
+        expected, spec = self.forecast, self.scenario.spec
         if expected is None:
             return []
         rest = expected.rest if expected.settles else None
         figure = transient_figure(
             self.scenario.name,
             expected.transient,
-            self.scenario.spec.iterations,
+            spec.iterations,
             None if self.simulated is None else self.simulated.run,
             rest.max_position_error_m if rest is not None and rest.is_finite else None,
-            _law_text(self.scenario),
+            spec.controller.in_short(self.scenario.setting),
         )
         pictures = [f"transient.{name}" for name in dict.fromkeys(formats)]
         names = [*pictures, TRANSIENT_FILE]
@@ -163,19 +166,6 @@ class Check:
 
         merge_folder(Path(folder), draw, may_replace)
         return [Path(folder) / name for name in names]
-
-
-def _law_text(scenario: Scenario) -> str:
-    """The law and its gains in a few words."""
-    controller = scenario.spec.controller
-    if isinstance(controller, PidController):
-        return controller.in_short()
-    if not isinstance(controller, HybridController):
-        return scenario.law_in_words
-    gains = controller.gains
-    equation = "Eq. 21" if scenario.compensates else "Eq. 17"
-    lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
-    return f"{equation}, l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
 
 
 def check(
@@ -200,11 +190,11 @@ def check(
             "feasibility": with_what_is_left(
                 found, feasibility, experiment, scenario.setting.model, theory.expected
             ),
-            "start": start_findings(experiment, theory.forecast, theory.start),
+            "start": start_findings(theory),
             "learning": theory.findings,
         }
         premises, bounds = None, None
-        if is_hybrid(experiment.law):
+        if theory.linear is not None and theory.linear.paper is not None:
             premises, bounds = conditions(experiment), theories(experiment)
         beside = None
         if simulate:
@@ -217,5 +207,5 @@ def check(
             learns = scenario.spec.controller.learns
             findings["learning"] = decided(theory.findings, beside, theory.expected, learns=learns)
         findings["theory"] = theory_findings(beside)
-        findings["advice"] = Findings(warnings=tuple(advice(experiment)))
+        findings["advice"] = Findings(warnings=tuple(advice(theory)))
     return Check(scenario, feasibility, theory, premises, bounds, beside, findings)

@@ -16,6 +16,7 @@ from hilc_cli.cli.options import (
     PictureFormat,
     Quiet,
     ScenarioArgument,
+    Trust,
     Verbose,
     Version,
 )
@@ -42,6 +43,7 @@ def check(
     formats: Formats = None,
     out: OutputFolder = None,
     force: Force = False,
+    trust: Trust = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -72,7 +74,7 @@ def check(
 
     if not plot and (out is not None or formats or force):
         raise UsageError("--out, --format and --force are about the picture; add --plot")
-    valid = load_scenario(scenario, set_ or [])
+    valid = load_scenario(scenario, set_ or [], trust=trust)
     session: Session = context.obj
     silent = quiet or not simulate
     with progress(valid.name, valid.spec.iterations + 1, quiet=silent) as advance:

@@ -18,6 +18,7 @@ from hilc_cli.cli.options import (
     OutputFolder,
     PictureFormat,
     Quiet,
+    Trust,
     Verbose,
     Version,
 )
@@ -72,6 +73,7 @@ def compare(
             metavar="N", min=1, max=10_000, help="Processes, for --laws. [default: all cores]"
         ),
     ] = None,
+    trust: Trust = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -119,13 +121,15 @@ def compare(
             formats=chosen,
             plots=not no_plots,
             workers=workers,
+            trust=trust,
             json=json,
             quiet=quiet,
             verbose=verbose,
         )
         return
-    if workers is not None:
-        raise UsageError("--workers is for --laws; nothing else is simulated")
+    for option, is_given in {"--workers": workers is not None, "--trust": trust}.items():
+        if is_given:
+            raise UsageError(f"{option} is for --laws; nothing else is simulated")
     if not runs:
         raise UsageError("there is nothing to compare; give at least two run folders, or --laws")
     given, runs = runs, without_comparisons(runs)
@@ -188,6 +192,7 @@ def compare_laws(
     formats: Sequence[str],
     plots: bool,
     workers: int | None,
+    trust: bool,
     json: bool,
     quiet: bool,
     verbose: bool,
@@ -203,6 +208,7 @@ def compare_laws(
         formats: Of the picture.
         plots: Whether to draw it.
         workers: Processes; None: all cores.
+        trust: Whether the code that the leaderboard names may be imported.
         json: Print one JSON document in the place of a table.
         quiet: Print nothing but errors.
         verbose: Print all runs as well.
@@ -216,7 +222,7 @@ def compare_laws(
 
     for name in formats:
         check_format(name)
-    valid = load_leaderboard(leaderboard)
+    valid = load_leaderboard(leaderboard, trust=trust)
     folder = Path("runs") / valid.name if out is None else out
     check_leaderboard_output(valid, folder, force=force)
     with progress(valid.name, valid.size, quiet=quiet) as advance:

@@ -23,6 +23,7 @@ from hilc_cli.cli.options import (
     PictureFormat,
     Quiet,
     ScenarioArgument,
+    Trust,
     Verbose,
     Version,
 )
@@ -57,6 +58,7 @@ def run(
     ] = None,
     formats: Formats = None,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no pictures.")] = False,
+    trust: Trust = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -78,7 +80,7 @@ def run(
     from hilc_cli.reporting.terminal import print_json, print_table, print_text, progress, say
     from hilc_cli.runs.running import check_folder, forewarnings, load_scenario, run
 
-    valid = load_scenario(scenario, set_ or [])
+    valid = load_scenario(scenario, set_ or [], trust=trust)
     requirements = parse_requirements(require or [], valid.spec.controller.figures())
     folder = out or default_folder(valid.name, set_)
     check_folder(valid, folder, force=force)

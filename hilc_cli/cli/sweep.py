@@ -19,6 +19,7 @@ from hilc_cli.cli.options import (
     OutputFolder,
     Overrides,
     Quiet,
+    Trust,
     Verbose,
     Version,
 )
@@ -164,6 +165,7 @@ def sweep(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say what it would cost, and compute nothing.")
     ] = False,
+    trust: Trust = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -229,7 +231,7 @@ def sweep(
         raise UsageError(f"give one scenario, got {len(targets)}; several folders need --merge")
     part = None if shard is None else _parse_shard(shard)
     plan = plan_sweep(
-        load_scenario(targets[0], set_ or []),
+        load_scenario(targets[0], set_ or [], trust=trust),
         vary or [],
         sample=None if sample is None else sample.value,
         cases=cases,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from hilc_cli.disturbance.streams import Disturbance, Triple
 from hilc_cli.laws.law import Law
 from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.plant import Plant
 from hilc_cli.reference.sampled import Floats, Reference
 
 
@@ -16,7 +17,7 @@ class Experiment:
 
     Attributes:
         reference: The trajectory y_d, n + 1 samples.
-        robot: The platform as it really is; what the controller believes is in the law.
+        plant: The platform as it really moves; what the controller believes is in the law.
         law: The learning law.
         initial_pose: Pose at which each iteration starts [m, m, rad], before its disturbance.
         initial_left: u_0 of the left wheel [rad/s], shape (n,).
@@ -29,7 +30,7 @@ class Experiment:
     """
 
     reference: Reference
-    robot: Robot
+    plant: Plant
     law: Law
     initial_pose: Triple
     initial_left: Floats
@@ -38,3 +39,8 @@ class Experiment:
     iterations: int
     speed_limit: float
     disturbance: Disturbance
+
+    @property
+    def robot(self) -> Robot:
+        """The true platform."""
+        return self.plant.robot

@@ -9,19 +9,21 @@ from dataclasses import replace
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.learning import Learning
 from hilc_cli.errors import DivergedError
-from hilc_cli.laws.law import Iteration, Task, WheelController
-from hilc_cli.plants.kinematic import euler_step, limit_wheel_speeds, step_gains
-from hilc_cli.reference.sampled import Floats
+from hilc_cli.laws.law import WheelController
+from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.results.metrics import is_finite
 from hilc_cli.results.trial import Trial
 
 
-def simulate(experiment: Experiment) -> Iterator[Trial]:
+def simulate(experiment: Experiment, learning: Learning | None = None) -> Iterator[Trial]:
     """Runs iterations 0..N, one at a time: what is not kept by the caller is forgotten.
 
     Args:
         experiment: The experiment.
+        learning: Its learning, from which the caller can take a plan when all is over; None for
+            one that nobody else sees.
 
     Yields:
         Each iteration as it is completed.
@@ -29,60 +31,28 @@ def simulate(experiment: Experiment) -> Iterator[Trial]:
     Raises:
         DivergedError: An iteration left the finite numbers; it is not yielded.
     """
-    reference = experiment.reference
-    task = Task(
-        reference, experiment.initial_left, experiment.initial_right, experiment.speed_limit
-    )
-    learner = experiment.law.learner(task)
+    learning = Learning(experiment) if learning is None else learning
     for iteration in range(experiment.iterations + 1):
-        # On the way to divergence products overflow; that shows in the state they lead to.
-        with np.errstate(over="ignore", invalid="ignore"):
-            if iteration == 0 and not experiment.learn_in_first:
-                controller = _open_loop(task)
-            else:
-                controller = learner.controller()
-        trial, output = _run_iteration(experiment, iteration, controller)
-        measured = Iteration(
-            trial.left,
-            trial.right,
-            reference.x - output[0],
-            reference.y - output[1],
-            reference.heading - output[2],
-        )
-        with np.errstate(over="ignore", invalid="ignore"):
-            figures = learner.learn(measured)
+        controller = learning.unlimited_plan().controller(experiment.reference)
+        trial, measured = _run_iteration(experiment, iteration, controller)
+        figures = learning.take_in(measured)
         yield replace(trial, figures=figures) if figures else trial
-
-
-def _open_loop(task: Task) -> WheelController:
-    """The initial input as it is."""
-    left, right = task.initial_left.tolist(), task.initial_right.tolist()
-
-    def wheel_speeds(
-        k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-    ) -> tuple[float, float]:
-        return left[k], right[k]
-
-    return wheel_speeds
 
 
 def _run_iteration(
     experiment: Experiment, iteration: int, controller: WheelController
-) -> tuple[Trial, tuple[Floats, Floats, Floats]]:
-    """One pass over the trajectory.
+) -> tuple[Trial, Trial]:
+    """Runs one pass over the trajectory.
 
     Returns:
-        The true motion, and the measured output y = q + alpha as x, y and heading.
+        The true motion, and the same with the measured output y = q + alpha (Eq. 11).
 
     Raises:
         DivergedError: The pass left the finite numbers.
     """
-    reference, robot = experiment.reference, experiment.robot
+    reference = experiment.reference
     steps = reference.samples
     speed_limit = experiment.speed_limit
-    distance_gain, turn_gain = step_gains(
-        robot.wheel_radius, robot.signed_half_track, reference.sample_time
-    )
     desired_x = reference.x.tolist()
     desired_y = reference.y.tolist()
     desired_heading = reference.heading.tolist()
@@ -93,6 +63,7 @@ def _run_iteration(
 
     offset = experiment.disturbance.of_initial_pose(iteration)
     x, y, heading = (p + o for p, o in zip(experiment.initial_pose, offset, strict=True))
+    step = experiment.plant.start((x, y, heading), reference.sample_time)
     xs, ys, headings = [x], [y], [heading]
     lefts: list[float] = []
     rights: list[float] = []
@@ -126,18 +97,8 @@ def _run_iteration(
         limited_left, limited_right = limit_wheel_speeds(left, right, speed_limit)  # Eq. 25
         if limited_left != left or limited_right != right:
             saturated += 1
-        # Eq. 8; the limited speeds are also what the next iteration learns from.
-        x, y, heading = euler_step(
-            x,
-            y,
-            heading,
-            cos,
-            sin,
-            limited_left,
-            limited_right,
-            distance_gain,
-            turn_gain,
-        )
+        # The limited speeds are also what the next iteration learns from.
+        x, y, heading = step((x, y, heading), limited_left, limited_right)
         if state_noise is not None:
             noise_x, noise_y, noise_heading = state_noise[k]
             x, y, heading = x + noise_x, y + noise_y, heading + noise_heading  # Eq. 11
@@ -160,9 +121,10 @@ def _run_iteration(
     if not is_finite(largest, x, y, heading):
         raise DivergedError(iteration)
     if alpha is None:
-        return trial, (trial.x, trial.y, trial.heading)
-    return trial, (
-        trial.x + alpha[:, 0],
-        trial.y + alpha[:, 1],
-        trial.heading + alpha[:, 2],
+        return trial, trial
+    return trial, replace(
+        trial,
+        x=trial.x + alpha[:, 0],
+        y=trial.y + alpha[:, 1],
+        heading=trial.heading + alpha[:, 2],
     )

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from hilc_cli.laws.feedforward import reference_twist
-from hilc_cli.laws.law import LastIteration, Learner, Task, WheelController
+from hilc_cli.laws.law import LastIteration, Learner, Plan, Task
 from hilc_cli.laws.parameters import Controller, Setting
 from hilc_cli.plants.kinematic import Number, Robot, wheel_speeds_from_twist
 from hilc_cli.reference.sampled import Reference
@@ -65,6 +65,8 @@ class FeedbackLaw:
         model: The platform as the controller believes it to be.
     """
 
+    theory: ClassVar[str] = "hilc_cli.theory.laws.feedback:FeedbackTheory"
+
     k_x: float
     k_y: float
     k_theta: float
@@ -72,12 +74,14 @@ class FeedbackLaw:
 
     def learner(self, task: Task) -> Learner:
         """The law, which will learn nothing."""
-        return LastIteration(task, lambda last: self.controller(task.reference))
+        return LastIteration(task, lambda last: self.plan(task.reference))
 
-    def controller(self, reference: Reference) -> WheelController:
-        """The controller of every iteration."""
-        forward, turning = reference_twist(reference)
-        speeds, yaw_rates = forward.tolist(), turning.tolist()
+    def plan(self, reference: Reference) -> Plan:
+        """Plans every iteration: the reference's own wheel speeds, and the feedback about it."""
+        twist = reference_twist(reference)
+        speeds, yaw_rates = (part.tolist() for part in twist)
+        model = self.model
+        left, right = wheel_speeds_from_twist(*twist, model.wheel_radius, model.signed_half_track)
 
         def wheel_speeds(
             k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
@@ -87,7 +91,7 @@ class FeedbackLaw:
                 (speeds[k], yaw_rates[k]), (cos, sin), (error_x, error_y), turned
             )
 
-        return wheel_speeds
+        return Plan(left, right, reference.poses, wheel_speeds)
 
     def wheel_speeds(
         self,

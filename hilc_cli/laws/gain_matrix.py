@@ -15,7 +15,7 @@ from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from hilc_cli.errors import near_word
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import Number, Robot
 from hilc_cli.yaml_input.expressions import Affine, ExpressionError, evaluate
 from hilc_cli.yaml_input.model import Located, located, together, wrong, wrong_at
 
@@ -89,12 +89,12 @@ def unit_gain(model: Robot) -> GainMatrix:
 
 def wheel_correction(
     coefficients: Coefficients,
-    cos_heading: float,
-    sin_heading: float,
-    error_x: float,
-    error_y: float,
-    error_heading: float,
-) -> tuple[float, float]:
+    cos_heading: Number,
+    sin_heading: Number,
+    error_x: Number,
+    error_y: Number,
+    error_heading: Number,
+) -> tuple[Number, Number]:
     """The gain matrix times a pose error: corrections of the left and right wheel [rad/s].
 
     Args:

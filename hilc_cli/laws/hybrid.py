@@ -17,14 +17,13 @@ from hilc_cli.laws.gain_matrix import (
     matrix_misfits,
     wheel_correction,
 )
-from hilc_cli.laws.law import Iteration, LastIteration, Learner, Task, WheelController
+from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
 from hilc_cli.laws.parameters import Controller, Setting, default_length, length_misfits
 from hilc_cli.laws.past_errors import (
     GainHeading,
     PastErrors,
-    corrected_input,
+    corrected_plan,
     per_component,
-    with_gain_heading,
 )
 from hilc_cli.plants.kinematic import Number, Robot
 from hilc_cli.reference.sampled import Reference
@@ -84,6 +83,8 @@ class HybridLaw:
         h: Length of the compensation in samples.
     """
 
+    theory: ClassVar[str] = "hilc_cli.theory.laws.hybrid:HybridTheory"
+
     l1: float
     l2: float
     l3: float
@@ -94,17 +95,22 @@ class HybridLaw:
 
     def learner(self, task: Task) -> Learner:
         """The law at the start of an experiment."""
-        return LastIteration(task, lambda last: self.controller(last, task.reference))
+        return LastIteration(task, lambda last: self.plan(last, task.reference))
 
-    def controller(self, previous: Iteration, reference: Reference) -> WheelController:
-        """The controller of the next iteration, learned from the previous one."""
-        if self.compensation:
-            controller = self._without_feedback(previous, self._compensated(previous, reference))
-        elif self.l2 == 0 and self.l3 == 0:
-            controller = self._without_feedback(previous, self._learned(previous))
-        else:
-            controller = self._with_feedback(previous)
-        return with_gain_heading(controller, self.gain_heading, previous, reference)
+    def plan(self, previous: Iteration, reference: Reference) -> Plan:
+        """Plans the next iteration, learning from the previous one, see `corrected_plan`."""
+        has_feedback = not self.compensation and (self.l2 != 0 or self.l3 != 0)
+        return corrected_plan(
+            self.matrix.coefficients,
+            (previous.left, previous.right),
+            self._compensated(previous, reference)
+            if self.compensation
+            else self._learned(previous),
+            self.gain_heading,
+            previous,
+            reference,
+            self._with_feedback(previous) if has_feedback else None,
+        )
 
     def _learned(self, previous: Iteration) -> PastErrors:
         """The errors of Eq. 17 where it has no feedback."""
@@ -119,9 +125,6 @@ class HybridLaw:
         return per_component(
             lambda error: compensated_error(self.l1, error[1:], weights, error[0]), previous
         )
-
-    def _without_feedback(self, previous: Iteration, past: PastErrors) -> WheelController:
-        return corrected_input(self.matrix.coefficients, previous.left, previous.right, past)
 
     def _with_feedback(self, previous: Iteration) -> WheelController:
         """Eq. 17 in full."""
@@ -262,6 +265,13 @@ class HybridController(Controller):
         law = "Eq. 21, compensating the initial error" if compensates else "Eq. 17"
         lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
         return f"{law}; l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
+
+    def in_short(self, setting: Setting) -> str:
+        """The equation and the gains, for a title."""
+        gains = self.gains
+        equation = "Eq. 21" if self.compensates(setting) else "Eq. 17"
+        lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
+        return f"{equation}, l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""

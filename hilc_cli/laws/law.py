@@ -1,22 +1,23 @@
-"""What an engine asks of a learning law.
+"""What is asked of a learning law: a plan for the next iteration, from those that are over.
 
 A law is plain data: its parameters, the believed robot among them. For each experiment it gives a
 learner, which keeps whatever is learned from iteration to iteration, be it the last iteration alone
-or an estimate that grows with each.
+or an estimate that grows with each. An engine applies the plan, or whoever drives a robot.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
+from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats, Reference
 
 WheelController = Callable[[int, float, float, float, float, float], tuple[float, float]]
-"""Wheel speeds at one sample of the running iteration, before the speed limit.
+"""The wheel speeds at one sample of the running iteration, before the speed limit.
 
 Called once for each sample k = 0, 1, ... in order, with k, the cosine and sine of the measured
 heading, and the measured error in x [m], y [m] and heading [rad]; returns left and right [rad/s].
@@ -51,6 +52,57 @@ class Iteration:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """What a law wants of the next iteration, made before that runs.
+
+    Attributes:
+        left: Feedforward speed of the left wheel [rad/s], shape (n,).
+        right: Feedforward speed of the right wheel [rad/s], shape (n,).
+        poses: Where the plan is to lead: x [m], y [m] and heading [rad], shape (n + 1, 3). A law
+            that plans no motion of its own aims at the reference. The believed robot's motion
+            would be another one: what has been learned makes up for a wrong belief, too.
+        feedback: What answers to the poses that are measured on the way; None if nothing does.
+            Gains K, shape (n, 2, 3), add K(k) (poses(k) - measured(k)) to the feedforward; a
+            function gives the wheel speeds themselves.
+    """
+
+    left: Floats
+    right: Floats
+    poses: Floats
+    feedback: Floats | WheelController | None = None
+
+    def controller(self, reference: Reference) -> WheelController:
+        """Returns the controller that runs the plan, given errors against a reference."""
+        left, right = self.left.tolist(), self.right.tolist()
+        if self.feedback is None:
+            return lambda k, cos, sin, error_x, error_y, error_heading: (left[k], right[k])
+        if not isinstance(self.feedback, np.ndarray):
+            return self.feedback
+        # Errors are told against the reference; the planned poses are others.
+        away = self.poses - reference.poses
+        rows = np.concatenate([self.feedback.reshape(-1, 6), away[:-1]], axis=1).tolist()
+
+        def wheel_speeds(
+            k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
+        ) -> tuple[float, float]:
+            lx, ly, lh, rx, ry, rh, away_x, away_y, away_heading = rows[k]
+            x, y, heading = error_x + away_x, error_y + away_y, error_heading + away_heading
+            return (
+                left[k] + lx * x + ly * y + lh * heading,
+                right[k] + rx * x + ry * y + rh * heading,
+            )
+
+        return wheel_speeds
+
+    def within(self, speed_limit: float) -> Plan:
+        """Returns the plan with its feedforward within a speed limit [rad/s] (Eq. 25)."""
+        pairs = zip(self.left.tolist(), self.right.tolist(), strict=True)
+        limited = [limit_wheel_speeds(left, right, speed_limit) for left, right in pairs]
+        left, right = np.array(limited).T.copy()
+        return replace(self, left=left, right=right)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Task:
     """What a law knows of an experiment before its first iteration.
 
@@ -72,15 +124,20 @@ class Task:
         none = np.zeros(self.reference.samples + 1)
         return Iteration(self.initial_left, self.initial_right, none, none, none)
 
+    @property
+    def first_plan(self) -> Plan:
+        """The plan that sends u_0 as it is."""
+        return Plan(self.initial_left, self.initial_right, self.reference.poses)
+
 
 class Learner(Protocol):
     """A law at work on one experiment."""
 
-    def controller(self) -> WheelController:
-        """The controller of the next iteration, from all that has been learned so far."""
+    def plan(self) -> Plan:
+        """Plans the next iteration from all that has been learned so far."""
 
     def learn(self, iteration: Iteration) -> Figures:
-        """Takes in an iteration that is over, whether its controller came from here or not.
+        """Takes in an iteration that is over, whether its plan came from here or not.
 
         Numbers close to divergence may overflow here without harm: what is not finite ends the
         run in the next iteration.
@@ -103,13 +160,13 @@ class Law(Protocol):
 class LastIteration:
     """A learner that remembers the last iteration alone, and has nothing to tell."""
 
-    def __init__(self, task: Task, after: Callable[[Iteration], WheelController]) -> None:
-        """With what makes a controller of the iteration before."""
+    def __init__(self, task: Task, after: Callable[[Iteration], Plan]) -> None:
+        """With what makes a plan of the iteration before."""
         self._last = task.before_first
         self._after = after
 
-    def controller(self) -> WheelController:
-        """The controller that follows from the last iteration."""
+    def plan(self) -> Plan:
+        """Returns the plan that follows from the last iteration."""
         return self._after(self._last)
 
     def learn(self, iteration: Iteration) -> Figures:

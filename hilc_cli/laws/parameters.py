@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, get_args
 
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.laws.law import Law
@@ -39,9 +39,13 @@ class Setting:
 class Controller(Model):
     """A law by its name, with the law's own parameters.
 
-    Each law has a model of its own with a field ``law``, whose one value is its name, and a field
-    ``b_w``, the speed limit.
+    Each law has a model of its own. Its field ``law`` says what the scenario calls it; of hilc's
+    own laws that has one value. A field ``b_w`` is the speed limit of the wheels [rad/s].
     """
+
+    law: str
+    if TYPE_CHECKING:  # each law says itself behind which of its keys it stands
+        b_w: float | None
 
     learns: ClassVar[bool] = True
     """Whether an iteration depends on those before it."""
@@ -53,20 +57,17 @@ class Controller(Model):
     """Keys whose values must fit the trajectory, and fit any if there is none."""
 
     @classmethod
-    def name(cls) -> str:
-        """What ``law:`` says."""
-        name: str = get_args(cls.model_fields["law"].annotation)[0]
-        return name
+    def chosen_by(cls, data: object = None) -> tuple[str, str] | None:
+        """Returns ``law`` and the name of this law, which of laws from elsewhere data tells."""
+        names = get_args(cls.model_fields["law"].annotation)
+        name = names[0] if names else law_named(data) if isinstance(data, Mapping) else None
+        return None if name is None else ("law", str(name))
 
     @classmethod
-    def chosen_by(cls) -> tuple[str, str]:
-        """The law."""
-        return "law", cls.name()
-
-    @classmethod
-    def is_meant(cls, data: object) -> bool:
-        """Whether data names this law."""
-        return isinstance(data, Mapping) and law_named(data) == cls.name()
+    def meant_by(cls, data: object) -> type[Controller] | None:
+        """Returns this model if data names its law."""
+        meant = isinstance(data, Mapping) and cls.chosen_by() == ("law", law_named(data))
+        return cls if meant else None
 
     @classmethod
     def relations(
@@ -92,6 +93,10 @@ class Controller(Model):
     @abstractmethod
     def in_words(self, setting: Setting) -> str:
         """The law and its gains, in one line."""
+
+    def in_short(self, setting: Setting) -> str:
+        """Returns the law and what matters most of its gains, for a title."""
+        return self.in_words(setting)
 
     def misfits_on(self, reference: Reference) -> list[Located]:
         """What does not fit a trajectory."""

@@ -10,8 +10,10 @@ import math
 from collections.abc import Callable
 from typing import Literal
 
+import numpy as np
+
 from hilc_cli.laws.gain_matrix import Coefficients, wheel_correction
-from hilc_cli.laws.law import Iteration, WheelController
+from hilc_cli.laws.law import Iteration, Plan, WheelController
 from hilc_cli.reference.sampled import Floats, Reference
 
 PastErrors = tuple[Floats, Floats, Floats]
@@ -28,18 +30,61 @@ def per_component(formula: Callable[[Floats], Floats], previous: Iteration) -> P
     return formula(previous.error_x), formula(previous.error_y), formula(previous.error_heading)
 
 
-def corrected_input(
-    coefficients: Coefficients, left: Floats, right: Floats, past: PastErrors
-) -> WheelController:
-    """The controller u(k) + G(k) e(k), whose errors are known beforehand.
+GainHeading = Literal["measured", "previous", "reference"]
+
+
+def corrected_plan(
+    coefficients: Coefficients,
+    inputs: tuple[Floats, Floats],
+    past: PastErrors,
+    choice: GainHeading,
+    previous: Iteration,
+    reference: Reference,
+    running: WheelController | None = None,
+) -> Plan:
+    """Plans u(k) + G(k) e(k) with the gain matrix taken at the chosen heading.
+
+    Where that is the heading measured in the running iteration, it is not known beforehand: the
+    plan's feedforward then is the input learned so far with its correction taken at the heading
+    of the reference, and the feedback takes it where the platform really points.
 
     Args:
         coefficients: `GainMatrix.coefficients`.
-        left: Wheel speeds to be corrected [rad/s], shape (n,).
-        right: Likewise.
-        past: The weighted errors.
+        inputs: Left and right wheel speeds to be corrected [rad/s], shape (n,) each.
+        past: The weighted errors that are known beforehand.
+        choice: Measured in the running iteration, measured in the previous one, or the reference's.
+        previous: The previous iteration.
+        reference: The trajectory.
+        running: The law with its feedback from the running iteration's error, and the matrix at
+            the heading that it is given; None for a law without.
     """
-    lefts, rights = left.tolist(), right.tolist()
+    headings = reference.heading[:-1]
+    if choice == "previous":
+        headings = headings - previous.error_heading[:-1]
+    # NumPy's cosine may differ from that of the engine in the last bit.
+    cosines = [math.cos(heading) for heading in headings.tolist()]
+    sines = [math.sin(heading) for heading in headings.tolist()]
+    left, right = wheel_correction(coefficients, np.array(cosines), np.array(sines), *past)
+
+    def at_chosen_heading(
+        k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
+    ) -> tuple[float, float]:
+        assert running is not None
+        return running(k, cosines[k], sines[k], error_x, error_y, error_heading)
+
+    feedback: WheelController | None = None
+    if choice == "measured":
+        feedback = running or _at_measured_heading(coefficients, inputs, past)
+    elif running is not None:
+        feedback = at_chosen_heading
+    return Plan(inputs[0] + left, inputs[1] + right, reference.poses, feedback)
+
+
+def _at_measured_heading(
+    coefficients: Coefficients, inputs: tuple[Floats, Floats], past: PastErrors
+) -> WheelController:
+    """Returns u(k) + G(k) e(k), of which only the heading of G is not known beforehand."""
+    lefts, rights = (speeds.tolist() for speeds in inputs)
     past_x, past_y, past_heading = (component.tolist() for component in past)
 
     def wheel_speeds(
@@ -49,36 +94,5 @@ def corrected_input(
             coefficients, cos, sin, past_x[k], past_y[k], past_heading[k]
         )
         return lefts[k] + left_correction, rights[k] + right_correction
-
-    return wheel_speeds
-
-
-GainHeading = Literal["measured", "previous", "reference"]
-
-
-def with_gain_heading(
-    controller: WheelController, choice: GainHeading, previous: Iteration, reference: Reference
-) -> WheelController:
-    """The controller with its gain matrix taken at the chosen heading.
-
-    Args:
-        controller: Takes it at the heading that it is given.
-        choice: Measured in the running iteration, measured in the previous one, or the reference's.
-        previous: The previous iteration.
-        reference: The trajectory.
-    """
-    if choice == "measured":
-        return controller
-    taken = (
-        reference.heading if choice == "reference" else reference.heading - previous.error_heading
-    )
-    headings = taken.tolist()
-    cosines = [math.cos(heading) for heading in headings]
-    sines = [math.sin(heading) for heading in headings]
-
-    def wheel_speeds(
-        k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-    ) -> tuple[float, float]:
-        return controller(k, cosines[k], sines[k], error_x, error_y, error_heading)
 
     return wheel_speeds

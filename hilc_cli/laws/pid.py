@@ -11,14 +11,13 @@ import numpy as np
 from pydantic import Field
 
 from hilc_cli.laws.gain_matrix import GainMatrix, GainMatrixChoice, gain_matrix, matrix_misfits
-from hilc_cli.laws.law import Iteration, LastIteration, Learner, Task, WheelController
+from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
 from hilc_cli.laws.parameters import Controller, Setting, default_length, length_misfits
 from hilc_cli.laws.past_errors import (
     GainHeading,
     PastErrors,
-    corrected_input,
+    corrected_plan,
     per_component,
-    with_gain_heading,
 )
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
@@ -160,6 +159,8 @@ class PidLaw:
         Q-filter); Sun and Wang 2002 (the pulse); gain matrix and limit as in Qiao et al. 2021.
     """
 
+    theory: ClassVar[str] = "hilc_cli.theory.laws.pid:PidTheory"
+
     kp: float
     ki: float
     kd: float
@@ -185,12 +186,10 @@ class PidLaw:
         smoothed: Smoothing | None = None
         if self.cutoff is not None:
             smoothed = LowPass(self.cutoff, task.reference.sample_time)
-        return LastIteration(task, lambda last: self.controller(last, task, smoothed))
+        return LastIteration(task, lambda last: self.plan(last, task, smoothed))
 
-    def controller(
-        self, previous: Iteration, task: Task, smoothed: Smoothing | None = None
-    ) -> WheelController:
-        """The controller of the next iteration, learned from the previous one.
+    def plan(self, previous: Iteration, task: Task, smoothed: Smoothing | None = None) -> Plan:
+        """Plans the next iteration, learning from the previous one, see `corrected_plan`.
 
         Args:
             previous: The iteration to learn from.
@@ -204,8 +203,10 @@ class PidLaw:
         if smoothed is not None:
             left, right, *errors = smoothed(np.stack([left, right, *past]))
             past = errors[0], errors[1], errors[2]
-        controller = corrected_input(self.matrix.coefficients, left, right, past)
-        return with_gain_heading(controller, self.gain_heading, previous, reference)
+        coefficients = self.matrix.coefficients
+        return corrected_plan(
+            coefficients, (left, right), past, self.gain_heading, previous, reference
+        )
 
     def _remembered(self, learned: Floats, initial: Floats) -> Floats:
         if self.forgetting == 0:
@@ -282,7 +283,7 @@ class PidController(Controller):
             default_length(self.h, setting.reference) if self.rectifying == "on" else None,
         )
 
-    def in_short(self) -> str:
+    def in_short(self, setting: Setting) -> str:
         """What is not 0, for a title."""
         gains = self.gains
         parts = [

@@ -1,52 +1,137 @@
-"""The laws that a scenario may name, each with the model of its parameters."""
+"""The laws that a scenario may name: hilc's own, and those that are installed beside it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Annotated
+import re
+from collections.abc import Iterable, Mapping
+from functools import reduce
+from importlib import import_module
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
-from pydantic import ModelWrapValidatorHandler, ValidationError, WrapValidator
-from pydantic_core import InitErrorDetails
+from pydantic import (
+    ConfigDict,
+    GetJsonSchemaHandler,
+    SerializeAsAny,
+    ValidationError,
+    WrapValidator,
+)
+from pydantic_core import InitErrorDetails, core_schema
 
-from hilc_cli.laws.feedback import FeedbackController
-from hilc_cli.laws.hybrid import HybridController
-from hilc_cli.laws.norm_optimal.law import NormOptimalController
+from hilc_cli import plug_ins
 from hilc_cli.laws.parameters import DEFAULT_LAW, Controller, law_named
-from hilc_cli.laws.pid import PidController
+from hilc_cli.plug_ins import PlugInError
+from hilc_cli.yaml_input.model import wrong
 
-AnyController = HybridController | PidController | NormOptimalController | FeedbackController
-
-CONTROLLERS: Mapping[str, type[Controller]] = {
-    model.name(): model
-    for model in (HybridController, PidController, NormOptimalController, FeedbackController)
+OWN = {
+    "hybrid": "hilc_cli.laws.hybrid:HybridController",
+    "pid": "hilc_cli.laws.pid:PidController",
+    "norm-optimal": "hilc_cli.laws.norm_optimal.law:NormOptimalController",
+    "feedback": "hilc_cli.laws.feedback:FeedbackController",
 }
+"""Where the parameters of each of hilc's own laws are; all else about laws follows from here."""
+
+
+def _own(place: str) -> type[Controller]:
+    module, _, name = place.partition(":")
+    return cast("type[Controller]", getattr(import_module(module), name))
+
+
+CONTROLLERS: Mapping[str, type[Controller]] = {name: _own(place) for name, place in OWN.items()}
+
+
+class InstalledController(Controller):
+    """Stands for every law that is not hilc's own where laws are listed, as in the JSON Schema."""
+
+    model_config = ConfigDict(extra="allow")
+
+    @classmethod
+    def meant_by(cls, data: object) -> type[Controller] | None:
+        """Returns the model of the law that data names, if it is not one of hilc's own."""
+        model = controller_model(data)
+        return None if model in CONTROLLERS.values() else model
+
+    @classmethod
+    def chosen_by(cls, data: object = None) -> None:
+        """Returns nothing: which law it is depends on what is installed."""
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Returns the schema of any law but hilc's own, whose keys are not known before it is."""
+        names = [plug_ins.REFERENCE, *map(re.escape, plug_ins.installed("law"))]
+        law = {"type": "string", "pattern": f"^({'|'.join(names)})$"}
+        return {
+            "type": "object",
+            "title": "a law that is installed beside hilc",
+            "required": ["law"],
+            "properties": {"law": law},
+            "additionalProperties": True,
+        }
 
 
 def controller_model(data: object) -> type[Controller] | None:
-    """The model of the law that parameters name; None if there is no such law."""
+    """Returns the model of the law that parameters name; None if there is no such law."""
     if not isinstance(data, Mapping):
         return CONTROLLERS[DEFAULT_LAW]
-    law = law_named(data)
-    return CONTROLLERS.get(law) if isinstance(law, str) else None
+    try:
+        return _named(law_named(data))
+    except PlugInError:
+        return None
 
 
-def _of_its_law(data: object, handler: ModelWrapValidatorHandler[AnyController]) -> Controller:
+def packages_of(laws: Iterable[str]) -> dict[str, dict[str, str | None]]:
+    """Returns package and version of laws that are not hilc's own, by name, for manifests.
+
+    Args:
+        laws: Names of laws that have been found before.
+    """
+    found = {law: plug_ins.find("law", law) for law in laws if law not in CONTROLLERS}
+    return {
+        law: {"package": each.distribution, "version": each.version} for law, each in found.items()
+    }
+
+
+def _named(law: object) -> type[Controller]:
+    """The model of a law.
+
+    Raises:
+        PlugInError: There is no such law, or it must not or cannot be imported.
+    """
+    name = law if isinstance(law, str) else ""
+    if name in CONTROLLERS:
+        return CONTROLLERS[name]
+    model = plug_ins.find("law", name, own=OWN).cls
+    if not (issubclass(model, Controller) and {"law", "b_w"} <= model.model_fields.keys()):
+        remedy = "name a subclass of hilc_cli.laws.parameters.Controller with a field b_w"
+        raise PlugInError("law", name, "is no law", remedy)
+    return model
+
+
+def _of_its_law(data: object, handler: object) -> Controller:
     """Validates parameters against the model of their law alone.
 
     So what is wrong with them is told by the keys of that law, as if there were no others.
     """
     if isinstance(data, Controller):
         return data
-    model = controller_model(data)
-    if model is not None:
-        return model.model_validate(data)
-    assert isinstance(data, Mapping)  # anything else is given to the default law
-    *others, last = (f"'{name}'" for name in CONTROLLERS)
-    expected = f"{', '.join(others)} or {last}" if others else last
-    wrong = InitErrorDetails(
-        type="literal_error", loc=("law",), input=data["law"], ctx={"expected": expected}
-    )
-    raise ValidationError.from_exception_data("controller", [wrong])
+    if not isinstance(data, Mapping):
+        return CONTROLLERS[DEFAULT_LAW].model_validate(data)
+    try:
+        model = _named(law_named(data))
+    except PlugInError as error:
+        kind = wrong(error.problem, error.remedy)
+        found = InitErrorDetails(type=kind, loc=("law",), input=data["law"])
+        raise ValidationError.from_exception_data("controller", [found]) from None
+    return model.model_validate(data)
 
 
-ControllerSpec = Annotated[AnyController, WrapValidator(_of_its_law)]
+if TYPE_CHECKING:
+    ControllerSpec = Controller
+else:
+    ControllerSpec = Annotated[
+        reduce(or_, (*CONTROLLERS.values(), InstalledController)),
+        WrapValidator(_of_its_law),
+        SerializeAsAny(),
+    ]

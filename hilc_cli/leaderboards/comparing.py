@@ -178,7 +178,7 @@ def compare_laws(
         LeaderboardData(spec.name, spec.after, spec.tolerance, entries),
         leaderboard.checksum(),
         {
-            **circumstances(started, _LIBRARIES),
+            **circumstances(started, _LIBRARIES, leaderboard.plug_ins),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(leaderboard.checksums),
         },

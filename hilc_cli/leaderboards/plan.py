@@ -12,9 +12,10 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
-from hilc_cli.laws.registry import ControllerSpec
+from hilc_cli.laws.registry import ControllerSpec, packages_of
 from hilc_cli.names import in_short, listed
 from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plug_ins import trusting
 from hilc_cli.scenario.disturbance import DisturbanceSpec
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
@@ -139,6 +140,11 @@ class Leaderboard:
             data["cases"][name] = {part: resolved[part] for part in parts}
         return data
 
+    @property
+    def plug_ins(self) -> dict[str, dict[str, str | None]]:
+        """Package and version of each law that is not one of hilc's own, as manifests note them."""
+        return packages_of(controller.law for controller in self.spec.laws.values())
+
     def checksum(self) -> str:
         """SHA-256 of what tells this leaderboard from others."""
         return hashlib.sha256(json.dumps(self.resolved()).encode()).hexdigest()
@@ -166,12 +172,15 @@ class Leaderboard:
                         yield Contest(case, belief, disturbance, law, made)
 
 
-def load_leaderboard(source: str | Path | Mapping[str, object]) -> Leaderboard:
+def load_leaderboard(
+    source: str | Path | Mapping[str, object], *, trust: bool = False
+) -> Leaderboard:
     """Reads and validates a leaderboard with the scenarios that it names.
 
     Args:
         source: A file, ``-`` for standard input, ``example:leaderboard``, or what would stand in a
             file as a dictionary.
+        trust: Whether classes that it names as ``package.module:Class`` may be imported.
 
     Raises:
         InvalidInputError: It is not valid, or one of its scenarios is not; names every problem.
@@ -184,14 +193,15 @@ def load_leaderboard(source: str | Path | Mapping[str, object]) -> Leaderboard:
     other = mistaken(tree.entries, LEADERBOARDS)
     if other is not None:
         raise InvalidInputError([Problem(str(tree.place), "", other)])
-    try:
-        spec = LeaderboardSpec.model_validate(to_data(tree))
-    except ValidationError as error:
-        found = problems_of(error, tree, LeaderboardSpec)
-        raise InvalidInputError([*inputs.problems, *found]) from None
+    with trusting(trust):
+        try:
+            spec = LeaderboardSpec.model_validate(to_data(tree))
+        except ValidationError as error:
+            found = problems_of(error, tree, LeaderboardSpec)
+            raise InvalidInputError([*inputs.problems, *found]) from None
     if inputs.problems:
         raise InvalidInputError(inputs.problems)
-    cases = _cases(spec, tree)
+    cases = _cases(spec, tree, trust)
     problems = _misfits(spec, cases, tree)
     if problems:
         raise InvalidInputError(problems)
@@ -201,7 +211,7 @@ def load_leaderboard(source: str | Path | Mapping[str, object]) -> Leaderboard:
     return Leaderboard(spec, cases, checksums)
 
 
-def _cases(spec: LeaderboardSpec, tree: Node) -> dict[str, Scenario]:
+def _cases(spec: LeaderboardSpec, tree: Node, trust: bool) -> dict[str, Scenario]:
     """The scenarios by name; what is wrong with one is told at the place where it is named."""
     cases: dict[str, Scenario] = {}
     problems: list[Problem] = []
@@ -209,7 +219,7 @@ def _cases(spec: LeaderboardSpec, tree: Node) -> dict[str, Scenario]:
         _, place, _ = nearest(tree, ("cases", name))
         where = text if text.startswith(PREFIX) else place.source.folder / text
         try:
-            cases[name] = load_scenario(where)
+            cases[name] = load_scenario(where, trust=trust)
         except InvalidInputError as error:
             problems += error.problems
         except HilcError as error:

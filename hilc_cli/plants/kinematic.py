@@ -9,7 +9,7 @@ conventions differ by nothing else.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeVar
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,38 +128,110 @@ def step_gains(
     )
 
 
-def driven_path(
-    start: tuple[float, float, float], left: Floats, right: Floats, robot: Robot, sample_time: float
-) -> tuple[Floats, Floats, Floats]:
-    """Where given wheel speeds lead: `euler_step` for all samples at once, without disturbance.
+def drifting_step(
+    x: float,
+    y: float,
+    heading: float,
+    cos_heading: float,
+    sin_heading: float,
+    distance: float,
+    turn: float,
+    drift_ahead: float,
+    drift_left: float,
+    drift_turn: float,
+) -> tuple[float, float, float]:
+    """Pose after `advance` and a drift of the platform in its own frame.
 
     Args:
-        start: Pose at sample 0: x [m], y [m], heading [rad].
-        left: Speeds of the left wheel [rad/s], shape (n,).
-        right: Speeds of the right wheel [rad/s], shape (n,).
+        x: Position [m].
+        y: Position [m].
+        heading: Heading [rad].
+        cos_heading: Cosine of the heading.
+        sin_heading: Sine of the heading.
+        distance: Length of the step [m].
+        turn: Turn [rad].
+        drift_ahead: Drift along the heading [m].
+        drift_left: Drift to its left [m].
+        drift_turn: Drift of the heading [rad].
+    """
+    ahead = distance + drift_ahead
+    return (
+        x + (ahead * cos_heading - drift_left * sin_heading),
+        y + (ahead * sin_heading + drift_left * cos_heading),
+        heading + (turn + drift_turn),
+    )
+
+
+def driven_path(
+    start: tuple[Number, Number, Number],
+    left: Floats,
+    right: Floats,
+    robot: Robot,
+    sample_time: float,
+    disturbance: Floats | None = None,
+) -> tuple[Floats, Floats, Floats]:
+    """Returns where wheel speeds lead: `euler_step` for all samples of one pass, or of m, at once.
+
+    Args:
+        start: Pose at sample 0: x [m], y [m], heading [rad]; of m passes each of shape (m,).
+        left: Speeds of the left wheel [rad/s], shape (n,), or (n, m).
+        right: Speeds of the right wheel [rad/s], likewise.
         robot: The platform.
         sample_time: d_t [s].
+        disturbance: beta of x, y and heading in each sample, shape (n, 3), or (n, 3, m).
 
     Returns:
-        x [m], y [m] and heading [rad], shape (n + 1,) each; infinite or not-a-number from where
-        they leave the finite numbers.
+        x [m], y [m] and heading [rad], shape (n + 1,), or (n + 1, m), each; infinite or
+        not-a-number from where they leave the finite numbers.
 
     Source:
         Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
     """
     distance_gain, turn_gain = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
-    heading = _running_sum(start[2], turn_gain * (left - right))
+    noise = (None,) * 3 if disturbance is None else np.moveaxis(disturbance, 1, 0)
+    heading = _running_sum(start[2], turn_gain * (left - right), noise[2])
     distance = distance_gain * (left + right)
-    x = _running_sum(start[0], distance * np.cos(heading[:-1]))  # Eq. 8
-    y = _running_sum(start[1], distance * np.sin(heading[:-1]))
+    x = _running_sum(start[0], distance * np.cos(heading[:-1]), noise[0])  # Eq. 8
+    y = _running_sum(start[1], distance * np.sin(heading[:-1]), noise[1])
     return x, y, heading
 
 
-def _running_sum(start: float, steps: Floats) -> Floats:
-    """The sums from a start on, in the order of a loop."""
-    sums = np.empty(len(steps) + 1)
+def _running_sum(start: Number, steps: Floats, noise: Floats | None) -> Floats:
+    """Returns the sums from a start on, in the order of a loop."""
+    sums = np.empty((len(steps) + 1, *steps.shape[1:]))
     sums[0], sums[1:] = start, steps
-    return np.cumsum(sums, out=sums)
+    if noise is not None:
+        sums[1:] += noise
+    return np.cumsum(sums, axis=0, out=sums)
+
+
+class Linearisation(NamedTuple):
+    """The change of a pose in one sample, to first order in the pose and the wheel speeds.
+
+    Attributes:
+        states: A_k, what a change of the pose becomes, shape (n, 3, 3).
+        inputs: d_k B_k, what a change of the wheel speeds [rad/s] adds to it, shape (n, 3, 2).
+    """
+
+    states: Floats
+    inputs: Floats
+
+
+def control_matrices(robot: Robot, headings: Floats) -> Floats:
+    """B(q) at headings of any shape, without the sample time.
+
+    Returns:
+        Matrices from wheel speeds [rad/s] to motion [m/s, m/s, rad/s], shape (..., 3, 2).
+
+    Source:
+        Qiao et al. 2021, Eq. 9.
+    """
+    angle = np.asarray(headings)
+    cos, sin = np.cos(angle), np.sin(angle)
+    turning = np.full_like(cos, 1 / robot.signed_half_track)
+    matrices = np.stack([cos, cos, sin, sin, turning, -turning], axis=-1)
+    values: Floats = robot.wheel_radius / 2 * matrices.reshape(*angle.shape, 3, 2)
+    return values
 
 
 def limit_wheel_speeds(left: float, right: float, bound: float) -> tuple[float, float]:

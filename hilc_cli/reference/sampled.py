@@ -43,6 +43,11 @@ class Reference:
         return len(self.x) - 1
 
     @property
+    def poses(self) -> Floats:
+        """The samples' poses: x [m], y [m] and heading [rad], shape (n + 1, 3)."""
+        return np.stack([self.x, self.y, self.heading], axis=1)
+
+    @property
     def times(self) -> Floats:
         """Time of each sample [s], shape (n + 1,)."""
         return np.arange(self.samples + 1, dtype=np.float64) * self.sample_time

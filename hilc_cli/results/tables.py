@@ -13,6 +13,7 @@ import numpy as np
 
 from hilc_cli.errors import UsageError, printable
 from hilc_cli.files import read_file
+from hilc_cli.laws.law import Plan
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import (
     INTEGER_METRICS,
@@ -37,6 +38,7 @@ SAMPLES_HEADER = (
     "left_wheel_rad_s", "right_wheel_rad_s",
 )  # fmt: skip
 INPUT_HEADER = ("sample", "t_s", "left_wheel_rad_s", "right_wheel_rad_s")
+PLAN_HEADER = (*INPUT_HEADER, "x_m", "y_m", "heading_rad")
 GRAVITY_CENTER_HEADER = ("iteration", "sample", "t_s", "x_m", "y_m", "heading_rad")
 
 MAX_CSV_BYTES = 2_000_000_000
@@ -97,6 +99,19 @@ def write_input(path: Path, sample_time: float, left: Floats, right: Floats) -> 
     times = np.arange(len(left), dtype=np.float64) * sample_time
     rows = zip(*_lists(times, left, right), strict=True)
     _write(path, INPUT_HEADER, (f"{k},{t!r},{lw!r},{rw!r}" for k, (t, lw, rw) in enumerate(rows)))
+
+
+def write_plan(path: Path, sample_time: float, plan: Plan) -> None:
+    """Writes ``plan.csv``: what to send next, and the pose that it is to lead to."""
+    times = np.arange(len(plan.poses), dtype=np.float64) * sample_time
+    pairs = zip(*_lists(plan.left, plan.right), strict=True)
+    wheels = [f"{left!r},{right!r}" for left, right in pairs]
+    rows = zip(*_lists(times), [*wheels, ","], plan.poses.tolist(), strict=True)
+    lines = (
+        f"{k},{t!r},{speeds},{x!r},{y!r},{heading!r}"
+        for k, (t, speeds, (x, y, heading)) in enumerate(rows)
+    )
+    _write(path, PLAN_HEADER, lines)
 
 
 def write_gravity_center(

@@ -13,6 +13,7 @@ import numpy as np
 
 from hilc_cli.errors import UsageError, printable
 from hilc_cli.files import folder_to_read, is_there, read_file, write_folder
+from hilc_cli.laws.law import Plan
 from hilc_cli.names import name_from
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import PICTURE_FORMATS, check_replaceable, keep_pictures, read_manifest
@@ -25,6 +26,7 @@ from hilc_cli.results.tables import (
     write_gravity_center,
     write_input,
     write_iterations,
+    write_plan,
     write_samples,
 )
 
@@ -33,11 +35,12 @@ MANIFEST = "manifest.json"
 ITERATIONS = "iterations.csv"
 SAMPLES = "samples.csv"
 INPUT = "input.csv"
+PLAN = "plan.csv"
 INITIAL_INPUT = "initial-input.csv"
 GRAVITY_CENTER = "gravity-center.csv"
 LEARNING = "learning.csv"
 TABLES = frozenset(
-    {SCENARIO, MANIFEST, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
+    {SCENARIO, MANIFEST, ITERATIONS, SAMPLES, INPUT, PLAN, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
 )
 
 PICTURE_KINDS = ("path-change", "final-path", "error", "wheel-speeds", "summary", "learning")
@@ -53,6 +56,7 @@ def write_run_folder(
     scenario_yaml: str,
     manifest: Callable[[], Mapping[str, Any]],
     *,
+    plan: Plan | None = None,
     initial_input: tuple[Floats, Floats] | None = None,
     gravity_center: bool = False,
     force: bool = False,
@@ -65,6 +69,7 @@ def write_run_folder(
         run: The results.
         scenario_yaml: The resolved scenario.
         manifest: Gives what else is to be known of the run, asked last; the file names are added.
+        plan: The plan of the iteration after the last one; None if there is none.
         initial_input: Left and right wheel speeds of the input file that the scenario names.
         gravity_center: Whether to write the path of the gravity centre.
         force: Replace the folder of another run.
@@ -80,6 +85,8 @@ def write_run_folder(
         write_iterations(folder / ITERATIONS, run.metrics)
         write_samples(folder / SAMPLES, run.reference, run.trials.values())
         write_input(folder / INPUT, run.reference.sample_time, *run.learned_input)
+        if plan is not None:
+            write_plan(folder / PLAN, run.reference.sample_time, plan)
         if initial_input is not None:
             write_input(folder / INITIAL_INPUT, run.reference.sample_time, *initial_input)
         if run.learning.names:
@@ -89,7 +96,7 @@ def write_run_folder(
             write_gravity_center(folder / GRAVITY_CENTER, run.reference.times, paths)
         if draw is not None:
             draw(folder)
-        keep_pictures(path, folder, TABLES - {MANIFEST}, PICTURES)
+        keep_pictures(path, folder, TABLES - {MANIFEST, PLAN}, PICTURES)
         files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
         text = json.dumps({"kind": KIND, **manifest(), "files": files}, indent=2)
         (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")

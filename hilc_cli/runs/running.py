@@ -9,10 +9,14 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
+import numpy as np
+
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.learning import Learning
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import folder_to_read, merge_folder
+from hilc_cli.laws.law import Plan
 from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.manifest import circumstances
 from hilc_cli.results.metrics import MetricsTable, measure
@@ -60,11 +64,13 @@ class Run(RunData):
         scenario: What was run.
         started: When, in UTC.
         timings: Seconds that each step took.
+        plan: The plan of the iteration after the last one; None after divergence.
     """
 
     scenario: Scenario = field(kw_only=True)
     started: datetime = field(kw_only=True)
     timings: dict[str, float] = field(kw_only=True)
+    plan: Plan | None = None
 
     def summary(self) -> Summary:
         """The few figures that tell how the run went."""
@@ -116,6 +122,7 @@ class Run(RunData):
             self,
             self.scenario.resolved_yaml(),
             manifest,
+            plan=self.plan,
             initial_input=self.scenario.initial_input,
             gravity_center=self.scenario.spec.record.gravity_center,
             force=force,
@@ -138,7 +145,7 @@ class Run(RunData):
             "diverged_at": self.diverged_at,
             "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
-            **circumstances(self.started, _LIBRARIES),
+            **circumstances(self.started, _LIBRARIES, self.scenario.plug_ins),
             "command": list(command),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
@@ -162,13 +169,14 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
     scenario = as_scenario(scenario)
     started, clock = datetime.now(UTC), time.perf_counter()
     experiment = scenario.experiment()
+    learner = Learning(experiment)
     kept = recorded_iterations(scenario.spec.record.iterations, experiment.iterations)
     metrics, learning = MetricsTable(), LearningTable()
     trials: dict[int, Trial] = {}
     last: Trial | None = None
     diverged_at: int | None = None
     try:
-        for trial in measured_trials(experiment, metrics):
+        for trial in measured_trials(experiment, metrics, learner):
             learning.append(trial.figures)
             if trial.iteration in kept:
                 trials[trial.iteration] = trial
@@ -194,24 +202,33 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         yardsticks=yardsticks_of(scenario),
         scenario=scenario,
         started=started,
+        plan=_finite(learner.plan()) if diverged_at is None else None,
         timings={"simulation": time.perf_counter() - clock},
     )
     warnings = (*forewarnings(scenario), *what_happened(result, experiment))
     return replace(result, warnings=warnings)
 
 
-def measured_trials(experiment: Experiment, metrics: MetricsTable) -> Iterator[Trial]:
+def _finite(plan: Plan) -> Plan | None:
+    """Returns the plan if it can be sent to anybody."""
+    return plan if np.isfinite([*plan.left, *plan.right, *plan.poses.ravel()]).all() else None
+
+
+def measured_trials(
+    experiment: Experiment, metrics: MetricsTable, learning: Learning | None = None
+) -> Iterator[Trial]:
     """The iterations of an experiment, each measured as it is completed.
 
     Args:
         experiment: What to simulate.
         metrics: Empty; gets a row for each iteration.
+        learning: Its learning, see `simulate`.
 
     Raises:
         DivergedError: An iteration left the finite numbers; it is neither measured nor yielded.
     """
     before: Trial | None = None
-    for trial in simulate(experiment):
+    for trial in simulate(experiment, learning):
         metrics.append(measure(trial, experiment.reference, before))
         yield trial
         before = trial

@@ -11,9 +11,13 @@ from typing import Any
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.learning import Learning
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.parameters import Setting
+from hilc_cli.laws.registry import packages_of
 from hilc_cli.names import in_short
+from hilc_cli.plants.parameters import DEFAULT_PLANT
+from hilc_cli.plants.registry import package_of
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
@@ -72,6 +76,11 @@ class Scenario:
         return self.spec.controller.in_words(self.setting)
 
     @property
+    def plug_ins(self) -> dict[str, dict[str, str | None]]:
+        """Package and version of what is not hilc's own in it, as manifests note them."""
+        return packages_of([self.spec.controller.law]) | package_of(self.spec.robot.plant)
+
+    @property
     def speed_limit(self) -> float | None:
         """b_w [rad/s]; None for no limit."""
         return self.spec.controller.b_w
@@ -83,7 +92,7 @@ class Scenario:
         left, right = self._first_input(reference)
         return Experiment(
             reference=reference,
-            robot=spec.robot.robot(),
+            plant=spec.robot.as_plant(),
             law=spec.controller.law_for(self.setting),
             initial_pose=spec.start_pose,
             initial_left=left,
@@ -93,6 +102,10 @@ class Scenario:
             speed_limit=math.inf if self.speed_limit is None else self.speed_limit,
             disturbance=spec.disturbance.disturbance(),
         )
+
+    def learner(self) -> Learning:
+        """Returns the law at work, for trials that are driven elsewhere: nothing is simulated."""
+        return Learning(self.experiment())
 
     @property
     def setting(self) -> Setting:
@@ -175,6 +188,7 @@ class Scenario:
             del data[key]["wheel_separation"]
         if spec.robot.friction is None:
             del data["robot"]["friction"]
+        _without_usual_plant(data)
         data["model"]["wheel_radius"] = model.wheel_radius
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:
@@ -198,8 +212,15 @@ class Scenario:
         data = self.spec.model_dump(mode="json", exclude={"sweep"}, exclude_none=True)
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE
+        _without_usual_plant(data)
         return data
 
     def resolved_yaml(self) -> str:
         """The resolved scenario as a scenario file that gives the same results."""
         return to_yaml(self.resolved())
+
+
+def _without_usual_plant(data: dict[str, Any]) -> None:
+    """Leaves the plant out of a scenario where it is the one that every scenario has."""
+    if data["robot"]["plant"] == DEFAULT_PLANT:
+        del data["robot"]["plant"]

@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.plug_ins import trusting
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.tables import MAX_CSV_BYTES, read_input
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
@@ -35,13 +36,16 @@ def as_scenario(source: ScenarioSource) -> Scenario:
     return source if isinstance(source, Scenario) else load_scenario(source)
 
 
-def load_scenario(source: str | Path | Mapping[str, object], overrides: Overrides = ()) -> Scenario:
+def load_scenario(
+    source: str | Path | Mapping[str, object], overrides: Overrides = (), *, trust: bool = False
+) -> Scenario:
     """Reads and validates a scenario with everything that it refers to.
 
     Args:
         source: A file, ``-`` for standard input, ``example:NAME``, or what would stand in a file as
             a dictionary, whose paths start from the working folder.
         overrides: Values by dotted key, or texts ``KEY=VALUE`` as on the command line.
+        trust: Whether classes that the scenario names as ``package.module:Class`` may be imported.
 
     Raises:
         InvalidInputError: The scenario or its trajectory is not valid; names every problem.
@@ -60,7 +64,8 @@ def load_scenario(source: str | Path | Mapping[str, object], overrides: Override
         tree = inputs.with_trajectory(tree)
     except InvalidInputError as error:
         problems = list(error.problems)
-    spec = _validated(tree, problems, inputs.problems)
+    with trusting(trust):
+        spec = _validated(tree, problems, inputs.problems)
     return Scenario(
         spec, _initial_input(spec, tree, inputs), dict(inputs.checksums), _sweep_places(spec, tree)
     )

@@ -10,9 +10,10 @@ from pydantic import Field
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.laws.registry import ControllerSpec, controller_model
 from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.registry import RobotSection
 from hilc_cli.scenario.disturbance import DisturbanceSpec
 from hilc_cli.scenario.record import RecordSpec
-from hilc_cli.scenario.robot import ModelSpec, RobotSpec
+from hilc_cli.scenario.robot import ModelSpec
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.yaml_input.model import Located, Model, Name, Text, valid
@@ -51,7 +52,7 @@ def _controller(data: Mapping[str, Any]) -> list[Located]:
 
 
 def _believed(data: Mapping[str, Any]) -> Robot | None:
-    robot = valid(RobotSpec, data.get("robot"))
+    robot = valid(RobotSection, data.get("robot"))
     model = valid(ModelSpec, data.get("model") or {})
     if robot is None or model is None:
         return None
@@ -93,7 +94,7 @@ class ScenarioSpec(Model):
     name: Name
     description: Text = ""
     trajectory: TrajectorySpec
-    robot: RobotSpec
+    robot: RobotSection
     model: ModelSpec = ModelSpec()
     initial_pose: InitialPoseSpec = InitialPoseSpec()
     iterations: Iterations = Field(

@@ -54,7 +54,8 @@ class Plan:
     @property
     def in_lanes(self) -> bool:
         """Whether the batch engine does it; if not, cases run one by one and take longer."""
-        return self.varied.scenario.spec.controller.in_lanes and not DISABLED
+        spec = self.varied.scenario.spec
+        return spec.controller.in_lanes and spec.robot.in_lanes and not DISABLED
 
     @cached_property
     def cases(self) -> Cases:

@@ -135,7 +135,7 @@ def sweep(
         scenario_yaml=plan.resolved_yaml(),
         initial_input=given and (scenario.spec.trajectory.sample_time, *given),
         how={
-            **circumstances(started, LIBRARIES),
+            **circumstances(started, LIBRARIES, scenario.plug_ins),
             **({} if found is None else {"search": how_searched(plan)}),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(scenario.checksums),

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from hilc_cli.engine.experiment import Experiment
+
+Rows = list[tuple[str, str]]
+"""Names, and what there is to say of them, for a report."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,3 +78,53 @@ def extent(experiment: Experiment) -> float:
     A path on the spot has no size, but who drives it has.
     """
     return max(experiment.reference.size, 2 * experiment.robot.half_track)
+
+
+def expected_rows(expected: ExpectedError, iterations: int) -> Rows:
+    """The error to be expected of a law of which no iterations are predicted.
+
+    Args:
+        expected: That error.
+        iterations: Of the scenario.
+    """
+    last = f"{length_text(expected.final_m)} in iteration {iterations}"
+    if iterations:
+        last = f"{length_text(expected.first_m)} in iteration 0, {last}"
+    disturbed = disturbed_rows(expected)
+    return [("Predicted", last + (", undisturbed" if disturbed else "")), *disturbed]
+
+
+def disturbed_rows(expected: ExpectedError) -> Rows:
+    """What disturbances make of the last iteration, together and each alone."""
+    parts = {
+        "start": expected.of_start_m,
+        "readings": expected.of_readings_m,
+        "state": expected.of_state_m,
+    }
+    made = [f"{name} {error:.2g} m" for name, error in parts.items() if error > 0]
+    if not made:
+        return []
+    alone = f" ({', '.join(made)})" if len(made) > 1 else ""
+    shown = f"up to {expected.foretold_m:.4g} m in {LEVEL:.0%} of runs"
+    if expected.is_floor:
+        shown = f"less than theory tells apart, {expected.foretold_m:.2g} m"
+    return [("Disturbed", shown + alone)]
+
+
+def expected_document(expected: ExpectedError) -> dict[str, object]:
+    """Returns the error to be expected as JSON."""
+    return {
+        "first_m": expected.first_m,
+        "final_m": expected.final_m,
+        "with_disturbances_m": expected.foretold_m,
+        "with_disturbances_is_floor": expected.is_floor,
+        "of_start_m": expected.of_start_m,
+        "of_readings_m": expected.of_readings_m,
+        "of_state_m": expected.of_state_m,
+        "unsure_since": expected.unsure,
+    }
+
+
+def length_text(error: float) -> str:
+    """Returns an error in metres as a report tells it."""
+    return f"{error:.4g} m" if math.isfinite(error) else "not finite"

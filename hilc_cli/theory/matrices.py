@@ -7,13 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.errors import UsageError
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.law import Law
-from hilc_cli.laws.pid import PidLaw
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import control_matrices
 from hilc_cli.reference.sampled import Floats
 
 
@@ -40,23 +36,6 @@ class GainParts(NamedTuple):
         angle = np.asarray(headings)[..., np.newaxis, np.newaxis]
         values: Floats = self.constant + np.cos(angle) * self.cos + np.sin(angle) * self.sin
         return values
-
-
-def control_matrices(robot: Robot, headings: Floats) -> Floats:
-    """B(q) at headings of any shape, without the sample time.
-
-    Returns:
-        Matrices from wheel speeds [rad/s] to motion [m/s, m/s, rad/s], shape (..., 3, 2).
-
-    Source:
-        Qiao et al. 2021, Eq. 9.
-    """
-    angle = np.asarray(headings)
-    cos, sin = np.cos(angle), np.sin(angle)
-    turning = np.full_like(cos, 1 / robot.signed_half_track)
-    matrices = np.stack([cos, cos, sin, sin, turning, -turning], axis=-1)
-    values: Floats = robot.wheel_radius / 2 * matrices.reshape(*angle.shape, 3, 2)
-    return values
 
 
 class Desired(NamedTuple):
@@ -87,33 +66,7 @@ def desired_motion(experiment: Experiment) -> Desired:
     return Desired(inputs, np.diff(desired_poses(experiment), axis=0) - steps)
 
 
-def learning_law(experiment: Experiment) -> HybridLaw | PidLaw:
-    """The experiment's law.
-
-    Raises:
-        UsageError: It is another one than those of which the linear theory speaks.
-    """
-    if not isinstance(experiment.law, HybridLaw | PidLaw):
-        raise UsageError("the convergence theory is that of the laws hybrid and pid only")
-    return experiment.law
-
-
-def hybrid_law(experiment: Experiment) -> HybridLaw:
-    """The experiment's law as Eq. 17 or 21; law pid with kp alone is Eq. 17 with l1 = kp.
-
-    Raises:
-        UsageError: It is another one, of which the paper does not speak.
-    """
-    law = experiment.law
-    if isinstance(law, PidLaw) and is_hybrid(law):
-        return HybridLaw(law.kp, 0.0, 0.0, law.matrix, law.gain_heading, False, 1)
-    if not isinstance(law, HybridLaw):
-        raise UsageError("the paper's theory is that of the hybrid law only")
-    return law
-
-
-def is_hybrid(law: Law) -> bool:
-    """Whether the paper speaks of a law: the hybrid law, also by the name of pid."""
-    if isinstance(law, PidLaw):
-        return law.ki == law.kd == law.forgetting == 0 and law.cutoff is None
-    return isinstance(law, HybridLaw)
+def times(matrices: Floats, vectors: Floats) -> Floats:
+    """Returns each matrix times its vectors: shapes (n, a, b) and (n, b, ...) to (n, a, ...)."""
+    product: Floats = np.einsum("kab,kb...->ka...", matrices, vectors)
+    return product

@@ -8,42 +8,40 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge, least_left
-from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings
 from hilc_cli.theory.findings import joined as joined_findings
+from hilc_cli.theory.law_theory import LawTheory, knows_plant
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import NEAR
 from hilc_cli.theory.matrices import desired_motion, desired_poses
 
-NOTHING_KNOWN = Findings()
-"""Of the way of a law into the trajectory."""
 _NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 _MOSTLY_GONE = 0.1  # of an initial error, or of the path: less in the second half is no failure
 _ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 
 
-def start_findings(
-    experiment: Experiment, expected: Forecast | None, way: Findings = NOTHING_KNOWN
-) -> Findings:
-    """What the start means for the experiment.
+def start_findings(theory: LawTheory) -> Findings:
+    """Returns what the start means for an experiment.
 
     Args:
-        experiment: The experiment; its disturbances are left out.
-        expected: What learning is expected to do, if that is known of the law.
-        way: What is known of the law's own way into the trajectory.
+        theory: What is known of the experiment's law; its disturbances are left out.
     """
+    experiment = theory.experiment
     off = np.array(experiment.initial_pose) - desired_poses(experiment)[0]
-    if isinstance(experiment.law, NormOptimalLaw) or float(np.abs(off).max()) <= _NONE:
-        return way
-    by_wheels = _by_wheels(experiment)
+    if not knows_plant(experiment):
+        return Findings()
+    if theory.tells_the_way_in or float(np.abs(off).max()) <= _NONE:
+        return theory.way_in
+    law, expected = theory.linear, theory.forecast
+    by_wheels = _by_wheels(experiment, None if law is None else law.compensated_until)
     if by_wheels.failures:
         return by_wheels  # of which the law's own way is a consequence
-    if expected is None:
-        return joined_findings([by_wheels, way])
-    return Findings(_left_by_learning(experiment, expected), by_wheels.warnings)
+    if law is None or expected is None:
+        return joined_findings([by_wheels, theory.way_in])
+    left = _left_by_learning(experiment, expected, law.for_the_start)
+    return Findings(left, by_wheels.warnings)
 
 
 def near(experiment: Experiment) -> float:
@@ -149,13 +147,13 @@ def late_start(found: LateStart, *, asked: int = 0, hopeless: bool = True) -> Fi
     return Findings(failures=(text,)) if fails else Findings(warnings=(text,))
 
 
-def _by_wheels(experiment: Experiment) -> Findings:
+def _by_wheels(experiment: Experiment, h: int | None) -> Findings:
     """What the wheels' limit forbids, to any law and to a compensation within h samples."""
     why = cannot_be_reached(experiment)
     if why:
         return Findings(failures=(why,))
-    law, reference = experiment.law, experiment.reference
-    if not (isinstance(law, HybridLaw) and law.compensation) or math.isinf(experiment.speed_limit):
+    reference = experiment.reference
+    if h is None or math.isinf(experiment.speed_limit):
         return Findings()
     earliest = earliest_merge(
         desired_poses(experiment),
@@ -164,18 +162,18 @@ def _by_wheels(experiment: Experiment) -> Findings:
         experiment.robot.half_track,
         reference.sample_time,
     )
-    if earliest is None or law.h >= earliest:
+    if earliest is None or h >= earliest:
         return Findings()
     return Findings(
         warnings=(
-            f"controller.h of {law.h} is sooner than any law can be on the trajectory: within "
+            f"controller.h of {h} is sooner than any law can be on the trajectory: within "
             f"controller.b_w of {experiment.speed_limit:g} rad/s that is at sample {earliest} "
             f"({earliest * reference.sample_time:.6g} s) at the earliest; raise h",
         )
     )
 
 
-def _left_by_learning(experiment: Experiment, expected: Forecast) -> tuple[str, ...]:
+def _left_by_learning(experiment: Experiment, expected: Forecast, remedy: str) -> tuple[str, ...]:
     """Of a start that is further off than the trajectory is large, and of a law that stays there.
 
     The error of iteration 0 then is less than twice the initial one: it never halves.
@@ -187,10 +185,7 @@ def _left_by_learning(experiment: Experiment, expected: Forecast) -> tuple[str, 
     left = rest.end_position_error_m
     if left <= near(experiment):
         return ()
-    law = experiment.law
-    remedy = "start nearer"
-    if isinstance(law, HybridLaw) and not law.compensation:
-        remedy += ", or set 'compensation: on'"
+    remedy = f"start nearer, or {remedy}" if remedy else "start nearer"
     return (
         f"from initial_pose, {initial:.3g} m off a trajectory of {reference.size:.3g} m, the law "
         f"does not get onto it before its end: {left:.3g} m are left; {remedy}",

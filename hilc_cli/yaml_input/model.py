@@ -43,14 +43,18 @@ class Model(BaseModel):
     """What to write for keys that other programs have, by their letters in lower case alone."""
 
     @classmethod
-    def chosen_by(cls) -> tuple[str, str] | None:
-        """The key, and its value, by which this model is chosen where there are several."""
+    def chosen_by(cls, data: object = None) -> tuple[str, str] | None:
+        """Returns the key, and its value, by which this model is chosen where there are several.
+
+        Args:
+            data: What is to be of this model, if there is something.
+        """
         return None
 
     @classmethod
-    def is_meant(cls, data: object) -> bool:
-        """Whether data, which may not be valid, is to be of this model where there are several."""
-        return True
+    def meant_by(cls, data: object) -> type[Model] | None:
+        """Returns the model of data, which may not be valid, if it is this one or in its place."""
+        return cls
 
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
@@ -155,12 +159,14 @@ class Step:
     Attributes:
         keys: Its own path.
         model: What it is validated against; None if that is not known.
-        choices: The models that could stand there; `model` is one of them.
+        choices: The models that could stand there; `model` is one of them, or in the place of one.
+        data: What stands there.
     """
 
     keys: PathKeys
     model: type[Model] | None
     choices: tuple[type[Model], ...]
+    data: object = None
 
     @property
     def fields(self) -> Mapping[str, FieldInfo]:
@@ -170,7 +176,7 @@ class Step:
     @property
     def choice(self) -> tuple[str, str] | None:
         """The key, and its value, by which the model has been chosen among several."""
-        return None if self.model is None else self.model.chosen_by()
+        return None if self.model is None else self.model.chosen_by(self.data)
 
     def choices_with(self, keys: PathKeys) -> list[tuple[str, str]]:
         """The other choices that would make a key a known one.
@@ -204,14 +210,16 @@ def steps_to(tree: Node, keys: PathKeys, model: type[Model]) -> list[Step]:
             found.append(Step(here, None, ()))
         else:
             part = to_data(nearest(tree, here)[0])
-            found.append(Step(here, model_in(annotation, part), tuple(models_in(annotation))))
+            models = tuple(models_in(annotation))
+            found.append(Step(here, model_in(annotation, part), models, part))
     return found
 
 
 def model_in(annotation: object, data: object = None) -> type[Model] | None:
     """The model within an optional or a list of it; of several the one that data is meant for."""
     models = models_in(annotation)
-    return next((model for model in models if model.is_meant(data)), models[0] if models else None)
+    meant = (found for model in models if (found := model.meant_by(data)) is not None)
+    return next(meant, models[0] if models else None)
 
 
 def models_in(annotation: object) -> list[type[Model]]:

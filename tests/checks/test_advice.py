@@ -19,21 +19,26 @@ from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, build_reference
+from hilc_cli.theory.law_theory import law_theory
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference
 from tests.theory.straight import DT, errors, line
 
 
+def told_of(experiment: Experiment) -> list[str]:
+    return advice(law_theory(experiment))
+
+
 def one_of(experiment: Experiment, start: str) -> str:
     """The only advice, which starts so."""
-    (text,) = advice(experiment)
+    (text,) = told_of(experiment)
     assert text.startswith(start), text
     return text
 
 
 @pytest.mark.parametrize("name", ["circle", "arc-and-line", "spiral"])
 def test_paper_is_not_advised(name: str) -> None:
-    assert advice(experiment_of(paper_reference(name), law_of(0.1, 0.25, 0.25))) == []
+    assert told_of(experiment_of(paper_reference(name), law_of(0.1, 0.25, 0.25))) == []
 
 
 @pytest.mark.parametrize(("l2", "l3"), [(2.1, 0.0), (3.0, 0.25), (0.5, 1.1)])
@@ -52,17 +57,19 @@ def test_unstable_feedback_grows_as_told(l2: float, l3: float) -> None:
 
 @pytest.mark.parametrize(("l2", "l3"), [(1.9, 0.0), (2.4, 0.5), (0.5, 0.9)])
 def test_stable_feedback_is_not_advised(l2: float, l3: float) -> None:
-    assert advice(experiment_of(line(80), law_of(0.1, l2 / DT, l3 / DT))) == []
+    assert told_of(experiment_of(line(80), law_of(0.1, l2 / DT, l3 / DT))) == []
 
 
 def test_compensating_law_has_no_feedback_to_be_unstable() -> None:
     law = law_of(0.1, 10 / DT, compensation=True, h=20)
-    assert advice(experiment_of(line(80), law)) == []
+    assert told_of(experiment_of(line(80), law)) == []
 
 
 def test_no_iterations_learn_nothing() -> None:
     experiment = experiment_of(line(3), law_of(0.0), iterations=0)
-    assert advice(experiment) == ["iterations is 0: the first input is run, and nothing is learned"]
+    assert told_of(experiment) == [
+        "iterations is 0: the first input is run, and nothing is learned"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -77,7 +84,7 @@ def test_no_iterations_learn_nothing() -> None:
 def test_units_of_the_model_are_doubted_if_it_is_far_off(model: Robot, told: str | None) -> None:
     experiment = experiment_of(line(3, 1e-4), law_of(1.0, matrix=model_gain(model)))
     if told is None:
-        assert advice(experiment) == []
+        assert told_of(experiment) == []
     else:
         assert told in one_of(experiment, "controller.gain_matrix acts on the true robot with ")
 
@@ -91,7 +98,7 @@ def test_first_trial_needs_feedback(
 ) -> None:
     law = law_of(*gains, compensation=compensation, h=1)
     experiment = experiment_of(line(3), law, learn_in_first=True)
-    assert [text.partition(":")[0] for text in advice(experiment)] == [
+    assert [text.partition(":")[0] for text in told_of(experiment)] == [
         "initial_trial 'feedback' has no effect"
     ] * advised
     first = next(iter(simulate(experiment)))
@@ -101,23 +108,23 @@ def test_first_trial_needs_feedback(
 def test_law_pid_is_advised_of_units_and_of_a_first_trial_without_effect() -> None:
     law = PidLaw(0.0, 0.0, 1.0, 0.0, model_gain(Robot(200.0, 518.0)), "measured")
     experiment = replace(experiment_of(line(3, 1e-4), law_of(0.0), learn_in_first=True), law=law)
-    assert [text.partition(" of ")[0] for text in advice(experiment)] == [
+    assert [text.partition(" of ")[0] for text in told_of(experiment)] == [
         "controller.gain_matrix acts on the true robot with 0.001 to 1 times the strength",
         "initial_trial 'feedback' has no effect: the law has no feedback within an iteration",
     ]
     # A filter smooths the first input.
     smooth = replace(law, matrix=model_gain(PLATFORM), cutoff=1.0)
-    assert advice(replace(experiment, law=smooth)) == []
+    assert told_of(replace(experiment, law=smooth)) == []
 
 
 @pytest.mark.parametrize(("h", "advised"), [(5, False), (6, True), (10, True)])
 def test_compensation_is_to_leave_something_of_the_trajectory(h: int, advised: bool) -> None:
     law = law_of(1.0, compensation=True, h=h)
     experiment = experiment_of(line(10), law, initial_pose=(0.1, 0.0, 0.0))
-    assert [text.partition(":")[0] for text in advice(experiment)] == [
+    assert [text.partition(":")[0] for text in told_of(experiment)] == [
         f"controller.h of {h} of 10 samples"
     ] * advised
-    assert advice(experiment_of(line(10), law_of(1.0, h=h))) == []
+    assert told_of(experiment_of(line(10), law_of(1.0, h=h))) == []
 
 
 @pytest.mark.parametrize(
@@ -138,7 +145,7 @@ def test_scattered_start_is_not_to_be_compensated(
         initial_pose=(offset, 0.0, 0.0),
         disturbance=Disturbance(initial_pose=Bounded((0.1, 0.0, 0.0), repeat=repeat)),
     )
-    assert [text.partition(" differs")[0] for text in advice(experiment)] == [
+    assert [text.partition(" differs")[0] for text in told_of(experiment)] == [
         "disturbance.initial_pose"
     ] * advised
 
@@ -162,7 +169,7 @@ def test_disturbances_are_not_to_hide_the_motion(name: str) -> None:
     disturbance, start = DISTURBANCES[name]
     experiment = experiment_of(line(10), law_of(1.0), disturbance=disturbance)
     if start is None:
-        assert advice(experiment) == []
+        assert told_of(experiment) == []
     else:
         one_of(experiment, start)
 
@@ -181,7 +188,7 @@ def test_state_noise_adds_up_as_told(distribution: Distribution, deviation: floa
         initial_input=feedforward(reference, PLATFORM),
         iterations=1500,
     )
-    (text,) = advice(experiment)
+    (text,) = told_of(experiment)
     match = re.match(r"disturbance.state adds up to about ([0-9.]+) m \(RMS\) at the end", text)
     assert match is not None
     ends = [(trial.x[-1] - 20, trial.y[-1]) for trial in simulate(experiment)]
@@ -189,14 +196,14 @@ def test_state_noise_adds_up_as_told(distribution: Distribution, deviation: floa
     rms = float(np.sqrt(np.square(ends).sum(axis=1).mean()))
     assert float(match[1]) == pytest.approx(rms, rel=0.05 + 4 / math.sqrt(3000))
     repeated = replace(noise, repeat=True)
-    assert advice(replace(experiment, disturbance=Disturbance(state=repeated))) == []
+    assert told_of(replace(experiment, disturbance=Disturbance(state=repeated))) == []
 
 
 @pytest.mark.parametrize("turns", [1, 2, 5])
 def test_whole_turns_close_the_heading(turns: int) -> None:
     plan = ArcPlan(2 * math.pi * turns, "left", radius=1.0, duration=1.0)
     reference = build_reference("turns", (0.0, 0.0, 1.0), [plan], 0.001)
-    assert advice(experiment_of(reference, law_of(1.0))) == []
+    assert told_of(experiment_of(reference, law_of(1.0))) == []
 
 
 def test_closed_path_with_another_heading_is_told() -> None:
@@ -204,4 +211,4 @@ def test_closed_path_with_another_heading_is_told() -> None:
     text = one_of(experiment, "trajectory ends where it starts, but heads 3.142 rad away ")
     assert text.endswith("has to turn on the spot first")
     opened = replace(experiment.reference, x=experiment.reference.x + np.linspace(0, 1e-3, 2001))
-    assert advice(replace(experiment, reference=opened)) == []
+    assert told_of(replace(experiment, reference=opened)) == []

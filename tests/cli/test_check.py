@@ -21,6 +21,7 @@ from hilc_cli.reporting import section, terminal
 from hilc_cli.shipped_files import examples
 from hilc_cli.theory.feasibility.demand import demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits, feasibility_findings
+from hilc_cli.theory.law_theory import law_theory
 from hilc_cli.theory.learning import transient
 from tests.cli.inputs import SCENARIO, TRAJECTORY, listing, scenario, trajectory
 from tests.cli.processes import HILC, TIMEOUT, environment, run_hilc
@@ -501,7 +502,7 @@ def test_shipped_scenario_is_feasible(name: str) -> None:
     ] * at_once
     assert [" starts at once: " in text for text in found.warnings][-1:] == [True] * at_once
     closed_askew = trajectory.name == "cardioid"
-    told = [*scenario.warnings(), *advice(experiment)]
+    told = [*scenario.warnings(), *advice(law_theory(experiment))]
     told = [text for text in told if not text.startswith("disturbance.")]
     assert [text.partition(",")[0] for text in told] == [
         "trajectory ends where it starts"

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.checks import checking
-from hilc_cli.theory.laws import law_theory
+from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.theory.learning import transient
 from tests.cli.inputs import TRAJECTORY, trajectory
 from tests.conftest import Hilc, Outcome, Write
@@ -154,16 +153,16 @@ def test_simulation_without_a_single_iteration_leaves_the_rest(hilc: Hilc, write
 def test_law_without_a_theory_is_simulated_and_no_more(
     hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # So the scenario's is another one.
-    monkeypatch.setattr(law_theory, "HybridLaw", ArithmeticError)
-    monkeypatch.setattr(checking, "is_hybrid", lambda law: False)
+    monkeypatch.setattr(HybridLaw, "theory", None)
     write()
     outcome = hilc("check", "scenario.yaml", "--simulate", "--plot")
     assert "--theory" not in outcome.out
     assert (outcome.code, outcome.err) == (
         *(0, "hilc: nothing is drawn: nothing is predicted of this law\n"),
     )
-    assert re.search("^  Theory +none is known of this law$", outcome.out, re.MULTILINE)
+    assert re.search(
+        "^  Theory +nothing is known of law hybrid before it is run$", outcome.out, re.MULTILINE
+    )
     more = hilc("check", "scenario.yaml", "--theory").out
     assert "  Theory   none: this is another law\n" in more
     assert not (folder / "runs").exists()

@@ -127,7 +127,8 @@ def test_every_reference_leads_somewhere(kind: str) -> None:
 def test_every_model_refuses_unknown_keys(kind: str) -> None:
     for name, model in json_schema(kind)["$defs"].items():
         if model.get("type") == "object":
-            assert model["additionalProperties"] is False, name
+            of_others = name == "InstalledController"  # whose keys are known when it is imported
+            assert model["additionalProperties"] is of_others, name
 
 
 @pytest.mark.parametrize(("kind", "path"), FILES)
@@ -147,6 +148,8 @@ BREAKAGES = [
     ("robot", {"wheel_radius": 0.2, "half_track": 0.5, "turn_convention": "left"}),
     ("controller", {"gains": {"l2": 1}}),
     ("controller", {"gains": {"l1": 1}, "law": "pid"}),
+    ("controller", {"gains": {"l1": 1}, "law": "no-such-law"}),
+    ("controller", {"law": "not a module:Law"}),
     ("controller", {"gains": {"l1": 1}, "gain_matrix": [[1, 2], [3, 4]]}),
     ("record", {"iterations": "some"}),
     ("disturbance", {"state": {"bound": [0, 0]}}),

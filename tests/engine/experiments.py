@@ -14,6 +14,7 @@ from hilc_cli.laws.gain_matrix import GainMatrix, model_gain, unit_gain
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.yaml_input.expressions import Affine
 from tests.reference.paths import PAPER_STARTS, Pose
@@ -115,7 +116,7 @@ def experiment_of(
     left, right = (rest, rest) if initial_input is None else initial_input
     return Experiment(
         reference=reference,
-        robot=robot,
+        plant=KinematicPlant(robot),
         law=law,
         initial_pose=start if initial_pose is None else initial_pose,
         initial_left=left,

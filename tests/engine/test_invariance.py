@@ -15,6 +15,7 @@ from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import METRIC_NAMES, MetricsTable, measure
@@ -163,7 +164,7 @@ def test_swapping_the_turn_convention_swaps_the_wheels_and_nothing_else(
     )
     swapped = replace(
         as_printed,
-        robot=rep103,
+        plant=KinematicPlant(rep103),
         law=law_of(
             0.5, 0.25, 0.3, matrix=matrix_of(matrix, rep103), compensation=compensation, h=40
         ),

@@ -16,7 +16,7 @@ import hilc_cli as hilc_api
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.law import Figures, Iteration, Learner, Task, WheelController
+from hilc_cli.laws.law import Figures, Iteration, Learner, Plan, Task
 from hilc_cli.scenario.experiment import Scenario
 from tests.conftest import Hilc, Write
 from tests.engine.experiments import experiment_of, law_of
@@ -32,13 +32,9 @@ class Counting:
     task: Task
     seen: list[Iteration]
 
-    def controller(self) -> WheelController:
-        left, right, faster = self.task.initial_left, self.task.initial_right, len(self.seen)
-
-        def wheel_speeds(k: int, *measured: float) -> tuple[float, float]:
-            return float(left[k]) + faster, float(right[k]) + faster
-
-        return wheel_speeds
+    def plan(self) -> Plan:
+        first, faster = self.task.first_plan, len(self.seen)
+        return Plan(first.left + faster, first.right + faster, first.poses)
 
     def learn(self, iteration: Iteration) -> Figures:
         self.seen.append(iteration)

@@ -13,6 +13,7 @@ from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.runs.running import load_scenario, run
 from tests.engine.experiments import LIMIT, SITUATIONS, experiment_of, law_of
@@ -73,7 +74,16 @@ def test_sample_is_limited_even_where_one_wheel_stands_still() -> None:
     law = HybridLaw(0.0, 0.0, 0.0, model_gain(robot), "measured", False, 1)
     left, right = np.array([20.0, 0.0, 5.0]), np.array([0.0, -20.0, 5.0])
     experiment = Experiment(
-        reference, robot, law, (0.0, 0.0, 0.0), left, right, False, 0, 10.0, Disturbance()
+        reference,
+        KinematicPlant(robot),
+        law,
+        (0.0, 0.0, 0.0),
+        left,
+        right,
+        False,
+        0,
+        10.0,
+        Disturbance(),
     )
     (trial,) = simulate(experiment)
     assert trial.saturated_samples == 2

@@ -75,6 +75,13 @@ GOLDEN_ITERATIONS: list[list[float]] = [
     ],
 ]
 GOLDEN_INPUT: list[list[float]] = [[0, 0, 2.5, 2.5], [1, 1, 5, 5], [2, 2, 6, 6]]
+# 5 rad/s of correction per metre of e(k+1) times 0.5, within 6 rad/s; what is aimed at is the line.
+GOLDEN_PLAN: list[list[float]] = [
+    [0, 0, 3.75, 3.75, 0, 0, 0],
+    [1, 1, 6, 6, 1, 0, 0],
+    [2, 2, 6, 6, 2, 0, 0],
+    [3, 3, math.nan, math.nan, 3, 0, 0],
+]
 GOLDEN_GRAVITY_CENTER: list[list[float]] = [
     *([0, k, k, 0.5, 0.25, 0] for k in range(4)),
     *([1, k, k, x + 0.5, 0.25, 0] for k, x in enumerate([0, 0.5, 1.5, 2.7])),
@@ -103,6 +110,7 @@ def golden(hilc: Hilc, write: Write, folder: Path) -> Path:
         ("iterations.csv", ITERATIONS),
         ("samples.csv", SAMPLES),
         ("input.csv", INPUT),
+        ("plan.csv", f"{INPUT},x_m,y_m,heading_rad"),
         ("gravity-center.csv", "iteration,sample,t_s,x_m,y_m,heading_rad"),
     ],
 )
@@ -124,6 +132,7 @@ def test_golden_samples(golden: Path) -> None:
 
 def test_golden_input(golden: Path) -> None:
     np.testing.assert_allclose(numbers(golden / "input.csv"), GOLDEN_INPUT, atol=1e-12)
+    np.testing.assert_allclose(numbers(golden / "plan.csv"), GOLDEN_PLAN, atol=1e-12)
 
 
 def test_golden_gravity_center(golden: Path) -> None:

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.plants.kinematic import control_matrices
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.theory.matrices import GainParts, control_matrices, hybrid_law
+from hilc_cli.theory.linear_law import paper_law
+from hilc_cli.theory.matrices import GainParts
 from hilc_cli.theory.proof.norms import wheel_map_norm
 
 
@@ -37,7 +39,7 @@ def along_run(experiment: Experiment, trials: Iterable[Trial]) -> AlongRun:
     Source:
         Qiao et al. 2021, Eqs. 23 and 30: L1 of iteration i + 1 with B of iteration i.
     """
-    law, reference = hybrid_law(experiment), experiment.reference
+    law, reference = paper_law(experiment), experiment.reference
     gain, parts = law.l1 * reference.sample_time, GainParts.of(law.matrix)
     rhos: list[float] = []
     mismatches: list[float] = []

@@ -162,7 +162,7 @@ def test_engine_repeats_the_fixed_point(name: str) -> None:
     task = Task(reference, experiment.initial_left, experiment.initial_right, np.inf)
     learner = experiment.law.learner(task)
     learner.learn(Iteration(*rest.inputs.T, *rest.errors.T))
-    controller = learner.controller()
+    controller = learner.plan().controller(reference)
     headings = reference.heading - rest.errors[:, 2]
     again = [
         controller(k, np.cos(headings[k]), np.sin(headings[k]), *rest.errors[k])

@@ -13,7 +13,7 @@ from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.norm_optimal.earliest_merge import least_left
 from hilc_cli.reference.path import LinePlan, build_reference
 from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.learning.forecast import forecast
+from hilc_cli.theory.law_theory import law_theory
 from hilc_cli.theory.start import cannot_be_reached, start_findings
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import Pose
@@ -28,7 +28,7 @@ def experiment(start: Pose, limit: float = 15.0, *, compensation: bool = False) 
 
 
 def findings(made: Experiment) -> Findings:
-    return start_findings(made, forecast(made))
+    return start_findings(law_theory(made))
 
 
 @pytest.mark.parametrize("compensation", [True, False])
@@ -48,9 +48,9 @@ def test_start_too_far_behind_for_the_wheels_cannot_work(compensation: bool) -> 
 
 def test_start_out_of_reach_is_told_of_a_law_of_which_no_errors_are_predicted() -> None:
     made = replace(experiment((-1.4, 0, 0)), law=FeedbackLaw(1.0, 1.0, 1.0, PLATFORM))
-    assert len(start_findings(made, None).failures) == 1
+    assert len(start_findings(law_theory(made)).failures) == 1
     near = replace(made, initial_pose=(-0.4, 0, 0))
-    assert start_findings(near, None) == Findings()
+    assert start_findings(law_theory(near)) == Findings()
 
 
 def test_trajectory_that_is_too_fast_is_not_blamed_on_the_start() -> None:

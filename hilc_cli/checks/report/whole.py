@@ -11,7 +11,8 @@ from hilc_cli.checks.report.errors import errors_grid
 from hilc_cli.checks.report.feasibility import feasibility_section
 from hilc_cli.checks.report.learning import learning_section
 from hilc_cli.checks.report.theory import theory_section
-from hilc_cli.reporting.section import counted, finding_lines, print_grid, print_section, title
+from hilc_cli.names import counted
+from hilc_cli.reporting.section import finding_lines, print_grid, print_section, title
 from hilc_cli.reporting.terminal import is_decorated, print_table, print_text, two_columns
 
 if TYPE_CHECKING:

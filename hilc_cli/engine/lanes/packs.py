@@ -26,7 +26,6 @@ from hilc_cli.errors import UsageError
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.numba_loading import DISABLED
-from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import METRIC_NAMES
 
@@ -84,8 +83,14 @@ class Kind(NamedTuple):
 
 
 def knows(experiment: Experiment) -> bool:
-    """Whether the batch engine runs here, and knows the experiment's law."""
-    return isinstance(experiment.law, HybridLaw) and not DISABLED
+    """Whether the batch engine runs here, and knows the experiment's law and plant."""
+    known = isinstance(experiment.law, HybridLaw) and _lane_gains(experiment) is not None
+    return known and not DISABLED
+
+
+def _lane_gains(experiment: Experiment) -> tuple[float, float] | None:
+    """Returns the gains of the experiment's plant; None if it moves in a way not known here."""
+    return experiment.plant.lane_gains(experiment.reference.sample_time)
 
 
 def hybrid_law(experiment: Experiment) -> HybridLaw:
@@ -173,11 +178,11 @@ class Pack:
 
     def _parameters(self, experiment: Experiment) -> list[float]:
         """The rows of the lane array up to Field.POSITION_GAINS; the matrix still by wheels."""
-        law, robot = hybrid_law(experiment), experiment.robot
+        law, gains = hybrid_law(experiment), _lane_gains(experiment)
+        if gains is None:
+            raise UsageError("the batch engine does not know the plant")
+        distance_gain, turn_gain = gains
         sample_time, limit = self.sample_time, experiment.speed_limit
-        distance_gain, turn_gain = step_gains(
-            robot.wheel_radius, robot.signed_half_track, sample_time
-        )
         peak = 2 / (sample_time * law.h)
         parameters = [
             law.l1, law.l2, law.l3, limit, limit * (1 + _ROUNDING),

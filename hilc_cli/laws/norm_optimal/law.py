@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from hilc_cli.laws.compensation import has_initial_error
-from hilc_cli.laws.law import Figures, Iteration, Learner, Task, WheelController
+from hilc_cli.laws.law import Figures, Iteration, Learner, Plan, Task
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, length_misfits
 from hilc_cli.plants.kinematic import Robot
@@ -27,7 +27,7 @@ from hilc_cli.yaml_input.quantities import (
 
 if TYPE_CHECKING:
     from hilc_cli.laws.norm_optimal.belief import Belief, Identification
-    from hilc_cli.laws.norm_optimal.learner import Plan
+    from hilc_cli.laws.norm_optimal.learner import OptimalPlan
 
 
 MERGE_TIME = "merge_time_s"
@@ -56,6 +56,8 @@ class NormOptimalLaw:
         model: The platform as the controller believes it to be at first.
     """
 
+    theory: ClassVar[str] = "hilc_cli.theory.laws.norm_optimal:NormOptimalTheory"
+
     parameters: NormOptimalParameters
     model: Robot
 
@@ -74,37 +76,19 @@ class _AtWork:
 
         reference = task.reference
         self._reference = reference
-        self._poses = np.stack([reference.x, reference.y, reference.heading], axis=1)
         self._learner = NormOptimalLearner(law.parameters, reference, law.model, task.speed_limit)
-        self._plan: Plan | None = None  # of the iteration that runs
+        self._plan: OptimalPlan | None = None  # of the iteration that runs
 
-    def controller(self) -> WheelController:
-        """The controller of the next iteration."""
-        plan = self._learner.plan()
-        self._plan = plan
-        # The engine tells errors against the reference; the plan's own path is another one.
-        away = plan.desired - self._poses
-        rows = np.concatenate(
-            [plan.feedforward, plan.gains.reshape(-1, 6), away[:-1]], axis=1
-        ).tolist()
-
-        def wheel_speeds(
-            k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-        ) -> tuple[float, float]:
-            left, right, lx, ly, lh, rx, ry, rh, away_x, away_y, away_heading = rows[k]
-            x, y, heading = error_x + away_x, error_y + away_y, error_heading + away_heading
-            return (
-                left + lx * x + ly * y + lh * heading,
-                right + rx * x + ry * y + rh * heading,
-            )
-
-        return wheel_speeds
+    def plan(self) -> Plan:
+        """Plans the next iteration: its own way to the trajectory, and the regulator about it."""
+        self._plan = plan = self._learner.plan()
+        return Plan(plan.feedforward[:, 0], plan.feedforward[:, 1], plan.desired, plan.gains)
 
     def learn(self, iteration: Iteration) -> Figures:
         """Takes in an iteration that is over."""
         error = np.stack([iteration.error_x, iteration.error_y, iteration.error_heading], axis=1)
         applied = np.stack([iteration.left, iteration.right], axis=1)
-        said = self._learner.learn(self._poses - error, applied)
+        said = self._learner.learn(self._reference.poses - error, applied)
         told = [] if said is None else [*_alone(said), *_together(self._learner.belief)]
         names = figures_told(identify=said is not None)
         return dict(zip(names, [*told, *self._of_plan()], strict=True))

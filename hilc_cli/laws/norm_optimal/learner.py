@@ -25,7 +25,7 @@ _NO_LIMIT = 1e12  # [rad/s], since the search wants a number
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plan:
+class OptimalPlan:
     """What the next iteration does: u(k) = feedforward(k) + gains(k) (desired(k) - measured(k)).
 
     Attributes:
@@ -80,7 +80,7 @@ class NormOptimalLearner:
         """
         self._parameters = parameters
         self._sample_time = reference.sample_time
-        self._trajectory = np.stack([reference.x, reference.y, reference.heading], axis=1)
+        self._trajectory = reference.poses
         self._speed_limit = min(speed_limit, _NO_LIMIT)
         self._belief = Belief.at_first(model)
         self._measured: MeasuredMotion | None = None
@@ -88,7 +88,7 @@ class NormOptimalLearner:
         self._identification: Identification | None = None
         self._last: tuple[Robot, Floats] | None = None  # who was planned for, and what
 
-    def next(self, measured: Floats, applied: Floats) -> Plan:
+    def next(self, measured: Floats, applied: Floats) -> OptimalPlan:
         """The plan of the next iteration: `learn`, then `plan`."""
         self.learn(measured, applied)
         return self.plan()
@@ -123,7 +123,7 @@ class NormOptimalLearner:
                 self._measured = self._measured.and_then(latest, memory)
         return self._identification
 
-    def plan(self, start: Floats | None = None) -> Plan:
+    def plan(self, start: Floats | None = None) -> OptimalPlan:
         """The plan of the next iteration, from all that has been learned so far.
 
         Args:
@@ -139,7 +139,7 @@ class NormOptimalLearner:
             best = self._learned(model, rectified)
             gains = self._feedback(model, best.poses)
         self._last = self._belief.robot, best.inputs
-        return Plan(
+        return OptimalPlan(
             best.inputs,
             gains,
             best.poses,

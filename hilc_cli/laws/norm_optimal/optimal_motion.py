@@ -11,9 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.compiling import cached
+from hilc_cli.compiling import cached, compiled
 from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, linearised
+from hilc_cli.plants.kinematic import drifting_step
 from hilc_cli.reference.sampled import Floats
+
+_drifting_step = compiled(drifting_step)
 
 MOST_NEWTON_STEPS = 60
 _MARGIN = 0.05  # the first guess keeps this share of the room from each bound
@@ -154,16 +157,17 @@ def _closed_loop(
             wanted = inputs[k, wheel] + gain[0] * off_x + gain[1] * off_y + gain[2] * off_heading
             applied[k, wheel] = min(max(wanted, -speed_limit), speed_limit)
         cos, sin = math.cos(heading), math.sin(heading)
-        ahead = distance_gain * (applied[k, 0] + applied[k, 1]) + drift[k, 0]
-        aside = drift[k, 1]
-        x += ahead * cos - aside * sin
-        y += ahead * sin + aside * cos
-        heading += turn_gain * (applied[k, 0] - applied[k, 1]) + drift[k, 2]
+        x, y, heading = _drifting_step(
+            x, y, heading, cos, sin,
+            distance_gain * (applied[k, 0] + applied[k, 1]),
+            turn_gain * (applied[k, 0] - applied[k, 1]),
+            drift[k, 0], drift[k, 1], drift[k, 2],
+        )  # fmt: skip
     poses[-1, 0], poses[-1, 1], poses[-1, 2] = x, y, heading
     return applied, poses
 
 
-closed_loop = cached(_closed_loop)
+closed_loop = cached(_closed_loop, parts=[drifting_step])
 
 
 MOST_STEPS = 100

@@ -15,9 +15,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hilc_cli.compiling import cached
+from hilc_cli.compiling import cached, compiled
 from hilc_cli.laws.norm_optimal.optimal_motion import Aim, Model, optimal_motion
+from hilc_cli.plants.kinematic import drifting_step
 from hilc_cli.reference.sampled import Floats
+
+_drifting_step = compiled(drifting_step)
 
 
 def _tracked(
@@ -72,15 +75,17 @@ def _tracked(
         room = speed_limit - abs(half)
         mean = min(max(mean, -room), room)
         applied[k, 0], applied[k, 1] = mean + half, mean - half
-        step = distance_gain * (applied[k, 0] + applied[k, 1]) + drift[k, 0]
-        x += step * cos - drift[k, 1] * sin
-        y += step * sin + drift[k, 1] * cos
-        heading += turn_gain * (applied[k, 0] - applied[k, 1]) + drift[k, 2]
+        x, y, heading = _drifting_step(
+            x, y, heading, cos, sin,
+            distance_gain * (applied[k, 0] + applied[k, 1]),
+            turn_gain * (applied[k, 0] - applied[k, 1]),
+            drift[k, 0], drift[k, 1], drift[k, 2],
+        )  # fmt: skip
     poses[-1, 0], poses[-1, 1], poses[-1, 2] = x, y, heading
     return applied, poses
 
 
-tracked = cached(_tracked)
+tracked = cached(_tracked, parts=[drifting_step])
 
 
 MERGED = 1e-3

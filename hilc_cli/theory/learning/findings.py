@@ -8,10 +8,12 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.theory.findings import ExpectedError, Findings
-from hilc_cli.theory.learning.forecast import MARGIN, Forecast, Reasons, reasons_of, rest_error
+from hilc_cli.theory.learning.forecast import Forecast, rest_error
+from hilc_cli.theory.learning.gains import MARGIN
 from hilc_cli.theory.learning.outcome import CLEARLY, Outcome
 from hilc_cli.theory.learning.transient import FAR_HEADING
-from hilc_cli.theory.matrices import desired_motion, learning_law
+from hilc_cli.theory.linear_law import linear_law
+from hilc_cli.theory.matrices import desired_motion
 from hilc_cli.theory.noise.findings import share_of_path
 
 _FAR = 0.01  # of the path's size: what is further off does not count as on the reference
@@ -54,9 +56,8 @@ def _why_it_does_not_settle(experiment: Experiment, found: Forecast) -> str:
         )
     radius = found.spectral_radius
     shown = f"{radius:.6g}" if found.radius.is_exact else f"about {radius:.3g}"
-    return (
-        f"learning cannot converge (spectral radius {shown}): {_reasons(experiment).not_settling()}"
-    )
+    why = linear_law(experiment).not_settling()
+    return f"learning cannot converge (spectral radius {shown}): {why}"
 
 
 def _of_the_start(experiment: Experiment) -> list[str]:
@@ -112,15 +113,15 @@ def _of_ripples(experiment: Experiment, found: Forecast) -> list[str]:
         "controller.gains let ripples of the wheel speeds grow by "
         f"{100 * (found.ripple.factor - 1):.3g} % in each iteration{in_all} (at a period of "
         f"{found.ripple.period:.3g} samples), which in the long run spoils what was learned; stop "
-        f"in time, or {_reasons(experiment).against_ripples()}"
+        f"in time, or {linear_law(experiment).against_ripples()}"
     ]
 
 
 def _of_rest(experiment: Experiment, found: Forecast) -> list[str]:
-    rest, reasons = found.rest, _reasons(experiment)
+    rest, law = found.rest, linear_law(experiment)
     if rest is None:
         return _of_filter(experiment, found)
-    why = reasons.rest_off()
+    why = law.rest_off()
     if not rest.is_finite:
         return [f"learning has no finite motion to rest at: {why}"]
     error = rest_error(experiment, rest)
@@ -145,7 +146,7 @@ def _of_filter(experiment: Experiment, found: Forecast) -> list[str]:
         return []
     return [
         f"learning does not rest on the reference: the predicted error ends at {last:.3g} m, "
-        f"{share_of_path(last, experiment)}; {_reasons(experiment).rest_off()}"
+        f"{share_of_path(last, experiment)}; {linear_law(experiment).rest_off()}"
     ]
 
 
@@ -161,7 +162,3 @@ def _of_limit(experiment: Experiment, found: Forecast) -> list[str]:
         f"controller.b_w of {experiment.speed_limit:g} rad/s, though the reference keeps it: "
         "learning cannot rest exactly there"
     ]
-
-
-def _reasons(experiment: Experiment) -> Reasons:
-    return reasons_of(experiment, learning_law(experiment))

@@ -4,108 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.compensation import compensation_gain
 from hilc_cli.laws.gain_matrix import Coefficients, wheel_correction
-from hilc_cli.laws.hybrid import HybridLaw, compensated_error, learned_error
-from hilc_cli.laws.pid import PidLaw, next_error_gain
 from hilc_cli.plants.kinematic import euler_step, step_gains
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.matrices import learning_law
-
-
-class Resting(Protocol):
-    """A law on the way along a motion.
-
-    Attributes:
-        next_gain: What e(k+1) is multiplied by before the gain matrix.
-        forgotten: gamma: how much of u(k) - u_0(k) the law takes away.
-    """
-
-    next_gain: float
-    forgotten: float
-
-    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
-        """The errors before the gain matrix, with e(k) and an e(k+1), [m, m, rad].
-
-        Called once for each sample in order; what is weighed of e(k+1) is next_gain times it.
-        """
-
-
-class HybridResting:
-    """Eq. 17 or Eq. 21."""
-
-    forgotten = 0.0
-
-    def __init__(self, law: HybridLaw, start: Triple, sample_time: float) -> None:
-        """With e(0) and d_t [s]."""
-        self.next_gain = law.l1
-        self._law, self._start, self._sample_time = law, start, sample_time
-        self._before: Triple = (0.0, 0.0, 0.0)  # e(-1) = 0
-
-    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
-        """The errors before the gain matrix."""
-        law, before = self._law, self._before
-        self._before = now
-        if law.compensation:
-            weight = compensation_gain(k, law.h, self._sample_time)
-            x, y, heading = (
-                compensated_error(law.l1, a, weight, s)
-                for a, s in zip(ahead, self._start, strict=True)
-            )
-        else:
-            x, y, heading = (
-                learned_error(law.l1, a, law.l2, n, law.l3, b)
-                for a, n, b in zip(ahead, now, before, strict=True)
-            )
-        return x, y, heading
-
-
-class PidResting:
-    """Law pid without a Q-filter."""
-
-    def __init__(self, law: PidLaw, start: Triple, samples: int, sample_time: float) -> None:
-        """With e(0), n and d_t [s]."""
-        self.next_gain = next_error_gain(law.gains, sample_time)
-        self.forgotten = law.forgetting
-        self._gains, self._start, self._sample_time = law.gains, start, sample_time
-        pulse = law.pulse(samples, sample_time)
-        self._pulse = [0.0] * samples if pulse is None else pulse.tolist()
-        self._sum: Triple = (0.0, 0.0, 0.0)  # of the errors before sample k
-
-    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
-        """The errors before the gain matrix."""
-        (kp, ki, kd), d, pulse = self._gains, self._sample_time, self._pulse[k]
-        before_x, before_y, before_heading = self._sum
-        total = before_x + now[0], before_y + now[1], before_heading + now[2]
-        self._sum = total
-        x, y, heading = (
-            kp * a + ki * d * (t + a) + kd * ((a - n) / d + pulse * s)
-            for a, n, t, s in zip(ahead, now, total, self._start, strict=True)
-        )
-        return x, y, heading
-
-
-def resting(
-    law: HybridLaw | PidLaw, start: Triple, samples: int, sample_time: float
-) -> Resting | None:
-    """The law at sample 0; None if it mixes samples by a filter.
-
-    Args:
-        law: The law.
-        start: e(0) [m, m, rad].
-        samples: n.
-        sample_time: d_t [s].
-    """
-    if isinstance(law, HybridLaw):
-        return HybridResting(law, start, sample_time)
-    return PidResting(law, start, samples, sample_time) if law.cutoff is None else None
-
+from hilc_cli.theory.linear_law import linear_law
 
 ROUNDING = 1e-12
 """A determinant that is smaller, as a share of the products it is made of, counts as zero."""
@@ -174,9 +81,9 @@ def fixed_point(experiment: Experiment) -> FixedPoint | None:
         None as well if the law has a Q-filter, with which samples depend on later ones.
 
     Raises:
-        UsageError: The experiment's law is neither the hybrid law nor law pid.
+        UsageError: The linear theory does not speak of the experiment's law.
     """
-    law, reference, robot = learning_law(experiment), experiment.reference, experiment.robot
+    law, reference, robot = linear_law(experiment), experiment.reference, experiment.robot
     steps = reference.samples
     distance_gain, turn_gain = step_gains(
         robot.wheel_radius, robot.signed_half_track, reference.sample_time
@@ -185,7 +92,7 @@ def fixed_point(experiment: Experiment) -> FixedPoint | None:
     errors, inputs = np.full((steps + 1, 3), math.inf), np.full((steps, 2), math.inf)
     pose = experiment.initial_pose
     errors[0] = now = _less(desired[0], pose)
-    at_sample = resting(law, now, steps, reference.sample_time)
+    at_sample = law.resting(now)
     if at_sample is None:
         return None
     first = np.column_stack([experiment.initial_left, experiment.initial_right]).tolist()

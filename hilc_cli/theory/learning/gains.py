@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,10 @@ from hilc_cli.laws.pid import PidLaw, next_error_gain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.yaml_input.expressions import Affine
+
+MARGIN = 1e-9
+"""Beyond what rounding may make of a limiting case."""
+_FACTOR = 10.0  # a gain matrix that is off by more hardly is so on purpose
 
 
 def loop_gains(matrix: GainMatrix, robot: Robot, heading: Floats) -> NDArray[np.complex128]:
@@ -50,6 +55,47 @@ def loop_gains(matrix: GainMatrix, robot: Robot, heading: Floats) -> NDArray[np.
     determinant = -2 * (left_ahead * right_turn - left_turn * right_ahead)
     root = np.sqrt(np.asarray(half_trace**2 - determinant, dtype=np.complex128))
     return np.stack([half_trace + root, half_trace - root], axis=-1)
+
+
+def loop_gains_of(experiment: Experiment, matrix: GainMatrix) -> NDArray[np.complex128]:
+    """Returns the loop gains of a gain matrix along an experiment's reference, shape (n, 2)."""
+    return loop_gains(matrix, experiment.robot, experiment.reference.heading[:-1])
+
+
+def wrong_way(gains: NDArray[np.complex128]) -> str:
+    """What to say of a gain matrix that turns errors the wrong way; empty if it does not."""
+    wrong = (gains.real <= MARGIN * np.abs(gains).max()).any(axis=1)
+    if not wrong.any():
+        return ""
+    return (
+        "controller.gain_matrix corrects some errors the wrong way, or not at all, at "
+        f"{np.count_nonzero(wrong)} of {len(wrong)} samples, at first at sample "
+        f"{int(wrong.argmax())}; its first row is the left wheel, its second the right one"
+    )
+
+
+def unseen(matrix: GainMatrix) -> str:
+    """Of the component of an error of which the wheels hear nothing."""
+    if matrix.is_kinematic:
+        return "the law sees no error across the heading"
+    return "the law does not see what controller.gain_matrix turns to zero"
+
+
+def strength_findings(experiment: Experiment, matrix: GainMatrix) -> list[str]:
+    """Returns what is to be said of how strongly a gain matrix acts on the true platform."""
+    strength = np.abs(loop_gains_of(experiment, matrix))
+    weakest, strongest = float(strength.min()), float(strength.max())
+    if not matrix.is_kinematic or (weakest >= 1 / _FACTOR and strongest <= _FACTOR):
+        return []
+    if not math.isfinite(strongest):
+        return []  # told of learning
+    least, most = f"{weakest:.3g}", f"{strongest:.3g}"
+    return [
+        "controller.gain_matrix acts on the true robot with "
+        f"{least if least == most else f'{least} to {most}'} times the strength "
+        "of Eq. 45 with its true R and B; check the units of robot and model, or make up for it in "
+        "controller.gains"
+    ]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,10 +147,37 @@ def step_gain(experiment: Experiment, law: PidLaw) -> StepGain:
     """The step gains of law pid on an experiment, along its reference."""
     robot, sample_time = experiment.robot, experiment.reference.sample_time
     time = sample_time * next_error_gain(law.gains, sample_time)
-    loop = loop_gains(law.matrix, robot, experiment.reference.heading[:-1])
+    loop = loop_gains_of(experiment, law.matrix)
     along, turning = None, None
     if law.matrix.is_kinematic:
         coefficients = law.matrix.coefficients
         along = time * robot.wheel_radius * coefficients[1]
         turning = time * robot.wheel_radius * coefficients[6] / robot.signed_half_track
     return StepGain(1 - law.forgetting, time, loop, along, turning, law.cutoff is not None)
+
+
+def step_gain_row(found: StepGain) -> tuple[str, str]:
+    """The condition of law pid."""
+    low, high = found.bounds
+    needed = f"{low:.4g} < s < {high:.4g}"
+    if found.along is not None and found.turning is not None:
+        text = f"{found.along:.4g} along the path, {found.turning:.4g} in turning"
+    else:
+        sizes = np.abs(found.time * found.loop)
+        text = f"of absolute value {sizes.min():.4g} to {sizes.max():.4g}"
+        needed = f"|{found.kept:.4g} - s| < 1"
+    violated = "" if found.left < 1 else ", violated"
+    return "Step gain s", f"{text}; needed: {needed}{violated}"
+
+
+def step_gain_document(found: StepGain) -> dict[str, object]:
+    """Returns the condition of law pid as JSON."""
+    low, high = found.bounds
+    return {
+        "step_gain_along": found.along,
+        "step_gain_turning": found.turning,
+        "step_gain_above": low,
+        "step_gain_below": high,
+        "step_gain_leaves": found.left,
+        "condition_holds": found.left < 1,
+    }

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.learning.norms import (
     SingularValue,
@@ -23,8 +22,8 @@ from hilc_cli.theory.learning.recursion import (
     Linearisation,
     linearise,
 )
-from hilc_cli.theory.learning.update import LearningUpdate, times, update_of
-from hilc_cli.theory.matrices import GainParts, learning_law
+from hilc_cli.theory.linear_law import LearningUpdate, linear_law
+from hilc_cli.theory.matrices import GainParts, times
 
 
 class LinearPass(NamedTuple):
@@ -81,15 +80,13 @@ class LiftedIteration:
             experiment: The experiment.
 
         Raises:
-            UsageError: Its law is neither the hybrid law nor law pid.
+            UsageError: The linear theory does not speak of its law.
         """
-        law, reference = learning_law(experiment), experiment.reference
+        law, reference = linear_law(experiment), experiment.reference
         self.plant = linearise(experiment)
         self.gains = np.asfortranarray(GainParts.of(law.matrix).at(reference.heading[:-1]))
-        self.update = update_of(law, self.gains, reference.sample_time)
-        self.l2, self.l3 = 0.0, 0.0
-        if isinstance(law, HybridLaw) and not law.compensation:
-            self.l2, self.l3 = law.l2, law.l3
+        self.update = law.update(self.gains)
+        self.l2, self.l3 = law.feedback
         self.start = np.array(
             [
                 reference.x[0] - experiment.initial_pose[0],

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.plants.kinematic import step_gains
+from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.matrices import control_matrices, desired_motion
+from hilc_cli.theory.matrices import desired_motion
 
 
 class DriftRecursion:
@@ -157,24 +157,18 @@ def linearise(experiment: Experiment) -> Linearisation:
     """The plant to first order about the reference and the feedforward.
 
     Args:
-        experiment: Its reference, and the platform as it really is.
+        experiment: Its reference, and the plant as it really is.
+
+    Raises:
+        UsageError: The plant has no linearisation.
     """
-    reference, robot = experiment.reference, experiment.robot
-    headings = reference.heading[:-1]
-    desired = desired_motion(experiment)
-    distance_gain, _ = step_gains(
-        robot.wheel_radius, robot.signed_half_track, reference.sample_time
+    reference, desired = experiment.reference, desired_motion(experiment)
+    left, right = desired.inputs.T
+    steps = experiment.plant.linearisation(
+        reference.heading[:-1], left, right, reference.sample_time
     )
-    distance = distance_gain * desired.inputs.sum(axis=1)  # d v_k [m]
-    # Sample next to sample: products over all of them are several times as fast then.
-    states = np.zeros((reference.samples, 3, 3), order="F")
-    states[:] = np.eye(3)
-    states[:, 0, 2] = -distance * np.sin(headings)
-    states[:, 1, 2] = distance * np.cos(headings)
-    inputs = reference.sample_time * control_matrices(robot, headings)
+    if steps is None:
+        raise UsageError("the linear theory does not know the plant")
     return Linearisation(
-        np.asfortranarray(desired.inputs),
-        states,
-        np.asfortranarray(inputs),
-        np.asfortranarray(desired.mismatch),
+        np.asfortranarray(desired.inputs), *steps, np.asfortranarray(desired.mismatch)
     )

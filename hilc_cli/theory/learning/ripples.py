@@ -27,14 +27,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.pid import LowPass, PidLaw
-from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.learning.gains import loop_gains
-from hilc_cli.theory.matrices import learning_law
+from hilc_cli.theory.linear_law import linear_law
 
 LONGEST_PERIOD = 20  # samples
 _LEAST_PERIODS = 5  # of a ripple along the path: fewer are none
@@ -58,45 +54,17 @@ def ripple_growth(experiment: Experiment) -> RippleGrowth:
     """The largest factor by which an iteration multiplies a ripple of the wheel speeds.
 
     Args:
-        experiment: With the hybrid law or law pid; the speed limit is left out.
+        experiment: With a law of which the linear theory speaks; the speed limit is left out.
 
     Raises:
-        UsageError: The law is another one.
+        UsageError: It does not speak of the law.
     """
-    law, reference = learning_law(experiment), experiment.reference
+    law, reference = linear_law(experiment), experiment.reference
     eigenvalues = loop_gains(law.matrix, experiment.robot, reference.heading[:-1])
     # The same ones over and over, but for rounding, if the matrix has the form of Eq. 45.
     gains = np.unique(eigenvalues.round(12))[:, None]
     longest = min(LONGEST_PERIOD, max(2, reference.samples / _LEAST_PERIODS))
     frequencies = np.linspace(2 * np.pi / longest, np.pi, _FREQUENCIES)
-    if isinstance(law, PidLaw):
-        all_factors = _pid_factors(law, gains, frequencies, reference.sample_time)
-    else:
-        all_factors = _hybrid_factors(law, gains, frequencies, reference.sample_time)
-    factors = all_factors.max(axis=0)
+    factors = law.ripple_factors(gains, frequencies).max(axis=0)
     worst = int(factors.argmax())
     return RippleGrowth(float(factors[worst]), float(2 * np.pi / frequencies[worst]))
-
-
-def _hybrid_factors(
-    law: HybridLaw, gains: NDArray[np.complex128], frequencies: Floats, sample_time: float
-) -> Floats:
-    """Of loop gains, shape (m, 1), and frequencies in radians per sample, shape (p,)."""
-    l2, l3 = (0.0, 0.0) if law.compensation else (law.l2, law.l3)  # Eq. 21 has neither
-    back, gains = np.exp(-1j * frequencies), sample_time * gains  # 1 / z
-    learned = np.abs(1 - back - law.l1 * gains)
-    fed_back = np.abs(1 - back + gains * (l2 * back + l3 * back**2))
-    factors: Floats = learned / fed_back
-    return factors
-
-
-def _pid_factors(
-    law: PidLaw, gains: NDArray[np.complex128], frequencies: Floats, sample_time: float
-) -> Floats:
-    """The same of law pid."""
-    summed = sample_time / (1 - np.exp(-1j * frequencies))
-    time = law.kp * summed + law.ki * summed**2 + law.kd
-    factors: Floats = np.abs(1 - law.forgetting - gains * time)
-    if law.cutoff is None:
-        return factors
-    return factors * LowPass(law.cutoff, sample_time).factors(frequencies)

@@ -16,6 +16,7 @@ from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.theory.feasibility.feasibility import Feasibility
 from hilc_cli.theory.findings import ExpectedError, Findings, extent
+from hilc_cli.theory.law_theory import knows_plant
 from hilc_cli.theory.learning.outcome import CLEARLY, NEAR, STAYS
 from hilc_cli.theory.noise.draws import (
     deviations,
@@ -198,6 +199,8 @@ def with_what_is_left(
         model: The platform as the controller believes it to be.
         expected: What is expected of the last iteration, if that is known.
     """
+    if not knows_plant(experiment):
+        return found
     limits = replace(feasibility.limits, wheel_speed=math.inf)
     only_wheels = replace(feasibility, limits=limits).feasible
     if not found.failures or not only_wheels:

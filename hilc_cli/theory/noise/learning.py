@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.plants.kinematic import step_gains
+from hilc_cli.plants.kinematic import driven_path
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.noise.draws import SEEDS, DisturbanceDraws
@@ -224,27 +224,16 @@ class _Ensemble:
     def _driven(self, inputs: Floats, start: Floats | None, state: Floats | None) -> Floats:
         """Errors of the exact plant that drives the inputs, shape (n + 1, 2, seeds)."""
         experiment, reference = self._experiment, self._experiment.reference
-        distance_gain, turn_gain = step_gains(
-            experiment.robot.wheel_radius,
-            experiment.robot.signed_half_track,
-            reference.sample_time,
-        )
-        speeds = inputs + self._feedforward
-        n = self._lifted.samples
-        moved = np.empty((n + 1, 3, self._seeds))
-        moved[0] = np.array(experiment.initial_pose)[:, None]
+        poses = np.tile(np.array(experiment.initial_pose, dtype=np.float64)[:, None], self._seeds)
         if start is not None:
-            moved[0] += start[0]
-        moved[1:, 2] = turn_gain * (speeds[:, 0] - speeds[:, 1])
-        if state is not None:
-            moved[1:, 2] += state[:, 2]
-        heading = np.cumsum(moved[:, 2], axis=0)
-        distance = distance_gain * (speeds[:, 0] + speeds[:, 1])
-        moved[1:, 0] = distance * np.cos(heading[:-1])
-        moved[1:, 1] = distance * np.sin(heading[:-1])
-        if state is not None:
-            moved[1:, :2] += state[:, :2]
-        place = np.cumsum(moved[:, :2], axis=0)
-        desired = np.stack([reference.x, reference.y], axis=1)[:, :, None]
-        found: Floats = desired - place
-        return found
+            poses += start[0]
+        left, right = np.moveaxis(inputs + self._feedforward, 1, 0)
+        x, y, _ = driven_path(
+            (poses[0], poses[1], poses[2]),
+            left,
+            right,
+            experiment.robot,
+            reference.sample_time,
+            state,
+        )
+        return np.stack([reference.x[:, None] - x, reference.y[:, None] - y], axis=1)

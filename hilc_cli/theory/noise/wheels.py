@@ -11,7 +11,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.theory.findings import Findings
+from hilc_cli.theory.findings import Findings, Rows
 
 _ROUNDING = 1e-9  # relative: within it a wheel is at its limit
 _NONE = 1e-9  # [m and rad]; of a start that differs by less, by rounding only
@@ -140,3 +140,28 @@ def _is_often(found: WheelNoise | None) -> TypeGuard[WheelNoise]:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.0f} %"
+
+
+def wheel_rows(found: WheelNoise | None) -> Rows:
+    """What disturbances make of the wheel speeds; nothing without any."""
+    if found is None:
+        return []
+    without = f", {found.undisturbed:.1%} undisturbed" if found.undisturbed else ""
+    return [
+        (
+            "Wheel noise",
+            f"{found.change_rad_s:.3g} rad/s RMS in a sample; {found.at_limit:.1%} of the samples "
+            f"at the limit{without}",
+        )
+    ]
+
+
+def wheel_document(found: WheelNoise | None) -> dict[str, object]:
+    """Returns what disturbances make of the wheel speeds as JSON."""
+    if found is None:
+        return {}
+    return {
+        "wheel_noise_rms_change_rad_s": found.change_rad_s,
+        "share_at_limit": found.at_limit,
+        "share_at_limit_undisturbed": found.undisturbed,
+    }

@@ -8,7 +8,9 @@ from typing import Literal
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.theory.matrices import GainParts, control_matrices, hybrid_law
+from hilc_cli.plants.kinematic import control_matrices
+from hilc_cli.theory.linear_law import paper_law
+from hilc_cli.theory.matrices import GainParts
 from hilc_cli.theory.proof.norms import WheelNorm, wheel_map_norm
 
 _EQUAL = 1e-12  # relative; norms that differ by less count as the same
@@ -78,7 +80,7 @@ def conditions(experiment: Experiment) -> Conditions:
     Source:
         Qiao et al. 2021, Eqs. 19 and 23.
     """
-    law, reference = hybrid_law(experiment), experiment.reference
+    law, reference = paper_law(experiment), experiment.reference
     all_gains = law.l1 + law.l2 + law.l3
     start = (reference.x[0], reference.y[0], reference.heading[0])
     disturbance = experiment.disturbance
@@ -106,7 +108,7 @@ def contraction(
     """
     headings = experiment.reference.heading[:-1]
     control = control_matrices(experiment.robot, headings)  # Eq. 9
-    product = GainParts.of(hybrid_law(experiment).matrix).at(headings) @ control
+    product = GainParts.of(paper_law(experiment).matrix).at(headings) @ control
     norms = wheel_map_norm(np.eye(2) - gain * product, wheels)
     largest = float(norms.max())
     return Contraction(largest, int(np.argmax(norms >= largest * (1 - _EQUAL))))

@@ -24,7 +24,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.compensation import compensation_gain
 from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.matrices import Desired, GainParts, desired_motion, hybrid_law
+from hilc_cli.theory.linear_law import paper_law
+from hilc_cli.theory.matrices import Desired, GainParts, desired_motion
 from hilc_cli.theory.proof.conditions import contraction
 from hilc_cli.theory.proof.norms import (
     WheelNorm,
@@ -155,7 +156,7 @@ def constants(
     Source:
         Qiao et al. 2021, Eqs. 12 to 18, 28 and 32.
     """
-    law, robot, reference = hybrid_law(experiment), experiment.robot, experiment.reference
+    law, robot, reference = paper_law(experiment), experiment.robot, experiment.reference
     sample_time, disturbance = reference.sample_time, experiment.disturbance
     limited = Correction.SPEED_LIMIT in corrections and math.isfinite(experiment.speed_limit)
     wheels: WheelNorm = "sum" if limited else "euclidean"
@@ -209,7 +210,7 @@ def constants(
 
 def feedback_gains(experiment: Experiment) -> tuple[float, float]:
     """l2 and l3 as the law uses them: Eq. 21 has neither."""
-    law = hybrid_law(experiment)
+    law = paper_law(experiment)
     return (0.0, 0.0) if law.compensation else (law.l2, law.l3)
 
 
@@ -247,6 +248,6 @@ def limited_inputs(experiment: Experiment, inputs: Floats) -> Floats:
 def _sure_mismatch(experiment: Experiment) -> float:
     """What can be said before a run of the angle between the headings of L and B [rad]."""
     # L1 at the measured heading of iteration i meets B at the true one of iteration i.
-    if hybrid_law(experiment).gain_heading == "previous":
+    if paper_law(experiment).gain_heading == "previous":
         return experiment.disturbance.output.bound[2]
     return math.pi

@@ -14,9 +14,9 @@ from typing import Literal
 import numpy as np
 
 from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import Robot, control_matrices
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.matrices import GainParts, control_matrices
+from hilc_cli.theory.matrices import GainParts
 
 WheelNorm = Literal["euclidean", "sum"]
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.theory.matrices import desired_poses, hybrid_law
+from hilc_cli.theory.linear_law import paper_law
+from hilc_cli.theory.matrices import desired_poses
 from hilc_cli.theory.proof.bounds import Bounds, bounds, smallest_lambda
 from hilc_cli.theory.proof.conditions import contraction
 from hilc_cli.theory.proof.constants import (
@@ -37,7 +38,7 @@ def constants_within_limit(experiment: Experiment) -> Constants:
     """
     if math.isinf(experiment.speed_limit):
         raise UsageError("without a speed limit nothing bounds the inputs, as Eq. 14 demands")
-    law, sample_time = hybrid_law(experiment), experiment.reference.sample_time
+    law, sample_time = paper_law(experiment), experiment.reference.sample_time
     c = constants(experiment)  # all but what B and L1 on the reference change
 
     b_ud = 2 * experiment.speed_limit  # Eq. 14

@@ -19,6 +19,7 @@ from hilc_cli.laws.gain_matrix import GainMatrix, model_gain, unit_gain
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.plants.kinematic import Robot, TurnConvention
+from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import METRIC_NAMES, MetricsTable, measure
@@ -108,7 +109,7 @@ def experiments(draw: st.DrawFn, reference: Reference) -> Experiment:
     left, right = draw(wheels), draw(wheels)
     return Experiment(
         reference,
-        robot,
+        KinematicPlant(robot),
         law,
         (x, y, heading),
         np.full(reference.samples, left),
@@ -159,10 +160,11 @@ def test_result_does_not_depend_on_the_neighbours() -> None:
         noise = Disturbance(number, Bounded((1e-3, 1e-3, 1e-3)))
         zero = np.zeros(CIRCLE.samples)
         return Experiment(
-            CIRCLE, robot, law, (10.0, 0.0, 1.5), zero, zero, False, 3 + number % 4, 180.0, noise
+            CIRCLE, plant, law, (10.0, 0.0, 1.5), zero, zero, False, 3 + number % 4, 180.0, noise
         )
 
     robot = Robot(0.2, 0.518)
+    plant = KinematicPlant(robot)
     cases = [case(number) for number in range(LANES + 9)]
     together = simulate_batch(cases)
     backwards = simulate_batch(cases[::-1])
@@ -184,7 +186,9 @@ def test_lane_at_the_limit_does_not_see_a_neighbour_beyond_it() -> None:
     def case(gain: float, limit: float) -> Experiment:
         law = HybridLaw(gain, 0.0, 0.0, model_gain(robot), "measured", False, 5)
         pose, none = (10.0, 0.0, 1.5), Disturbance()
-        return Experiment(CIRCLE, robot, law, pose, left, right, True, 4, limit, none)
+        return Experiment(
+            CIRCLE, KinematicPlant(robot), law, pose, left, right, True, 4, limit, none
+        )
 
     still = [case(0.0, 20.0 + number) for number in range(8)]
     together = simulate_batch([*still, case(0.5, 5.0), case(5.0, 60.0)])

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
-from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, Plan
+from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, OptimalPlan
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot, euler_step, limit_wheel_speeds, step_gains
 from hilc_cli.reference.sampled import Floats, Reference
@@ -34,7 +34,7 @@ class Learned:
 
     poses: Floats
     applied: Floats
-    plan: Plan | None
+    plan: OptimalPlan | None
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Workplace:
         """Iteration 0 with the wheels at rest, then so many learned ones."""
         learner = NormOptimalLearner(self.parameters, self.reference, self.model, self.speed_limit)
         done: list[Learned] = []
-        plan: Plan | None = None
+        plan: OptimalPlan | None = None
         for iteration in range(iterations + 1):
             if done:
                 alpha = self.disturbance.of_output(iteration - 1, self.reference.samples + 1)
@@ -62,7 +62,7 @@ class Workplace:
             done.append(self.run(iteration, plan))
         return done
 
-    def run(self, iteration: int, plan: Plan | None) -> Learned:
+    def run(self, iteration: int, plan: OptimalPlan | None) -> Learned:
         """One iteration of a plan; None: the wheels at rest."""
         n = self.reference.samples
         gains = step_gains(

@@ -14,10 +14,11 @@ from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings
+from hilc_cli.theory.laws.pid import PidLearning
 from hilc_cli.theory.learning import transient
 from hilc_cli.theory.learning.expected import expected_of_learning
 from hilc_cli.theory.learning.findings import forecast_findings
-from hilc_cli.theory.learning.forecast import PidReasons, forecast
+from hilc_cli.theory.learning.forecast import forecast
 from hilc_cli.theory.learning.gains import StepGain, step_gain
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM
@@ -235,7 +236,7 @@ def test_ripples_of_pid_are_told_with_a_remedy() -> None:
     assert found.settles
     (text,) = [text for text in findings(case.experiment(line(200))).warnings if "ripples" in text]
     assert text.endswith("stop in time, or lower the gains, or set controller.cutoff")
-    summed = PidReasons(case.experiment(line(3)), replace(case, ki=0.1, cutoff=0.5).law())
+    summed = PidLearning(replace(case, ki=0.1, cutoff=0.5).experiment(line(3)))
     assert summed.against_ripples() == "lower ki, or lower controller.cutoff"
 
 

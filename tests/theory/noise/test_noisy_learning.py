@@ -20,11 +20,12 @@ from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.theory.laws.hybrid import HybridUpdate
+from hilc_cli.theory.laws.pid import PidUpdate
 from hilc_cli.theory.learning import transient
 from hilc_cli.theory.learning.expected import expected_of_learning, expected_of_norm_optimal
 from hilc_cli.theory.learning.forecast import forecast
 from hilc_cli.theory.learning.transient import predict_transient
-from hilc_cli.theory.learning.update import update_of
 from hilc_cli.theory.matrices import GainParts
 from hilc_cli.theory.noise.draws import SEEDS, NoiseDraws, deviations, spread_of_start
 from hilc_cli.theory.noise.learning import noisy_learning
@@ -116,7 +117,12 @@ def test_on_a_line_the_limit_is_followed_exactly(l2: float, limit: float) -> Non
 )
 def test_seeds_side_by_side_learn_as_each_alone(law: PidLaw | HybridLaw) -> None:
     n, seeds = ROUND.samples, 3
-    update = update_of(law, GainParts.of(law.matrix).at(ROUND.heading[:-1]), ROUND.sample_time)
+    gains = GainParts.of(law.matrix).at(ROUND.heading[:-1])
+    update: HybridUpdate | PidUpdate
+    if isinstance(law, PidLaw):
+        update = PidUpdate(law, gains, ROUND.sample_time)
+    else:
+        update = HybridUpdate(law, gains, ROUND.sample_time)
     random = np.random.default_rng(1)
     inputs, errors = random.normal(size=(n, 2, seeds)), random.normal(size=(n + 1, 3, seeds))
     alone = [update.learned(inputs[..., seed], errors[..., seed]) for seed in range(seeds)]

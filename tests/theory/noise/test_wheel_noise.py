@@ -18,7 +18,7 @@ from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot
-from hilc_cli.theory.laws.law_theory import law_theory
+from hilc_cli.theory.law_theory import law_theory
 from tests.engine.experiments import law_of, matrix_of
 from tests.theory.laws.test_tracking_response import LEFT, ROBOT, STRAIGHT, WRONG, experiment, path
 

@@ -1,0 +1,231 @@
+"""What theory knows of the hybrid law."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.disturbance.streams import Triple
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.compensation import compensation_gain
+from hilc_cli.laws.hybrid import HybridLaw, compensated_error, learned_error
+from hilc_cli.reference.path import POSITION_TOLERANCE
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.learning.gains import (
+    MARGIN,
+    loop_gains_of,
+    strength_findings,
+    unseen,
+    wrong_way,
+)
+from hilc_cli.theory.learning.linear_theory import NO_EFFECT_IN_FIRST, LinearTheory
+from hilc_cli.theory.matrices import times
+
+
+class HybridTheory(LinearTheory):
+    """The linear theory of the hybrid law."""
+
+    def __init__(self, experiment: Experiment) -> None:
+        """With an experiment of the law."""
+        super().__init__(experiment, HybridLearning(experiment))
+
+
+class HybridUpdate:
+    """u(k) + G_k l1 [e(k+1) + w(k) e(0)]: Eq. 17 before its feedback, or Eq. 21.
+
+    Source:
+        Qiao et al. 2021, Eqs. 17 and 21.
+    """
+
+    kept = 1.0
+    smooths = False
+
+    def __init__(self, law: HybridLaw, gains: Floats, sample_time: float) -> None:
+        """With G_k along the reference, shape (n, 2, 3), and d_t [s]."""
+        self.next_gain = law.l1
+        self._gains = gains
+        self._weights: Floats | None = None
+        if law.compensation:
+            weights = [compensation_gain(k, law.h, sample_time) for k in range(len(gains))]
+            self._weights = np.array(weights)
+
+    def learned(self, inputs: Floats, errors: Floats) -> Floats:
+        """The input with its correction."""
+        past = self.next_gain * errors[1:]
+        if self._weights is not None:
+            weights = self._weights.reshape(-1, *(1,) * (errors.ndim - 1))
+            past = compensated_error(self.next_gain, errors[1:], weights, errors[0])
+        return inputs + times(self._gains, past)
+
+    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
+        """The transpose of `learned`."""
+        seen = times(self._gains.transpose(0, 2, 1), inputs)
+        errors = np.zeros((len(seen) + 1, 3), order="F")
+        errors[1:] = self.next_gain * seen
+        if self._weights is not None:
+            errors[0] = self.next_gain * (self._weights @ seen)
+        return inputs, errors
+
+    def constant(self, first: Floats, feedforward: Floats) -> None:
+        """Nothing."""
+
+
+class HybridResting:
+    """Eq. 17 or Eq. 21."""
+
+    forgotten = 0.0
+
+    def __init__(self, law: HybridLaw, start: Triple, sample_time: float) -> None:
+        """With e(0) and d_t [s]."""
+        self.next_gain = law.l1
+        self._law, self._start, self._sample_time = law, start, sample_time
+        self._before: Triple = (0.0, 0.0, 0.0)  # e(-1) = 0
+
+    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
+        """The errors before the gain matrix."""
+        law, before = self._law, self._before
+        self._before = now
+        if law.compensation:
+            weight = compensation_gain(k, law.h, self._sample_time)
+            x, y, heading = (
+                compensated_error(law.l1, a, weight, s)
+                for a, s in zip(ahead, self._start, strict=True)
+            )
+        else:
+            x, y, heading = (
+                learned_error(law.l1, a, law.l2, n, law.l3, b)
+                for a, n, b in zip(ahead, now, before, strict=True)
+            )
+        return x, y, heading
+
+
+class HybridLearning:
+    """Eq. 17 or Eq. 21 in an experiment."""
+
+    step_gain = None
+    less_noise = "lower controller.gains"
+
+    def __init__(self, experiment: Experiment) -> None:
+        """With an experiment of the law."""
+        self._experiment = experiment
+        self._law = law = cast("HybridLaw", experiment.law)
+        self._sample_time = experiment.reference.sample_time
+        self.matrix, self.gain_heading, self.paper = law.matrix, law.gain_heading, law
+        self.feedback = (0.0, 0.0) if law.compensation else (law.l2, law.l3)  # Eq. 21 has neither
+        self.compensated_until = law.h if law.compensation else None
+        self.for_the_start = "" if law.compensation else "set 'compensation: on'"
+
+    @property
+    def rest_from(self) -> int:
+        """After sample h with a compensation, otherwise after the start."""
+        law = self._law
+        return law.h + 1 if law.compensation and law.h < self._experiment.reference.samples else 1
+
+    def update(self, gains: Floats) -> HybridUpdate:
+        """What is learned."""
+        return HybridUpdate(self._law, gains, self._sample_time)
+
+    def resting(self, start: Triple) -> HybridResting:
+        """The law at sample 0."""
+        return HybridResting(self._law, start, self._sample_time)
+
+    def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:
+        """What an iteration multiplies ripples by."""
+        l2, l3 = self.feedback
+        back, gains = np.exp(-1j * frequencies), self._sample_time * gains  # 1 / z
+        learned = np.abs(1 - back - self._law.l1 * gains)
+        fed_back = np.abs(1 - back + gains * (l2 * back + l3 * back**2))
+        factors: Floats = learned / fed_back
+        return factors
+
+    def not_settling(self) -> str:
+        """The gain l1, or the gain matrix."""
+        law, sample_time = self._law, self._experiment.reference.sample_time
+        if law.l1 == 0:
+            if law.compensation or (law.l2 == 0 and law.l3 == 0):
+                return "controller.gains.l1 is 0, so every iteration is the first; raise it"
+            return (
+                "controller.gains.l1 is 0, so no wheel speed is corrected by the error that it "
+                "causes, only by those before; raise it"
+            )
+        gains = loop_gains_of(self._experiment, law.matrix)
+        wrong = wrong_way(gains)
+        if wrong:
+            return wrong
+        # |1 - d l1 g| < 1 for all loop gains g
+        bound = float((2 * gains.real / np.abs(gains) ** 2).min()) / sample_time
+        if law.l1 < bound / 2:
+            return (
+                f"controller.gains.l1 of {law.l1:g} changes wheel speeds by less than the "
+                "rounding of their numbers; raise it"
+            )
+        return (
+            f"controller.gains.l1 of {law.l1:g} turns the error that a sample's wheel speeds "
+            f"cause into one as large or larger; keep it below {bound:.3g}"
+        )
+
+    def against_ripples(self) -> str:
+        """Less feedback than learning."""
+        law = self._law
+        if law.matrix.is_kinematic and (law.l2 > 0 or law.l3 > 0):
+            return "lower l2 and l3 until l2 + 3 l3 is below l1"
+        return "lower the gains"
+
+    def rest_off(self) -> str:
+        """Feedback that outweighs learning, or what the gain matrix does not see."""
+        law = self._law
+        # l1 z^2 + l2 z + l3 has a root outside the unit circle (Jury)
+        if not law.compensation and (law.l3 > law.l1 or law.l2 > law.l1 + law.l3):
+            return "its feedback makes errors grow from sample to sample; lower l2 and l3"
+        return unseen(law.matrix)
+
+    def advice(self) -> list[str]:
+        """What is legal but unwise."""
+        found = strength_findings(self._experiment, self.matrix)
+        if self._experiment.learn_in_first and not any(self.feedback):
+            found.append(NO_EFFECT_IN_FIRST)
+        return [*found, *self._advice_on_feedback(), *self._advice_on_compensation()]
+
+    def _advice_on_feedback(self) -> list[str]:
+        """Growth of an error e(k+1) = (1 - d l2 g) e(k) - d l3 g e(k-1) within an iteration."""
+        law = self._law
+        if not any(self.feedback):
+            return []
+        gains = self._sample_time * loop_gains_of(self._experiment, law.matrix)
+        if (gains.real <= 0).any():
+            return []  # told of the gain matrix
+        half = (1 - law.l2 * gains) / 2
+        root = np.sqrt(half**2 - law.l3 * gains)
+        growth = float(max(np.abs(half + root).max(), np.abs(half - root).max()))
+        if growth <= 1 + MARGIN:
+            return []
+        return [
+            f"controller.gains.l2 of {law.l2:g} and l3 of {law.l3:g} make the feedback within an "
+            f"iteration unstable at this sample_time: an error grows to {growth:.3g} times its "
+            "size from sample to sample; lower them, or shorten sample_time"
+        ]
+
+    def _advice_on_compensation(self) -> list[str]:
+        """What a compensation cannot do."""
+        law, experiment = self._law, self._experiment
+        if not law.compensation:
+            return []
+        found = []
+        reference, disturbance = experiment.reference, experiment.disturbance
+        if 2 * law.h > reference.samples:
+            found.append(
+                f"controller.h of {law.h} of {reference.samples} samples: Theorem 2 promises the "
+                "reference for what comes after sample h only; make it shorter"
+            )
+        start = (reference.x[0], reference.y[0], reference.heading[0])
+        pairs = zip(start, experiment.initial_pose, strict=True)
+        off = any(abs(wanted - given) > POSITION_TOLERANCE for wanted, given in pairs)
+        scattered = disturbance.initial_pose.active and not disturbance.initial_pose.repeat
+        if scattered and not off:
+            found.append(
+                "disturbance.initial_pose differs in each iteration, and the law compensates each "
+                "time what it has met the time before; set 'compensation: off', or 'repeat: true'"
+            )
+        return found

@@ -1,0 +1,216 @@
+"""What theory knows of law pid."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.disturbance.streams import Triple
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.pid import LowPass, PidLaw, next_error_gain, weighted_error
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.learning.gains import (
+    MARGIN,
+    StepGain,
+    step_gain,
+    strength_findings,
+    unseen,
+    wrong_way,
+)
+from hilc_cli.theory.learning.linear_theory import NO_EFFECT_IN_FIRST, LinearTheory
+from hilc_cli.theory.matrices import times
+
+
+class PidTheory(LinearTheory):
+    """The linear theory of law pid."""
+
+    def __init__(self, experiment: Experiment) -> None:
+        """With an experiment of the law."""
+        super().__init__(experiment, PidLearning(experiment))
+
+
+class PidUpdate:
+    """Q[(1 - gamma) u + gamma u_0](k) + G_k Q[w](k) of PID-type learning."""
+
+    def __init__(self, law: PidLaw, gains: Floats, sample_time: float) -> None:
+        """With G_k along the reference, shape (n, 2, 3), and d_t [s]."""
+        self._sample_time = sample_time
+        self.kept = 1 - law.forgetting
+        self.next_gain = next_error_gain(law.gains, sample_time)
+        self.smooths = law.cutoff is not None
+        self._law, self._gains = law, gains
+        self._pulse = law.pulse(len(gains), sample_time)
+        self._filter = None if law.cutoff is None else LowPass(law.cutoff, sample_time)
+
+    def learned(self, inputs: Floats, errors: Floats) -> Floats:
+        """The smoothed input with its correction."""
+        past = weighted_error(self._law.gains, errors, self._pulse, self._sample_time)
+        return self._smoothed(self.kept * inputs) + times(self._gains, self._smoothed(past))
+
+    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
+        """The transpose of `learned`; the filter is its own."""
+        seen = self._smoothed(times(self._gains.transpose(0, 2, 1), inputs))
+        kp, ki, kd = self._law.gains
+        errors = np.zeros((len(seen) + 1, 3), order="F")
+        errors[1:] = kp * seen
+        if ki:
+            later = ki * self._sample_time * np.cumsum(seen[::-1], axis=0)[::-1]
+            errors[1:] += later
+            errors[0] += later[0]
+        if kd:
+            errors[1:] += kd / self._sample_time * seen
+            errors[:-1] -= kd / self._sample_time * seen
+            if self._pulse is not None:
+                errors[0] += kd * (self._pulse @ seen)
+        return self._smoothed(self.kept * inputs), errors
+
+    def constant(self, first: Floats, feedforward: Floats) -> Floats | None:
+        """The share of u_0, and what the filter takes from u_d."""
+        found = self._smoothed((1 - self.kept) * first)
+        if self.smooths:
+            found = found + (self._smoothed(feedforward) - feedforward)
+        return found if found.any() else None
+
+    def _smoothed(self, signals: Floats) -> Floats:
+        return signals if self._filter is None else self._filter(signals.T).T
+
+
+class PidResting:
+    """Law pid without a Q-filter."""
+
+    def __init__(self, law: PidLaw, start: Triple, samples: int, sample_time: float) -> None:
+        """With e(0), n and d_t [s]."""
+        self.next_gain = next_error_gain(law.gains, sample_time)
+        self.forgotten = law.forgetting
+        self._gains, self._start, self._sample_time = law.gains, start, sample_time
+        pulse = law.pulse(samples, sample_time)
+        self._pulse = [0.0] * samples if pulse is None else pulse.tolist()
+        self._sum: Triple = (0.0, 0.0, 0.0)  # of the errors before sample k
+
+    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
+        """The errors before the gain matrix."""
+        (kp, ki, kd), d, pulse = self._gains, self._sample_time, self._pulse[k]
+        before_x, before_y, before_heading = self._sum
+        total = before_x + now[0], before_y + now[1], before_heading + now[2]
+        self._sum = total
+        x, y, heading = (
+            kp * a + ki * d * (t + a) + kd * ((a - n) / d + pulse * s)
+            for a, n, t, s in zip(ahead, now, total, self._start, strict=True)
+        )
+        return x, y, heading
+
+
+class PidLearning:
+    """Law pid in an experiment."""
+
+    feedback = (0.0, 0.0)
+    compensated_until = None
+    for_the_start = ""
+
+    def __init__(self, experiment: Experiment) -> None:
+        """With an experiment of the law."""
+        self._experiment = experiment
+        self._law = law = cast("PidLaw", experiment.law)
+        self._sample_time = experiment.reference.sample_time
+        self.matrix, self.gain_heading = law.matrix, law.gain_heading
+        self.rest_from = law.rectifying or 1  # an initial error is gone behind a rectifying pulse
+        smoother = "set controller.cutoff, or " if law.cutoff is None else ""
+        self.less_noise = f"{smoother}lower controller.gains"
+
+    @property
+    def paper(self) -> HybridLaw | None:
+        """Eq. 17 with l1 = kp, if there is nothing else."""
+        law = self._law
+        if not (law.ki == law.kd == law.forgetting == 0 and law.cutoff is None):
+            return None
+        return HybridLaw(law.kp, 0.0, 0.0, law.matrix, law.gain_heading, False, 1)
+
+    @cached_property
+    def step_gain(self) -> StepGain:
+        """The condition to converge."""
+        return step_gain(self._experiment, self._law)
+
+    def update(self, gains: Floats) -> PidUpdate:
+        """What is learned."""
+        return PidUpdate(self._law, gains, self._sample_time)
+
+    def resting(self, start: Triple) -> PidResting | None:
+        """The law at sample 0; None with a Q-filter."""
+        if self._law.cutoff is not None:
+            return None
+        samples = self._experiment.reference.samples
+        return PidResting(self._law, start, samples, self._sample_time)
+
+    def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:
+        """What an iteration multiplies ripples by."""
+        law, sample_time = self._law, self._sample_time
+        summed = sample_time / (1 - np.exp(-1j * frequencies))
+        time = law.kp * summed + law.ki * summed**2 + law.kd
+        factors: Floats = np.abs(1 - law.forgetting - gains * time)
+        if law.cutoff is None:
+            return factors
+        return factors * LowPass(law.cutoff, sample_time).factors(frequencies)
+
+    def not_settling(self) -> str:
+        """The gains, or the gain matrix."""
+        law = self._law
+        if not any(law.gains):
+            return "controller.gains are all 0, so every iteration is the first; give kp, ki or kd"
+        found = self.step_gain
+        wrong = wrong_way(found.loop)
+        if wrong:
+            return wrong
+        bound = found.largest_time
+        if found.left < 1 - MARGIN:
+            return (
+                "controller.gains let errors grow that pass the Q-filter, which mixes later "
+                "samples with earlier ones; lower kp and ki, or raise controller.cutoff"
+            )
+        if found.time < bound / 2:
+            return (
+                "controller.gains change wheel speeds by less than the rounding of their numbers; "
+                "raise them"
+            )
+        grows = "the error that a sample's wheel speeds cause into one as large or larger"
+        if law.kp == law.ki == 0:
+            return f"controller.gains.kd of {law.kd:g} s turns {grows}; keep it below {bound:.3g} s"
+        return (
+            f"controller.gains turn {grows}: kd + kp d_t + ki d_t^2 is {found.time:.3g} s; keep it "
+            f"below {bound:.3g} s"
+        )
+
+    def against_ripples(self) -> str:
+        """Smaller gains, or a filter."""
+        lower = "lower ki" if self._law.ki else "lower the gains"
+        return f"{lower}, or {'set' if self._law.cutoff is None else 'lower'} controller.cutoff"
+
+    def rest_off(self) -> str:
+        """The first input that is not forgotten, an error that stays, or one that is not seen."""
+        law, start = self._law, self._experiment.reference
+        if law.forgetting:
+            return (
+                "controller.forgetting draws the wheels towards the first input; lower it, or "
+                "begin with a better one"
+            )
+        pose = start.x[0], start.y[0], start.heading[0]
+        off = pose != self._experiment.initial_pose
+        if off and law.kp == law.ki == 0 and law.rectifying is None:
+            return "its derivative is all that the law sees of an initial error; give kp as well"
+        if law.cutoff is not None:
+            return (
+                "controller.cutoff takes away what is faster, and the law does not see all errors; "
+                "raise it"
+            )
+        return unseen(law.matrix)
+
+    def advice(self) -> list[str]:
+        """What is legal but unwise."""
+        found = strength_findings(self._experiment, self.matrix)
+        # A filter smooths the first input, and so has an effect.
+        if self._experiment.learn_in_first and self._law.cutoff is None:
+            found.append(NO_EFFECT_IN_FIRST)
+        return found

@@ -1,0 +1,171 @@
+"""What the linear theory asks of a law that learns from the last iteration by a gain matrix."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.disturbance.streams import Triple
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import UsageError
+from hilc_cli.laws.gain_matrix import GainMatrix
+from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.law import Law
+from hilc_cli.laws.past_errors import GainHeading
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.learning.gains import StepGain
+
+
+class LearningUpdate(Protocol):
+    """The part of a law that learns; inputs are u - u_d, errors e, the gain matrix G_k is given.
+
+    Attributes:
+        kept: What is left of an input where there is no error.
+        next_gain: What e(k+1) is multiplied by before G_k; none of w(k) depends on later errors.
+        smooths: Whether samples are mixed by a filter, so that the two numbers above do not tell
+            what becomes of a single one.
+    """
+
+    kept: float
+    next_gain: float
+    smooths: bool
+
+    def learned(self, inputs: Floats, errors: Floats) -> Floats:
+        """What is learned of an input, shape (n, 2), and its errors, shape (n + 1, 3).
+
+        Further axes stand for seeds, side by side.
+        """
+
+    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
+        """The transpose of `learned`: shares of an input, shape (n, 2), and of errors."""
+
+    def constant(self, first: Floats, feedforward: Floats) -> Floats | None:
+        """What is added in every iteration, from u_0 - u_d and u_d; None for nothing."""
+
+
+class Resting(Protocol):
+    """A law on the way along a motion.
+
+    Attributes:
+        next_gain: What e(k+1) is multiplied by before the gain matrix.
+        forgotten: gamma: how much of u(k) - u_0(k) the law takes away.
+    """
+
+    next_gain: float
+    forgotten: float
+
+    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
+        """The errors before the gain matrix, with e(k) and an e(k+1), [m, m, rad].
+
+        Called once for each sample in order; what is weighed of e(k+1) is next_gain times it.
+        """
+
+
+class LinearLaw(Protocol):
+    """A law in an experiment, as the linear theory sees it.
+
+    What is worded is part of sentences that name the law's keys.
+
+    Attributes:
+        matrix: The gain matrix.
+        gain_heading: The heading at which it is taken.
+    """
+
+    matrix: GainMatrix
+    gain_heading: GainHeading
+
+    @property
+    def feedback(self) -> tuple[float, float]:
+        """Gains l2 of the running iteration's error, and l3 of that a sample before."""
+
+    @property
+    def rest_from(self) -> int:
+        """The first sample at which an initial error should be gone where learning rests."""
+
+    @property
+    def compensated_until(self) -> int | None:
+        """The length of a compensation in samples; None without one."""
+
+    @property
+    def step_gain(self) -> StepGain | None:
+        """What a sample's correction does, of a law whose condition is told by it."""
+
+    @property
+    def paper(self) -> HybridLaw | None:
+        """The law of Qiao et al. 2021 that it is the same as; None if it is the same as none."""
+
+    @property
+    def less_noise(self) -> str:
+        """What makes it learn less of the noise."""
+
+    @property
+    def for_the_start(self) -> str:
+        """What gets it onto the trajectory from a start that is far off; empty for nothing."""
+
+    def update(self, gains: Floats) -> LearningUpdate:
+        """Returns what is learned, with G_k along the reference, shape (n, 2, 3)."""
+
+    def resting(self, start: Triple) -> Resting | None:
+        """Returns the law at sample 0, with e(0) [m, m, rad]; None if a filter mixes samples."""
+
+    def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:
+        """Returns what an iteration multiplies ripples by.
+
+        Args:
+            gains: Loop gains, shape (m, 1).
+            frequencies: In radians per sample, shape (p,).
+        """
+
+    def not_settling(self) -> str:
+        """Returns why the spectral radius is 1 or more, and a remedy."""
+
+    def against_ripples(self) -> str:
+        """Returns what keeps ripples of the wheel speeds from growing."""
+
+    def rest_off(self) -> str:
+        """Returns why learning does not rest on the reference."""
+
+    def advice(self) -> list[str]:
+        """Returns what is legal but unwise about its gains, in sentences with their remedies."""
+
+
+def theory_class(law: Law) -> Any:
+    """Returns what a law names as its theory, see `LawTheory`; None if it names nothing."""
+    place = getattr(law, "theory", None)
+    if place is None:
+        return None
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name)
+
+
+def linear_law(experiment: Experiment) -> LinearLaw:
+    """Returns the experiment's law.
+
+    Raises:
+        UsageError: The linear theory does not speak of it.
+    """
+    law = _linear(experiment)
+    if law is None:
+        raise UsageError("the convergence theory is that of the laws hybrid and pid only")
+    return law
+
+
+def paper_law(experiment: Experiment) -> HybridLaw:
+    """Returns the experiment's law as Eq. 17 or 21; law pid with kp alone is Eq. 17 with l1 = kp.
+
+    Raises:
+        UsageError: It is another one, of which the paper does not speak.
+    """
+    law = _linear(experiment)
+    if law is None or law.paper is None:
+        raise UsageError("the paper's theory is that of the hybrid law only")
+    return law.paper
+
+
+def _linear(experiment: Experiment) -> LinearLaw | None:
+    theory = theory_class(experiment.law)
+    law: LinearLaw | None = None if theory is None else theory(experiment).linear
+    return law
