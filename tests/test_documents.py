@@ -17,7 +17,7 @@ from tests.cli.processes import environment
 from tests.conftest import Hilc
 from tests.pages import PAGES, ROOT, Block, Command, blocks, commands
 
-RUN_BY_THEIR_OWN_TESTS = ("docs/laws/",)  # tests/test_law_pages.py
+RUN_BY_THEIR_OWN_TESTS = ("docs/laws/", "docs/plug-ins.md")  # test_law_pages, cli/test_plug_ins
 
 
 def is_run_here(page: str) -> bool:
