@@ -191,7 +191,6 @@ def sweep(
     from hilc_cli.cli.default_folders import SWEEP, default_folder, folder_of_shards, shard_folder
     from hilc_cli.runs.running import load_scenario
     from hilc_cli.sweeps.compute import Execution, compile_for
-    from hilc_cli.sweeps.crew import available_cores
     from hilc_cli.sweeps.estimate import estimate
     from hilc_cli.sweeps.folders import (
         check_sweep_output,
@@ -204,6 +203,7 @@ def sweep(
     from hilc_cli.sweeps.shards import check_shardable, shard_cases
     from hilc_cli.sweeps.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
     from hilc_cli.sweeps.tables import require_parquet
+    from hilc_cli.workers.handing_out import available_cores
 
     session: Session = context.obj
     report = SweepReport(json=json, quiet=quiet, verbose=verbose)

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.loop import simulate
+from hilc_cli.engine.measuring import MeasuredTrials
 from hilc_cli.errors import DivergedError, HilcError
 from hilc_cli.leaderboards.entries import Entry
 from hilc_cli.leaderboards.plan import Contest
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import first_within, measure, settled_at, share_within
-from hilc_cli.results.trial import Trial
-from hilc_cli.sweeps.chunks import Chunk
-from hilc_cli.sweeps.crew import Processes
-from hilc_cli.sweeps.execute import TRIES
+from hilc_cli.results.metrics import first_within, settled_at, share_within
+from hilc_cli.workers.handing_out import Alone, Crew, hand_out
+from hilc_cli.workers.processes import Processes
 
 
 class FailedContestError(HilcError):
@@ -41,12 +38,9 @@ class Contests:
     after: tuple[int, ...]
     tolerance: float
 
-    def __call__(self, chunk: Chunk) -> list[Entry]:
-        """The entries of some runs."""
-        return [
-            compete(contest, self.after, self.tolerance)
-            for contest in self.runs[chunk.first : chunk.last]
-        ]
+    def __call__(self, number: int) -> Entry:
+        """The entry of a run."""
+        return compete(self.runs[number], self.after, self.tolerance)
 
 
 def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
@@ -121,42 +115,20 @@ def hold(
         FailedContestError: A run cannot be computed.
         WorkersError: Processes cannot be started.
     """
-    if workers == 1:
-        return tuple(_alone(contests, on_runs, go_on))
-    waiting = deque(Chunk(number, number + 1) for number in range(len(contests.runs)))
+    numbers = range(len(contests.runs))
+    crew: Crew[int, Entry] = (
+        Alone(contests) if workers == 1 else Processes(contests, min(workers, len(numbers)))
+    )
     entries: dict[int, Entry] = {}
-    lost: Counter[Chunk] = Counter()
-    crew = Processes(contests, min(workers, len(waiting)))
     try:
-        while len(entries) < len(contests.runs):
-            while waiting and crew.takes():
-                crew.give(waiting.popleft())
-            go_on()
-            for outcome in crew.outcomes():
-                if outcome.result is not None:
-                    entries[outcome.chunk.first] = outcome.result[0]
-                    continue
-                lost[outcome.chunk] += 1
-                if outcome.is_final or lost[outcome.chunk] == TRIES:
-                    raise _failed(contests.runs[outcome.chunk.first], outcome.reason)
-                waiting.appendleft(outcome.chunk)
+        for outcome in hand_out(numbers, crew, go_on):
+            if outcome.result is None:
+                raise _failed(contests.runs[outcome.piece], outcome.reason) from outcome.error
+            entries[outcome.piece] = outcome.result
             on_runs(len(entries))
     finally:
         crew.dismiss()
-    return tuple(entries[number] for number in range(len(entries)))
-
-
-def _alone(
-    contests: Contests, on_runs: Callable[[int], None], go_on: Callable[[], None]
-) -> Iterator[Entry]:
-    for number, contest in enumerate(contests.runs, 1):
-        go_on()
-        try:
-            entry = compete(contest, contests.after, contests.tolerance)
-        except Exception as error:
-            raise _failed(contest, f"{type(error).__name__}: {error}") from error
-        yield entry
-        on_runs(number)
+    return tuple(entries[number] for number in numbers)
 
 
 def _failed(contest: Contest, reason: str) -> FailedContestError:
@@ -176,18 +148,14 @@ class _Errors:
 
 
 def _errors(experiment: Experiment) -> _Errors:
+    trials = MeasuredTrials(experiment)
     found = _Errors([], [], [])
-    before: Trial | None = None
-    try:
-        for trial in simulate(experiment):
-            metrics = measure(trial, experiment.reference, before)
-            found.max_m.append(metrics.max_position_error_second_half_m)
-            found.mean_m.append(metrics.mean_position_error_second_half_m)
-            found.whole_m.append(metrics.max_position_error_m)
-            found.fastest = max(found.fastest, metrics.max_wheel_speed_rad_s)
-            before = trial
-    except DivergedError as error:
-        found.diverged_at = error.iteration
+    for _, metrics in trials:
+        found.max_m.append(metrics.max_position_error_second_half_m)
+        found.mean_m.append(metrics.mean_position_error_second_half_m)
+        found.whole_m.append(metrics.max_position_error_m)
+        found.fastest = max(found.fastest, metrics.max_wheel_speed_rad_s)
+    found.diverged_at = trials.diverged_at
     return found
 
 

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.loop import simulate
+from hilc_cli.engine.measuring import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import merge_folder
 from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.manifest import circumstances
-from hilc_cli.results.metrics import MetricsTable, measure
+from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import Summary, summarise
 from hilc_cli.results.trial import Trial
@@ -164,21 +163,17 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
     kept = recorded_iterations(scenario.spec.record.iterations, experiment.iterations)
     metrics, learning = MetricsTable(), LearningTable()
     trials: dict[int, Trial] = {}
-    last: Trial | None = None
-    diverged_at: int | None = None
-    try:
-        for trial in measured_trials(experiment, metrics):
-            learning.append(trial.figures)
-            if trial.iteration in kept:
-                trials[trial.iteration] = trial
-            last = trial
-            if on_iteration is not None:
-                on_iteration(trial.iteration)
-    except DivergedError as error:
-        if last is None:
-            raise
-        diverged_at = error.iteration
-        trials[last.iteration] = last  # the last one always is kept
+    measured = MeasuredTrials(experiment)
+    for trial, row in measured:
+        metrics.append(row)
+        learning.append(trial.figures)
+        if trial.iteration in kept:
+            trials[trial.iteration] = trial
+        if on_iteration is not None:
+            on_iteration(trial.iteration)
+    if measured.last is None:
+        raise DivergedError(0)
+    trials[measured.last.iteration] = measured.last  # however far it came
     result = Run(
         name=scenario.name,
         reference=experiment.reference,
@@ -186,7 +181,7 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         trials=trials,
         speed_limit=scenario.speed_limit,
         gravity_center=experiment.robot.gravity_center,
-        diverged_at=diverged_at,
+        diverged_at=measured.diverged_at,
         learning=learning,
         settings=settings_of(scenario),
         yardsticks=yardsticks_of(scenario),
@@ -196,23 +191,6 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
     )
     warnings = (*forewarnings(scenario), *what_happened(result, experiment))
     return replace(result, warnings=warnings)
-
-
-def measured_trials(experiment: Experiment, metrics: MetricsTable) -> Iterator[Trial]:
-    """The iterations of an experiment, each measured as it is completed.
-
-    Args:
-        experiment: What to simulate.
-        metrics: Empty; gets a row for each iteration.
-
-    Raises:
-        DivergedError: An iteration left the finite numbers; it is neither measured nor yielded.
-    """
-    before: Trial | None = None
-    for trial in simulate(experiment):
-        metrics.append(measure(trial, experiment.reference, before))
-        yield trial
-        before = trial
 
 
 def read_run(folder: str | Path) -> RunData:

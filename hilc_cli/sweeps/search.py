@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,20 +10,13 @@ from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, METRIC_NAMES
 from hilc_cli.sweeps.chunks import Chunk, run_chunk
-from hilc_cli.sweeps.compute import Execution, compile_for, crew_for
-from hilc_cli.sweeps.execute import hand_out
+from hilc_cli.sweeps.compute import Execution, compile_for, compute_chunks, crew_for
+from hilc_cli.sweeps.estimate import cases_per_chunk
 from hilc_cli.sweeps.memory_store import Store
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sampler import Sampler, Values
-from hilc_cli.sweeps.sizing import cases_per_chunk
+from hilc_cli.sweeps.sampler import Sampler, Values, batches
 from hilc_cli.sweeps.varied import Varied
 from hilc_cli.variation.cases import ListedCases
-
-# docs/sweeps.md has what these were chosen by.
-_FIRST = 12
-"""Cases that are drawn before there is anything to learn from."""
-_LEAST, _SHARE = 4, 4
-"""Of a batch: so many at least, a quarter of what is known at most; a quarter of it is drawn."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,12 +52,7 @@ def search(plan: Plan, store: Store, how: Execution) -> Found:
             values = sampler.ask(len(cases), drawn)
             batch = Chunk(cases.first, cases.last, values)
             store.forget_others(batch)
-            hand_out(
-                *(plan, store, crew, _missing(plan, store, batch, crew.workers)),
-                fail_fast=how.fail_fast,
-                on_cases=how.on_cases,
-                go_on=how.go_on,
-            )
+            compute_chunks(plan, store, crew, _missing(plan, store, batch, crew.workers), how)
             sampler.tell(costs(plan, store.rows()[batch.first : batch.last]))
             listed += values
     finally:
@@ -100,25 +87,6 @@ def _metric(plan: Plan, rows: Floats) -> Floats:
     """What is minimised, not-a-number for cases that diverged, failed or have no such number."""
     finished = rows[:, CASE_COLUMNS.index(DIVERGED)] == 0
     return np.where(finished, rows[:, CASE_COLUMNS.index(plan.spec.metric)], np.nan)
-
-
-def batches(cases: int) -> Iterator[tuple[Chunk, int]]:
-    """The cases of a search in batches that grow with what is known.
-
-    Args:
-        cases: How many there are; with more of them those before are the same.
-
-    Yields:
-        A batch, and how many of its cases are drawn: of the first all.
-    """
-    size = drawn = _FIRST
-    first = 0
-    while first < cases:
-        last = min(first + size, cases)
-        yield Chunk(first, last), min(drawn, last - first)
-        first = last
-        size = min(max(_LEAST, first // _SHARE), LANES)
-        drawn = size // _SHARE
 
 
 def _missing(plan: Plan, store: Store, batch: Chunk, workers: int) -> list[Chunk]:

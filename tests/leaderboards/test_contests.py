@@ -88,7 +88,7 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> Contest:
             x = reference.x + off
             yield Trial(iteration, x, reference.y, reference.heading, wheels, wheels)
 
-    monkeypatch.setattr(contests, "simulate", simulate)
+    monkeypatch.setattr("hilc_cli.engine.measuring.simulate", simulate)
     return replace(found, scenario=type(scenario)(spec))
 
 

@@ -1,4 +1,4 @@
-"""A worker process; started by `hilc_cli.sweeps.crew`, by nobody else."""
+"""A worker process; started by `hilc_cli.workers.processes`, by nobody else."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _PARENT_DEATH_SIGNAL = 1
 
 
 def serve(pipe: Connection) -> None:
-    """Computes chunks until the pipe ends.
+    """Works on pieces until the pipe ends.
 
     Args:
-        pipe: Gives a function first, then chunks; takes what it returns for each, or a text that
+        pipe: Gives a function first, then pieces; takes what it returns for each, or a text that
             says why there is no result, or an ImportError if there can be none at all.
     """
     try:
@@ -32,9 +32,9 @@ def serve(pipe: Connection) -> None:
             pipe.send(ImportError(f"{type(error).__name__}: {error}"))
             return
         while True:
-            chunk = pipe.recv()
+            piece = pipe.recv()
             try:
-                answer: object = work(chunk)
+                answer: object = work(piece)
             except Exception as error:
                 answer = f"{type(error).__name__}: {error}"
             pipe.send(answer)

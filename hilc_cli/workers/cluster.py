@@ -13,37 +13,38 @@ import uuid
 import warnings
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from itertools import count
+from typing import Any, Generic
 from urllib.parse import urlsplit
 
 from hilc_cli.errors import HilcError, MissingPackageError, UsageError
 from hilc_cli.files import reason
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, run_chunk
-from hilc_cli.sweeps.crew import PATIENCE, Outcome
-from hilc_cli.sweeps.plan import Plan
 from hilc_cli.version import __version__
+from hilc_cli.workers.handing_out import PATIENCE, Outcome, Piece, Result
 
 _CONNECT = 5  # [s]
 _WAIT_FOR_WORKERS = 30  # [s]
 _IN_FLIGHT = 2
-"""Chunks for each thread of the cluster, so that none waits for the next."""
+"""Pieces for each thread of the cluster, so that none waits for the next."""
 
 
 class ClusterError(HilcError):
     """The cluster cannot be reached, or does not do what it is asked for."""
 
 
-class DaskCrew:
+class DaskCrew(Generic[Piece, Result]):
     """Workers that a Dask scheduler knows.
 
-    The scheduler gives the chunk of a lost worker to another one by itself.
+    The scheduler gives the piece of a lost worker to another one by itself.
     """
 
-    def __init__(self, plan: Plan, address: str, go_on: Callable[[], None]) -> None:
+    def __init__(
+        self, work: Callable[[Piece], Result], address: str, go_on: Callable[[], None]
+    ) -> None:
         """Connects to a scheduler.
 
         Args:
-            plan: The sweep.
+            work: What each worker does with a piece; it is sent to them.
             address: Of the scheduler, such as ``tcp://127.0.0.1:8786``.
             go_on: Called now and then while waiting; may raise to stop.
 
@@ -59,10 +60,10 @@ class DaskCrew:
         _silence()
         _greet(address, go_on)
         self._address, self._go_on = address, go_on
-        self._plan = pickle.dumps(plan)
-        self._name = uuid.uuid4().hex
-        self._ended: queue.SimpleQueue[tuple[Chunk, Any]] = queue.SimpleQueue()
-        self._under_way: dict[Chunk, Any] = {}
+        self._work = pickle.dumps(work)
+        self._name, self._numbers = uuid.uuid4().hex, count()
+        self._ended: queue.SimpleQueue[tuple[Piece, Any]] = queue.SimpleQueue()
+        self._under_way: dict[Piece, Any] = {}
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of versions that differ: results do not
@@ -76,24 +77,23 @@ class DaskCrew:
             raise
 
     def takes(self) -> bool:
-        """Whether it can be given another chunk now."""
+        """Whether it can be given another piece now."""
         return len(self._under_way) < _IN_FLIGHT * self.workers
 
-    def give(self, chunk: Chunk) -> None:
-        """Hands over a chunk."""
-        future = self._client.submit(
-            _run, self._plan, __version__, chunk, pure=False, key=f"hilc-{self._name}-{chunk.first}"
-        )
-        self._under_way[chunk] = future
-        self._await(chunk, future)
+    def give(self, piece: Piece) -> None:
+        """Hands over a piece."""
+        key = f"hilc-{self._name}-{next(self._numbers)}"
+        future = self._client.submit(_run, self._work, __version__, piece, pure=False, key=key)
+        self._under_way[piece] = future
+        self._await(piece, future)
 
-    def outcomes(self) -> list[Outcome[ChunkResult]]:
-        """What has become of some chunks; waits a while for it, and may come back empty.
+    def outcomes(self) -> list[Outcome[Piece, Result]]:
+        """What has become of some pieces; waits a while for it, and may come back empty.
 
         Raises:
             ClusterError: The scheduler is gone, or its workers cannot do the work.
         """
-        found: list[Outcome[ChunkResult]] = []
+        found: list[Outcome[Piece, Result]] = []
         try:
             found += self._outcomes(*self._ended.get(timeout=PATIENCE))
             while True:
@@ -114,27 +114,27 @@ class DaskCrew:
         except (OSError, TimeoutError, RuntimeError):
             pass  # the scheduler has gone
 
-    def _await(self, chunk: Chunk, future: Any) -> None:
-        future.add_done_callback(lambda done: self._ended.put((chunk, done)))
+    def _await(self, piece: Piece, future: Any) -> None:
+        future.add_done_callback(lambda done: self._ended.put((piece, done)))
 
-    def _outcomes(self, chunk: Chunk, future: Any) -> list[Outcome[ChunkResult]]:
-        """What has become of a chunk; nothing yet if it has to be computed once more."""
+    def _outcomes(self, piece: Piece, future: Any) -> list[Outcome[Piece, Result]]:
+        """What has become of a piece; nothing yet if it has to be computed once more."""
         if future.status in ("lost", "pending"):
             # Its worker has died with the result before that was fetched.
-            self._await(chunk, future)
+            self._await(piece, future)
             return []
-        del self._under_way[chunk]
-        return [self._outcome(chunk, future)]
+        del self._under_way[piece]
+        return [self._outcome(piece, future)]
 
-    def _outcome(self, chunk: Chunk, future: Any) -> Outcome[ChunkResult]:
+    def _outcome(self, piece: Piece, future: Any) -> Outcome[Piece, Result]:
         if future.status == "finished":
-            return Outcome(chunk, future.result())
+            return Outcome(piece, future.result())
         if future.status != "error":
-            raise ClusterError(f"{self._address}: the scheduler has dropped {chunk}")
+            raise ClusterError(f"{self._address}: the scheduler has dropped {piece}")
         error = future.exception()
         if isinstance(error, self._distributed.KilledWorker):
-            return Outcome(chunk, None, "it has ended several workers of the cluster", True)
-        raise ClusterError(f"{self._address}: a worker cannot compute {chunk}: {error}")
+            return Outcome(piece, None, "it has ended several workers of the cluster", True)
+        raise ClusterError(f"{self._address}: a worker cannot compute {piece}: {error}")
 
     def _check_connection(self) -> None:
         if self._client.status not in ("running", "connecting"):
@@ -225,14 +225,14 @@ def _silence() -> None:
             logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
-def _run(plan: bytes, version: str, chunk: Chunk) -> ChunkResult:
+def _run(work: bytes, version: str, piece: Any) -> Any:
     """What a worker of the cluster does."""
     if version != __version__:
         raise UsageError(f"hilc {version} is asked for, but hilc {__version__} is installed there")
-    return run_chunk(_plan(plan), chunk)
+    return _work(work)(piece)
 
 
 @lru_cache(maxsize=2)
-def _plan(content: bytes) -> Plan:
-    plan: Plan = pickle.loads(content)
-    return plan
+def _work(content: bytes) -> Callable[[Any], Any]:
+    work: Callable[[Any], Any] = pickle.loads(content)
+    return work

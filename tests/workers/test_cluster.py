@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,12 @@ import distributed
 import pytest
 
 from hilc_cli.errors import UsageError
-from hilc_cli.sweeps import dask_crew
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, run_chunk
-from hilc_cli.sweeps.compute import Execution
-from hilc_cli.sweeps.dask_crew import ClusterError, DaskCrew
-from hilc_cli.sweeps.execute import execute
+from hilc_cli.sweeps.compute import Execution, compute_chunks, missing_chunks
 from hilc_cli.sweeps.memory_store import MemoryStore
 from hilc_cli.sweeps.plan import Plan
+from hilc_cli.workers import cluster
+from hilc_cli.workers.cluster import ClusterError, DaskCrew
 from tests.sweeps.plans import small_plan
 
 
@@ -73,12 +73,12 @@ class Client:
 
 def execute_with(plan: Plan, monkeypatch: pytest.MonkeyPatch, *fates: str) -> MemoryStore:
     monkeypatch.setattr(distributed, "Client", Client)
-    monkeypatch.setattr(dask_crew, "_greet", lambda address, go_on: None)
+    monkeypatch.setattr(cluster, "_greet", lambda address, go_on: None)
     monkeypatch.setattr(Client, "fates", fates)
-    crew = DaskCrew(plan, "tcp://nowhere", lambda: None)
+    crew = DaskCrew(partial(run_chunk, plan), "tcp://nowhere", lambda: None)
     store = MemoryStore(plan)
     try:
-        execute(plan, store, crew, 16)
+        compute_chunks(plan, store, crew, missing_chunks(store, 16), Execution())
     finally:
         crew.dismiss()
     return store
@@ -143,10 +143,10 @@ def server(says: bytes | None) -> Iterator[str]:
 def test_server_of_another_kind(
     says: bytes | None, why: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dask_crew, "_CONNECT", 20 if says else 1)
+    monkeypatch.setattr(cluster, "_CONNECT", 20 if says else 1)
     start = time.monotonic()
     with server(says) as address, pytest.raises(ClusterError) as failure:
-        dask_crew._greet(address, lambda: None)
+        cluster._greet(address, lambda: None)
     told = f"{re.escape(address)}: there is no scheduler that answers: ({why})"
     assert re.fullmatch(told, str(failure.value))
     assert time.monotonic() - start < 20
@@ -154,7 +154,7 @@ def test_server_of_another_kind(
 
 def test_host_of_no_such_name() -> None:
     with pytest.raises(ClusterError, match=r"^tcp://nowhere.invalid:8786: there is no scheduler"):
-        dask_crew._greet("tcp://nowhere.invalid:8786", lambda: None)
+        cluster._greet("tcp://nowhere.invalid:8786", lambda: None)
 
 
 @pytest.mark.parametrize(

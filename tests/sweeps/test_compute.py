@@ -10,12 +10,17 @@ import numpy as np
 import pytest
 
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, run_chunk
-from hilc_cli.sweeps.crew import Crew, Outcome
-from hilc_cli.sweeps.execute import TRIES, FailedCasesError, execute
-from hilc_cli.sweeps.memory_store import MemoryStore
+from hilc_cli.sweeps.compute import (
+    Execution,
+    FailedCasesError,
+    compute_chunks,
+    missing_chunks,
+)
+from hilc_cli.sweeps.memory_store import MemoryStore, Store
 from hilc_cli.sweeps.opening import open_store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.store import FolderStore
+from hilc_cli.workers.handing_out import TRIES, Crew, Outcome
 from tests.sweeps.plans import small_plan
 
 Loses = Callable[[Chunk, int], bool]
@@ -39,7 +44,7 @@ class Careless:
         self._given.append(chunk)
         self.tries[chunk] += 1
 
-    def outcomes(self) -> list[Outcome[ChunkResult]]:
+    def outcomes(self) -> list[Outcome[Chunk, ChunkResult]]:
         chunk = self._given.pop()
         if self._loses(chunk, self.tries[chunk]):
             return [Outcome(chunk, None, "lost", self._is_final)]
@@ -52,6 +57,19 @@ class Careless:
 @pytest.fixture
 def plan(tmp_path: Path) -> Plan:
     return small_plan(tmp_path)
+
+
+QUIET = Execution()
+
+
+def execute(
+    plan: Plan,
+    store: Store,
+    crew: Crew[Chunk, ChunkResult],
+    size: int,
+    how: Execution = QUIET,
+) -> None:
+    compute_chunks(plan, store, crew, missing_chunks(store, size), how)
 
 
 def complete(plan: Plan) -> MemoryStore:
@@ -72,7 +90,7 @@ def test_chunks_in_any_order_and_size(plan: Plan) -> None:
         store = MemoryStore(plan)
         done: list[int] = []
         crew = Careless(plan, lambda chunk, tries: False)
-        execute(plan, store, crew, size, on_cases=done.append)
+        execute(plan, store, crew, size, Execution(on_cases=done.append))
         check_same(store, complete(plan))
         assert done == sorted(done) and done[0] == 0 and done[-1] == 64
         assert store.failures() == []
@@ -80,7 +98,7 @@ def test_chunks_in_any_order_and_size(plan: Plan) -> None:
 
 def test_lost_chunk_is_tried_again(plan: Plan) -> None:
     store = MemoryStore(plan)
-    crew: Crew = Careless(plan, lambda chunk, tries: tries < TRIES)
+    crew: Crew[Chunk, ChunkResult] = Careless(plan, lambda chunk, tries: tries < TRIES)
     execute(plan, store, crew, 16)
     check_same(store, complete(plan))
 
@@ -117,7 +135,7 @@ def test_fail_fast_stops_and_can_be_resumed(tmp_path: Path, bands: bool) -> None
     lost = Chunk(16, 32)
     crew = Careless(plan, lambda chunk, tries: chunk == lost)
     with pytest.raises(FailedCasesError, match=f"cases 16 to 31 failed: lost, {TRIES} times"):
-        execute(plan, store, crew, 16, fail_fast=True)
+        execute(plan, store, crew, 16, Execution(fail_fast=True))
     assert store.failures() and store.missing()
     store.close()
 
@@ -145,6 +163,6 @@ def test_whoever_stops_it_finds_what_is_done(plan: Plan, tmp_path: Path) -> None
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        execute(plan, store, Careless(plan, lambda chunk, tries: False), 16, go_on=stop)
+        execute(plan, store, Careless(plan, lambda chunk, tries: False), 16, Execution(go_on=stop))
     assert sum(map(len, store.missing())) == 32
     store.close()

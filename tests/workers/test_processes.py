@@ -10,8 +10,7 @@ from typing import Any
 
 import pytest
 
-from hilc_cli.sweeps.chunks import Chunk
-from hilc_cli.sweeps.crew import Processes, WorkersError
+from hilc_cli.workers.processes import Processes, WorkersError
 from tests.cli import sweeps
 from tests.conftest import Hilc, Outcome
 
@@ -22,14 +21,14 @@ class Unloadable:
     def __reduce__(self) -> Any:
         return exec, ("raise ImportError('libsomething.so: Too many open files')",)
 
-    def __call__(self, chunk: Chunk) -> None:
+    def __call__(self, piece: int) -> None:
         """Is never done."""
 
 
 def test_worker_that_cannot_load_its_work_says_why(capfd: pytest.CaptureFixture[str]) -> None:
-    crew = Processes(Unloadable(), 1)
+    crew = Processes[int, None](Unloadable(), 1)
     try:
-        crew.give(Chunk(0, 1))
+        crew.give(1)
         with pytest.raises(WorkersError) as told:
             while True:
                 assert crew.outcomes() == []
