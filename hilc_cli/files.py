@@ -8,7 +8,7 @@ import filecmp
 import os
 import stat
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -189,18 +189,21 @@ def write_folder(
 
 def merge_folder(
     path: Path,
-    fill: Callable[[Path], None],
+    fill: Callable[[Path], Iterable[Path] | None],
     may_replace: Callable[[Path], bool],
     *,
     or_same: bool = False,
-) -> None:
+) -> list[Path]:
     """Adds files to a folder, each as a whole, after all of them could be made.
 
     Args:
         path: The folder; made if it is not there.
-        fill: Writes the files into the folder that it is given.
+        fill: Writes the files into the folder that it is given, and returns them.
         may_replace: Whether a file of the same name that stands there may be replaced.
         or_same: A file of the same name and content may stand there in any case.
+
+    Returns:
+        The files in their new place, in the order in which they were returned.
 
     Raises:
         ExistingResultsError: One may not; nothing has been added then.
@@ -212,7 +215,7 @@ def merge_folder(
         for folder in {existing, path.parent}:
             remove_stale(path, folder)
         with draft_folder(path, existing) as draft:
-            fill(draft)
+            filled = fill(draft) or ()
             path.mkdir(parents=True, exist_ok=True)
             files = sorted(draft.iterdir())
             for file in files:
@@ -230,6 +233,7 @@ def merge_folder(
             for file in files:
                 file.replace(path / file.name)
             sync(path)
+            return [path / file.name for file in filled]
 
 
 def _is_same(one: Path, other: Path) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from hilc_cli.comparisons.comparison import ComparisonTable, compare_runs
 from hilc_cli.comparisons.tables import FILES, WRITERS
@@ -29,6 +30,27 @@ class Comparison:
 
     def __repr__(self) -> str:
         return f"Comparison of {len(self.runs)} runs: {listed(run.name for run in self.runs)}"
+
+    def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
+        """The tables that are printed.
+
+        Args:
+            everything: Makes no difference: there is one.
+        """
+        return [self.table]
+
+    def document(self) -> dict[str, Any]:
+        """The rows as plain data, and the runs that are the best in each column that ranks them."""
+        table = self.table
+        titles = [str(row.values[0]) for row in table.rows]
+        return {
+            "runs": table.records(),
+            "best": {
+                column.name: [titles[number] for number in sorted(table.best(place))]
+                for place, column in enumerate(table.columns)
+                if column.is_ranked
+            },
+        }
 
     def text(self, kind: str) -> str:
         """The table as it stands in a file.
@@ -67,19 +89,18 @@ class Comparison:
             FileAccessError: They cannot be written.
             UsageError: There is no such picture format.
         """
-        names: list[str] = []
 
-        def fill(into: Path) -> None:
-            for kind, name in FILES.items():
-                (into / name).write_text(self.text(kind), encoding="utf-8", newline="")
-                names.append(name)
+        def fill(into: Path) -> list[Path]:
+            files = [into / name for name in FILES.values()]
+            for kind, file in zip(FILES, files, strict=True):
+                file.write_text(self.text(kind), encoding="utf-8", newline="")
             if plots:
                 from hilc_cli.comparisons.picture import save_comparison  # Matplotlib starts slowly
 
-                names.extend(path.name for path in save_comparison(self.runs, into, formats))
+                files += save_comparison(self.runs, into, formats)
+            return files
 
-        merge_folder(Path(folder), fill, lambda file: force, or_same=True)
-        return [Path(folder) / name for name in names]
+        return merge_folder(Path(folder), fill, lambda file: force, or_same=True)
 
 
 def compare(runs: Sequence[RunSource]) -> Comparison:

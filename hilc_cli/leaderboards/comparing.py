@@ -75,6 +75,23 @@ class LawComparison:
         """All runs."""
         return entries_table(self.data)
 
+    def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
+        """The tables that are printed.
+
+        Args:
+            everything: The table of all runs too.
+        """
+        tables = [*self.laws.values(), self.settings]
+        return [*tables, self.entries] if everything else tables
+
+    def document(self) -> dict[str, Any]:
+        """All tables as plain data."""
+        return {
+            "laws": {name: table.records() for name, table in self.laws.items()},
+            "worst": self.settings_records,
+            "runs": self.entries.records(),
+        }
+
     def text(self, kind: str) -> str:
         """The tables as they stand in a file.
 
@@ -88,10 +105,9 @@ class LawComparison:
             return csv_text(self.entries)
         if kind not in TABLES:
             raise UsageError(f"unknown kind of table '{kind}'; {suggestion(kind, TABLES)}")
-        tables = [*self.laws.values(), self.settings]
         if kind == "latex":
-            return "\n".join(map(latex_text, tables))
-        return "\n".join(f"## {table.title}\n\n{markdown_text(table)}" for table in tables)
+            return "\n".join(map(latex_text, self.printed()))
+        return "\n".join(f"## {table.title}\n\n{markdown_text(table)}" for table in self.printed())
 
     def write(
         self,
@@ -226,10 +242,6 @@ def plot_leaderboard(
     """
     from hilc_cli.leaderboards.picture import save_leaderboard  # Matplotlib starts slowly
 
-    names: list[str] = []
-
-    def draw(into: Path) -> None:
-        names.extend(path.name for path in save_leaderboard(data, into, formats, dpi))
-
-    merge_folder(Path(folder), draw, may_replace)
-    return [Path(folder) / name for name in names]
+    return merge_folder(
+        Path(folder), lambda into: save_leaderboard(data, into, formats, dpi), may_replace
+    )

@@ -263,16 +263,13 @@ def plot(
     if not 1 <= dpi <= 10_000:
         raise UsageError(f"dpi must be from 1 to 10000, got {dpi}")
     drawn_runs = as_runs(runs)
-    names: list[str] = []
 
-    def draw(into: Path) -> None:
-        drawn = save_figures(
+    def draw(into: Path) -> list[Path]:
+        return save_figures(
             drawn_runs, into, kinds=kinds, formats=formats, dpi=dpi, iterations=iterations
         )
-        names.extend(path.name for path in drawn)
 
-    merge_folder(Path(folder), draw, may_replace)
-    return [Path(folder) / name for name in names]
+    return merge_folder(Path(folder), draw, may_replace)
 
 
 def check_folder(scenario: ScenarioSource, folder: str | Path, *, force: bool = False) -> None:
