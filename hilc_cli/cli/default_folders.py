@@ -163,13 +163,14 @@ def check_shared_folder(folder: Path) -> None:
     Raises:
         UsageError: The folder is that of a run, of a sweep or of a leaderboard, or a link.
     """
-    from hilc_cli.leaderboards.comparing import is_leaderboard
-    from hilc_cli.runs.run_folder import is_run_folder
-    from hilc_cli.sweeps.folders import is_sweep
+    from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER
+    from hilc_cli.runs.run_folder import RUN_FOLDER
+    from hilc_cli.sweeps.sweep_folder import SWEEP_FOLDER
 
     if folder.is_symlink():
         raise UsageError(f"--out {folder}: is a link; name the folder that it leads to")
-    kinds = {"run": is_run_folder, "sweep": is_sweep, "leaderboard": is_leaderboard}
-    what = next((name for name, is_one in kinds.items() if is_one(folder)), "")
-    if what:
-        raise UsageError(f"--out {folder}: is the folder of one {what}; name another for several")
+    for kind in (RUN_FOLDER, SWEEP_FOLDER, LEADERBOARD_FOLDER):
+        if kind.is_at(folder):
+            raise UsageError(
+                f"--out {folder}: is the folder of one {kind.what}; name another for several"
+            )

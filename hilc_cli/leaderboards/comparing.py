@@ -16,9 +16,9 @@ from hilc_cli.files import merge_folder
 from hilc_cli.leaderboards.contests import Contests, hold
 from hilc_cli.leaderboards.entries import LeaderboardData
 from hilc_cli.leaderboards.folder import (
+    LEADERBOARD_FOLDER,
     TABLES,
     check_leaderboard_folder,
-    is_leaderboard_folder,
     read_leaderboard_folder,
     write_leaderboard_folder,
 )
@@ -203,7 +203,7 @@ def compare_laws(
 
 def is_leaderboard(folder: str | Path) -> bool:
     """Whether a folder holds the results of a leaderboard."""
-    return is_leaderboard_folder(Path(folder))
+    return LEADERBOARD_FOLDER.is_at(folder)
 
 
 def read_leaderboard(folder: str | Path) -> LeaderboardData:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hilc_cli.names import in_short, listed, named
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import DIVERGED
-from hilc_cli.variation.axes import Axis, Value
+from hilc_cli.variation.axes import Axis, Value, is_value
 
 BEST = "best.yaml"
 """The scenario of the best case, in the folder of a sweep that was a search."""
@@ -36,14 +36,21 @@ class AsItIs:
         return {**asdict(self), "metric": self.metric if math.isfinite(self.metric) else None}
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> AsItIs:
+    def from_data(cls, data: object) -> AsItIs:
         """What `to_data` has written.
 
         Raises:
-            KeyError: Something is missing.
+            ValueError: It is something else.
         """
-        metric = data["metric"]
-        return cls(dict(data["values"]), math.nan if metric is None else float(metric))
+        values, metric = (
+            (data.get("values"), data.get("metric")) if isinstance(data, dict) else (None, None)
+        )
+        if isinstance(values, dict) and all(map(is_value, values.values())):
+            if metric is None:
+                return cls(values, math.nan)
+            if type(metric) in (int, float) and 0 <= metric <= 1e200:
+                return cls(values, float(metric))
+        raise ValueError("should be values by key and a metric")
 
 
 Numbers = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.uint64]

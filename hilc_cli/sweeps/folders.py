@@ -9,8 +9,8 @@ from hilc_cli.files import merge_folder
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.opening import discard
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sweep_folder import check_sweep_folder, read_sweep_folder, read_sweep_manifest
-from hilc_cli.sweeps.work_folder import read_header
+from hilc_cli.sweeps.sweep_folder import SWEEP_FOLDER, check_sweep_folder, read_sweep_folder
+from hilc_cli.sweeps.work_folder import WORK_FOLDER
 
 
 def work_folder(folder: str | Path) -> Path:
@@ -29,7 +29,7 @@ def discard_work(plan: Plan, folder: str | Path) -> None:
 
 def is_resumable(folder: str | Path) -> bool:
     """Whether a folder holds an unfinished sweep, or a shard."""
-    return bool(read_header(Path(folder)))
+    return WORK_FOLDER.is_at(folder)
 
 
 def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -> None:
@@ -43,13 +43,13 @@ def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -
 
 def is_complete(plan: Plan, folder: str | Path) -> bool:
     """Whether a folder holds the results of this very sweep, none of whose cases has failed."""
-    manifest = read_sweep_manifest(Path(folder))
+    manifest = SWEEP_FOLDER.look(Path(folder))
     return manifest.get("checksum") == plan.checksum() and not manifest.get("failed")
 
 
 def is_sweep(folder: str | Path) -> bool:
     """Whether a folder holds the results of a sweep."""
-    return bool(read_sweep_manifest(Path(folder)))
+    return SWEEP_FOLDER.is_at(folder)
 
 
 def read_sweep(folder: str | Path) -> SweepData:

@@ -204,19 +204,19 @@ def merge_shards(
         merged = merge(stores)
         header = merged.header
         data = collect(
-            header["name"],
+            header.name,
             merged.cases,
             merged.rows(),
-            merged.errors() if header["bands"] else None,
-            header["tolerance_m"],
-            header["metric"],
+            merged.errors() if header.bands else None,
+            header.tolerance_m,
+            header.metric,
             go_on,
         )
         initial_input = read_initial_input(Path(folders[0]))
         return Sweep(
             **as_fields(data),
             failures=tuple(merged.failures()),
-            checksum=header["checksum"],
+            checksum=header.checksum,
             scenario_yaml=read_scenario(Path(folders[0])),
             initial_input=initial_input,
             how={**circumstances(started, LIBRARIES), "shards": len(stores)},
