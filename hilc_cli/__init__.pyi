@@ -79,7 +79,7 @@ from hilc_cli.sweeps.folders import (
 from hilc_cli.sweeps.folders import (
     read_sweep as read_sweep,
 )
-from hilc_cli.sweeps.results import Sweep as Sweep
+from hilc_cli.sweeps.sweeping import Sweep as Sweep
 from hilc_cli.sweeps.sweeping import (
     merge_shards as merge_shards,
 )

@@ -11,7 +11,7 @@ import pytest
 
 import hilc_cli as hilc_api
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.sweeps import results
+from hilc_cli.sweeps.search import value_of
 from tests.cli.inputs import plus
 from tests.conftest import Hilc, Write
 
@@ -108,6 +108,6 @@ def test_search_tells_keys_by_whatever_name_and_by_default(
     scenario = hilc_api.load_scenario("scenario.yaml", {**set_, "iterations": 0})
     own = scenario.resolved()
     keys = ("robot.wheel_separation", "model.wheel_separation", "model.half_track")
-    told = [results.value_of(own, key) for key in keys]
+    told = [value_of(own, key) for key in keys]
     assert told == pytest.approx(separations)
-    assert results.value_of(own, "model.wheel_radius") == own["robot"]["wheel_radius"]
+    assert value_of(own, "model.wheel_radius") == own["robot"]["wheel_radius"]

@@ -82,13 +82,13 @@ def run(
     """
     from hilc_cli.cli.default_folders import default_folder
     from hilc_cli.runs.requirements import parse_requirements
-    from hilc_cli.runs.running import check_folder, forewarnings, load_scenario, run
+    from hilc_cli.runs.running import check_folder, load_scenario, run, warnings_before
 
     valid = load_scenario(scenario, set_ or [])
     requirements = parse_requirements(require or [], valid.spec.controller.figures())
     folder = out or default_folder(valid.name, set_)
     check_folder(valid, folder, force=force)
-    known = forewarnings(valid)
+    known = warnings_before(valid)
     _warn(known, quiet=quiet)
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet) as advance:
         result = run(valid, on_iteration=context.obj.counting(advance))

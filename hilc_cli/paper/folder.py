@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hilc_cli.errors import ExistingResultsError
-from hilc_cli.paper.claim_tables import Judged, claims_text, write_claims_csv
-from hilc_cli.paper.index import index_text
+from hilc_cli.paper.contents import MOTOR_LIMIT, PaperFigure, PaperPanel
 from hilc_cli.paper.names import (
     CLAIMS_CSV,
     CLAIMS_MD,
@@ -19,9 +18,19 @@ from hilc_cli.paper.names import (
     data_name,
     picture_name,
 )
-from hilc_cli.paper.panels import panel_rows, write_panel
+from hilc_cli.paper.panel import Panel, PanelRow, write_panel
 from hilc_cli.paper.plan import ReproductionPlan
+from hilc_cli.paper.texts import (
+    Judged,
+    claims_text,
+    gains_text,
+    group_text,
+    index_text,
+    situation_text,
+    write_claims_csv,
+)
 from hilc_cli.results.run import RunData
+from hilc_cli.scenario.experiment import Scenario
 
 
 def write_reproduction_folder(
@@ -58,7 +67,7 @@ def write_reproduction_folder(
         FileAccessError: It cannot be written.
     """
     from hilc_cli.drawing.save import save_figure
-    from hilc_cli.paper.pictures.sheet import sheet_figure  # Matplotlib starts slowly
+    from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
 
     def fill(folder: Path) -> None:
         (folder / DATA).mkdir()
@@ -127,3 +136,45 @@ def _is_among(manifest: Mapping[str, Any], plan: ReproductionPlan) -> bool:
 
 def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def panel_rows(
+    figure: PaperFigure, runs: Mapping[str, RunData], scenarios: Mapping[str, Scenario]
+) -> list[PanelRow]:
+    """What to draw.
+
+    Args:
+        figure: The figure.
+        runs: By the names of the examples.
+        scenarios: Likewise.
+    """
+    return [_row(row, runs, scenarios) for row in figure.rows]
+
+
+def _row(
+    panels: tuple[PaperPanel, ...],
+    runs: Mapping[str, RunData],
+    scenarios: Mapping[str, Scenario],
+) -> PanelRow:
+    first = panels[0]
+    scenario = scenarios[first.situation.scenario]
+    together = all(panel.situation == first.situation for panel in panels)
+    if together:
+        heading = f"({first.letter[0]}) {situation_text(first.situation, scenario)}"
+    else:
+        heading = group_text(first.situation, scenario)
+    return PanelRow(
+        heading,
+        tuple(
+            Panel(
+                panel.letter,
+                panel.kind,
+                panel.kind.capitalize()
+                if together
+                else gains_text(scenarios[panel.situation.scenario]),
+                runs[panel.situation.scenario],
+                MOTOR_LIMIT,
+            )
+            for panel in panels
+        ),
+    )

@@ -1,4 +1,4 @@
-"""One run: load a scenario, simulate it, keep it, draw it."""
+"""One run: load a scenario, simulate it, keep it, draw it, and say what its author hardly meant."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol
 
+from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.measuring import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import merge_folder
@@ -19,11 +20,12 @@ from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import Summary, summarise
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.run_folder import check_output_folder, read_run_folder, write_run_folder
-from hilc_cli.runs.warnings import forewarnings, what_happened
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.record import recorded_iterations
 from hilc_cli.scenario.settings import settings_of, yardsticks_of
+from hilc_cli.theory.feasibility.feasibility import beyond_wheels
+from hilc_cli.theory.noise.wheels import seen_in, seen_warnings
 
 __all__ = [
     "Run",
@@ -33,11 +35,11 @@ __all__ = [
     "ScenarioSource",
     "Summary",
     "check_folder",
-    "forewarnings",
     "load_scenario",
     "plot",
     "read_run",
     "run",
+    "warnings_before",
 ]
 
 
@@ -189,7 +191,7 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         started=started,
         timings={"simulation": time.perf_counter() - clock},
     )
-    warnings = (*forewarnings(scenario), *what_happened(result, experiment))
+    warnings = (*warnings_before(scenario), *warnings_after(result, experiment))
     return replace(result, warnings=warnings)
 
 
@@ -280,3 +282,19 @@ def check_folder(scenario: ScenarioSource, folder: str | Path, *, force: bool = 
     """
     scenario = as_scenario(scenario)
     check_output_folder(Path(folder), scenario.resolved_yaml(), scenario.initial_input, force=force)
+
+
+def warnings_before(scenario: ScenarioSource) -> list[str]:
+    """What is legal but probably not meant, and what no law can do, to be told before a run."""
+    scenario = as_scenario(scenario)
+    return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
+
+
+def warnings_after(run: RunData, experiment: Experiment) -> list[str]:
+    """What only a simulation shows, to be told after a run.
+
+    Args:
+        run: The results, with at least one completed iteration.
+        experiment: What was simulated.
+    """
+    return seen_warnings(seen_in(run.last, experiment))

@@ -16,9 +16,8 @@ from hilc_cli.engine.lanes.batch import is_compiled, simulate_batch
 from hilc_cli.engine.lanes.packs import Kind
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, run_chunk
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store, run_chunk
 from hilc_cli.sweeps.estimate import cases_per_chunk, seconds_per_case
-from hilc_cli.sweeps.memory_store import Store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.varied import CANNOT_BE_MADE, TRAJECTORY
 from hilc_cli.workers.handing_out import TRIES, Alone, Crew, Outcome, available_cores, hand_out

@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from hilc_cli.sweeps.data import AsItIs, SweepData
     from hilc_cli.sweeps.estimate import Estimate
     from hilc_cli.sweeps.plan import Plan
-    from hilc_cli.sweeps.results import Sweep
     from hilc_cli.sweeps.summary import BestCase, SweepSummary
+    from hilc_cli.sweeps.sweeping import Sweep
 
 
 _HIDING = (MAX_ERROR, PEAK, ITERATIONS_TO_TOLERANCE)

@@ -17,8 +17,7 @@ from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.results.reading import damaged
 from hilc_cli.results.tables import write_input
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure
-from hilc_cli.sweeps.memory_store import gaps
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, gaps
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.tables import check_case_numbers
 from hilc_cli.sweeps.work_folder import (

@@ -9,14 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, run_chunk
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, MemoryStore, Store, run_chunk
 from hilc_cli.sweeps.compute import (
     Execution,
     FailedCasesError,
     compute_chunks,
     missing_chunks,
 )
-from hilc_cli.sweeps.memory_store import MemoryStore, Store
 from hilc_cli.sweeps.opening import open_store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.store import FolderStore

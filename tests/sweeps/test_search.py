@@ -15,9 +15,8 @@ from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE
 from hilc_cli.sweeps import search as searching
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, run_chunk
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, MemoryStore, run_chunk
 from hilc_cli.sweeps.compute import Execution
-from hilc_cli.sweeps.memory_store import MemoryStore
 from hilc_cli.sweeps.opening import open_store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.sampler import batches

@@ -35,7 +35,7 @@ from hilc_cli.sweeps.pictures.picking import (
     thinned,
     varied_keys,
 )
-from hilc_cli.sweeps.pictures.sheet import draw_best, heading_of
+from hilc_cli.sweeps.pictures.shared import draw_best, heading_of
 
 MOST_CELLS = 300
 """Along an axis; more are narrower than a pixel."""

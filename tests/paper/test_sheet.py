@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing import style
 from hilc_cli.drawing.save import render
-from hilc_cli.paper.pictures.panel import Panel, PanelKind, PanelRow, shown_trials
-from hilc_cli.paper.pictures.sheet import PAGE_HEIGHT, PAGE_WIDTH, sheet_figure
+from hilc_cli.paper.panel import Panel, PanelKind, PanelRow, shown_trials
+from hilc_cli.paper.sheet import PAGE_HEIGHT, PAGE_WIDTH, sheet_figure
 from hilc_cli.results.run import RunData
 from tests.drawing.reading import line, lines, overlaps, texts
 from tests.made_up_runs import MakeRun

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
-from hilc_cli.paper.claim_tables import claims_text, count_text, write_claims_csv
+from hilc_cli.paper.texts import claims_text, count_text, write_claims_csv
 
 
 def nothing(evidence: Evidence) -> Finding:

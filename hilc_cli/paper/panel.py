@@ -1,20 +1,82 @@
-"""The numbers that a panel shows, as a CSV file."""
+"""What a panel of the paper's figures shows, and its numbers as a CSV file. No Matplotlib."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.paper.contents import MOTOR_LIMIT, PaperFigure, PaperPanel
-from hilc_cli.paper.index import gains_text, group_text, situation_text
-from hilc_cli.paper.pictures.panel import ERROR_METRICS, Panel, PanelKind, PanelRow, shown_trials
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
-from hilc_cli.scenario.experiment import Scenario
+
+SHOWN_ITERATIONS = (0, 1, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100)
+"""Their paths can still be told apart in a panel as wide as a third of a page."""
+
+
+class PanelKind(StrEnum):
+    """What is drawn."""
+
+    PATH_CHANGE = "path change"
+    PATHS = "path change and final path"
+    FINAL_PATH = "final path"
+    WHEEL_SPEEDS = "final wheel speeds"
+    MAXIMUM_ERROR = "maximum error"
+    AVERAGE_ERROR = "average error"
+
+
+ERROR_METRICS = {
+    PanelKind.MAXIMUM_ERROR: "max_position_error_m",
+    PanelKind.AVERAGE_ERROR: "mean_position_error_m",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """A panel with the run that it shows.
+
+    Attributes:
+        letter: Such as ``a1``.
+        kind: What is drawn.
+        title: What stands above it, behind the letter.
+        run: The results.
+        speed_limit: The motors' limit [rad/s], shown with wheel speeds whether the run kept it
+            or not.
+    """
+
+    letter: str
+    kind: PanelKind
+    title: str
+    run: RunData
+    speed_limit: float
+
+
+@dataclass(frozen=True, slots=True)
+class PanelRow:
+    """Panels side by side.
+
+    Attributes:
+        heading: What they have in common; empty for nothing.
+        panels: From left to right.
+    """
+
+    heading: str
+    panels: tuple[Panel, ...]
+
+
+def shown_trials(run: RunData) -> list[Trial]:
+    """The iterations whose paths a panel shows: some of those recorded, and the last."""
+    last = run.last.iteration
+    return [
+        trial
+        for number, trial in sorted(run.trials.items())
+        if number in SHOWN_ITERATIONS or number == last
+    ]
+
 
 Columns = Mapping[str, NDArray[Any]]
 
@@ -69,45 +131,3 @@ def _path(run: RunData, trial: Trial) -> Columns:
         "x_m": trial.x,
         "y_m": trial.y,
     }
-
-
-def panel_rows(
-    figure: PaperFigure, runs: Mapping[str, RunData], scenarios: Mapping[str, Scenario]
-) -> list[PanelRow]:
-    """What to draw.
-
-    Args:
-        figure: The figure.
-        runs: By the names of the examples.
-        scenarios: Likewise.
-    """
-    return [_row(row, runs, scenarios) for row in figure.rows]
-
-
-def _row(
-    panels: tuple[PaperPanel, ...],
-    runs: Mapping[str, RunData],
-    scenarios: Mapping[str, Scenario],
-) -> PanelRow:
-    first = panels[0]
-    scenario = scenarios[first.situation.scenario]
-    together = all(panel.situation == first.situation for panel in panels)
-    if together:
-        heading = f"({first.letter[0]}) {situation_text(first.situation, scenario)}"
-    else:
-        heading = group_text(first.situation, scenario)
-    return PanelRow(
-        heading,
-        tuple(
-            Panel(
-                panel.letter,
-                panel.kind,
-                panel.kind.capitalize()
-                if together
-                else gains_text(scenarios[panel.situation.scenario]),
-                runs[panel.situation.scenario],
-                MOTOR_LIMIT,
-            )
-            for panel in panels
-        ),
-    )

@@ -12,8 +12,7 @@ from hypothesis.extra import numpy as npst
 
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.sweeps.collect import bands, collect
-from hilc_cli.sweeps.data import QUANTILES
+from hilc_cli.sweeps.data import QUANTILES, bands, collect
 from hilc_cli.variation.axes import Choices
 from hilc_cli.variation.cases import Cases
 

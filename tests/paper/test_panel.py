@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from hilc_cli.paper.panels import write_panel
-from hilc_cli.paper.pictures.panel import Panel, PanelKind, PanelRow
-from hilc_cli.paper.pictures.sheet import sheet_figure
+from hilc_cli.paper.panel import Panel, PanelKind, PanelRow, write_panel
+from hilc_cli.paper.sheet import sheet_figure
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
 from tests.drawing.reading import line, lines
