@@ -126,7 +126,7 @@ def without_comparisons(folders: Sequence[Path]) -> list[Path]:
 
     What is left out is told.
     """
-    from hilc_cli.comparisons.tables import FILES
+    from hilc_cli.comparisons.formats import FILES
     from hilc_cli.leaderboards.comparing import is_leaderboard
     from hilc_cli.reporting.terminal import say
     from hilc_cli.runs.run_folder import ITERATIONS

@@ -9,8 +9,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.comparisons.comparison import ComparisonTable, Value
-from hilc_cli.comparisons.tables import csv_text, latex_text, markdown_text
+from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
+from hilc_cli.comparisons.table import ComparisonTable, Value
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.files import merge_folder
 from hilc_cli.leaderboards.contests import Contests, hold

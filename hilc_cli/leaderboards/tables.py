@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from statistics import median
 
-from hilc_cli.comparisons.comparison import Column, ComparisonTable, Row, Value
+from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
 from hilc_cli.leaderboards.entries import Entry, LeaderboardData
 
 NAMES = ("case", "belief", "disturbance", "law")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from hilc_cli.names import in_short
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, settled_at
 from hilc_cli.results.run import RunData
@@ -128,9 +126,7 @@ def _length(length: float) -> str:
 def summarise(run: RunData) -> Summary:
     """The summary of a run with at least one completed iteration."""
     errors, second_half = run.metrics[MAX_ERROR], run.metrics[MAX_ERROR_SECOND_HALF]
-    # Folders of before the metric was have no numbers there.
-    known = run.starts_off and bool(np.isfinite(second_half).any())
-    telling = np.nan_to_num(second_half if known else errors, nan=np.inf, posinf=np.inf)
+    telling = second_half if run.starts_off else errors
     size = run.reference.size
     saturated = run.metrics["saturated_samples"].sum()
     return Summary(

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilc_cli.comparisons.tables import csv_text
+from hilc_cli.comparisons.formats import csv_text
 from hilc_cli.errors import HilcError
 from hilc_cli.leaderboards.entries import Entry, LeaderboardData
 from hilc_cli.leaderboards.folder import read_leaderboard_folder, write_leaderboard_folder

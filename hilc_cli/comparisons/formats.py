@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from hilc_cli.comparisons.comparison import Column, ComparisonTable, Value
+from hilc_cli.comparisons.table import Column, ComparisonTable, Value
 from hilc_cli.errors import printable
 from hilc_cli.results.tables import text_cell
 

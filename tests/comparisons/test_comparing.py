@@ -16,15 +16,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hilc_cli.comparisons.comparison import (
+from hilc_cli.comparisons.comparing import compare_runs
+from hilc_cli.comparisons.formats import WRITERS, csv_text, latex_text, markdown_text
+from hilc_cli.comparisons.table import (
     Column,
     ComparisonTable,
     Row,
     Value,
-    compare_runs,
     number_text,
 )
-from hilc_cli.comparisons.tables import WRITERS, csv_text, latex_text, markdown_text
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import IterationMetrics, MetricsTable
