@@ -24,7 +24,7 @@ from hilc_cli.leaderboards.folder import (
 )
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
-from hilc_cli.results.manifest import circumstances
+from hilc_cli.results.manifest import COMPILED_WITH, origin
 from hilc_cli.workers.handing_out import available_cores
 
 __all__ = [
@@ -34,8 +34,6 @@ __all__ = [
     "compare_laws",
     "load_leaderboard",
 ]
-
-_LIBRARIES = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -194,7 +192,7 @@ def compare_laws(
         LeaderboardData(spec.name, spec.after, spec.tolerance, entries),
         leaderboard.checksum(),
         {
-            **circumstances(started, _LIBRARIES),
+            **origin(started, COMPILED_WITH),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(leaderboard.checksums),
         },

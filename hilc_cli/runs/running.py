@@ -14,7 +14,7 @@ from hilc_cli.engine.measuring import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import merge_folder
 from hilc_cli.results.learning import LearningTable
-from hilc_cli.results.manifest import circumstances
+from hilc_cli.results.manifest import DRAWN_WITH, origin
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import Summary, summarise
@@ -41,9 +41,6 @@ __all__ = [
     "run",
     "warnings_before",
 ]
-
-
-_LIBRARIES = ("matplotlib", "numpy", "pydantic", "pyyaml")
 
 
 class OnIteration(Protocol):
@@ -138,7 +135,7 @@ class Run(RunData):
             "diverged_at": self.diverged_at,
             "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
-            **circumstances(self.started, _LIBRARIES),
+            **origin(self.started, DRAWN_WITH),
             "command": list(command),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),

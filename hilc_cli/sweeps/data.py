@@ -21,7 +21,7 @@ BEST = "best.yaml"
 
 
 @dataclass(frozen=True, slots=True)
-class AsItIs:
+class OwnValues:
     """The scenario as it is, beside which the cases of a search are put.
 
     Attributes:
@@ -37,7 +37,7 @@ class AsItIs:
         return {**asdict(self), "metric": self.metric if math.isfinite(self.metric) else None}
 
     @classmethod
-    def from_data(cls, data: object) -> AsItIs:
+    def from_data(cls, data: object) -> OwnValues:
         """What `to_data` has written.
 
         Raises:
@@ -120,7 +120,7 @@ class SweepData:
     tolerance: float | None = None
     metric: str = "max_position_error_m"
     bands: Bands | None = None
-    as_it_is: AsItIs | None = None
+    as_it_is: OwnValues | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "columns", named("column", self.columns))

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from hilc_cli.sweeps.chunks import Failure
-    from hilc_cli.sweeps.data import AsItIs, SweepData
+    from hilc_cli.sweeps.data import OwnValues, SweepData
     from hilc_cli.sweeps.estimate import Estimate
     from hilc_cli.sweeps.plan import Plan
     from hilc_cli.sweeps.summary import BestCase, SweepSummary
@@ -100,7 +100,7 @@ def _is_at_end(axis: Range, value: object) -> bool:
 _NOTHING = "-"
 
 
-def search_table(summary: SweepSummary, as_it_is: AsItIs) -> Table:
+def search_table(summary: SweepSummary, as_it_is: OwnValues) -> Table:
     """The best case beside the scenario as it is, key by key."""
     from rich import box
     from rich.table import Table
@@ -123,7 +123,7 @@ def search_table(summary: SweepSummary, as_it_is: AsItIs) -> Table:
     return table
 
 
-def search_document(summary: SweepSummary, as_it_is: AsItIs, folder: Path) -> dict[str, Any]:
+def search_document(summary: SweepSummary, as_it_is: OwnValues, folder: Path) -> dict[str, Any]:
     """The same for a JSON document."""
     best = _best(summary)
     return {

@@ -14,7 +14,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, METRIC_NAMES
 from hilc_cli.sweeps.chunks import Chunk, Store, run_chunk
 from hilc_cli.sweeps.compute import Execution, compile_for, compute_chunks, crew_for
-from hilc_cli.sweeps.data import AsItIs, SweepData
+from hilc_cli.sweeps.data import OwnValues, SweepData
 from hilc_cli.sweeps.estimate import cases_per_chunk
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.sampler import SAMPLER, Sampler, Values, batches
@@ -124,7 +124,7 @@ def beside_cases(plan: Plan, data: SweepData, metric: float) -> dict[str, Any]:
     """
     own = plan.varied.scenario.resolved()
     values = {key: value_of(own, key) for key in plan.axes}
-    return {"as_it_is": AsItIs(values, metric), "best_yaml": _best_yaml(plan, data, metric)}
+    return {"as_it_is": OwnValues(values, metric), "best_yaml": _best_yaml(plan, data, metric)}
 
 
 def how_searched(plan: Plan) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.metrics import CASE_METRICS
 from hilc_cli.results.reading import Document, Length, Name, damaged, one_of
 from hilc_cli.results.tables import write_input
-from hilc_cli.sweeps.data import BEST, AsItIs, SweepData
+from hilc_cli.sweeps.data import BEST, OwnValues, SweepData
 from hilc_cli.sweeps.tables import read_bands, read_cases, write_bands, write_cases
 from hilc_cli.variation.axes import Axis, axes_from_data, axis_to_data
 
@@ -44,7 +44,7 @@ class _Manifest(Document):
     grid: bool
     tolerance_m: Length | None
     metric: CaseMetric
-    as_it_is: Annotated[AsItIs, PlainValidator(AsItIs.from_data)] | None = None
+    as_it_is: Annotated[OwnValues, PlainValidator(OwnValues.from_data)] | None = None
 
 
 def write_sweep_folder(

@@ -12,7 +12,7 @@ from typing import Any
 
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.manifest import circumstances
+from hilc_cli.results.manifest import COMPILED_WITH, origin
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
 from hilc_cli.sweeps.chunks import Chunk, Failure, MemoryStore, Store
 from hilc_cli.sweeps.compute import Execution, compute
@@ -31,9 +31,6 @@ from hilc_cli.sweeps.shards import (
 from hilc_cli.sweeps.store import FolderStore
 from hilc_cli.sweeps.summary import SweepSummary, summarise_sweep
 from hilc_cli.sweeps.sweep_folder import write_sweep_folder
-
-LIBRARIES = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
-"""That take part in a sweep."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -227,7 +224,7 @@ def sweep(
         scenario_yaml=plan.resolved_yaml(),
         initial_input=given and (scenario.spec.trajectory.sample_time, *given),
         how={
-            **circumstances(started, LIBRARIES),
+            **origin(started, COMPILED_WITH),
             **({} if found is None else {"search": how_searched(plan)}),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(scenario.checksums),
@@ -312,7 +309,7 @@ def merge_shards(
             checksum=header.checksum,
             scenario_yaml=read_scenario(Path(folders[0])),
             initial_input=initial_input,
-            how={**circumstances(started, LIBRARIES), "shards": len(stores)},
+            how={**origin(started, COMPILED_WITH), "shards": len(stores)},
         )
 
 
