@@ -17,7 +17,7 @@ from hilc_cli.scenario.loading import ScenarioSource, as_scenario
 from hilc_cli.sweeps.chunks import Chunk, Failure, MemoryStore, Store
 from hilc_cli.sweeps.compute import Execution, compute
 from hilc_cli.sweeps.data import SweepData, collect
-from hilc_cli.sweeps.opening import open_store
+from hilc_cli.sweeps.folders import open_store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.planning import plan_of
 from hilc_cli.sweeps.search import beside_cases, how_searched, search

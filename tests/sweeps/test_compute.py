@@ -16,7 +16,7 @@ from hilc_cli.sweeps.compute import (
     compute_chunks,
     missing_chunks,
 )
-from hilc_cli.sweeps.opening import open_store
+from hilc_cli.sweeps.folders import open_store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.store import FolderStore
 from hilc_cli.workers.handing_out import TRIES, Crew, Outcome

@@ -17,7 +17,7 @@ from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLER
 from hilc_cli.sweeps import search as searching
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, MemoryStore, run_chunk
 from hilc_cli.sweeps.compute import Execution
-from hilc_cli.sweeps.opening import open_store
+from hilc_cli.sweeps.folders import open_store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.sampler import batches
 from hilc_cli.sweeps.search import costs, search
