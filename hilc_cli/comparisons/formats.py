@@ -11,7 +11,7 @@ from hilc_cli.errors import printable
 from hilc_cli.results.tables import text_cell
 
 MOST_SIDE_BY_SIDE = 4
-"""So many rows of a table stand side by side on a page; more stand below each other."""
+"""The most rows of a table that stand side by side on a page; more stand below each other."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
 from hilc_cli.comparisons.table import ComparisonTable, Value
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.files import merge_folder
-from hilc_cli.leaderboards.contests import Contests, hold
+from hilc_cli.leaderboards.contests import Contests, compute_entries
 from hilc_cli.leaderboards.entries import LeaderboardData
 from hilc_cli.leaderboards.folder import (
     LEADERBOARD_FOLDER,
@@ -65,7 +65,7 @@ class LawComparison:
 
     @property
     def settings_records(self) -> list[dict[str, Value]]:
-        """The same, a record for each law, belief and disturbance."""
+        """The worst error of each law, a record for each belief and disturbance."""
         return settings_records(self.data)
 
     @property
@@ -187,7 +187,7 @@ def compare_laws(
     started, clock = datetime.now(UTC), time.perf_counter()
     spec = leaderboard.spec
     contests = Contests(tuple(leaderboard.contests()), spec.after, spec.tolerance)
-    entries = hold(contests, workers or available_cores(), on_runs, go_on)
+    entries = compute_entries(contests, workers or available_cores(), on_runs, go_on)
     return LawComparison(
         LeaderboardData(spec.name, spec.after, spec.tolerance, entries),
         leaderboard.checksum(),

@@ -67,7 +67,7 @@ def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
     wanted = list(after)
 
     def whole(errors: list[float]) -> Floats:
-        """Of all iterations: what has diverged is infinite; what stays the same is as it was."""
+        """Errors of all iterations: infinite where diverged, the last where all are alike."""
         last = errors[-1] if found.diverged_at is None else math.inf
         return np.array(errors + [last] * (experiment.iterations + 1 - ran))
 
@@ -94,7 +94,7 @@ def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
     )
 
 
-def hold(
+def compute_entries(
     contests: Contests,
     workers: int,
     on_runs: Callable[[int], None] = lambda runs: None,

@@ -20,7 +20,7 @@ from hilc_cli.results.manifest import DRAWN_WITH, origin, versions
 from hilc_cli.runs.running import Run, run
 
 DPI = 300
-"""Of pictures in print."""
+"""Resolution of pictures in print [dots per inch]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -19,7 +19,7 @@ _RELATIONS: Mapping[str, Callable[[float, float], bool]] = {
     ">": operator.gt,
 }
 _IN_WORDS = {"le": "<=", "ge": ">=", "lt": "<", "gt": ">"}
-"""As in the shell's own comparisons."""
+"""Relations by the words of the shell's own comparisons."""
 _FORM = re.compile(r"\s*(\w+)\s*(<=|>=|<|>|:(?:le|ge|lt|gt):)\s*([^<>=:\s].*)")
 _UNITS = {
     "_rad_s": Unit(angle=1, time=-1),
@@ -27,7 +27,7 @@ _UNITS = {
     "_m": Unit(length=1),
     "_s": Unit(time=1),
 }
-"""Of a metric by the ending of its name; others are plain numbers."""
+"""Units of metrics by the ending of their names; other metrics are plain numbers."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -282,13 +282,13 @@ def check_folder(scenario: ScenarioSource, folder: str | Path, *, force: bool = 
 
 
 def warnings_before(scenario: ScenarioSource) -> list[str]:
-    """What is legal but probably not meant, and what no law can do, to be told before a run."""
+    """Says what is probably not meant, and what no law can do, before anything is simulated."""
     scenario = as_scenario(scenario)
     return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
 
 
 def warnings_after(run: RunData, experiment: Experiment) -> list[str]:
-    """What only a simulation shows, to be told after a run.
+    """Says what was probably not meant and only a simulation shows.
 
     Args:
         run: The results, with at least one completed iteration.

@@ -20,11 +20,11 @@ from hilc_cli.sweeps.varied import CANNOT_BE_MADE
 from hilc_cli.variation.axes import Value
 
 _PACKS_AT_ONCE = 16
-"""Of experiments that are made and run together: enough to group them, few enough for little memory
-and for a worker that soon hears of a signal."""
+"""The most packs of experiments that run together: enough to group them, few enough for little
+memory and for a worker that soon hears of a signal."""
 
 _SAMPLES_AT_ONCE = 1_000_000
-"""Of the trajectories of these experiments, each of which may have its own."""
+"""The most samples of the trajectories of experiments that run together: each may have its own."""
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -24,12 +24,12 @@ from hilc_cli.workers.handing_out import TRIES, Alone, Crew, Outcome, available_
 from hilc_cli.workers.processes import Processes
 
 _ALONE = 0.5
-"""Seconds of work that one process does sooner than worker processes start."""
+"""Seconds of work that this process does sooner than worker processes start."""
 
 _ADDRESS = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9A-Fa-f:.]+\]):([0-9]{1,5})", re.ASCII)
 _LAST_PORT = 65535
 _LOOKED_AT, _MOST_VALUES = 16, 500
-"""Cases, and values of a key, from which it is told whether something must be compiled."""
+"""The most cases, and values of a key, that are looked at for code that must be compiled."""
 
 
 class FailedCasesError(HilcError):
@@ -39,7 +39,7 @@ class FailedCasesError(HilcError):
 
 
 def _nothing(*_: object) -> None:
-    """What is told to nobody."""
+    """Tells nobody."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class Execution:
             raise UsageError(f"--scheduler {self.scheduler}: must read tcp://HOST:PORT")
 
     def telling(self, on_cases: Callable[[int], None]) -> Execution:
-        """The same, telling somebody how many cases are done."""
+        """Returns the same execution with somebody who is told how many cases are done."""
         return replace(self, on_cases=on_cases)
 
 
@@ -182,7 +182,7 @@ def compile_for(plan: Plan, on_compile: Callable[[], None]) -> None:
 
 
 def _some_experiments(plan: Plan) -> list[Experiment]:
-    """Cases from the first to the last, and each value of each key beside the first of the others.
+    """Experiments of cases from the first to the last, and of each value beside the first others.
 
     So most code that any case needs is seen, such as that for the one pose on the reference.
     """

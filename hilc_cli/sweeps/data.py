@@ -33,7 +33,7 @@ class OwnValues:
     metric: float
 
     def to_data(self) -> dict[str, Any]:
-        """As plain data for a JSON document."""
+        """Returns the same as plain data for a JSON document."""
         return {**asdict(self), "metric": self.metric if math.isfinite(self.metric) else None}
 
     @classmethod

@@ -46,7 +46,7 @@ def samples_per_case(plan: Plan) -> float:
 
 
 def seconds_per_case(plan: Plan) -> float:
-    """What a case takes on one core, roughly."""
+    """Seconds that a case takes on one core, roughly."""
     disturbance = plan.varied.scenario.spec.disturbance
     disturbed = any(source.bounded().active for source in (disturbance.state, disturbance.output))
     varied = any(key.startswith(("disturbance.state", "disturbance.output")) for key in plan.axes)
@@ -126,7 +126,7 @@ def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
 
 
 def _of_search(plan: Plan, per_case: float, workers: int) -> float:
-    """Of a search [s]: batches wait for each other, and it takes time to think of the next."""
+    """Seconds of a search: batches wait for each other, and it takes time to think of the next."""
     cases = len(plan.cases)
     seconds = cases * (_PER_THOUGHT + cases * _PER_MEMORY)
     for batch, _ in batches(cases):
@@ -137,7 +137,7 @@ def _of_search(plan: Plan, per_case: float, workers: int) -> float:
 
 
 def _seconds_per_sample(plan: Plan) -> float:
-    """Measured on full lanes, after the code has been loaded; on one case without lanes."""
+    """Seconds per sample, measured on full lanes after loading; on one case without lanes."""
     made: list[Experiment] = []
     for case in plan.cases.values(0, min(LANES, len(plan.cases))):
         with suppress(*CANNOT_BE_MADE):

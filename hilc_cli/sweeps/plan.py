@@ -126,7 +126,7 @@ class Plan:
         return to_yaml(self.resolved())
 
     def checksum(self) -> str:
-        """Of all that the results of the cases depend on, this program's version included."""
+        """SHA-256 of all that the results depend on, the version of this program included."""
         data = self.resolved()
         for key in WITHOUT_EFFECT:
             *above, last = key.split(".")

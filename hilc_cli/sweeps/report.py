@@ -61,7 +61,7 @@ def search_table(summary: SweepSummary, as_it_is: OwnValues) -> Table:
 
 
 def search_document(summary: SweepSummary, as_it_is: OwnValues, folder: Path) -> dict[str, Any]:
-    """The same for a JSON document."""
+    """Returns the best case beside the scenario as it is, for a JSON document."""
     best = _best(summary)
     return {
         "minimise": summary.metric,
@@ -91,12 +91,12 @@ AGAIN = "the same command with --resume tries these cases again"
 SHARDS_AGAIN = "--resume of their shards tries these cases again"
 _NO_BETTER = "Best case tried, no better than the scenario as it is"
 _MOST_FAILURES = 10
-"""So many are named one by one."""
+"""The largest number of failures that are named one by one."""
 
 
 @dataclass(frozen=True, slots=True)
 class SweepReport:
-    """Tells it as the user wants to hear it.
+    """Tells of a sweep as the user wants to hear it.
 
     Attributes:
         json: As one JSON document.
@@ -109,30 +109,30 @@ class SweepReport:
     verbose: bool
 
     def say(self, message: str) -> None:
-        """A message on stderr, unless nothing is to be said."""
+        """Says something on stderr, unless nothing is to be said."""
         if not self.quiet:
             say(message)
 
     def compiling(self) -> None:
-        """Why nothing moves for some seconds."""
+        """Says why nothing moves for some seconds."""
         self.say("compiling the engine for this machine, once for each kind of experiment")
 
     def warnings(self, plan: Plan) -> None:
-        """What is legal but probably not meant."""
+        """Says what is legal but probably not meant."""
         for warning in plan.warnings():
             self.say(f"warning: {warning}")
 
     def progress(
         self, plan: Plan, part: tuple[int, int] | None = None
     ) -> AbstractContextManager[Callable[[int], None]]:
-        """A progress bar over the cases."""
+        """Shows a progress bar over the cases."""
         from hilc_cli.sweeps.shards import shard_cases
 
         total = len(plan.cases) if part is None else len(shard_cases(len(plan.cases), *part))
         return progress(plan.name, total, quiet=self.quiet)
 
     def estimate(self, plan: Plan, estimate: Estimate) -> None:
-        """What a sweep would cost."""
+        """Tells what a sweep would cost."""
         if self.json:
             print_json({"name": plan.name, **asdict(estimate)})
             return

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from optuna.trial import Trial
 
 SAMPLER = "TPE"
-"""As the manifest of a search names it."""
+"""Name of the sampler in the manifest of a search."""
 
 Values = tuple[Value, ...]
 _Params = dict[str, Any]
-"""What Optuna has for the values of a case."""
+"""Optuna's parameters for the values of a case."""
 
 _BLOCK = 256
 _MOST_DRAWS = 100
@@ -37,7 +37,7 @@ _MOST_DRAWS = 100
 _FIRST = 12
 """Cases that are drawn before there is anything to learn from."""
 _LEAST, _SHARE = 4, 4
-"""Of a batch: so many at least, a quarter of what is known at most; a quarter of it is drawn."""
+"""Size of a batch: at least so many, at most a quarter of what is known; a quarter is drawn."""
 
 
 def batches(cases: int) -> Iterator[tuple[Chunk, int]]:

@@ -16,7 +16,7 @@ from hilc_cli.variation.axes import Range, Value
 Integers = NDArray[np.int64]
 
 _SAME = 1e-6
-"""Of a metric: what differs less looks the same in a table."""
+"""Relative difference of a metric below which two values look the same in a table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +140,7 @@ def found_better(data: SweepData) -> bool:
 
 
 def _tie(data: SweepData, best: int) -> str:
-    """That there are several best cases, and what would tell them apart."""
+    """Says that there are several best cases, and what would tell them apart."""
     cases = tied(data)
     value = f"{data.columns[data.metric][best]:.6g}"
     where = "" if data.as_it_is is None else f", and the one in {BEST}"

@@ -88,7 +88,7 @@ def value_at(part: Any, keys: PathKeys) -> Any:
 
 
 _Places = dict[str | int, Any]
-"""By part of a key: the whole key, or the places below."""
+"""A tree of keys: for each part the whole key, or what lies below it."""
 
 TRAJECTORY = "trajectory"
 WITHOUT_EFFECT = (
@@ -108,7 +108,7 @@ WITHOUT_EFFECT = (
 CANNOT_BE_MADE = (HilcError, ValueError, ArithmeticError)
 """What making the experiment of a case raises if its values do not fit together."""
 _MOST_SAMPLES = 1_000_000
-"""Of trajectories that are kept for the cases to come."""
+"""The most samples of all trajectories that are kept for the cases to come."""
 
 
 @dataclass(slots=True)

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
 TRIES = 3
-"""So often a piece is given to a worker that gets lost before it counts as failed."""
+"""How often a piece is given to workers that get lost before it counts as failed."""
 
 PATIENCE = 0.5
-"""Seconds after which a crew that has nothing to tell lets its owner look around."""
+"""Seconds for which a crew that has nothing to tell keeps its owner waiting."""
 
 Piece = TypeVar("Piece", bound=Hashable)
 Result = TypeVar("Result")
@@ -54,7 +54,7 @@ class Crew(Protocol[Piece, Result]):
         ...
 
     def outcomes(self) -> list[Outcome[Piece, Result]]:
-        """What has become of some pieces; waits a while for it, and may come back empty."""
+        """Returns what has become of some pieces; waits a while for it, and may come back empty."""
         ...
 
     def dismiss(self) -> None:
@@ -91,7 +91,7 @@ class Alone(Generic[Piece, Result]):
             return Outcome(piece, None, f"{type(error).__name__}: {error}", True, error)
 
     def dismiss(self) -> None:
-        """There is nobody to stop."""
+        """Stops nobody: there are no other workers."""
 
 
 def hand_out(
@@ -127,7 +127,7 @@ def hand_out(
 
 
 def available_cores() -> int:
-    """Cores that this process may use."""
+    """Returns the number of cores that this process may use."""
     try:
         return len(os.sched_getaffinity(0))
     except AttributeError:  # not on every system

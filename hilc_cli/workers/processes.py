@@ -18,7 +18,7 @@ from hilc_cli.workers.handing_out import PATIENCE, Outcome, Piece, Result
 
 _OF_TERMINALS = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT)
 _MOST_LOSSES = 3
-"""Of each worker before any has computed anything."""
+"""The most losses of each worker before any has done anything."""
 
 
 class WorkersError(HilcError):

@@ -64,12 +64,12 @@ class Cells:
 
     @property
     def medians(self) -> Floats:
-        """Of the metric, shape (rows, columns)."""
+        """Medians of the metric, shape (rows, columns)."""
         return self.groups.medians.reshape(self.shape)
 
     @property
     def outcomes(self) -> Integers:
-        """Of Outcome, shape (rows, columns); -1 where there is no case at all."""
+        """Outcomes of the cells, shape (rows, columns); -1 where there is no case at all."""
         return self.groups.outcomes.reshape(self.shape)
 
     def outline(self, outcome: Outcome) -> Path:

@@ -83,7 +83,7 @@ BANDS = ((0, 4, "5 to 95 %", 0.15), (1, 3, "25 to 75 %", 0.3))
 assert QUANTILES == (0.05, 0.25, 0.5, 0.75, 0.95)
 
 MOST_VALUES, MOST_GRID_VALUES = 40, 1000
-"""Of drawn cases, and of a grid: more values are taken together in bins."""
+"""The most values of a key, drawn and in a grid, that are shown one by one and not in bins."""
 _BINS, _GRID_BINS = 20, 200
 _CASES_A_BIN = 10
 
