@@ -31,7 +31,7 @@ from hilc_cli.leaderboards.comparing import (
 from hilc_cli.leaderboards.comparing import (
     read_leaderboard as read_leaderboard,
 )
-from hilc_cli.leaderboards.entries import LeaderboardData as LeaderboardData
+from hilc_cli.leaderboards.contests import LeaderboardData as LeaderboardData
 from hilc_cli.paper.plan import (
     ReproductionPlan as ReproductionPlan,
 )

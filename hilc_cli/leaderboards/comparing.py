@@ -13,8 +13,7 @@ from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
 from hilc_cli.comparisons.table import ComparisonTable, Value
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.files import merge_folder
-from hilc_cli.leaderboards.contests import Contests, compute_entries
-from hilc_cli.leaderboards.entries import LeaderboardData
+from hilc_cli.leaderboards.contests import Contests, LeaderboardData, compute_entries
 from hilc_cli.leaderboards.folder import (
     LEADERBOARD_FOLDER,
     TABLES,

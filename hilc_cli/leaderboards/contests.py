@@ -1,4 +1,4 @@
-"""The runs of a leaderboard, computed by a crew of workers."""
+"""The runs of a leaderboard: what becomes of each law in each case, and who computes that."""
 
 from __future__ import annotations
 
@@ -12,12 +12,107 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.measuring import MeasuredTrials
 from hilc_cli.errors import DivergedError, HilcError
-from hilc_cli.leaderboards.entries import Entry
 from hilc_cli.leaderboards.plan import Contest
+from hilc_cli.names import in_short, listed
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import first_within, settled_at, share_within
 from hilc_cli.workers.handing_out import Alone, Crew, hand_out
 from hilc_cli.workers.processes import Processes
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One law in one case.
+
+    Errors are position errors over the second half of the trajectory, unless something else is
+    said. A run that diverges has infinite errors from there on.
+
+    Attributes:
+        case: Name of the case.
+        belief: Name of what the controller believes.
+        disturbance: Name of the disturbance.
+        law: Name of the law.
+        max_m: Largest error after each number of iterations that is looked at [m].
+        mean_m: Mean error, likewise [m].
+        whole_max_m: Largest error over the whole path, likewise [m].
+        within_at: First iteration whose largest error is within the tolerance; None if none is.
+        within_share: Share of the iterations from that one to the last that are; None likewise.
+        settled_at: First iteration from which on the largest error keeps the tolerance; None if
+            the last does not.
+        peak_m: Largest error over the whole path in any iteration but 0, which is mostly the first
+            input alone and tells nothing of the law [m]; None if there is no other.
+        fastest_wheel_rad_s: Largest wheel speed in any iteration [rad/s].
+        speed_limit_rad_s: b_w [rad/s]; None for no limit.
+        diverged_at: The iteration that left the finite numbers; None if none did.
+        seconds_per_iteration: Processor time of the whole program for an iteration [s].
+    """
+
+    case: str
+    belief: str
+    disturbance: str
+    law: str
+    max_m: tuple[float, ...]
+    mean_m: tuple[float, ...]
+    whole_max_m: tuple[float, ...]
+    within_at: int | None
+    within_share: float | None
+    settled_at: int | None
+    peak_m: float | None
+    fastest_wheel_rad_s: float
+    speed_limit_rad_s: float | None
+    diverged_at: int | None
+    seconds_per_iteration: float
+
+    @property
+    def keeps_limit(self) -> bool | None:
+        """Whether no wheel was faster than the limit in any sample of any iteration.
+
+        None if there is no limit.
+        """
+        limit = self.speed_limit_rad_s
+        return None if limit is None else self.fastest_wheel_rad_s <= limit
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LeaderboardData:
+    """The entries of a leaderboard.
+
+    Attributes:
+        name: Of the leaderboard.
+        after: Numbers of iterations after which errors are told.
+        tolerance: Largest error that counts as reached [m].
+        entries: Cases in their order; of each the beliefs, the disturbances, and the laws.
+    """
+
+    name: str
+    after: tuple[int, ...]
+    tolerance: float
+    entries: tuple[Entry, ...]
+
+    def __repr__(self) -> str:
+        title = f"LeaderboardData {self.name!r}: {len(self.entries)} runs"
+        return in_short(title, f"laws: {listed(self.laws)}")
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the laws in their order."""
+        return tuple(dict.fromkeys(entry.law for entry in self.entries))
+
+    @property
+    def disturbances(self) -> tuple[str, ...]:
+        """Names of the disturbances in their order."""
+        return tuple(dict.fromkeys(entry.disturbance for entry in self.entries))
+
+    def of(self, law: str, disturbance: str) -> list[Entry]:
+        """The entries of a law with a disturbance."""
+        return [
+            entry for entry in self.entries if entry.law == law and entry.disturbance == disturbance
+        ]
+
+    @property
+    def settings(self) -> tuple[tuple[str, str], ...]:
+        """Beliefs with disturbances in their order."""
+        return tuple(dict.fromkeys((entry.belief, entry.disturbance) for entry in self.entries))
 
 
 class FailedContestError(HilcError):

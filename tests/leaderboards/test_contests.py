@@ -13,8 +13,13 @@ import pytest
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import DivergedError
 from hilc_cli.leaderboards import contests
-from hilc_cli.leaderboards.contests import Contests, FailedContestError, compete, compute_entries
-from hilc_cli.leaderboards.entries import Entry
+from hilc_cli.leaderboards.contests import (
+    Contests,
+    Entry,
+    FailedContestError,
+    compete,
+    compute_entries,
+)
 from hilc_cli.leaderboards.plan import Contest, load_leaderboard
 from hilc_cli.results.trial import Trial
 

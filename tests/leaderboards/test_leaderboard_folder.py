@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from hilc_cli.comparisons.formats import csv_text
 from hilc_cli.errors import HilcError
-from hilc_cli.leaderboards.entries import Entry, LeaderboardData
+from hilc_cli.leaderboards.contests import Entry, LeaderboardData
 from hilc_cli.leaderboards.folder import read_leaderboard_folder, write_leaderboard_folder
 from hilc_cli.leaderboards.tables import entries_table
 from tests.leaderboards.test_entries import ENTRY, FAST
