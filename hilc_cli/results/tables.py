@@ -201,7 +201,7 @@ def read_samples(path: Path, name: str) -> tuple[Reference, dict[int, Trial]]:
         raise damaged(path, "its iterations do not follow the same reference")
     if (np.isnan(blocks[:, :, 12:]) != (np.arange(samples) == samples - 1)[:, np.newaxis]).any():
         raise damaged(path, "wheel speeds must stand at all samples but the last")
-    x, y, heading = blocks[0, :, _REFERENCE_COLUMNS].T
+    x, y, heading = blocks[0, :, 3:6].T
     reference = Reference(name, sample_time, x, y, heading)
     trials = {
         int(block[0, 0]): Trial(
