@@ -17,6 +17,7 @@ the cases and those that failed; exit code 1 if any has.
 from __future__ import annotations
 
 import argparse
+import gc
 import io
 import json
 import os
@@ -406,6 +407,8 @@ class Fuzzer:
             if code and command[:2] != ("compare", "sweep"):  # which it refuses
                 raise RuntimeError(f"{command} on sound folders: {code}, {said.getvalue()}")
 
+        gc.freeze()  # what is loaded stays where it is in the processes that are forked
+
     def case(self, number: int) -> Outcome:
         """Runs one case."""
         dice = random.Random(f"{self._seed} {number}")
@@ -458,12 +461,15 @@ class Fuzzer:
                     sys.stdout.flush()
                 os._exit(code)
         _, status, usage = os.wait4(child, 0)
-        texts = [(work / name).read_bytes().decode("utf-8", "replace") for name in ("out", "err")]
+        out, error = [
+            (work / name).read_bytes().decode("utf-8", "replace") for name in ("out", "err")
+        ]
         return (
             os.waitstatus_to_exitcode(status),
             usage.ru_utime + usage.ru_stime,
             max(0.0, usage.ru_maxrss * 1024 - used) / 1e6,
-            *texts,
+            out,
+            error,
         )
 
 
@@ -566,7 +572,8 @@ def main() -> int:
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     chosen = parser.parse_args()
     started, before = time.perf_counter(), Path.cwd()
-    with tempfile.TemporaryDirectory() as name:
+    memory = Path("/dev/shm")  # where nothing waits for a disk
+    with tempfile.TemporaryDirectory(dir=memory if memory.is_dir() else None) as name:
         place = Path(name)
         cases = range(chosen.first, chosen.first + chosen.cases)
         found = outcomes(Fuzzer(place, chosen.seed), cases, chosen.processes, place)

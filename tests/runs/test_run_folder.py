@@ -93,7 +93,7 @@ def test_nothing_of_the_manifest_is_in_the_tables(done: Path) -> None:
 
 @pytest.mark.parametrize(
     ("key", "written"),
-    [
+    [  # type: ignore[misc]
         *(("yardsticks", value) for value in ({"a_m": {"true": "x"}}, {"a_m": 3}, [1], None)),
         *(("speed_limit_rad_s", value) for value in (-1, "fast", True, 1e300, 10**400)),
         *(("gravity_center_m", value) for value in ([1], [1, None], "ab")),
