@@ -29,6 +29,8 @@ _KINDS = {
     stat.S_IFLNK: "a link, and nothing is written through links",
 }
 
+_PIECE = 1_000_000
+
 
 def reason(error: OSError) -> str:
     """What the system says of a failure, in lower case, for the middle of a sentence."""
@@ -50,7 +52,10 @@ def read_file(path: Path, limit: int) -> bytes:
     """
     with os.fdopen(open_to_read(path), "rb") as file:
         try:
-            content = file.read(limit + 1)
+            # Room for all that may be asked for at once would be far more than most files need.
+            content = file.read(min(limit, os.fstat(file.fileno()).st_size) + 1)
+            while content and len(content) <= limit and (more := file.read(_PIECE)):
+                content += more  # of a file that grows, or whose size the system does not know
         except OSError as error:
             raise FileAccessError(f"{path}: cannot be read: {reason(error)}") from error
     if content is None:  # some files of the system have nothing to say now, and no end

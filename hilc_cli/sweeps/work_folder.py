@@ -74,7 +74,7 @@ class Journal:
         """
         os.lseek(self._descriptor, 0, os.SEEK_SET)
         with os.fdopen(self._descriptor, "rb", closefd=False) as file:
-            content = file.read(_MOST_BYTES)
+            content = file.read(min(_MOST_BYTES, os.fstat(self._descriptor).st_size))
         for line, text in enumerate(content.split(b"\n"), 1):
             checksum, _, text = text.partition(b" ")
             if text and checksum == f"{zlib.crc32(text):08x}".encode():
