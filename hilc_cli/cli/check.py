@@ -75,8 +75,7 @@ def check(
     if not plot and (out is not None or formats or force):
         raise UsageError("--out, --format and --force are about the picture; add --plot")
     valid = load_scenario(scenario, set_ or [])
-    steps = valid.spec.iterations + 1
-    with progress(valid.name, steps, quiet=quiet or not simulate) as advance:
+    with progress(valid.name, valid.spec.iterations + 1, quiet=quiet or not simulate) as advance:
         found = check(valid, simulate=simulate, on_iteration=context.obj.counting(advance))
     pictures: list[Path] = []
     if plot:
