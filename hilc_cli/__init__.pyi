@@ -33,7 +33,7 @@ from hilc_cli.leaderboards.comparing import (
 from hilc_cli.leaderboards.comparing import (
     read_leaderboard as read_leaderboard,
 )
-from hilc_cli.leaderboards.entries import LeaderboardData as LeaderboardData
+from hilc_cli.leaderboards.contests import LeaderboardData as LeaderboardData
 from hilc_cli.paper.plan import (
     ReproductionPlan as ReproductionPlan,
 )
@@ -82,7 +82,7 @@ from hilc_cli.sweeps.folders import (
 from hilc_cli.sweeps.folders import (
     read_sweep as read_sweep,
 )
-from hilc_cli.sweeps.results import Sweep as Sweep
+from hilc_cli.sweeps.sweeping import Sweep as Sweep
 from hilc_cli.sweeps.sweeping import (
     merge_shards as merge_shards,
 )

@@ -8,7 +8,7 @@ import filecmp
 import os
 import stat
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -28,6 +28,8 @@ _KINDS = {
     stat.S_IFSOCK: "a socket",
     stat.S_IFLNK: "a link, and nothing is written through links",
 }
+
+_PIECE = 1_000_000
 
 
 def reason(error: OSError) -> str:
@@ -50,7 +52,10 @@ def read_file(path: Path, limit: int) -> bytes:
     """
     with os.fdopen(open_to_read(path, limit), "rb") as file:
         try:
-            content = file.read(limit + 1)
+            # Room for all that may be asked for at once would be far more than most files need.
+            content = file.read(min(limit, os.fstat(file.fileno()).st_size) + 1)
+            while content and len(content) <= limit and (more := file.read(_PIECE)):
+                content += more  # of a file that grows, or whose size the system does not know
         except OSError as error:
             raise FileAccessError(f"{path}: cannot be read: {reason(error)}") from error
     if content is None:  # some files of the system have nothing to say now, and no end
@@ -279,18 +284,21 @@ def write_folder(
 
 def merge_folder(
     path: Path,
-    fill: Callable[[Path], None],
+    fill: Callable[[Path], Iterable[Path] | None],
     may_replace: Callable[[Path], bool],
     *,
     or_same: bool = False,
-) -> None:
+) -> list[Path]:
     """Adds files to a folder, each as a whole, after all of them could be made.
 
     Args:
         path: The folder; made if it is not there.
-        fill: Writes the files into the folder that it is given.
+        fill: Writes the files into the folder that it is given, and returns them.
         may_replace: Whether a file of the same name that stands there may be replaced.
         or_same: A file of the same name and content may stand there in any case.
+
+    Returns:
+        The files in their new place, in the order in which they were returned.
 
     Raises:
         ExistingResultsError: One may not; nothing has been added then.
@@ -303,7 +311,7 @@ def merge_folder(
         for folder in {existing, path.parent}:
             remove_stale(path, folder)
         with draft_folder(path, existing) as draft:
-            fill(draft)
+            filled = fill(draft) or ()
             path.mkdir(parents=True, exist_ok=True)
             files = sorted(draft.iterdir())
             for file in files:
@@ -321,6 +329,7 @@ def merge_folder(
             for file in files:
                 file.replace(path / file.name)
             sync(path)
+            return [path / file.name for file in filled]
 
 
 def _is_same(one: Path, other: Path) -> bool:

@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
-from hilc_cli.errors import UnknownNameError, UsageError, printable, shortened
+from hilc_cli.errors import UnknownNameError
 
 # No dot first, with which hidden folders begin, drafts among them, and no hyphen, with which
 # options and formulas do.
@@ -15,25 +15,16 @@ NAME_PATTERN = r"^[A-Za-z0-9_][A-Za-z0-9._-]*$"
 LONGEST_NAME = 100
 
 
-def name_from(value: object, where: str) -> str:
+def check_name(value: str) -> str:
     """A name as a folder that may come from anybody says it.
 
-    Args:
-        value: What stands in the place of the name.
-        where: That place, for the message.
-
     Raises:
-        UsageError: It is no name.
+        ValueError: It is no name.
     """
-    if (
-        isinstance(value, str)
-        and len(value) <= LONGEST_NAME
-        and re.fullmatch(NAME_PATTERN, value)
-        and not value.endswith("\n")  # which $ lets pass
-    ):
-        return value
-    shown = printable(shortened(repr(value), 60))
-    raise UsageError(f"{where}: is no name, got {shown}; {name_remedy(value)}")
+    # fullmatch, since $ lets a line break pass.
+    if len(value) > LONGEST_NAME or not re.fullmatch(NAME_PATTERN[:-1], value):
+        raise ValueError(f"is no name; {name_remedy(value)}")
+    return value
 
 
 def name_remedy(text: object) -> str:

@@ -10,8 +10,7 @@ import pytest
 
 import hilc_cli as hilc_api
 from hilc_cli.laws.registry import CONTROLLERS
-from hilc_cli.leaderboards.contests import compete
-from hilc_cli.leaderboards.entries import LeaderboardData
+from hilc_cli.leaderboards.contests import LeaderboardData, compete
 from hilc_cli.leaderboards.tables import entries_table
 from hilc_cli.yaml_input.nodes import Source, to_data
 from hilc_cli.yaml_input.tree import parse_yaml

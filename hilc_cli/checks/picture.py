@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hilc_cli.drawing  # noqa: F401  # loads Matplotlib, whatever is set for it
+
 # isort: split
 
 import csv

@@ -10,12 +10,12 @@ from itertools import chain
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.errors import DivergedError
+from hilc_cli.engine.measuring import MeasuredTrials
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.summary import summarise
 from hilc_cli.results.trial import Trial
-from hilc_cli.runs.running import OnIteration, RunData, Summary, measured_trials
+from hilc_cli.runs.running import OnIteration, RunData, Summary
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.theory.findings import ExpectedError, Findings, extent
 from hilc_cli.theory.learning.expected import RESOLUTION
@@ -80,24 +80,19 @@ def simulated(
 ) -> tuple[Findings, Simulated | None]:
     """One run, of which each iteration is measured as it comes, and only the last is kept."""
     metrics = MetricsTable()
-    last: dict[int, Trial] = {}
-    diverged_at: int | None = None
+    measured = MeasuredTrials(experiment)
 
     def completed() -> Iterator[Trial]:
-        nonlocal diverged_at
-        try:
-            for trial in measured_trials(experiment, metrics):
-                last.clear()
-                last[trial.iteration] = trial
-                if on_iteration is not None:
-                    on_iteration(trial.iteration)
-                yield trial
-        except DivergedError as error:
-            diverged_at = error.iteration
+        for trial, row in measured:
+            metrics.append(row)
+            if on_iteration is not None:
+                on_iteration(trial.iteration)
+            yield trial
 
     trials = completed()
     first = next(trials, None)
     comparisons = {} if first is None else beside(experiment, bounds, chain([first], trials))
+    diverged_at = measured.diverged_at
     findings = Findings()
     if diverged_at is not None:
         findings = Findings(
@@ -106,13 +101,13 @@ def simulated(
                 "lower the gains, or set controller.b_w",
             )
         )
-    if first is None:
+    if measured.last is None:
         return findings, None
     run = RunData(
         name=scenario.name,
         reference=experiment.reference,
         metrics=metrics,
-        trials=last,
+        trials={measured.last.iteration: measured.last},
         speed_limit=scenario.speed_limit,
         gravity_center=experiment.robot.gravity_center,
         diverged_at=diverged_at,

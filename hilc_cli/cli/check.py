@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -13,33 +14,36 @@ from hilc_cli.cli.options import (
     Json,
     OutputFolder,
     Overrides,
-    PictureFormat,
     Quiet,
     ScenarioArgument,
     Trust,
     Verbose,
     Version,
+    picture_formats,
 )
-from hilc_cli.cli.session import Session
+from hilc_cli.errors import UsageError
+from hilc_cli.reporting.terminal import print_json, print_text, progress, say
 
 WRONG = 3
+
+Simulate = Annotated[
+    bool,
+    typer.Option("--simulate", help="Run it as well, and show its errors beside the theory."),
+]
+Theory = Annotated[
+    bool,
+    typer.Option("--theory", help="Show the paper's conditions, constants and bounds, too."),
+]
+Plot = Annotated[bool, typer.Option("--plot", help="Draw the predicted error of each iteration.")]
 
 
 def check(
     context: typer.Context,
     scenario: ScenarioArgument,
     set_: Overrides = None,
-    simulate: Annotated[
-        bool,
-        typer.Option("--simulate", help="Run it as well, and show its errors beside the theory."),
-    ] = False,
-    theory: Annotated[
-        bool,
-        typer.Option("--theory", help="Show the paper's conditions, constants and bounds, too."),
-    ] = False,
-    plot: Annotated[
-        bool, typer.Option("--plot", help="Draw the predicted error of each iteration.")
-    ] = False,
+    simulate: Simulate = False,
+    theory: Theory = False,
+    plot: Plot = False,
     formats: Formats = None,
     out: OutputFolder = None,
     force: Force = False,
@@ -68,26 +72,17 @@ def check(
     from hilc_cli.checks.checking import check
     from hilc_cli.checks.report.whole import document, print_report
     from hilc_cli.cli.default_folders import default_folder
-    from hilc_cli.errors import UsageError
-    from hilc_cli.reporting.terminal import print_json, print_text, progress, say
     from hilc_cli.runs.running import load_scenario
 
     if not plot and (out is not None or formats or force):
         raise UsageError("--out, --format and --force are about the picture; add --plot")
-    valid = load_scenario(scenario, set_ or [], trust=trust)
-    session: Session = context.obj
-    silent = quiet or not simulate
-    with progress(valid.name, valid.spec.iterations + 1, quiet=silent) as advance:
-
-        def on_iteration(iteration: int) -> None:
-            session.go_on()
-            advance(iteration + 1)
-
-        found = check(valid, simulate=simulate, on_iteration=on_iteration)
+    valid = load_scenario(scenario, set_ or [])
+    with progress(valid.name, valid.spec.iterations + 1, quiet=quiet or not simulate) as advance:
+        found = check(valid, simulate=simulate, on_iteration=context.obj.counting(advance))
     pictures: list[Path] = []
     if plot:
         folder = out or default_folder(valid.name, set_, "-check")
-        names = [choice.value for choice in formats or [PictureFormat.PNG]]
+        names = picture_formats(formats)
         pictures = found.plot(folder, formats=names, may_replace=lambda file: force or out is None)
         if not pictures:
             say("nothing is drawn: nothing is predicted of this law")
@@ -100,7 +95,11 @@ def check(
         for picture in pictures:
             print_text(f"Written to {picture}")
     if found.failures:
-        first, more = found.failures[0], len(found.failures) - 1
-        where = "without -q" if quiet and not json else "in the report"
-        say(f"{first} ({more} more {where})" if more else first)
+        _say_first(found.failures, "without -q" if quiet and not json else "in the report")
         raise typer.Exit(WRONG)
+
+
+def _say_first(failures: Sequence[str], where: str) -> None:
+    """Says the first failure, and where the others stand."""
+    first, more = failures[0], len(failures) - 1
+    say(f"{first} ({more} more {where})" if more else first)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -16,13 +17,14 @@ from hilc_cli.cli.options import (
     Formats,
     Json,
     OutputFolder,
-    PictureFormat,
     Quiet,
     Trust,
     Verbose,
     Version,
+    picture_formats,
 )
 from hilc_cli.cli.session import Session
+from hilc_cli.errors import UsageError
 from hilc_cli.reporting.terminal import print_json, print_text, progress, say
 
 if TYPE_CHECKING:
@@ -39,41 +41,47 @@ class TableKind(StrEnum):
     LATEX = "latex"
 
 
+Runs = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="RUN",
+        help="At least two run folders.",
+        autocompletion=complete_results,
+        show_default=False,
+    ),
+]
+Laws = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FILE",
+        autocompletion=complete_leaderboard,
+        help="Run the laws of this leaderboard in its cases instead; example:leaderboard.",
+        show_default=False,
+    ),
+]
+Table = Annotated[
+    TableKind | None,
+    typer.Option("--table", help="The table to print. [default: terminal]"),
+]
+NoPlots = Annotated[bool, typer.Option("--no-plots", help="Draw no picture.")]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N", min=1, max=10_000, help="Processes, for --laws. [default: all cores]"
+    ),
+]
+
+
 def compare(
     context: typer.Context,
-    runs: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="RUN",
-            help="At least two run folders.",
-            autocompletion=complete_results,
-            show_default=False,
-        ),
-    ] = None,
-    laws: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE",
-            autocompletion=complete_leaderboard,
-            help="Run the laws of this leaderboard in its cases instead; example:leaderboard.",
-            show_default=False,
-        ),
-    ] = None,
-    table: Annotated[
-        TableKind | None,
-        typer.Option("--table", help="The table to print. [default: terminal]"),
-    ] = None,
+    runs: Runs = None,
+    laws: Laws = None,
+    table: Table = None,
     formats: Formats = None,
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no picture.")] = False,
+    no_plots: NoPlots = False,
     out: OutputFolder = None,
     force: Force = False,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=1, max=10_000, help="Processes, for --laws. [default: all cores]"
-        ),
-    ] = None,
-    trust: Trust = False,
+    workers: Workers = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -96,43 +104,64 @@ def compare(
       hilc compare runs/fig7a runs/fig7b --no-plots --table latex > table.tex
       hilc compare --laws example:leaderboard
     """
-    from hilc_cli.cli.several_runs import (
-        check_shared_folder,
-        shared_folder,
-        without_comparisons,
-    )
-    from hilc_cli.comparisons.comparing import compare
-    from hilc_cli.errors import UsageError
-    from hilc_cli.reporting.terminal import print_json
-    from hilc_cli.sweeps.folders import is_sweep
-
     if json and table is not None:
         raise UsageError("--json and --table both say what is printed; give one of them")
-    chosen = [choice.value for choice in formats or [PictureFormat.PNG]]
+    writing = {"force": force, "formats": picture_formats(formats), "plots": not no_plots}
+    printing = _Printing(table or TableKind.TERMINAL, json=json, quiet=quiet, verbose=verbose)
     if laws is not None:
         if runs:
             raise UsageError(f"--laws runs what it compares; leave out {runs[0]}")
-        compare_laws(
-            laws,
-            context.obj,
-            table=(table or TableKind.TERMINAL).value,
-            out=out,
-            force=force,
-            formats=chosen,
-            plots=not no_plots,
-            workers=workers,
-            trust=trust,
-            json=json,
-            quiet=quiet,
-            verbose=verbose,
-        )
+        _compare_laws(laws, context.obj, out, workers, writing, printing)
         return
     for option, is_given in {"--workers": workers is not None, "--trust": trust}.items():
         if is_given:
             raise UsageError(f"{option} is for --laws; nothing else is simulated")
     if not runs:
         raise UsageError("there is nothing to compare; give at least two run folders, or --laws")
-    given, runs = runs, without_comparisons(runs)
+    _compare_runs(runs, out, writing, printing)
+
+
+@dataclass(frozen=True, slots=True)
+class _Printing:
+    """What is printed of a comparison."""
+
+    kind: TableKind
+    json: bool
+    quiet: bool
+    verbose: bool
+
+    def __call__(
+        self, result: Comparison | LawComparison, folder: Path, files: Sequence[Path]
+    ) -> None:
+        from hilc_cli.comparisons.report import print_comparison
+
+        if self.json:
+            written = {"folder": str(folder), "files": [str(file) for file in files]}
+            print_json({**written, **result.document()})
+        elif self.quiet:
+            return
+        elif self.kind is TableKind.TERMINAL:
+            for table in result.printed(everything=self.verbose):
+                print_comparison(table)
+            print_text(f"Written to {folder}")
+        else:
+            print_text(result.text(self.kind.value).rstrip("\n"))
+            say(f"written to {folder}")
+
+
+def _compare_runs(
+    given: list[Path], out: Path | None, writing: dict[str, Any], printing: _Printing
+) -> None:
+    """Compares runs that are there."""
+    from hilc_cli.cli.default_folders import (
+        check_shared_folder,
+        shared_folder,
+        without_comparisons,
+    )
+    from hilc_cli.comparisons.comparing import compare
+    from hilc_cli.sweeps.folders import is_sweep
+
+    runs = without_comparisons(given)
     if len(runs) < 2:
         one = runs[0] if runs else given[0]
         what = "only one run" if runs else "no run"
@@ -143,76 +172,18 @@ def compare(
     folder = out or shared_folder(runs)
     check_shared_folder(folder)
     result = compare(runs)
-    files = result.write(
-        folder,
-        force=force,
-        formats=chosen,
-        plots=not no_plots,
-    )
-    if json:
-        print_json(_document(result, folder, files))
-    elif not quiet:
-        _tell(result, folder, table or TableKind.TERMINAL)
+    printing(result, folder, result.write(folder, **writing))
 
 
-def _tell(result: Comparison, folder: Path, kind: TableKind) -> None:
-    from hilc_cli.comparisons.report import print_comparison
-    from hilc_cli.reporting.terminal import print_text, say
-
-    if kind is TableKind.TERMINAL:
-        print_comparison(result.table)
-        print_text(f"Written to {folder}")
-    else:
-        print_text(result.text(kind.value).rstrip("\n"))
-        say(f"written to {folder}")
-
-
-def _document(result: Comparison, folder: Path, files: list[Path]) -> dict[str, object]:
-    table = result.table
-    titles = [str(row.values[0]) for row in table.rows]
-    return {
-        "folder": str(folder),
-        "files": [str(file) for file in files],
-        "runs": table.records(),
-        "best": {
-            column.name: [titles[number] for number in sorted(table.best(place))]
-            for place, column in enumerate(table.columns)
-            if column.is_ranked
-        },
-    }
-
-
-def compare_laws(
+def _compare_laws(
     leaderboard: str,
     session: Session,
-    *,
-    table: str,
     out: Path | None,
-    force: bool,
-    formats: Sequence[str],
-    plots: bool,
     workers: int | None,
-    trust: bool,
-    json: bool,
-    quiet: bool,
-    verbose: bool,
+    writing: dict[str, Any],
+    printing: _Printing,
 ) -> None:
-    """Runs a leaderboard, writes its files, and prints its tables.
-
-    Args:
-        leaderboard: The file.
-        session: Of this program.
-        table: terminal, csv, markdown or latex.
-        out: The folder; None: runs/NAME.
-        force: Replace the folder of another leaderboard.
-        formats: Of the picture.
-        plots: Whether to draw it.
-        workers: Processes; None: all cores.
-        trust: Whether the code that the leaderboard names may be imported.
-        json: Print one JSON document in the place of a table.
-        quiet: Print nothing but errors.
-        verbose: Print all runs as well.
-    """
+    """Runs the laws of a leaderboard, and compares them."""
     from hilc_cli.drawing.save import check_format
     from hilc_cli.leaderboards.comparing import (
         check_leaderboard_output,
@@ -220,38 +191,11 @@ def compare_laws(
         load_leaderboard,
     )
 
-    for name in formats:
+    for name in writing["formats"]:
         check_format(name)
     valid = load_leaderboard(leaderboard, trust=trust)
     folder = Path("runs") / valid.name if out is None else out
-    check_leaderboard_output(valid, folder, force=force)
-    with progress(valid.name, valid.size, quiet=quiet) as advance:
+    check_leaderboard_output(valid, folder, force=writing["force"])
+    with progress(valid.name, valid.size, quiet=printing.quiet) as advance:
         result = compare_laws(valid, workers=workers, on_runs=advance, go_on=session.go_on)
-    files = result.write(folder, force=force, formats=formats, plots=plots, command=sys.argv)
-    if json:
-        print_json(_laws_document(result, folder, files))
-    elif not quiet:
-        _tell_laws(result, folder, table, verbose=verbose)
-
-
-def _tell_laws(result: LawComparison, folder: Path, table: str, *, verbose: bool) -> None:
-    from hilc_cli.comparisons.report import print_comparison
-
-    if table != "terminal":
-        print_text(result.text(table).rstrip("\n"))
-        say(f"written to {folder}")
-        return
-    tables = [*result.laws.values(), result.settings]
-    for part in (*tables, result.entries) if verbose else tables:
-        print_comparison(part)
-    print_text(f"Written to {folder}")
-
-
-def _laws_document(result: LawComparison, folder: Path, files: Sequence[Path]) -> dict[str, object]:
-    return {
-        "folder": str(folder),
-        "files": [str(file) for file in files],
-        "laws": {name: table.records() for name, table in result.laws.items()},
-        "worst": result.settings_records,
-        "runs": result.entries.records(),
-    }
+    printing(result, folder, result.write(folder, **writing, command=sys.argv))

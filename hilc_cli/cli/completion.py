@@ -103,7 +103,7 @@ def complete_scenario(incomplete: str) -> list[str]:
 
 
 def complete_leaderboard(incomplete: str) -> list[str]:
-    """The same for a leaderboard."""
+    """Example names and YAML files that an argument for a leaderboard may go on with."""
     names = [f"{PREFIX}{path.stem}" for path in examples(LEADERBOARDS)]
     return _begun([*names, *_files(incomplete)], incomplete)
 
@@ -116,7 +116,7 @@ def complete_key(incomplete: str) -> list[str]:
 
 
 def complete_varied_key(incomplete: str) -> list[str]:
-    """The same without those that nothing depends on."""
+    """Keys that a sweep may vary, with their equals sign: those on which results depend."""
     return [key for key in complete_key(incomplete) if not key.startswith(_WITHOUT_EFFECT)]
 
 

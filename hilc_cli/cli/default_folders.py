@@ -1,17 +1,19 @@
-"""Where results go if no --out is given: a folder that tells what ``--set`` has changed."""
+"""Which folders commands mean: where results go without --out, and which hold what is wanted."""
 
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import UsageError, printable
 
 RUNS = Path("runs")
 SWEEP = "-sweep"
+_MOST_BYTES = 200  # of a folder's name, which the system lets have 255
 _LONGEST = 80  # characters of all changes together: a name has 255 bytes, and others come behind
 _DIGITS = 6
 _UNSAFE = r"[^A-Za-z0-9._-]+"
@@ -135,3 +137,58 @@ def newest_results(folder: Path, kinds: Sequence[str] = ()) -> Path:
             f"there are no results{such} in {folder} to draw; name the folder of a run"
         )
     return newest
+
+
+def without_comparisons(folders: Sequence[Path]) -> list[Path]:
+    """The folders but those of earlier comparisons, which a pattern such as runs/fig4* finds too.
+
+    What is left out is told.
+    """
+    from hilc_cli.comparisons.formats import FILES
+    from hilc_cli.leaderboards.comparing import is_leaderboard
+    from hilc_cli.reporting.terminal import say
+    from hilc_cli.runs.run_folder import ITERATIONS
+
+    kept = []
+    for folder in folders:
+        has_table = (folder / FILES["csv"]).is_file() and not (folder / ITERATIONS).exists()
+        if has_table or is_leaderboard(folder):
+            say(f"{folder}: holds a comparison and no run, so it is left out")
+        else:
+            kept.append(folder)
+    return kept
+
+
+def shared_folder(folders: Sequence[Path]) -> Path:
+    """Where the results of several runs go by default, such as runs/A-vs-B.
+
+    More than two, and names too long for one, are told from other such sets by a few digits, which
+    follow from where they are.
+    """
+    names = [printable(folder.resolve().name) for folder in folders]
+    both = f"{names[0]}-vs-{names[1]}"
+    if len(names) == 2 and len(os.fsencode(both)) <= _MOST_BYTES:
+        return RUNS / both
+    places = "\0".join(os.path.relpath(folder.resolve()) for folder in folders)
+    digits = hashlib.sha256(os.fsencode(places)).hexdigest()[:6]
+    first = os.fsdecode(os.fsencode(names[0])[: _MOST_BYTES // 2])
+    return RUNS / f"{first}-and-{len(names) - 1}-more-{digits}"
+
+
+def check_shared_folder(folder: Path) -> None:
+    """Makes sure that results of several runs do not end up among those of one.
+
+    Raises:
+        UsageError: The folder is that of a run, of a sweep or of a leaderboard, or a link.
+    """
+    from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER
+    from hilc_cli.runs.run_folder import RUN_FOLDER
+    from hilc_cli.sweeps.sweep_folder import SWEEP_FOLDER
+
+    if folder.is_symlink():
+        raise UsageError(f"--out {folder}: is a link; name the folder that it leads to")
+    for kind in (RUN_FOLDER, SWEEP_FOLDER, LEADERBOARD_FOLDER):
+        if kind.is_at(folder):
+            raise UsageError(
+                f"--out {folder}: is the folder of one {kind.what}; name another for several"
+            )

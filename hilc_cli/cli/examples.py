@@ -8,8 +8,6 @@ from typing import Annotated
 import typer
 
 from hilc_cli.cli.options import Json, Quiet, Verbose, Version, check_is_folder_name
-from hilc_cli.yaml_input.nodes import MapNode, Scalar
-from hilc_cli.yaml_input.reading import Inputs
 
 
 def _check_copy(folder: Path | None) -> Path | None:
@@ -84,6 +82,9 @@ def description_of(path: Path) -> str:
     Raises:
         HilcError: It cannot be read, or is no YAML.
     """
+    from hilc_cli.yaml_input.nodes import MapNode, Scalar  # YAML starts slowly
+    from hilc_cli.yaml_input.reading import Inputs
+
     tree = Inputs().tree(str(path))
     node = tree.entries.get("description") if isinstance(tree, MapNode) else None
     return node.text if isinstance(node, Scalar) else ""

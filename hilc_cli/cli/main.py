@@ -5,22 +5,20 @@ Nothing heavy is imported here: ``hilc --help`` starts at once.
 
 from __future__ import annotations
 
-try:
-    import io
-    import os
-    import signal
-    import sys
-    import traceback
-    from collections.abc import Sequence
-    from contextlib import suppress
-    from pathlib import Path
-    from typing import NoReturn
+import io
+import os
+import shlex
+import signal
+import sys
+import traceback
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import NoReturn
 
-    from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
-    from hilc_cli.errors import HilcError, InvalidInputError, printable, shortened
-    from hilc_cli.surroundings import settle
-except KeyboardInterrupt:  # nothing has begun yet
-    raise SystemExit(130) from None
+from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
+from hilc_cli.errors import HilcError, InvalidInputError, near_word, printable, shortened
+from hilc_cli.surroundings import settle
 
 DONE = 0
 COULD_NOT = 1
@@ -139,7 +137,7 @@ def _usage(error: Exception, subcommand: str, arguments: Sequence[str]) -> str:
     """One line for a command line that cannot be parsed."""
     command = f"hilc {subcommand}".rstrip()
     if hasattr(error, "possibilities"):  # an option that is not there
-        from hilc_cli.cli.mistyped import option_meant
+        from hilc_cli.cli.main import option_meant
 
         option, parameters = error.option_name, error.ctx.command.params  # type: ignore[attr-defined]
         options = [name for each in parameters for name in each.opts]
@@ -171,3 +169,45 @@ def _leave(code: int) -> NoReturn:
             with suppress(OSError, ValueError):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
     sys.exit(code)
+
+
+_SET = "--set"
+_MOST_KEYS = 2
+
+
+def option_meant(option: str, options: Sequence[str], arguments: Sequence[str]) -> str | None:
+    """What to write in the place of an unknown option; None if nothing is near.
+
+    Args:
+        option: What was written, such as ``--iterations``.
+        options: Those that the command has.
+        arguments: The whole command line.
+    """
+    if _SET in options:
+        value = _value(option, arguments)
+        keys = _keys_meant(option)
+        if keys:
+            return " or ".join(f"{_SET} {shlex.quote(f'{key}={value}')}" for key in keys)
+    near = near_word(option.strip("-"), [name.strip("-") for name in options])
+    return f"--{near}" if near else None
+
+
+def _keys_meant(option: str) -> list[str]:
+    """The keys of a scenario that an option may stand for, if these are few."""
+    from hilc_cli.scenario.scenario import ScenarioSpec
+    from hilc_cli.yaml_input.known_keys import known_keys, spelled_out
+
+    words = option.lstrip("-").split(".")
+    found = spelled_out(known_keys(ScenarioSpec), words, len(words))
+    return found if len(found) <= _MOST_KEYS else []
+
+
+def _value(option: str, arguments: Sequence[str]) -> str:
+    """What stands behind the option."""
+    for index, argument in enumerate(arguments):
+        if argument.startswith(f"{option}="):
+            return argument.partition("=")[2]
+        if argument == option:
+            following = arguments[index + 1 : index + 2]
+            return following[0] if following and not following[0].startswith("--") else "..."
+    return "..."

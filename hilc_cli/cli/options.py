@@ -120,12 +120,13 @@ Formats = Annotated[
     list[PictureFormat] | None,
     typer.Option("--format", help="Of the pictures; repeatable. [default: png]"),
 ]
-Trust = Annotated[
-    bool,
-    typer.Option(
-        "--trust", help="Import the code that the file names as package.module:Class, and run it."
-    ),
-]
+
+
+def picture_formats(chosen: list[PictureFormat] | None) -> list[str]:
+    """The endings of the pictures' files: png if nothing is chosen."""
+    return [choice.value for choice in chosen or [PictureFormat.PNG]]
+
+
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
 Verbose = Annotated[

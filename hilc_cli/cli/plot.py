@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -15,46 +16,52 @@ from hilc_cli.cli.options import (
     Formats,
     Json,
     OutputFolder,
-    PictureFormat,
     PictureKind,
     Quiet,
     Verbose,
     Version,
+    picture_formats,
 )
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import UsageError, printable
+from hilc_cli.reporting.terminal import print_json, print_text, say
+
+Runs = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="RUN",
+        help="Run folders, or the folder of one sweep or leaderboard. "
+        "[default: the newest in runs/]",
+        autocompletion=complete_results,
+        show_default=False,
+    ),
+]
+Kinds = Annotated[
+    list[PictureKind] | None,
+    typer.Option(
+        "--kind",
+        metavar="KIND",
+        help="What to draw; repeatable. Of runs: path-change, final-path, error, wheel-speeds, "
+        "summary, learning; of a sweep: curve, map, effects, best, bands, search; a "
+        "leaderboard has one picture. [default: all there are]",
+    ),
+]
+Iterations = Annotated[
+    str | None,
+    typer.Option(
+        metavar="LIST",
+        help="Recorded iterations to draw, such as 0,1,20..100. [default: all]",
+        show_default=False,
+    ),
+]
+Dpi = Annotated[int, typer.Option(min=20, max=1200, help="Resolution of png.")]
 
 
 def plot(
-    runs: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="RUN",
-            help="Run folders, or the folder of one sweep or leaderboard. "
-            "[default: the newest in runs/]",
-            autocompletion=complete_results,
-            show_default=False,
-        ),
-    ] = None,
-    kind: Annotated[
-        list[PictureKind] | None,
-        typer.Option(
-            "--kind",
-            metavar="KIND",
-            help="What to draw; repeatable. Of runs: path-change, final-path, error, wheel-speeds, "
-            "summary, learning; of a sweep: curve, map, effects, best, bands, search; a "
-            "leaderboard has one picture. [default: all there are]",
-        ),
-    ] = None,
+    runs: Runs = None,
+    kind: Kinds = None,
     formats: Formats = None,
-    iterations: Annotated[
-        str | None,
-        typer.Option(
-            metavar="LIST",
-            help="Recorded iterations to draw, such as 0,1,20..100. [default: all]",
-            show_default=False,
-        ),
-    ] = None,
-    dpi: Annotated[int, typer.Option(min=20, max=1200, help="Resolution of png.")] = 150,
+    iterations: Iterations = None,
+    dpi: Dpi = 150,
     out: OutputFolder = None,
     force: Force = False,
     json: Json = False,
@@ -77,88 +84,95 @@ def plot(
       hilc plot runs/leaderboard --format svg --format pdf
     """
     from hilc_cli.cli.default_folders import RUNS, newest_results
-    from hilc_cli.cli.several_runs import (
-        check_shared_folder,
-        shared_folder,
-        without_comparisons,
-    )
-    from hilc_cli.errors import UsageError
-    from hilc_cli.files import is_there
-    from hilc_cli.leaderboards.comparing import is_leaderboard, plot_leaderboard, read_leaderboard
-    from hilc_cli.reporting.terminal import say
-    from hilc_cli.runs.run_folder import ITERATIONS
-    from hilc_cli.runs.running import as_runs, plot
-    from hilc_cli.sweeps.folders import is_sweep, plot_sweep, read_sweep
+    from hilc_cli.leaderboards.comparing import is_leaderboard
+    from hilc_cli.sweeps.folders import is_sweep
 
     kinds = [choice.value for choice in kind or []]
     if not runs:
         runs = [newest_results(RUNS, kinds)]
         if not quiet:
             say(f"no run is named: drawing the newest, {runs[0]}")
-    suffixes = [choice.value for choice in formats or [PictureFormat.PNG]]
+    kinds = [choice.value for choice in kind or []]
+    drawing: dict[str, Any] = {"formats": picture_formats(formats), "dpi": dpi}
+    # Pictures in the folder of what they show are made from what stands beside them.
+    drawing["may_replace"] = lambda file: force or out is None
     if any(map(is_sweep, runs)):
-        if len(runs) > 1 or iterations is not None:
-            raise UsageError("a sweep is drawn on its own, and without --iterations")
-        pictures = plot_sweep(
-            read_sweep(runs[0]),
-            out or runs[0],
-            kinds=kinds,
-            formats=suffixes,
-            dpi=dpi,
-            may_replace=lambda file: force or out is None,
-        )
-        _tell(out or runs[0], pictures, json=json, quiet=quiet)
-        return
-    # Among runs, those that a pattern such as runs/* finds, too, are left out below.
-    if all(map(is_leaderboard, runs)):
-        if len(runs) > 1 or iterations is not None or kinds:
-            raise UsageError("a leaderboard is drawn alone, without --iterations and --kind")
-        pictures = plot_leaderboard(
-            read_leaderboard(runs[0]),
-            out or runs[0],
-            formats=suffixes,
-            dpi=dpi,
-            may_replace=lambda file: force or out is None,
-        )
-        _tell(out or runs[0], pictures, json=json, quiet=quiet)
-        return
-    wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
-    if len(runs) > 1:
-        runs = without_comparisons(runs) or runs
-    elif not is_there(runs[0] / ITERATIONS):
-        raise UsageError(
-            f"{runs[0]}: holds neither a run nor a sweep nor a leaderboard; "
-            "give a folder that hilc has written"
-        )
-    results = as_runs(runs)
-    chosen: set[int] | None = None
-    if wanted is not None:
-        chosen = {*wanted.single, *(i for run in results for i in run.trials if i in wanted)}
-    in_place = out is None and len(runs) == 1
-    folder = out or (runs[0] if in_place else shared_folder(runs))
-    if len(runs) > 1:
-        check_shared_folder(folder)
-    pictures = plot(
-        results,
-        folder,
-        kinds=kinds,
-        formats=suffixes,
-        dpi=dpi,
-        iterations=chosen,
-        # Pictures of a run in its own folder are made from what stands beside them.
-        may_replace=lambda file: force or in_place,
-    )
-    _tell(folder, pictures, json=json, quiet=quiet)
-
-
-def _tell(folder: Path, pictures: list[Path], *, json: bool, quiet: bool) -> None:
-    from hilc_cli.errors import printable
-    from hilc_cli.reporting.terminal import print_json, print_text
-
+        folder, pictures = _plot_sweep(runs, kinds, iterations, out, drawing)
+    # Among runs, those that a pattern such as runs/* finds, too, are left out.
+    elif all(map(is_leaderboard, runs)):
+        folder, pictures = _plot_leaderboard(runs, kinds, iterations, out, drawing)
+    else:
+        folder, pictures = _plot_runs(runs, kinds, iterations, out, drawing, force=force)
     if json:
         print_json({"folder": str(folder), "files": [str(picture) for picture in pictures]})
     elif not quiet:
         print_text("\n".join(printable(str(picture)) for picture in pictures))
+
+
+def _plot_sweep(
+    folders: list[Path],
+    kinds: Sequence[str],
+    iterations: str | None,
+    out: Path | None,
+    drawing: dict[str, Any],
+) -> tuple[Path, list[Path]]:
+    from hilc_cli.sweeps.folders import plot_sweep, read_sweep
+
+    if len(folders) > 1 or iterations is not None:
+        raise UsageError("a sweep is drawn on its own, and without --iterations")
+    folder = out or folders[0]
+    return folder, plot_sweep(read_sweep(folders[0]), folder, kinds=kinds, **drawing)
+
+
+def _plot_leaderboard(
+    folders: list[Path],
+    kinds: Sequence[str],
+    iterations: str | None,
+    out: Path | None,
+    drawing: dict[str, Any],
+) -> tuple[Path, list[Path]]:
+    from hilc_cli.leaderboards.comparing import plot_leaderboard, read_leaderboard
+
+    if len(folders) > 1 or iterations is not None or kinds:
+        raise UsageError("a leaderboard is drawn alone, without --iterations and --kind")
+    folder = out or folders[0]
+    return folder, plot_leaderboard(read_leaderboard(folders[0]), folder, **drawing)
+
+
+def _plot_runs(
+    folders: list[Path],
+    kinds: Sequence[str],
+    iterations: str | None,
+    out: Path | None,
+    drawing: dict[str, Any],
+    *,
+    force: bool,
+) -> tuple[Path, list[Path]]:
+    from hilc_cli.cli.default_folders import (
+        check_shared_folder,
+        shared_folder,
+        without_comparisons,
+    )
+    from hilc_cli.runs.run_folder import ITERATIONS
+    from hilc_cli.runs.running import as_runs, plot
+
+    wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
+    if len(folders) > 1:
+        folders = without_comparisons(folders) or folders
+    elif not (folders[0] / ITERATIONS).exists():
+        raise UsageError(
+            f"{folders[0]}: holds neither a run nor a sweep nor a leaderboard; "
+            "give a folder that hilc has written"
+        )
+    runs = as_runs(folders)
+    chosen: set[int] | None = None
+    if wanted is not None:
+        chosen = {*wanted.single, *(i for run in runs for i in run.trials if i in wanted)}
+    folder = out or (folders[0] if len(folders) == 1 else shared_folder(folders))
+    if len(folders) > 1:
+        check_shared_folder(folder)
+        drawing["may_replace"] = lambda file: force
+    return folder, plot(runs, folder, kinds=kinds, iterations=chosen, **drawing)
 
 
 _PART = re.compile(r"\s*(\d{1,9})\s*(?:\.\.\s*(\d{1,9})\s*)?")

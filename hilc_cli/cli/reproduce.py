@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,12 +15,13 @@ from hilc_cli.cli.options import (
     Formats,
     Json,
     OutputFolder,
-    PictureFormat,
     Quiet,
     Verbose,
     Version,
+    picture_formats,
 )
 from hilc_cli.cli.session import Session
+from hilc_cli.reporting.terminal import print_json, print_text, progress, say_timings
 
 if TYPE_CHECKING:
     from hilc_cli.paper.plan import ReproductionPlan
@@ -32,17 +34,20 @@ def complete_figure(incomplete: str) -> list[str]:
     return [name for name in FIGURE_NAMES if name.startswith(incomplete)]
 
 
+Figures = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="FIG",
+        help="Figures of the paper, fig3 to fig8. [default: all, and the claims]",
+        autocompletion=complete_figure,
+        show_default=False,
+    ),
+]
+
+
 def reproduce(
     context: typer.Context,
-    figures: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="FIG",
-            help="Figures of the paper, fig3 to fig8. [default: all, and the claims]",
-            autocompletion=complete_figure,
-            show_default=False,
-        ),
-    ] = None,
+    figures: Figures = None,
     out: OutputFolder = None,
     force: Force = False,
     formats: Formats = None,
@@ -65,18 +70,13 @@ def reproduce(
     from hilc_cli.paper.plan import plan_reproduction
     from hilc_cli.paper.report import document, print_claims
     from hilc_cli.paper.reproducing import check_reproduction, reproduce
-    from hilc_cli.reporting.terminal import print_json, print_text, progress, say
 
     plan = plan_reproduction(figures or [])
     folder = out or Path("runs") / "reproduce"
-    chosen = [choice.value for choice in formats or [PictureFormat.PNG]]
+    chosen = picture_formats(formats)
     check_reproduction(plan, folder, force=force)
     session: Session = context.obj
-
-    def stage(steps: int) -> str:
-        return _stage(plan, steps)
-
-    with progress("reproduce", plan.steps, quiet=quiet, stage=stage) as advance:
+    with progress("reproduce", plan.steps, quiet=quiet, stage=partial(_stage, plan)) as advance:
         done = count(1)
 
         def on_step() -> None:
@@ -93,8 +93,7 @@ def reproduce(
         print_claims(result)
         print_text(f"Written to {folder}; begin with {folder / 'index.md'}")
     if verbose:
-        for step, seconds in {**result.timings, **timings}.items():
-            say(f"{step}: {seconds:.3f} s")
+        say_timings(result.timings, timings)
 
 
 def _stage(plan: ReproductionPlan, done: int) -> str:

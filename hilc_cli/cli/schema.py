@@ -6,12 +6,8 @@ from enum import StrEnum
 from typing import Annotated, Any
 
 import typer
-from pydantic import BaseModel
 
 from hilc_cli.cli.options import Verbose, Version
-from hilc_cli.leaderboards.plan import LeaderboardSpec
-from hilc_cli.scenario.scenario import ScenarioSpec
-from hilc_cli.scenario.trajectory import TrajectorySpec
 
 
 class SchemaKind(StrEnum):
@@ -43,11 +39,6 @@ def schema(
 
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-_MODELS: dict[str, type[BaseModel]] = {
-    "trajectory": TrajectorySpec,
-    "scenario": ScenarioSpec,
-    "leaderboard": LeaderboardSpec,
-}
 
 
 def json_schema(kind: str) -> dict[str, Any]:
@@ -56,7 +47,18 @@ def json_schema(kind: str) -> dict[str, Any]:
     Args:
         kind: trajectory, scenario or leaderboard.
     """
-    schema = _MODELS[kind].model_json_schema()
+    from pydantic import BaseModel  # like the models below, it starts slowly
+
+    from hilc_cli.leaderboards.plan import LeaderboardSpec
+    from hilc_cli.scenario.scenario import ScenarioSpec
+    from hilc_cli.scenario.trajectory import TrajectorySpec
+
+    models: dict[str, type[BaseModel]] = {
+        "trajectory": TrajectorySpec,
+        "scenario": ScenarioSpec,
+        "leaderboard": LeaderboardSpec,
+    }
+    schema = models[kind].model_json_schema()
     if kind == "scenario":
         inline = schema["properties"]["trajectory"]
         path = {"type": "string", "description": "path of a trajectory file, or example:NAME"}

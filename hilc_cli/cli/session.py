@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import signal
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from types import FrameType
 
@@ -74,6 +75,19 @@ class Session:
         """
         if self.signal_number is not None:
             raise InterruptedBySignal(self.signal_number)
+
+    def counting(self, advance: Callable[[int], None]) -> Callable[[int], None]:
+        """Makes of what is told how many are done what is told each number, from 0.
+
+        Args:
+            advance: Told how many are done, unless a signal has come.
+        """
+
+        def on_number(number: int) -> None:
+            self.go_on()
+            advance(number + 1)
+
+        return on_number
 
     def _stop(self, number: int, frame: FrameType | None) -> None:
         now = time.monotonic()

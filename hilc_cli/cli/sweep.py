@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -26,21 +27,10 @@ from hilc_cli.cli.options import (
 from hilc_cli.cli.session import Session
 from hilc_cli.errors import ExistingResultsError, UsageError
 
-
-@contextmanager
-def resumable(work: Path) -> Iterator[None]:
-    """Tells how to go on when a sweep has been stopped and left something to go on with."""
-    try:
-        yield
-    except BaseException as error:  # of any kind: a signal may end in another than its own
-        from hilc_cli.reporting.terminal import say
-        from hilc_cli.sweeps.folders import is_resumable
-
-        useless = isinstance(error, ExistingResultsError | UsageError)
-        if not useless and is_resumable(work):
-            words = [word for word in sys.argv[1:] if word != "--resume"]
-            say(f"go on with: {shlex.join(['hilc', *words, '--resume'])}")
-        raise
+if TYPE_CHECKING:
+    from hilc_cli.sweeps.compute import Execution
+    from hilc_cli.sweeps.plan import Plan
+    from hilc_cli.sweeps.report import SweepReport
 
 
 class SweepFormat(StrEnum):
@@ -60,112 +50,129 @@ class Sample(StrEnum):
     SOBOL = "sobol"
 
 
+Targets = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="SCENARIO",
+        help="A scenario file, - for standard input, or example:NAME; with --merge the "
+        "folders of all shards.",
+        autocompletion=complete_scenario,
+        show_default=False,
+    ),
+]
+Vary = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--vary",
+        metavar="KEY=VALUES",
+        help="0.1,1,10 or 0.1:10:20 or 0.1:10:20:log or 1..30; several make a grid.",
+        autocompletion=complete_varied_key,
+        show_default=False,
+    ),
+]
+SampleOption = Annotated[
+    Sample | None,
+    typer.Option(help="Every combination, or points drawn from the ranges. [default: grid]"),
+]
+Cases = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="How many points to draw, or to try.", show_default=False),
+]
+Seed = Annotated[
+    int | None, typer.Option(metavar="S", help="Of the drawing or search. [default: 0]")
+]
+Minimise = Annotated[
+    str | None,
+    typer.Option(
+        metavar="METRIC",
+        help="Search the ranges, in --cases N, for the case in which this is smallest.",
+        autocompletion=complete_case_metric,
+        show_default=False,
+    ),
+]
+Tolerance = Annotated[
+    str | None,
+    typer.Option(
+        metavar="METERS",
+        help="Count the iterations until the maximum error stays within it.",
+        show_default=False,
+    ),
+]
+Bands = Annotated[
+    bool, typer.Option("--bands", help="Write quantiles of the error over all cases.")
+]
+Metric = Annotated[
+    str | None,
+    typer.Option(
+        metavar="METRIC",
+        help="What cases are ranked by and pictures report. [default: max_position_error_m]",
+        autocompletion=complete_case_metric,
+        show_default=False,
+    ),
+]
+Formats = Annotated[
+    list[SweepFormat] | None,
+    typer.Option("--format", help="Of pictures and table; repeatable. [default: png]"),
+]
+NoPlots = Annotated[bool, typer.Option("--no-plots", help="Draw no pictures.")]
+Workers = Annotated[
+    int | None,
+    typer.Option(metavar="N", min=1, max=10_000, help="Processes. [default: all cores]"),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="tcp://HOST:PORT",
+        help="Compute on the workers of this Dask scheduler.",
+        show_default=False,
+    ),
+]
+Shard = Annotated[
+    str | None,
+    typer.Option(
+        metavar="K/N",
+        help="Compute the K-th of N parts into DIR.K-of-N, for --merge.",
+        show_default=False,
+    ),
+]
+Merge = Annotated[bool, typer.Option("--merge", help="Put the shards of a sweep together.")]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Go on with this sweep where it was stopped.")
+]
+FailFast = Annotated[
+    bool,
+    typer.Option(
+        "--fail-fast/--keep-going", help="Stop at the first case that fails, or do the others."
+    ),
+]
+DryRun = Annotated[
+    bool, typer.Option("--dry-run", help="Say what it would cost, and compute nothing.")
+]
+
+
 def sweep(
     context: typer.Context,
-    targets: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="SCENARIO",
-            help="A scenario file, - for standard input, or example:NAME; with --merge the "
-            "folders of all shards.",
-            autocompletion=complete_scenario,
-            show_default=False,
-        ),
-    ],
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--vary",
-            metavar="KEY=VALUES",
-            help="0.1,1,10 or 0.1:10:20 or 0.1:10:20:log or 1..30; several make a grid.",
-            autocompletion=complete_varied_key,
-            show_default=False,
-        ),
-    ] = None,
-    sample: Annotated[
-        Sample | None,
-        typer.Option(help="Every combination, or points drawn from the ranges. [default: grid]"),
-    ] = None,
-    cases: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="How many points to draw, or to try.", show_default=False),
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(metavar="S", help="Of the drawing or search. [default: 0]")
-    ] = None,
-    minimise: Annotated[
-        str | None,
-        typer.Option(
-            metavar="METRIC",
-            help="Search the ranges, in --cases N, for the case in which this is smallest.",
-            autocompletion=complete_case_metric,
-            show_default=False,
-        ),
-    ] = None,
-    tolerance: Annotated[
-        str | None,
-        typer.Option(
-            metavar="METERS",
-            help="Count the iterations until the maximum error stays within it.",
-            show_default=False,
-        ),
-    ] = None,
-    bands: Annotated[
-        bool, typer.Option("--bands", help="Write quantiles of the error over all cases.")
-    ] = False,
-    metric: Annotated[
-        str | None,
-        typer.Option(
-            metavar="METRIC",
-            help="What cases are ranked by and pictures report. [default: max_position_error_m]",
-            autocompletion=complete_case_metric,
-            show_default=False,
-        ),
-    ] = None,
+    targets: Targets,
+    vary: Vary = None,
+    sample: SampleOption = None,
+    cases: Cases = None,
+    seed: Seed = None,
+    minimise: Minimise = None,
+    tolerance: Tolerance = None,
+    bands: Bands = False,
+    metric: Metric = None,
     set_: Overrides = None,
     out: OutputFolder = None,
     force: Force = False,
-    formats: Annotated[
-        list[SweepFormat] | None,
-        typer.Option("--format", help="Of pictures and table; repeatable. [default: png]"),
-    ] = None,
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no pictures.")] = False,
-    workers: Annotated[
-        int | None,
-        typer.Option(metavar="N", min=1, max=10_000, help="Processes. [default: all cores]"),
-    ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            metavar="tcp://HOST:PORT",
-            help="Compute on the workers of this Dask scheduler.",
-            show_default=False,
-        ),
-    ] = None,
-    shard: Annotated[
-        str | None,
-        typer.Option(
-            metavar="K/N",
-            help="Compute the K-th of N parts into DIR.K-of-N, for --merge.",
-            show_default=False,
-        ),
-    ] = None,
-    merge: Annotated[
-        bool, typer.Option("--merge", help="Put the shards of a sweep together.")
-    ] = False,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with this sweep where it was stopped.")
-    ] = False,
-    fail_fast: Annotated[
-        bool,
-        typer.Option(
-            "--fail-fast/--keep-going", help="Stop at the first case that fails, or do the others."
-        ),
-    ] = False,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what it would cost, and compute nothing.")
-    ] = False,
-    trust: Trust = False,
+    formats: Formats = None,
+    no_plots: NoPlots = False,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    shard: Shard = None,
+    merge: Merge = False,
+    resume: Resume = False,
+    fail_fast: FailFast = False,
+    dry_run: DryRun = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -190,87 +197,171 @@ def sweep(
           --minimise max_position_error_m
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
-    from hilc_cli.cli.default_folders import SWEEP, default_folder, folder_of_shards, shard_folder
-    from hilc_cli.runs.running import load_scenario
-    from hilc_cli.sweeps.compute import Execution, compile_for
-    from hilc_cli.sweeps.crew import available_cores
-    from hilc_cli.sweeps.estimate import estimate
-    from hilc_cli.sweeps.folders import (
-        check_sweep_output,
-        discard_work,
-        is_complete,
-        is_resumable,
-        work_folder,
-    )
-    from hilc_cli.sweeps.report import AGAIN, SHARDS_AGAIN, SweepReport
-    from hilc_cli.sweeps.shards import check_shardable, shard_cases
-    from hilc_cli.sweeps.sweeping import merge_shards, plan_sweep, sweep, sweep_shard
-    from hilc_cli.sweeps.tables import require_parquet
+    from hilc_cli.sweeps.report import SweepReport
 
-    session: Session = context.obj
+    wanted = _Wanted(vary, sample, cases, seed, minimise, tolerance, bands, metric)
+    how = _How(workers, scheduler, shard, resume, fail_fast, dry_run)
     report = SweepReport(json=json, quiet=quiet, verbose=verbose)
-    chosen = [choice.value for choice in formats or [SweepFormat.PNG]]
-    writing: dict[str, Any] = {
-        "force": force,
-        "formats": chosen,
-        "plots": not no_plots,
-        "command": sys.argv,
-        "go_on": session.go_on,
-    }
-    if "parquet" in chosen:
-        require_parquet()
+    command = _Command(context.obj, report, set_, out, force, formats or [], not no_plots)
     if merge:
-        _check_merge(vary, sample, cases, seed, minimise, tolerance, bands, metric, set_, workers,
-                     scheduler, shard, resume, fail_fast, dry_run)  # fmt: skip
-        result = merge_shards([Path(folder) for folder in targets], go_on=session.go_on)
-        folder = out or folder_of_shards(result.name, [Path(target) for target in targets])
+        command.merge(targets, wanted, how)
+    else:
+        command.compute(targets, wanted, how)
+
+
+class _Wanted(NamedTuple):
+    """The options that say which sweep it is; they go before the scenario's section."""
+
+    vary: list[str] | None
+    sample: Sample | None
+    cases: int | None
+    seed: int | None
+    minimise: str | None
+    tolerance: str | None
+    bands: bool
+    metric: str | None
+
+
+class _How(NamedTuple):
+    """The options that say how it is computed."""
+
+    workers: int | None
+    scheduler: str | None
+    shard: str | None
+    resume: bool
+    fail_fast: bool
+    dry_run: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Command:
+    """One call of the command: whom it tells, and what it writes where."""
+
+    session: Session
+    report: SweepReport
+    overrides: list[str] | None
+    out: Path | None
+    force: bool
+    formats: Sequence[SweepFormat]
+    plots: bool
+
+    def merge(self, targets: list[str], wanted: _Wanted, how: _How) -> None:
+        """Puts the shards in some folders together."""
+        from hilc_cli.cli.default_folders import folder_of_shards
+        from hilc_cli.sweeps.report import SHARDS_AGAIN
+        from hilc_cli.sweeps.sweeping import merge_shards
+
+        writing = self._writing()
+        if any(option not in (None, False) for option in (*wanted, *how, self.overrides)):
+            raise UsageError(
+                "--merge takes the folders of all shards and no scenario, so that only --out, "
+                "--force, --format, --no-plots, --json and -q go with it"
+            )
+        folders = [Path(target) for target in targets]
+        result = merge_shards(folders, go_on=self.session.go_on)
+        folder = self.out or folder_of_shards(result.name, folders)
         result.write(folder, **writing)
-        report.result(result, folder, SHARDS_AGAIN)
-        return
-    if len(targets) > 1:
-        raise UsageError(f"give one scenario, got {len(targets)}; several folders need --merge")
-    part = None if shard is None else _parse_shard(shard)
-    plan = plan_sweep(
-        load_scenario(targets[0], set_ or [], trust=trust),
-        vary or [],
-        sample=None if sample is None else sample.value,
-        cases=cases,
-        seed=seed,
-        tolerance=tolerance,
-        bands=bands or None,
-        metric=metric,
-        minimise=minimise,
-    )
-    if part is not None:
-        check_shardable(plan)
-    how = Execution(workers, scheduler, fail_fast, on_compile=report.compiling, go_on=session.go_on)
-    report.warnings(plan)
-    if dry_run:
-        compile_for(plan, report.compiling)
-        computed = len(plan.cases if part is None else shard_cases(len(plan.cases), *part))
-        report.estimate(plan, estimate(plan, workers or available_cores(), computed))
-        return
-    folder = out or default_folder(plan.name, set_, SWEEP)
-    kept = {"resume": resume, "force": force}
-    if part is not None:
-        folder = shard_folder(folder, *part)
-        with resumable(folder), report.progress(plan, part) as on_cases:
-            failures = sweep_shard(plan, part, folder, how.telling(on_cases), **kept)
-        report.shard(plan, part, failures, folder)
-        return
-    check_sweep_output(plan, folder, force=force)
-    work = work_folder(folder)
-    if resume and not is_resumable(work) and is_complete(plan, folder):
-        discard_work(plan, work)
-        report.complete(folder)
-        return
-    with resumable(work):
-        with report.progress(plan) as on_cases:
-            result = sweep(plan, how.telling(on_cases), work_folder=work, **kept)
-        result.write(folder, **writing)
-    if not result.failures:
-        discard_work(plan, work)
-    report.result(result, folder, AGAIN)
+        self.report.result(result, folder, SHARDS_AGAIN)
+
+    def compute(self, targets: list[str], wanted: _Wanted, how: _How) -> None:
+        """Computes a sweep, or a shard of it, or says what that would cost."""
+        from hilc_cli.cli.default_folders import SWEEP, default_folder
+        from hilc_cli.sweeps.compute import Execution, compile_for
+        from hilc_cli.sweeps.estimate import estimate
+        from hilc_cli.sweeps.shards import check_shardable, shard_cases
+        from hilc_cli.workers.handing_out import available_cores
+
+        writing, report = self._writing(), self.report
+        if len(targets) > 1:
+            raise UsageError(f"give one scenario, got {len(targets)}; several folders need --merge")
+        part = None if how.shard is None else _parse_shard(how.shard)
+        plan = self._plan(targets[0], wanted)
+        if part is not None:
+            check_shardable(plan)
+        execution = Execution(
+            *(how.workers, how.scheduler, how.fail_fast),
+            on_compile=report.compiling,
+            go_on=self.session.go_on,
+        )
+        report.warnings(plan)
+        folder = self.out or default_folder(plan.name, self.overrides, SWEEP)
+        if how.dry_run:
+            compile_for(plan, report.compiling)
+            cases = len(plan.cases if part is None else shard_cases(len(plan.cases), *part))
+            report.estimate(plan, estimate(plan, how.workers or available_cores(), cases))
+        elif part is not None:
+            self._shard(plan, part, folder, execution, resume=how.resume)
+        else:
+            self._whole(plan, folder, execution, writing, resume=how.resume)
+
+    def _plan(self, scenario: str, wanted: _Wanted) -> Plan:
+        from hilc_cli.runs.running import load_scenario
+        from hilc_cli.sweeps.sweeping import plan_sweep
+
+        return plan_sweep(
+            load_scenario(scenario, self.overrides or []),
+            wanted.vary or [],
+            sample=None if wanted.sample is None else wanted.sample.value,
+            cases=wanted.cases,
+            seed=wanted.seed,
+            tolerance=wanted.tolerance,
+            bands=wanted.bands or None,
+            metric=wanted.metric,
+            minimise=wanted.minimise,
+        )
+
+    def _shard(
+        self, plan: Plan, part: tuple[int, int], folder: Path, how: Execution, *, resume: bool
+    ) -> None:
+        from hilc_cli.cli.default_folders import shard_folder
+        from hilc_cli.sweeps.sweeping import sweep_shard
+
+        place = shard_folder(folder, *part)
+        with _resumable(place), self.report.progress(plan, part) as on_cases:
+            how = how.telling(on_cases)
+            failures = sweep_shard(plan, part, place, how, resume=resume, force=self.force)
+        self.report.shard(plan, part, failures, place)
+
+    def _whole(
+        self, plan: Plan, folder: Path, how: Execution, writing: dict[str, Any], *, resume: bool
+    ) -> None:
+        from hilc_cli.sweeps import folders
+        from hilc_cli.sweeps.report import AGAIN
+        from hilc_cli.sweeps.sweeping import sweep
+
+        folders.check_sweep_output(plan, folder, force=self.force)
+        work = folders.work_folder(folder)
+        if resume and not folders.is_resumable(work) and folders.is_complete(plan, folder):
+            folders.discard_work(plan, work)
+            self.report.complete(folder)
+            return
+        with _resumable(work):
+            with self.report.progress(plan) as on_cases:
+                how = how.telling(on_cases)
+                result = sweep(plan, how, work_folder=work, resume=resume, force=self.force)
+            result.write(folder, **writing)
+        if not result.failures:
+            folders.discard_work(plan, work)
+        self.report.result(result, folder, AGAIN)
+
+    def _writing(self) -> dict[str, Any]:
+        """How results are written.
+
+        Raises:
+            MissingPackageError: What writes a format is not installed.
+        """
+        chosen = [choice.value for choice in self.formats or [SweepFormat.PNG]]
+        if "parquet" in chosen:
+            from hilc_cli.sweeps.tables import require_parquet
+
+            require_parquet()
+        return {
+            "force": self.force,
+            "formats": chosen,
+            "plots": self.plots,
+            "command": sys.argv,
+            "go_on": self.session.go_on,
+        }
 
 
 def _parse_shard(text: str) -> tuple[int, int]:
@@ -280,9 +371,17 @@ def _parse_shard(text: str) -> tuple[int, int]:
     return int(number), int(shards)
 
 
-def _check_merge(*others: object) -> None:
-    if any(other not in (None, False) for other in others):
-        raise UsageError(
-            "--merge takes the folders of all shards and no scenario, so that only --out, --force, "
-            "--format, --no-plots, --json and -q go with it"
-        )
+@contextmanager
+def _resumable(work: Path) -> Iterator[None]:
+    """Tells how to go on when a sweep has been stopped and left something to go on with."""
+    try:
+        yield
+    except BaseException as error:  # of any kind: a signal may end in another than its own
+        from hilc_cli.reporting.terminal import say
+        from hilc_cli.sweeps.folders import is_resumable
+
+        useless = isinstance(error, ExistingResultsError | UsageError)
+        if not useless and is_resumable(work):
+            words = [word for word in sys.argv[1:] if word != "--resume"]
+            say(f"go on with: {shlex.join(['hilc', *words, '--resume'])}")
+        raise

@@ -5,14 +5,158 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from hilc_cli.comparisons.comparison import ComparisonTable, compare_runs
-from hilc_cli.comparisons.tables import FILES, WRITERS
+import numpy as np
+
+from hilc_cli.comparisons.formats import FILES, WRITERS
+from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.files import merge_folder
 from hilc_cli.names import listed
-from hilc_cli.results.run import RunData
+from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.run import RunData, distinct_names
+from hilc_cli.results.summary import summarise
 from hilc_cli.runs.running import RunSource, as_runs
+
+SETTINGS = "Settings"
+ERRORS, LEARNING = "Errors of the last iteration", "Wheel speeds and learning"
+
+RUN_COLUMNS = (
+    Column("run", "Run", "Run"),
+    Column("law", "Learning law", "Law", section=SETTINGS, is_optional=True),
+    Column("gains", "Gains", "Gains", section=SETTINGS, is_optional=True),
+    Column("compensation", "Compensation", "Compensation", section=SETTINGS, is_optional=True),
+    Column("start_offset", "Start offset", "Start offset", section=SETTINGS, is_optional=True),
+    Column("trajectory", "Trajectory", "Trajectory", section=ERRORS),
+    Column("path_size_m", "Path size", "Size", "m", section=ERRORS),
+    Column("iterations", "Iterations", "Iterations", section=LEARNING),
+    Column(
+        "max_position_error_m", "Maximum position error", "Max. error", "m",
+        section=ERRORS, is_ranked=True,
+    ),
+    Column(
+        "max_position_error_second_half_m", "Maximum position error, second half",
+        "Max. 2nd half", "m", section=ERRORS, is_ranked=True,
+    ),
+    Column(
+        "mean_position_error_m", "Mean position error", "Mean error", "m",
+        section=ERRORS, is_ranked=True,
+    ),
+    Column(
+        "rms_position_error_m", "RMS position error", "RMS error", "m",
+        section=ERRORS, is_ranked=True,
+    ),
+    Column(
+        "final_position_error_m", "Position error at the end", "End error", "m",
+        section=ERRORS, is_ranked=True,
+    ),
+    Column(
+        "max_abs_error_heading_rad", "Maximum heading error", "Heading error", "rad",
+        section=ERRORS, is_ranked=True,
+    ),
+    Column(
+        "max_wheel_speed_rad_s", "Fastest wheel", "Fastest wheel", "rad/s",
+        section=LEARNING,
+    ),
+    Column(
+        "speed_limit_rad_s", "Speed limit", "Speed limit", "rad/s",
+        absent="none", section=LEARNING,
+    ),
+    Column(
+        "iterations_to_1_percent", "Within 1 % of path size from iteration", "Within 1 %",
+        absent="never", section=LEARNING, is_ranked=True,
+    ),
+    Column(
+        "iterations_to_0_1_percent", "Within 0.1 % of path size from iteration", "Within 0.1 %",
+        absent="never", section=LEARNING, is_ranked=True,
+    ),
+    Column(
+        "peak_max_position_error_m", "Largest maximum error on the way", "Peak error", "m",
+        section=LEARNING,  # mostly that of iteration 0, before anything is learned: no merit
+    ),
+    Column("peak_iteration", "Largest in iteration", "Peak at", section=LEARNING),
+    Column(
+        "saturated_share", "Samples at the speed limit", "At limit", "%",
+        digits=3, scale=100.0, section=LEARNING,
+    ),
+    Column("diverged_at", "Diverged in iteration", "Diverged", absent="no", section=LEARNING),
+)  # fmt: skip
+"""What a table of runs tells of each."""
+
+_SETTINGS = tuple(column.name for column in RUN_COLUMNS if column.section == SETTINGS)
+
+RUN_NOTE = (
+    "Errors and the fastest wheel are those of the last iteration. "
+    "From the iteration given for 1 % and 0.1 % on, the maximum error stays within that share of "
+    "the path's size. Samples at the speed limit are counted over all iterations."
+)
+RUN_MARK_NOTE = "the best of the runs on the same trajectory"
+
+
+def compare_runs(runs: Sequence[RunData]) -> ComparisonTable:
+    """A table of runs, in the order in which they are given.
+
+    Runs on the very same reference are of one group. One that has diverged is not the best in
+    anything: its figures are of the last iteration that could be completed.
+
+    Args:
+        runs: At least two; equal names are told apart by a number.
+
+    Raises:
+        UsageError: There are fewer, or one has no completed iteration.
+    """
+    if len(runs) < 2:
+        raise UsageError(f"a comparison needs at least two runs, got {len(runs)}")
+    groups: list[Reference] = []
+    rows = []
+    for run, name in zip(runs, distinct_names([run.name for run in runs]), strict=True):
+        if len(run.metrics) == 0:
+            raise UsageError(f"{name}: has no completed iteration, so there is nothing to compare")
+        group = next(
+            (number for number, other in enumerate(groups) if _is_same(run.reference, other)),
+            len(groups),
+        )
+        if group == len(groups):
+            groups.append(run.reference)
+        rows.append(Row(_values(run, name), group, may_be_best=run.diverged_at is None))
+    title = f"Comparison of {len(runs)} runs"
+    return ComparisonTable(title, RUN_COLUMNS, tuple(rows), RUN_NOTE, RUN_MARK_NOTE)
+
+
+def _values(run: RunData, name: str) -> tuple[Value, ...]:
+    summary = summarise(run)
+    final = summary.final
+    values: dict[str, Value] = {
+        "run": name,
+        **{column: run.settings.get(column) for column in _SETTINGS},
+        "trajectory": summary.trajectory,
+        "path_size_m": summary.path_size_m,
+        "iterations": summary.iterations,
+        "max_position_error_m": final["max_position_error_m"],
+        "max_position_error_second_half_m": final["max_position_error_second_half_m"],
+        "mean_position_error_m": final["mean_position_error_m"],
+        "rms_position_error_m": final["rms_position_error_m"],
+        "final_position_error_m": final["final_position_error_m"],
+        "max_abs_error_heading_rad": final["max_abs_error_heading_rad"],
+        "max_wheel_speed_rad_s": final["max_wheel_speed_rad_s"],
+        "speed_limit_rad_s": run.speed_limit,
+        "iterations_to_1_percent": summary.settled_at["1 %"],
+        "iterations_to_0_1_percent": summary.settled_at["0.1 %"],
+        "peak_max_position_error_m": summary.peak_max_position_error_m,
+        "peak_iteration": summary.peak_iteration,
+        "saturated_share": summary.saturated_share,
+        "diverged_at": summary.diverged_at,
+    }
+    return tuple(values[column.name] for column in RUN_COLUMNS)
+
+
+def _is_same(one: Reference, other: Reference) -> bool:
+    """Whether two references ask the same of a robot, sample by sample."""
+    return one.sample_time == other.sample_time and all(
+        np.array_equal(a, b)
+        for a, b in ((one.x, other.x), (one.y, other.y), (one.heading, other.heading))
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -29,6 +173,27 @@ class Comparison:
 
     def __repr__(self) -> str:
         return f"Comparison of {len(self.runs)} runs: {listed(run.name for run in self.runs)}"
+
+    def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
+        """The tables that are printed.
+
+        Args:
+            everything: Makes no difference: there is one.
+        """
+        return [self.table]
+
+    def document(self) -> dict[str, Any]:
+        """The rows as plain data, and the runs that are the best in each column that ranks them."""
+        table = self.table
+        titles = [str(row.values[0]) for row in table.rows]
+        return {
+            "runs": table.records(),
+            "best": {
+                column.name: [titles[number] for number in sorted(table.best(place))]
+                for place, column in enumerate(table.columns)
+                if column.is_ranked
+            },
+        }
 
     def text(self, kind: str) -> str:
         """The table as it stands in a file.
@@ -67,19 +232,18 @@ class Comparison:
             FileAccessError: They cannot be written.
             UsageError: There is no such picture format.
         """
-        names: list[str] = []
 
-        def fill(into: Path) -> None:
-            for kind, name in FILES.items():
-                (into / name).write_text(self.text(kind), encoding="utf-8", newline="")
-                names.append(name)
+        def fill(into: Path) -> list[Path]:
+            files = [into / name for name in FILES.values()]
+            for kind, file in zip(FILES, files, strict=True):
+                file.write_text(self.text(kind), encoding="utf-8", newline="")
             if plots:
                 from hilc_cli.comparisons.picture import save_comparison  # Matplotlib starts slowly
 
-                names.extend(path.name for path in save_comparison(self.runs, into, formats))
+                files += save_comparison(self.runs, into, formats)
+            return files
 
-        merge_folder(Path(folder), fill, lambda file: force, or_same=True)
-        return [Path(folder) / name for name in names]
+        return merge_folder(Path(folder), fill, lambda file: force, or_same=True)
 
 
 def compare(runs: Sequence[RunSource]) -> Comparison:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hilc_cli.drawing  # noqa: F401  # loads Matplotlib, whatever is set for it
+
 # isort: split
 
 from collections.abc import Sequence
@@ -163,11 +165,11 @@ def _scale(axes: Axes, runs: Sequence[RunData]) -> None:
 
 NAME = "comparison"
 MOST_LINES = len(style.RUN_COLORS)
-"""So many runs are laid over each other: each has a colour of its own."""
+"""The most runs that are laid over each other: each has a colour of its own."""
 MOST_ROWS = 50
-"""So many runs have a row of their own."""
+"""The most runs that have a row of their own."""
 MOST_PATHS = 4
-"""So many trajectories have a panel of their own."""
+"""The most trajectories that have a panel of their own."""
 
 _ERROR_WIDTH, _PATH_WIDTH, _HEIGHT = 5.2, 4.3, 3.6  # of the panels above [inch]
 _LONGEST_HEADING = 120  # [characters]

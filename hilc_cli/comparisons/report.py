@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from rich.console import Group
     from rich.text import Text
 
-    from hilc_cli.comparisons.comparison import ComparisonTable
-    from hilc_cli.comparisons.tables import Cell, Grid
+    from hilc_cli.comparisons.formats import Cell, Grid
+    from hilc_cli.comparisons.table import ComparisonTable
 
 _WIDTH = 100  # [characters], where there is no terminal to ask
 _LONGEST_NAME = 12  # [characters], that a narrow terminal does not break
@@ -23,7 +23,7 @@ _BEST = "*"  # bold is not seen in a log
 
 def print_comparison(table: ComparisonTable) -> None:
     """Prints a table with a column for each row, or below each other what would be too wide."""
-    from hilc_cli.comparisons.tables import below_each_other, in_parts, note_of, side_by_side
+    from hilc_cli.comparisons.formats import below_each_other, in_parts, note_of, side_by_side
 
     decorated = is_decorated(sys.stdout)
     width = shutil.get_terminal_size().columns if decorated else _WIDTH

@@ -9,10 +9,8 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import NEVER, BatchResult, simulate_batch
 from hilc_cli.engine.lanes.packs import knows
-from hilc_cli.engine.loop import simulate
-from hilc_cli.errors import DivergedError
-from hilc_cli.results.metrics import METRIC_NAMES, IterationMetrics, measure
-from hilc_cli.results.trial import Trial
+from hilc_cli.engine.measuring import MeasuredTrials
+from hilc_cli.results.metrics import METRIC_NAMES
 
 
 def simulate_many(experiments: Sequence[Experiment]) -> BatchResult:
@@ -43,14 +41,9 @@ def simulate_many(experiments: Sequence[Experiment]) -> BatchResult:
 
 def _one(experiment: Experiment, result: BatchResult, number: int) -> None:
     """Runs one in the loop engine and notes it like the batch engine."""
-    before: Trial | None = None
-    metrics: IterationMetrics | None = None
-    try:
-        for trial in simulate(experiment):
-            metrics = measure(trial, experiment.reference, before)
-            result.errors[number, trial.iteration] = metrics.max_position_error_m
-            before = trial
-    except DivergedError as error:
-        result.diverged_at[number] = error.iteration
-    if metrics is not None:
+    trials = MeasuredTrials(experiment)
+    for trial, metrics in trials:
+        result.errors[number, trial.iteration] = metrics.max_position_error_m
         result.final[number] = [getattr(metrics, name) for name in METRIC_NAMES]
+    if trials.diverged_at is not None:
+        result.diverged_at[number] = trials.diverged_at

@@ -9,23 +9,22 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.comparisons.comparison import ComparisonTable, Value
-from hilc_cli.comparisons.tables import csv_text, latex_text, markdown_text
+from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
+from hilc_cli.comparisons.table import ComparisonTable, Value
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.files import merge_folder
-from hilc_cli.leaderboards.contests import Contests, hold
-from hilc_cli.leaderboards.entries import LeaderboardData
+from hilc_cli.leaderboards.contests import Contests, LeaderboardData, compute_entries
 from hilc_cli.leaderboards.folder import (
+    LEADERBOARD_FOLDER,
     TABLES,
     check_leaderboard_folder,
-    is_leaderboard_folder,
     read_leaderboard_folder,
     write_leaderboard_folder,
 )
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
-from hilc_cli.results.manifest import circumstances
-from hilc_cli.sweeps.crew import available_cores
+from hilc_cli.results.manifest import COMPILED_WITH, origin
+from hilc_cli.workers.handing_out import available_cores
 
 __all__ = [
     "LawComparison",
@@ -34,8 +33,6 @@ __all__ = [
     "compare_laws",
     "load_leaderboard",
 ]
-
-_LIBRARIES = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -67,13 +64,30 @@ class LawComparison:
 
     @property
     def settings_records(self) -> list[dict[str, Value]]:
-        """The same, a record for each law, belief and disturbance."""
+        """The worst error of each law, a record for each belief and disturbance."""
         return settings_records(self.data)
 
     @property
     def entries(self) -> ComparisonTable:
         """All runs."""
         return entries_table(self.data)
+
+    def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
+        """The tables that are printed.
+
+        Args:
+            everything: The table of all runs too.
+        """
+        tables = [*self.laws.values(), self.settings]
+        return [*tables, self.entries] if everything else tables
+
+    def document(self) -> dict[str, Any]:
+        """All tables as plain data."""
+        return {
+            "laws": {name: table.records() for name, table in self.laws.items()},
+            "worst": self.settings_records,
+            "runs": self.entries.records(),
+        }
 
     def text(self, kind: str) -> str:
         """The tables as they stand in a file.
@@ -88,10 +102,9 @@ class LawComparison:
             return csv_text(self.entries)
         if kind not in TABLES:
             raise UsageError(f"unknown kind of table '{kind}'; {suggestion(kind, TABLES)}")
-        tables = [*self.laws.values(), self.settings]
         if kind == "latex":
-            return "\n".join(map(latex_text, tables))
-        return "\n".join(f"## {table.title}\n\n{markdown_text(table)}" for table in tables)
+            return "\n".join(map(latex_text, self.printed()))
+        return "\n".join(f"## {table.title}\n\n{markdown_text(table)}" for table in self.printed())
 
     def write(
         self,
@@ -173,12 +186,12 @@ def compare_laws(
     started, clock = datetime.now(UTC), time.perf_counter()
     spec = leaderboard.spec
     contests = Contests(tuple(leaderboard.contests()), spec.after, spec.tolerance)
-    entries = hold(contests, workers or available_cores(), on_runs, go_on)
+    entries = compute_entries(contests, workers or available_cores(), on_runs, go_on)
     return LawComparison(
         LeaderboardData(spec.name, spec.after, spec.tolerance, entries),
         leaderboard.checksum(),
         {
-            **circumstances(started, _LIBRARIES, leaderboard.plug_ins),
+            **origin(started, COMPILED_WITH),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(leaderboard.checksums),
         },
@@ -187,7 +200,7 @@ def compare_laws(
 
 def is_leaderboard(folder: str | Path) -> bool:
     """Whether a folder holds the results of a leaderboard."""
-    return is_leaderboard_folder(Path(folder))
+    return LEADERBOARD_FOLDER.is_at(folder)
 
 
 def read_leaderboard(folder: str | Path) -> LeaderboardData:
@@ -226,10 +239,6 @@ def plot_leaderboard(
     """
     from hilc_cli.leaderboards.picture import save_leaderboard  # Matplotlib starts slowly
 
-    names: list[str] = []
-
-    def draw(into: Path) -> None:
-        names.extend(path.name for path in save_leaderboard(data, into, formats, dpi))
-
-    merge_folder(Path(folder), draw, may_replace)
-    return [Path(folder) / name for name in names]
+    return merge_folder(
+        Path(folder), lambda into: save_leaderboard(data, into, formats, dpi), may_replace
+    )

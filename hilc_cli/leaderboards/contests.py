@@ -1,26 +1,118 @@
-"""The runs of a leaderboard, computed by a crew of workers."""
+"""The runs of a leaderboard: what becomes of each law in each case, and who computes that."""
 
 from __future__ import annotations
 
 import math
 import time
-from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.loop import simulate
+from hilc_cli.engine.measuring import MeasuredTrials
 from hilc_cli.errors import DivergedError, HilcError
-from hilc_cli.leaderboards.entries import Entry
 from hilc_cli.leaderboards.plan import Contest
+from hilc_cli.names import in_short, listed
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import first_within, measure, settled_at, share_within
-from hilc_cli.results.trial import Trial
-from hilc_cli.sweeps.chunks import Chunk
-from hilc_cli.sweeps.crew import Processes
-from hilc_cli.sweeps.execute import TRIES
+from hilc_cli.results.metrics import first_within, settled_at, share_within
+from hilc_cli.workers.handing_out import Alone, Crew, hand_out
+from hilc_cli.workers.processes import Processes
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One law in one case.
+
+    Errors are position errors over the second half of the trajectory, unless something else is
+    said. A run that diverges has infinite errors from there on.
+
+    Attributes:
+        case: Name of the case.
+        belief: Name of what the controller believes.
+        disturbance: Name of the disturbance.
+        law: Name of the law.
+        max_m: Largest error after each number of iterations that is looked at [m].
+        mean_m: Mean error, likewise [m].
+        whole_max_m: Largest error over the whole path, likewise [m].
+        within_at: First iteration whose largest error is within the tolerance; None if none is.
+        within_share: Share of the iterations from that one to the last that are; None likewise.
+        settled_at: First iteration from which on the largest error keeps the tolerance; None if
+            the last does not.
+        peak_m: Largest error over the whole path in any iteration but 0, which is mostly the first
+            input alone and tells nothing of the law [m]; None if there is no other.
+        fastest_wheel_rad_s: Largest wheel speed in any iteration [rad/s].
+        speed_limit_rad_s: b_w [rad/s]; None for no limit.
+        diverged_at: The iteration that left the finite numbers; None if none did.
+        seconds_per_iteration: Processor time of the whole program for an iteration [s].
+    """
+
+    case: str
+    belief: str
+    disturbance: str
+    law: str
+    max_m: tuple[float, ...]
+    mean_m: tuple[float, ...]
+    whole_max_m: tuple[float, ...]
+    within_at: int | None
+    within_share: float | None
+    settled_at: int | None
+    peak_m: float | None
+    fastest_wheel_rad_s: float
+    speed_limit_rad_s: float | None
+    diverged_at: int | None
+    seconds_per_iteration: float
+
+    @property
+    def keeps_limit(self) -> bool | None:
+        """Whether no wheel was faster than the limit in any sample of any iteration.
+
+        None if there is no limit.
+        """
+        limit = self.speed_limit_rad_s
+        return None if limit is None else self.fastest_wheel_rad_s <= limit
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class LeaderboardData:
+    """The entries of a leaderboard.
+
+    Attributes:
+        name: Of the leaderboard.
+        after: Numbers of iterations after which errors are told.
+        tolerance: Largest error that counts as reached [m].
+        entries: Cases in their order; of each the beliefs, the disturbances, and the laws.
+    """
+
+    name: str
+    after: tuple[int, ...]
+    tolerance: float
+    entries: tuple[Entry, ...]
+
+    def __repr__(self) -> str:
+        title = f"LeaderboardData {self.name!r}: {len(self.entries)} runs"
+        return in_short(title, f"laws: {listed(self.laws)}")
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the laws in their order."""
+        return tuple(dict.fromkeys(entry.law for entry in self.entries))
+
+    @property
+    def disturbances(self) -> tuple[str, ...]:
+        """Names of the disturbances in their order."""
+        return tuple(dict.fromkeys(entry.disturbance for entry in self.entries))
+
+    def of(self, law: str, disturbance: str) -> list[Entry]:
+        """The entries of a law with a disturbance."""
+        return [
+            entry for entry in self.entries if entry.law == law and entry.disturbance == disturbance
+        ]
+
+    @property
+    def settings(self) -> tuple[tuple[str, str], ...]:
+        """Beliefs with disturbances in their order."""
+        return tuple(dict.fromkeys((entry.belief, entry.disturbance) for entry in self.entries))
 
 
 class FailedContestError(HilcError):
@@ -41,12 +133,9 @@ class Contests:
     after: tuple[int, ...]
     tolerance: float
 
-    def __call__(self, chunk: Chunk) -> list[Entry]:
-        """The entries of some runs."""
-        return [
-            compete(contest, self.after, self.tolerance)
-            for contest in self.runs[chunk.first : chunk.last]
-        ]
+    def __call__(self, number: int) -> Entry:
+        """The entry of a run."""
+        return compete(self.runs[number], self.after, self.tolerance)
 
 
 def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
@@ -73,7 +162,7 @@ def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
     wanted = list(after)
 
     def whole(errors: list[float]) -> Floats:
-        """Of all iterations: what has diverged is infinite; what stays the same is as it was."""
+        """Errors of all iterations: infinite where diverged, the last where all are alike."""
         last = errors[-1] if found.diverged_at is None else math.inf
         return np.array(errors + [last] * (experiment.iterations + 1 - ran))
 
@@ -100,7 +189,7 @@ def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
     )
 
 
-def hold(
+def compute_entries(
     contests: Contests,
     workers: int,
     on_runs: Callable[[int], None] = lambda runs: None,
@@ -121,42 +210,20 @@ def hold(
         FailedContestError: A run cannot be computed.
         WorkersError: Processes cannot be started.
     """
-    if workers == 1:
-        return tuple(_alone(contests, on_runs, go_on))
-    waiting = deque(Chunk(number, number + 1) for number in range(len(contests.runs)))
+    numbers = range(len(contests.runs))
+    crew: Crew[int, Entry] = (
+        Alone(contests) if workers == 1 else Processes(contests, min(workers, len(numbers)))
+    )
     entries: dict[int, Entry] = {}
-    lost: Counter[Chunk] = Counter()
-    crew = Processes(contests, min(workers, len(waiting)))
     try:
-        while len(entries) < len(contests.runs):
-            while waiting and crew.takes():
-                crew.give(waiting.popleft())
-            go_on()
-            for outcome in crew.outcomes():
-                if outcome.result is not None:
-                    entries[outcome.chunk.first] = outcome.result[0]
-                    continue
-                lost[outcome.chunk] += 1
-                if outcome.is_final or lost[outcome.chunk] == TRIES:
-                    raise _failed(contests.runs[outcome.chunk.first], outcome.reason)
-                waiting.appendleft(outcome.chunk)
+        for outcome in hand_out(numbers, crew, go_on):
+            if outcome.result is None:
+                raise _failed(contests.runs[outcome.piece], outcome.reason) from outcome.error
+            entries[outcome.piece] = outcome.result
             on_runs(len(entries))
     finally:
         crew.dismiss()
-    return tuple(entries[number] for number in range(len(entries)))
-
-
-def _alone(
-    contests: Contests, on_runs: Callable[[int], None], go_on: Callable[[], None]
-) -> Iterator[Entry]:
-    for number, contest in enumerate(contests.runs, 1):
-        go_on()
-        try:
-            entry = compete(contest, contests.after, contests.tolerance)
-        except Exception as error:
-            raise _failed(contest, f"{type(error).__name__}: {error}") from error
-        yield entry
-        on_runs(number)
+    return tuple(entries[number] for number in numbers)
 
 
 def _failed(contest: Contest, reason: str) -> FailedContestError:
@@ -176,18 +243,14 @@ class _Errors:
 
 
 def _errors(experiment: Experiment) -> _Errors:
+    trials = MeasuredTrials(experiment)
     found = _Errors([], [], [])
-    before: Trial | None = None
-    try:
-        for trial in simulate(experiment):
-            metrics = measure(trial, experiment.reference, before)
-            found.max_m.append(metrics.max_position_error_second_half_m)
-            found.mean_m.append(metrics.mean_position_error_second_half_m)
-            found.whole_m.append(metrics.max_position_error_m)
-            found.fastest = max(found.fastest, metrics.max_wheel_speed_rad_s)
-            before = trial
-    except DivergedError as error:
-        found.diverged_at = error.iteration
+    for _, metrics in trials:
+        found.max_m.append(metrics.max_position_error_second_half_m)
+        found.mean_m.append(metrics.mean_position_error_second_half_m)
+        found.whole_m.append(metrics.max_position_error_m)
+        found.fastest = max(found.fastest, metrics.max_wheel_speed_rad_s)
+    found.diverged_at = trials.diverged_at
     return found
 
 

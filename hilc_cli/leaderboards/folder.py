@@ -2,21 +2,68 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, Strict
 
 from hilc_cli.errors import UsageError
-from hilc_cli.files import read_file, write_folder
-from hilc_cli.leaderboards.entries import Entry, LeaderboardData
+from hilc_cli.leaderboards.contests import Entry, LeaderboardData
 from hilc_cli.leaderboards.tables import ERRORS, NAMES, OTHERS, error_name
-from hilc_cli.names import name_from
-from hilc_cli.results.folder import PICTURE_FORMATS, check_replaceable, read_manifest
-from hilc_cli.results.tables import MAX_CSV_BYTES
-from hilc_cli.runs.run_folder import MANIFEST
+from hilc_cli.names import check_name
+from hilc_cli.results.folder import ResultFolder
+from hilc_cli.results.metrics import LARGEST
+from hilc_cli.results.reading import (
+    Document,
+    Length,
+    Name,
+    Numbers,
+    damaged,
+    parse_numbers,
+    table_rows,
+)
+
+TABLES = {"csv": "leaderboard.csv", "markdown": "leaderboard.md", "latex": "leaderboard.tex"}
+"""The file that holds a kind of table."""
+
+LEADERBOARD_PICTURE = "leaderboard"
+
+LEADERBOARD_FOLDER = ResultFolder(
+    what="leaderboard",
+    kind="hilc compare --laws",
+    other="another leaderboard",
+    files=frozenset(TABLES.values()),
+    pictures=(LEADERBOARD_PICTURE,),
+)
+
+
+class _Manifest(Document):
+    """What is read of the manifest of a leaderboard."""
+
+    name: Name
+    after: Annotated[
+        tuple[Annotated[int, Field(ge=0, le=10_000_000)], ...],
+        Field(min_length=1, max_length=20),
+        Strict(False),
+    ]
+    tolerance_m: Length
+
+
+_ERROR = Numbers(0, LARGEST, infinite=True)
+_ITERATION = Numbers(0, 1e9, whole=True, empty=True)
+_OTHERS = {
+    "within_at": _ITERATION,
+    "within_share": Numbers(0, 1, empty=True),
+    "settled_at": _ITERATION,
+    "peak_m": Numbers(0, LARGEST, empty=True, infinite=True),
+    "fastest_wheel_rad_s": Numbers(0),
+    "speed_limit_rad_s": Numbers(0, empty=True),
+    "diverged_at": _ITERATION,
+    "seconds_per_iteration": Numbers(0, 1e9),
+}
+"""What stands in the columns behind the errors; whether the limit is kept follows from others."""
 
 
 def read_entries(path: Path, after: Sequence[int]) -> tuple[Entry, ...]:
@@ -32,68 +79,44 @@ def read_entries(path: Path, after: Sequence[int]) -> tuple[Entry, ...]:
     Raises:
         UsageError: It is no such table, or damaged.
     """
-    content = read_file(path, MAX_CSV_BYTES).decode("utf-8", "replace")
-    rows = csv.reader(io.StringIO(content, newline=""))
-    columns = [*NAMES, *(error_name(what, count) for what in ERRORS for count in after)]
-    columns += OTHERS.values()
-    entries: list[Entry] = []
-    try:
-        if next(rows, []) != columns:
-            raise UsageError(f"{path}: is no table of these runs; its first line does not fit")
-        for row in rows:
-            cells = dict(zip(columns, row, strict=True))
-            for name in NAMES:
-                name_from(cells[name], f"{path}:{len(entries) + 2}: {name}")
-            entries.append(_entry(cells, after))
-    except (ValueError, csv.Error):
-        raise UsageError(f"{path}:{len(entries) + 2}: is damaged") from None
-    if not entries:
+    errors = [error_name(what, count) for what in ERRORS for count in after]
+    columns = [*NAMES, *errors, *OTHERS.values()]
+    left_out = columns.index(OTHERS["keeps_limit"])
+    rows = table_rows(path)
+    if next(rows) != columns:
+        raise UsageError(f"{path}: is no table of these runs; its first line does not fit")
+    names: list[list[str]] = []
+
+    def numbers_of_rows() -> Iterator[list[str]]:
+        for line, row in enumerate(rows, 2):
+            for column, cell in zip(NAMES, row, strict=False):
+                try:
+                    check_name(cell)
+                except ValueError as error:
+                    raise damaged(path, f"{column} {error}", line) from None
+            names.append(row[: len(NAMES)])
+            del row[left_out], row[: len(NAMES)]
+            yield row
+
+    kinds = [*((name, _ERROR) for name in errors), *((OTHERS[w], k) for w, k in _OTHERS.items())]
+    numbers = parse_numbers(path, kinds, numbers_of_rows())
+    if not names:
         raise UsageError(f"{path}: has no runs")
-    return tuple(entries)
+    # Cases in their order; of each the beliefs, the disturbances, and the laws.
+    every = product(*(dict.fromkeys(column) for column in zip(*names, strict=True)))
+    if names != list(map(list, every)):
+        raise damaged(path, "it has not each law once in each case")
+    return tuple(_entry(n, row, len(after)) for n, row in zip(names, numbers.tolist(), strict=True))
 
 
-def _entry(cells: dict[str, str], after: Sequence[int]) -> Entry:
-    """The entry of a row.
-
-    Raises:
-        ValueError: A cell is none of its column.
-    """
-    values: dict[str, Any] = {name: cells[name] for name in NAMES}
-    for what in ERRORS:
-        values[what] = tuple(float(cells[error_name(what, count)]) for count in after)
-    for what, read in _READERS.items():
-        values[what] = read(cells[OTHERS[what]])
-    return Entry(**values)
-
-
-def _number(cell: str) -> float | None:
-    return float(cell) if cell else None
-
-
-def _whole_number(cell: str) -> int | None:
-    return int(cell) if cell else None
-
-
-_READERS: dict[str, Callable[[str], object]] = {
-    "within_at": _whole_number,
-    "within_share": _number,
-    "settled_at": _whole_number,
-    "peak_m": _number,
-    "fastest_wheel_rad_s": float,
-    "speed_limit_rad_s": _number,
-    "diverged_at": _whole_number,
-    "seconds_per_iteration": float,
-}
-"""What makes a value of a cell, by its attribute; whether the limit is kept follows from others."""
-
-
-KIND = "hilc compare --laws"
-TABLES = {"csv": "leaderboard.csv", "markdown": "leaderboard.md", "latex": "leaderboard.tex"}
-"""The file that holds a kind of table."""
-
-LEADERBOARD_PICTURE = "leaderboard"
-_PICTURES = {f"{LEADERBOARD_PICTURE}.{suffix}" for suffix in PICTURE_FORMATS}
-_OWN = frozenset({MANIFEST, *TABLES.values()}) | _PICTURES
+def _entry(names: Sequence[str], numbers: Sequence[float], counts: int) -> Entry:
+    """The entry of a row."""
+    found: dict[str, Any] = dict(zip(NAMES, names, strict=True))
+    for place, what in enumerate(ERRORS):
+        found[what] = tuple(numbers[place * counts : (place + 1) * counts])
+    for (what, kind), number in zip(_OTHERS.items(), numbers[-len(_OTHERS) :], strict=True):
+        found[what] = None if number != number else int(number) if kind.whole else number
+    return Entry(**found)
 
 
 def write_leaderboard_folder(
@@ -124,36 +147,29 @@ def write_leaderboard_folder(
         ExistingResultsError: The folder holds another leaderboard, or is no leaderboard folder.
         FileAccessError: It cannot be written.
     """
-    names: list[str] = []
 
     def fill(folder: Path) -> None:
         for kind, name in TABLES.items():
             (folder / name).write_text(texts[kind], encoding="utf-8", newline="")
         if draw is not None:
             draw(folder)
-        names[:] = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
-        document = {
-            "kind": KIND,
+
+    return LEADERBOARD_FOLDER.write(
+        path,
+        fill,
+        lambda: {
             "name": data.name,
             "checksum": checksum,
             "after": list(data.after),
             "tolerance_m": data.tolerance,
             **manifest(),
-            "files": names,
-        }
-        text = json.dumps(document, indent=2)
-        (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
-
-    def may_replace(folder: Path) -> bool:
-        check_leaderboard_folder(folder, checksum, force=force)
-        return True
-
-    write_folder(path, fill, may_replace, keeps=lambda name: name not in _OWN)
-    return [path / name for name in names]
+        },
+        lambda folder: check_leaderboard_folder(folder, checksum, force=force),
+    )
 
 
 def check_leaderboard_folder(path: Path, checksum: str, *, force: bool = False) -> None:
-    """Whether a leaderboard may be written to a folder; to be asked before it is run.
+    """Makes sure that a leaderboard may be written to a folder; to be asked before it is run.
 
     Args:
         path: The folder.
@@ -163,18 +179,7 @@ def check_leaderboard_folder(path: Path, checksum: str, *, force: bool = False) 
     Raises:
         ExistingResultsError: The folder holds another leaderboard, or is no leaderboard folder.
     """
-    check_replaceable(
-        path,
-        "leaderboard",
-        "another leaderboard",
-        is_own=lambda: is_leaderboard_folder(path),
-        is_same=lambda: force or read_manifest(path / MANIFEST, KIND).get("checksum") == checksum,
-    )
-
-
-def is_leaderboard_folder(path: Path) -> bool:
-    """Whether a folder has been written by `write_leaderboard_folder`."""
-    return bool(read_manifest(path / MANIFEST, KIND))
+    LEADERBOARD_FOLDER.check(path, lambda there: there.get("checksum") == checksum, force=force)
 
 
 def read_leaderboard_folder(path: Path) -> LeaderboardData:
@@ -183,17 +188,6 @@ def read_leaderboard_folder(path: Path) -> LeaderboardData:
     Raises:
         HilcError: It is no such folder, or a file is missing or damaged.
     """
-    manifest = read_manifest(path / MANIFEST, KIND)
-    if not manifest:
-        raise UsageError(f"{path}: is no leaderboard folder: it has no {MANIFEST} of {KIND}")
-    try:
-        name = name_from(manifest["name"], f"{path / MANIFEST}: name")
-        tolerance = float(manifest["tolerance_m"])
-        after = tuple(int(count) for count in manifest["after"])
-        if not after:
-            raise ValueError("no number of iterations")
-    except KeyError as error:
-        raise UsageError(f"{path / MANIFEST}: is damaged: it has no {error}") from None
-    except (TypeError, ValueError, OverflowError) as error:
-        raise UsageError(f"{path / MANIFEST}: is damaged: {error}") from None
-    return LeaderboardData(name, after, tolerance, read_entries(path / TABLES["csv"], after))
+    manifest = LEADERBOARD_FOLDER.read(path, _Manifest)
+    entries = read_entries(path / TABLES["csv"], manifest.after)
+    return LeaderboardData(manifest.name, manifest.after, manifest.tolerance_m, entries)

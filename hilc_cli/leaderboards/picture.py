@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hilc_cli.drawing  # noqa: F401  # loads Matplotlib, whatever is set for it
+
 # isort: split
 
 from collections.abc import Sequence
@@ -14,7 +16,7 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, logarithmic, style
 from hilc_cli.drawing.save import save_pictures
-from hilc_cli.leaderboards.entries import LeaderboardData
+from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.folder import LEADERBOARD_PICTURE
 from hilc_cli.reference.sampled import Floats
 

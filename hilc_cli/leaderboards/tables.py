@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from statistics import median
 
-from hilc_cli.comparisons.comparison import Column, ComparisonTable, Row, Value
-from hilc_cli.leaderboards.entries import Entry, LeaderboardData
+from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
+from hilc_cli.leaderboards.contests import Entry, LeaderboardData
 
 NAMES = ("case", "belief", "disturbance", "law")
 """Columns that say what a run is of."""
@@ -174,7 +174,7 @@ def settings_table(data: LeaderboardData) -> ComparisonTable:
 
 
 def settings_records(data: LeaderboardData) -> list[dict[str, Value]]:
-    """The same, a record each, with the names apart."""
+    """The worst error of each law by belief and disturbance, a record each with the names apart."""
     name = f"worst_{error_name('max_m', data.after[-1])}"
     return [
         {"law": law, "belief": belief, "disturbance": disturbance, name: worst}
@@ -183,7 +183,7 @@ def settings_records(data: LeaderboardData) -> list[dict[str, Value]]:
 
 
 def counted(iterations: int) -> str:
-    """So many iterations, in words."""
+    """A number of iterations in words."""
     return f"{iterations} iteration{'' if iterations == 1 else 's'}"
 
 

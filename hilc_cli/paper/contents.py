@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hilc_cli.errors import UsageError, suggestion
-from hilc_cli.paper.pictures.panel import PanelKind
+from hilc_cli.paper.panel import PanelKind
 
 MOTOR_LIMIT = 180.0
 """u_max [rad/s] of the platform's motors, Eq. 44."""

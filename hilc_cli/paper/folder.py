@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from hilc_cli.errors import ExistingResultsError
-from hilc_cli.files import write_folder
-from hilc_cli.paper.claim_tables import Judged, claims_text, write_claims_csv
-from hilc_cli.paper.index import index_text
+from hilc_cli.paper.contents import MOTOR_LIMIT, PaperFigure, PaperPanel
 from hilc_cli.paper.names import (
     CLAIMS_CSV,
     CLAIMS_MD,
     DATA,
     INDEX,
-    MANIFEST,
-    OWN,
     OWN_DATA,
+    REPRODUCTION_FOLDER,
     data_name,
     picture_name,
 )
-from hilc_cli.paper.panels import panel_rows, write_panel
+from hilc_cli.paper.panel import Panel, PanelRow, write_panel
 from hilc_cli.paper.plan import ReproductionPlan
-from hilc_cli.results.folder import check_replaceable, read_manifest
+from hilc_cli.paper.texts import (
+    Judged,
+    claims_text,
+    gains_text,
+    group_text,
+    index_text,
+    situation_text,
+    write_claims_csv,
+)
 from hilc_cli.results.run import RunData
-
-KIND = "hilc reproduce"
+from hilc_cli.scenario.experiment import Scenario
 
 
 def write_reproduction_folder(
@@ -64,7 +67,7 @@ def write_reproduction_folder(
         FileAccessError: It cannot be written.
     """
     from hilc_cli.drawing.save import save_figure
-    from hilc_cli.paper.pictures.sheet import sheet_figure  # Matplotlib starts slowly
+    from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
 
     def fill(folder: Path) -> None:
         (folder / DATA).mkdir()
@@ -81,23 +84,18 @@ def write_reproduction_folder(
             write_claims_csv(folder / CLAIMS_CSV, judged)
             _write(folder / CLAIMS_MD, claims_text(judged))
         _write(folder / INDEX, index_text(plan, runs, judged, formats, command, versions))
-        everything = [entry for entry in folder.rglob("*") if entry.is_file()]
-        files = [file.relative_to(folder).as_posix() for file in everything]
-        document = {
-            "kind": KIND,
+
+    REPRODUCTION_FOLDER.write(
+        path,
+        fill,
+        lambda: {
             "figures": [figure.name for figure in plan.figures],
             "checksum": plan.checksum(),
             "scenarios_sha256": plan.checksums(),
             **manifest(),
-            "files": sorted([*files, MANIFEST]),
-        }
-        _write(folder / MANIFEST, json.dumps(document, indent=2) + "\n")
-
-    def may_replace(folder: Path) -> bool:
-        check_reproduction_folder(folder, plan, force=force)
-        return True
-
-    write_folder(path, fill, may_replace, keeps=lambda name: name not in OWN)
+        },
+        lambda folder: check_reproduction_folder(folder, plan, force=force),
+    )
 
 
 def check_reproduction_folder(path: Path, plan: ReproductionPlan, *, force: bool = False) -> None:
@@ -114,13 +112,7 @@ def check_reproduction_folder(path: Path, plan: ReproductionPlan, *, force: bool
         ExistingResultsError: The folder holds something else, or somebody's own files stand
             among the data.
     """
-    check_replaceable(
-        path,
-        "reproduction",
-        "other figures or scenarios",
-        is_own=lambda: bool(read_manifest(path / MANIFEST, KIND)),
-        is_same=lambda: force or _is_among(read_manifest(path / MANIFEST, KIND), plan),
-    )
+    REPRODUCTION_FOLDER.check(path, lambda there: _is_among(there, plan), force=force)
     for name in sorted(f"{DATA}/{entry.name}" for entry in (path / DATA).glob("*")):
         if name not in OWN_DATA:
             raise ExistingResultsError(
@@ -144,3 +136,45 @@ def _is_among(manifest: Mapping[str, Any], plan: ReproductionPlan) -> bool:
 
 def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def panel_rows(
+    figure: PaperFigure, runs: Mapping[str, RunData], scenarios: Mapping[str, Scenario]
+) -> list[PanelRow]:
+    """What to draw.
+
+    Args:
+        figure: The figure.
+        runs: By the names of the examples.
+        scenarios: Likewise.
+    """
+    return [_row(row, runs, scenarios) for row in figure.rows]
+
+
+def _row(
+    panels: tuple[PaperPanel, ...],
+    runs: Mapping[str, RunData],
+    scenarios: Mapping[str, Scenario],
+) -> PanelRow:
+    first = panels[0]
+    scenario = scenarios[first.situation.scenario]
+    together = all(panel.situation == first.situation for panel in panels)
+    if together:
+        heading = f"({first.letter[0]}) {situation_text(first.situation, scenario)}"
+    else:
+        heading = group_text(first.situation, scenario)
+    return PanelRow(
+        heading,
+        tuple(
+            Panel(
+                panel.letter,
+                panel.kind,
+                panel.kind.capitalize()
+                if together
+                else gains_text(scenarios[panel.situation.scenario]),
+                runs[panel.situation.scenario],
+                MOTOR_LIMIT,
+            )
+            for panel in panels
+        ),
+    )

@@ -71,7 +71,7 @@ def relative_error(run: RunData) -> float:
 
 
 def relative_error_after(run: RunData, sample: int) -> float:
-    """The same over the samples after a given one."""
+    """Maximum error after a sample of the last iteration, as a share of the path's size."""
     error = run.position_error(run.last.iteration)[sample + 1 :]
     return float(error.max()) / run.reference.size
 
@@ -93,7 +93,7 @@ def iterations_needed(run: RunData) -> int | None:
 
 
 def iterations_needed_by(errors: Floats, size: float) -> int | None:
-    """The same, of the maximum error [m] of each iteration and the path's size [m]."""
+    """First iteration from which on errors [m] stay below 5 % of the size of a path [m]."""
     return settled_at(errors, NEARLY * size)
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hilc_cli.paper.contents import FIGURE_NAMES, FIGURES, PaperFigure, PaperPanel
-from hilc_cli.results.folder import PICTURE_FORMATS
+from hilc_cli.results.folder import ResultFolder
 
-MANIFEST = "manifest.json"
 INDEX = "index.md"
 CLAIMS_CSV = "claims.csv"
 CLAIMS_MD = "claims.md"
@@ -30,10 +29,12 @@ def data_name(panel: PaperPanel) -> str:
     return f"{DATA}/{panel.name}.csv"
 
 
-OWN = frozenset(
-    {MANIFEST, INDEX, CLAIMS_CSV, CLAIMS_MD, DATA}
-    | {f"{name}.{suffix}" for name in FIGURE_NAMES for suffix in PICTURE_FORMATS}
+REPRODUCTION_FOLDER = ResultFolder(
+    what="reproduction",
+    kind="hilc reproduce",
+    other="other figures or scenarios",
+    pictures=tuple(FIGURE_NAMES),
+    files=frozenset({INDEX, CLAIMS_CSV, CLAIMS_MD, DATA}),
 )
-"""What hilc writes; anything else in such a folder is somebody's own."""
 
 OWN_DATA = frozenset(data_name(panel) for figure in FIGURES for panel in figure.panels)

@@ -10,7 +10,7 @@ from typing import Any
 from hilc_cli.names import in_short, listed
 from hilc_cli.paper.claim import Claim
 from hilc_cli.paper.contents import FIGURE_NAMES, PaperFigure, figures_named
-from hilc_cli.paper.pictures.panel import SHOWN_ITERATIONS
+from hilc_cli.paper.panel import SHOWN_ITERATIONS
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
 from hilc_cli.scenario.record import recorded_iterations

@@ -19,7 +19,7 @@ def print_claims(result: Reproduction) -> None:
     from rich import box
     from rich.table import Table
 
-    from hilc_cli.paper.claim_tables import count_text
+    from hilc_cli.paper.texts import count_text
 
     if not result.judged:
         print_text("Claims are judged only together with all figures: hilc reproduce")

@@ -16,12 +16,11 @@ from hilc_cli.paper.contents import FIGURES
 from hilc_cli.paper.folder import check_reproduction_folder, write_reproduction_folder
 from hilc_cli.paper.names import with_shown
 from hilc_cli.paper.plan import ReproductionPlan
-from hilc_cli.results.manifest import circumstances, versions
+from hilc_cli.results.manifest import DRAWN_WITH, origin, versions
 from hilc_cli.runs.running import Run, run
 
-_LIBRARIES = ("matplotlib", "numpy", "pydantic", "pyyaml")
 DPI = 300
-"""Of pictures in print."""
+"""Resolution of pictures in print [dots per inch]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -89,7 +88,7 @@ class Reproduction:
         def manifest() -> Mapping[str, Any]:
             timings["figures and tables"] = time.perf_counter() - clock
             return {
-                **circumstances(self.started, _LIBRARIES),
+                **origin(self.started, DRAWN_WITH),
                 "command": list(command),
                 "timings_s": {**self.timings, **timings},
             }
@@ -104,7 +103,7 @@ class Reproduction:
             formats=with_shown(chosen),
             dpi=dpi,
             command=_command(self.plan, chosen, dpi),
-            versions=versions(_LIBRARIES),
+            versions=versions(DRAWN_WITH),
             force=force,
             on_figure=on_step,
         )

@@ -10,7 +10,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TextIO
@@ -176,3 +176,10 @@ def progress(
         title = printable(title)
         task = bar.add_task(f"{title}{stage(0)}", total=total)
         yield lambda done: bar.update(task, completed=done, description=f"{title}{stage(done)}")
+
+
+def say_timings(*timings: Mapping[str, float]) -> None:
+    """Says on stderr how long each step has taken [s]."""
+    for part in timings:
+        for step, seconds in part.items():
+            say(f"{step}: {seconds:.3f} s")

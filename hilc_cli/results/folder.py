@@ -1,81 +1,192 @@
-"""What folders of runs and of sweeps share: a manifest, and when they may be replaced."""
+"""What all folders of results share: names in them, a manifest, and when they may be replaced."""
 
 from __future__ import annotations
 
 import filecmp
 import json
 import shutil
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from hilc_cli.errors import ExistingResultsError, MissingFileError
-from hilc_cli.files import (
-    is_there,
-    output_place,
-    read_file,
-    resolved,
-    writing,
-)
-
-_MAX_MANIFEST_BYTES = 1_000_000_000
-_MAX_PICTURE_BYTES = 100_000_000
+from hilc_cli.errors import ExistingResultsError, MissingFileError, UsageError
+from hilc_cli.files import read_file, write_folder, writing
+from hilc_cli.results.reading import MAX_JSON_BYTES, Document, read_document
 
 PICTURE_FORMATS = ("png", "svg", "pdf")
 
-SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
+SCENARIO = "scenario.yaml"
+INITIAL_INPUT = "initial-input.csv"
+
+_Document = TypeVar("_Document", bound=Document)
 
 
-def read_manifest(path: Path, kind: str | None = None) -> dict[str, Any]:
-    """What a JSON file says of the folder that it is in.
+@dataclass(frozen=True)
+class ResultFolder:
+    """A kind of folder with results: each kind is data, and what is done with it is written here.
 
-    Args:
-        path: The file.
-        kind: What its ``kind`` must be; None for anything.
-
-    Returns:
-        The document; empty if there is none, or it is of another kind or no JSON.
-
-    Raises:
-        UsageError: A folder, pipe or device stands there, or too large a file.
-        FileAccessError: It cannot be read.
+    Attributes:
+        what: The kind in a word, such as ``run``.
+        kind: What the manifest says that it is.
+        other: What else of the kind may stand in its place, such as ``another scenario``.
+        tables: Names of all files that pictures are drawn from. As long as all of them stay as
+            they are, pictures of a folder that is replaced stay, too; none if they never do.
+        pictures: Names of the pictures without their endings.
+        files: Names of other files, and folders, that hilc writes.
+        manifest: Name of the JSON file that says what the folder is.
     """
-    if not is_there(path.parent):
-        return {}
-    try:
-        manifest = json.loads(read_file(path, _MAX_MANIFEST_BYTES))
-    except (MissingFileError, ValueError, RecursionError):
-        return {}
-    if not isinstance(manifest, dict) or kind not in (None, manifest.get("kind")):
-        return {}
-    return manifest
 
+    what: str
+    kind: str
+    other: str
+    tables: frozenset[str] = frozenset()
+    pictures: tuple[str, ...] = ()
+    files: frozenset[str] = frozenset()
+    manifest: str = "manifest.json"
+    own: frozenset[str] = field(init=False)
+    """Names of all that hilc writes; anything else in such a folder is somebody's own."""
 
-def keep_pictures(old: Path, new: Path, tables: Collection[str], pictures: Collection[str]) -> None:
-    """Copies pictures that still show what the tables say into the folder that replaces another.
+    def __post_init__(self) -> None:
+        own = {*self.tables, *self.files, self.manifest, *self._picture_files()}
+        object.__setattr__(self, "own", frozenset(own))
 
-    Args:
-        old: The folder that is to be replaced; it need not be there.
-        new: The new one, with its tables and pictures.
-        tables: Names of all files that pictures are drawn from. One that neither folder has is the
-            same; if any differs, nothing is copied.
-        pictures: Names of files that hilc draws; one that the new folder has is not copied, nor one
-            that is too large to be a picture.
+    def look(self, path: Path) -> dict[str, Any]:
+        """What a folder says of itself, unchecked; empty if it is none of this kind.
 
-    Raises:
-        OSError: They cannot be written.
-    """
-    with suppress(FileNotFoundError):  # another program has replaced the old folder meanwhile
-        if not old.is_dir() or not all(_is_same(old / name, new / name) for name in tables):
+        Raises:
+            UsageError: A folder, pipe or device stands in the place of the manifest.
+            FileAccessError: It cannot be read.
+        """
+        try:
+            found = json.loads(read_file(path / self.manifest, MAX_JSON_BYTES))
+        except (MissingFileError, ValueError, RecursionError):
+            return {}
+        return found if isinstance(found, dict) and found.get("kind") == self.kind else {}
+
+    def is_at(self, path: str | Path) -> bool:
+        """Whether a folder is one of this kind."""
+        return bool(self.look(Path(path)))
+
+    def read(self, path: Path, shape: type[_Document]) -> _Document:
+        """The manifest of a folder, checked.
+
+        Args:
+            path: The folder.
+            shape: What the manifest must be.
+
+        Raises:
+            UsageError: It is no folder of this kind, or its manifest is damaged.
+            FileAccessError: It cannot be read.
+        """
+        if not self.is_at(path):
+            kind = self.kind
+            raise UsageError(
+                f"{path}: is no {self.what} folder: it has no {self.manifest} of {kind}"
+            )
+        return read_document(path / self.manifest, shape)
+
+    def check(
+        self, path: Path, is_same: Callable[[Mapping[str, Any]], bool], *, force: bool = False
+    ) -> None:
+        """Makes sure that results may be written to a folder; to be asked before they are computed.
+
+        Args:
+            path: The folder.
+            is_same: Whether the results there, with this manifest, are those that are to be
+                written.
+            force: Whether others of the kind may be replaced.
+
+        Raises:
+            ExistingResultsError: Something stands there that may not be replaced.
+        """
+        with writing(path):
+            is_folder, is_empty = path.is_dir(), not path.is_dir() or not any(path.iterdir())
+        if not is_folder:
+            if path.exists() or path.is_symlink():
+                raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
             return
-        for name in pictures:
-            picture, copy = old / name, new / name
-            # A link stays behind: what it leads to is nobody's picture of these tables.
-            if not picture.is_file() or picture.is_symlink() or copy.exists():
-                continue
-            if picture.stat().st_size <= _MAX_PICTURE_BYTES:
-                shutil.copyfile(picture, copy)
+        if Path.cwd().is_relative_to(path.resolve()):
+            # It would be exchanged for another one under the feet of whoever stands in it.
+            raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
+        if is_empty:
+            if path.is_symlink():  # in a folder that comes from elsewhere it may lead anywhere
+                raise ExistingResultsError(
+                    f"{path}: is a link to an empty folder; name that one with --out"
+                )
+            return
+        manifest = self.look(path)
+        if not manifest:
+            raise ExistingResultsError(
+                f"{path}: exists and is no {self.what} folder, so it is left as it is; "
+                "choose another with --out"
+            )
+        if not force and not is_same(manifest):
+            raise ExistingResultsError(
+                f"{path}: holds the results of {self.other}; "
+                "choose another folder with --out, or replace it with --force"
+            )
+
+    def write(
+        self,
+        path: Path,
+        fill: Callable[[Path], None],
+        manifest: Callable[[], Mapping[str, Any]],
+        check: Callable[[Path], None],
+    ) -> list[Path]:
+        """Writes a folder as a whole; files of somebody's own in one that it replaces stay.
+
+        Args:
+            path: The folder.
+            fill: Writes tables and pictures into the folder that it is given.
+            manifest: Gives what is to be known of the results, asked last; kind and names of files
+                are added.
+            check: Raises ExistingResultsError if a folder that stands there may not be replaced.
+
+        Returns:
+            The files.
+
+        Raises:
+            ExistingResultsError: The folder holds something else.
+            FileAccessError: It cannot be written.
+        """
+        names: list[str] = []
+
+        def fill_all(folder: Path) -> None:
+            fill(folder)
+            if self.tables:
+                self._keep_pictures(path, folder)
+            files = [file for file in folder.rglob("*") if file.is_file()]
+            names[:] = [file.relative_to(folder).as_posix() for file in files]
+            names.append(self.manifest)
+            names.sort()
+            document = {"kind": self.kind, **manifest(), "files": names}
+            text = json.dumps(document, indent=2)
+            (folder / self.manifest).write_text(f"{text}\n", encoding="utf-8")
+
+        def may_replace(folder: Path) -> bool:
+            check(folder)
+            return True
+
+        write_folder(path, fill_all, may_replace, keeps=lambda name: name not in self.own)
+        return [path / name for name in names]
+
+    def _picture_files(self) -> list[str]:
+        return [f"{name}.{suffix}" for name in self.pictures for suffix in PICTURE_FORMATS]
+
+    def _keep_pictures(self, old: Path, new: Path) -> None:
+        """Copies pictures that still show what the tables say into the folder that replaces one."""
+        with suppress(FileNotFoundError):  # another program has replaced the old folder meanwhile
+            if not old.is_dir() or not all(
+                _is_same(old / name, new / name) for name in self.tables
+            ):
+                return
+            for name in self._picture_files():
+                picture, copy = old / name, new / name
+                # A link stays behind: what it leads to is nobody's picture of these tables.
+                if picture.is_file() and not picture.is_symlink() and not copy.exists():
+                    shutil.copyfile(picture, copy)
 
 
 def _is_same(one: Path, other: Path) -> bool:
@@ -83,49 +194,3 @@ def _is_same(one: Path, other: Path) -> bool:
     if not one.exists() and not other.exists():
         return True
     return one.is_file() and other.is_file() and filecmp.cmp(one, other, shallow=False)
-
-
-def check_replaceable(
-    path: Path, what: str, other: str, is_own: Callable[[], bool], is_same: Callable[[], bool]
-) -> None:
-    """Whether results may be written to a folder.
-
-    Args:
-        path: The folder.
-        what: What is to be written there: ``run`` or ``sweep``.
-        other: What else of that kind may stand there, such as ``another sweep``.
-        is_own: Whether the folder holds something of that kind.
-        is_same: Whether it may be replaced.
-
-    Raises:
-        ExistingResultsError: Something stands there that may not be replaced.
-    """
-    with writing(path):
-        is_folder, is_empty = path.is_dir(), not path.is_dir() or not any(path.iterdir())
-    if not is_folder:
-        if path.exists() or path.is_symlink():
-            raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
-        with writing(path):
-            output_place(path)
-        return
-    with writing(path):
-        is_here = Path.cwd().is_relative_to(resolved(path))
-    if is_here:
-        # It would be exchanged for another one under the feet of whoever stands in it.
-        raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
-    if is_empty:
-        if path.is_symlink():  # in a folder that comes from elsewhere it may lead anywhere
-            raise ExistingResultsError(
-                f"{path}: is a link to an empty folder; name that one with --out"
-            )
-        return
-    if not is_own():
-        raise ExistingResultsError(
-            f"{path}: exists and is no {what} folder, so it is left as it is; "
-            "choose another with --out"
-        )
-    if not is_same():
-        raise ExistingResultsError(
-            f"{path}: holds the results of {other}; "
-            "choose another folder with --out, or replace it with --force"
-        )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import math
+import re
 from array import array
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -11,12 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from hilc_cli.errors import UsageError
-from hilc_cli.files import read_file
 from hilc_cli.names import in_short, listed, named
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.reading import Numbers, check_counted, parse_numbers, table_rows
 
 _ITERATION = "iteration"
-_MOST_BYTES = 2_000_000_000
+_MOST = 1e200
+"""No estimate is larger; squares of it are hardly finite."""
 
 
 class LearningTable:
@@ -78,20 +79,18 @@ def read_learning(path: Path) -> LearningTable:
     table = LearningTable()
     if not path.exists():
         return table
-    rows = csv.reader(read_file(path, _MOST_BYTES).decode("utf-8", "replace").splitlines())
-    try:
-        header = next(rows, [])
-        if len(header) < 2 or header[0] != _ITERATION or not all(map(str.isidentifier, header)):
-            raise UsageError(f"{path}: is no such table; its first line must begin with iteration,")
-        for row in rows:
-            where = f"{path}:{rows.line_num}: is damaged"
-            if len(row) != len(header):
-                raise UsageError(f"{where}: {len(header)} cells should stand here")
-            if row[0] != str(len(table)):
-                raise UsageError(f"{where}: iteration {len(table)} should stand here")
-            numbers = [float(cell) if cell else math.nan for cell in row[1:]]
-            table.append(dict(zip(header[1:], numbers, strict=True)))
-    except (ValueError, csv.Error):
-        where = f"{path}:{rows.line_num}: is damaged"
-        raise UsageError(f"{where}: holds something that is no number") from None
+    rows = table_rows(path)
+    header = next(rows)
+    if (
+        len(header) < 2
+        or header[0] != _ITERATION
+        or len(set(header)) < len(header)
+        or (not all(re.fullmatch(r"[a-z][a-z0-9_]{0,99}", name) for name in header))
+    ):
+        raise UsageError(f"{path}: is no such table; its first line must begin with iteration,")
+    columns = [(name, Numbers(-_MOST, _MOST, empty=True, infinite=True)) for name in header[1:]]
+    numbers = parse_numbers(path, [(_ITERATION, Numbers()), *columns], rows)
+    check_counted(path, _ITERATION, numbers[:, 0])
+    for row in numbers[:, 1:].tolist():
+        table.append(dict(zip(header[1:], row, strict=True)))
     return table

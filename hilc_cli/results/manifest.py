@@ -11,11 +11,15 @@ from typing import Any
 
 from hilc_cli.version import __version__
 
+DRAWN_WITH = ("matplotlib", "numpy", "pydantic", "pyyaml")
+"""Packages that take part in a run and its pictures."""
 
-def circumstances(
-    started: datetime, libraries: Sequence[str], plug_ins: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
-    """Versions, kind of machine and time, as a manifest holds them.
+COMPILED_WITH = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
+"""Packages that take part where many experiments are computed."""
+
+
+def origin(started: datetime, libraries: Sequence[str]) -> dict[str, Any]:
+    """Returns what a manifest tells of when and where results were computed: time and versions.
 
     Args:
         started: When the computation began, in UTC.

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import io
-import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,19 +16,24 @@ from hilc_cli.laws.law import Plan
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import (
     INTEGER_METRICS,
+    LARGEST,
     METRIC_NAMES,
     IterationMetrics,
     MetricsTable,
 )
+from hilc_cli.results.reading import (
+    MAX_CSV_BYTES,
+    Numbers,
+    check_columns,
+    check_counted,
+    damaged,
+    no_such_table,
+    read_numbers,
+)
 from hilc_cli.results.trial import Trial
 from hilc_cli.variation.axes import Value
 
-if TYPE_CHECKING:
-    import _csv
-
 ITERATIONS_HEADER = ("iteration", *METRIC_NAMES)
-_FIRST_ITERATIONS_HEADER = ITERATIONS_HEADER[:11]
-"""Of tables that were written before there were metrics of the second half."""
 SAMPLES_HEADER = (
     "iteration", "sample", "t_s",
     "reference_x_m", "reference_y_m", "reference_heading_rad",
@@ -41,7 +45,8 @@ INPUT_HEADER = ("sample", "t_s", "left_wheel_rad_s", "right_wheel_rad_s")
 PLAN_HEADER = (*INPUT_HEADER, "x_m", "y_m", "heading_rad")
 GRAVITY_CENTER_HEADER = ("iteration", "sample", "t_s", "x_m", "y_m", "heading_rad")
 
-MAX_CSV_BYTES = 2_000_000_000
+FASTEST = 1e200
+"""Wheel speeds [rad/s] beyond this would have moved any robot out of the finite numbers."""
 
 _RUN = tuple(
     "=+-@\N{FULLWIDTH EQUALS SIGN}\N{FULLWIDTH PLUS SIGN}"
@@ -129,25 +134,54 @@ def write_gravity_center(
     )
 
 
+_COUNT = Numbers(0, 1e9, whole=True)
+_METRIC = Numbers(0, LARGEST)
+_FINITE = Numbers()
+_POSE = Numbers(-LARGEST, LARGEST)
+_SPEED = Numbers(-FASTEST, FASTEST)
+
+
+def metric_columns(*, empty: bool = False) -> list[tuple[str, Numbers]]:
+    """The metrics of an iteration and what each may be.
+
+    Args:
+        empty: Whether there may be none.
+    """
+    return [
+        (
+            name,
+            Numbers(
+                0,
+                1e9 if name in INTEGER_METRICS else FASTEST if "rad_s" in name else LARGEST,
+                whole=name in INTEGER_METRICS,
+                empty=empty,
+            ),
+        )
+        for name in METRIC_NAMES
+    ]
+
+
 def read_iterations(path: Path) -> MetricsTable:
-    """Reads ``iterations.csv``; metrics that a table of before does not have are not-a-number.
+    """Reads ``iterations.csv``.
 
     Raises:
         HilcError: There is no such table, or it is damaged.
     """
+    numbers = read_numbers(path, [("iteration", _COUNT), *metric_columns()])
+    check_counted(path, "iteration", numbers[:, 0])
     table = MetricsTable()
-    lines = read_file(path, MAX_CSV_BYTES).decode("utf-8", "replace").splitlines()
-    is_first = lines[:1] == [",".join(_FIRST_ITERATIONS_HEADER)]
-    header = _FIRST_ITERATIONS_HEADER if is_first else ITERATIONS_HEADER
-    for line, row in _parse(path, lines, header):
-        if row[0] != len(table):
-            raise _damaged(path, line, f"iteration {len(table)} should stand here")
-        values = dict.fromkeys(METRIC_NAMES, math.nan)
-        values |= dict(zip(header[1:], row[1:], strict=True))
-        for name in INTEGER_METRICS:
-            values[name] = int(values[name])
-        table.append(IterationMetrics(**values))  # type: ignore[arg-type]  # made whole above
+    for row in numbers[:, 1:].tolist():
+        values = dict(zip(METRIC_NAMES, row, strict=True))
+        values |= {name: int(values[name]) for name in INTEGER_METRICS}
+        table.append(IterationMetrics(**values))
     return table
+
+
+_SAMPLE_COLUMNS = [
+    *zip(SAMPLES_HEADER[:3], (_COUNT, _COUNT, Numbers(0)), strict=True),
+    *((name, _POSE) for name in SAMPLES_HEADER[3:12]),
+    *((name, replace(_SPEED, empty=True)) for name in SAMPLES_HEADER[12:]),
+]
 
 
 def read_samples(path: Path, name: str) -> tuple[Reference, dict[int, Trial]]:
@@ -163,20 +197,27 @@ def read_samples(path: Path, name: str) -> tuple[Reference, dict[int, Trial]]:
     Raises:
         HilcError: There is no such table, or it is damaged.
     """
-    table = _array(path, SAMPLES_HEADER)
-    if len(table) < 2:
-        raise UsageError(f"{path}: holds no samples")
+    table = _large_table(path)
+    check_columns(path, _SAMPLE_COLUMNS, table)
     starts = np.flatnonzero(table[:, 1] == 0)
     samples = len(table) // max(1, len(starts))
     if len(starts) == 0 or len(table) % len(starts) or samples < 2:
-        raise UsageError(f"{path}: is damaged: its iterations are of different length")
+        raise damaged(path, "its iterations are of different length")
     blocks = table.reshape(len(starts), samples, len(SAMPLES_HEADER))
-    if not np.array_equal(blocks[:, :, 1], np.broadcast_to(np.arange(samples), blocks.shape[:2])):
-        raise UsageError(f"{path}: is damaged: its samples are not in order")
-    if not (blocks[:, :, 0] == blocks[:, :1, 0]).all():
-        raise UsageError(f"{path}: is damaged: an iteration's samples are not together")
-    times, x, y, heading = blocks[0, :, _REFERENCE_COLUMNS].T
-    reference = Reference(name, float(times[1]), x, y, heading)
+    if (blocks[:, :, 1] != np.arange(samples)).any():
+        raise damaged(path, "its samples are not in order")
+    numbers, sample_time = blocks[:, 0, 0], float(blocks[0, 1, 2])
+    if (blocks[:, :, 0] != numbers[:, np.newaxis]).any() or (np.diff(numbers) <= 0).any():
+        raise damaged(path, "an iteration's samples are not together")
+    times = np.arange(samples) * sample_time
+    if sample_time <= 0 or not np.allclose(blocks[:, :, 2], times, rtol=1e-9, atol=0):
+        raise damaged(path, "its times are not those of samples")
+    if (blocks[:, :, _REFERENCE_COLUMNS] != blocks[:1, :, _REFERENCE_COLUMNS]).any():
+        raise damaged(path, "its iterations do not follow the same reference")
+    if (np.isnan(blocks[:, :, 12:]) != (np.arange(samples) == samples - 1)[:, np.newaxis]).any():
+        raise damaged(path, "wheel speeds must stand at all samples but the last")
+    x, y, heading = blocks[0, :, 3:6].T
+    reference = Reference(name, sample_time, x, y, heading)
     trials = {
         int(block[0, 0]): Trial(
             int(block[0, 0]), block[:, 6], block[:, 7], block[:, 8], block[:-1, 12], block[:-1, 13]
@@ -184,6 +225,9 @@ def read_samples(path: Path, name: str) -> tuple[Reference, dict[int, Trial]]:
         for block in blocks
     }
     return reference, trials
+
+
+_INPUT_COLUMNS = [("sample", _COUNT), *((name, _FINITE) for name in INPUT_HEADER[1:])]
 
 
 def read_input(path: Path, content: bytes, steps: int, sample_time: float) -> tuple[Floats, Floats]:
@@ -203,26 +247,22 @@ def read_input(path: Path, content: bytes, steps: int, sample_time: float) -> tu
             non-finite numbers.
     """
     try:
-        text = content.decode("utf-8-sig")
+        content.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise UsageError(f"{path}: is not UTF-8 text; give an input CSV file") from None
-    rows = list(_parse(path, text.splitlines(), INPUT_HEADER))
-    if len(rows) != steps:
+    table = read_numbers(path, _INPUT_COLUMNS, content)
+    if len(table) != steps:
         raise UsageError(
-            f"{path}: has {len(rows)} rows, but the trajectory has {steps} samples to drive; "
+            f"{path}: has {len(table)} rows, but the trajectory has {steps} samples to drive; "
             "give an input of the same trajectory"
         )
-    for k, (line, row) in enumerate(rows):
-        if row[0] != k:
-            raise _damaged(path, line, f"sample {k} should stand here")
-        if not all(map(math.isfinite, row)):
-            raise _damaged(path, line, "numbers must be finite")
-        if abs(row[1] - k * sample_time) > 1e-6 * sample_time + 1e-9 * k * sample_time:
+    check_counted(path, "sample", table[:, 0])
+    for k, time in enumerate(table[:, 1].tolist()):
+        if abs(time - k * sample_time) > 1e-6 * sample_time + 1e-9 * k * sample_time:
             raise UsageError(
-                f"{path}:{line}: is of another sample time: t_s is {row[1]:g} where the "
+                f"{path}:{k + 2}: is of another sample time: t_s is {time:g} where the "
                 f"trajectory has {k * sample_time:g}; give an input of the same trajectory"
             )
-    table = np.array([row for _, row in rows], dtype=np.float64)
     return table[:, 2].copy(), table[:, 3].copy()
 
 
@@ -232,8 +272,11 @@ def read_stored_input(path: Path) -> tuple[float, Floats, Floats]:
     Raises:
         HilcError: There is no such table, or it is damaged.
     """
-    table = _array(path, INPUT_HEADER)
+    table = read_numbers(path, _INPUT_COLUMNS)
+    check_counted(path, "sample", table[:, 0])
     sample_time = float(table[1, 1]) if len(table) > 1 else 0.0  # of one sample it is not known
+    if not np.allclose(table[:, 1], np.arange(len(table)) * sample_time, rtol=1e-9, atol=0):
+        raise damaged(path, "its times are not those of samples")
     return sample_time, table[:, 2], table[:, 3]
 
 
@@ -266,63 +309,27 @@ def _write(path: Path, header: Sequence[str], rows: Iterable[str]) -> None:
         file.writelines(f"{row}\n" for row in rows)
 
 
-def _rows(path: Path, header: Sequence[str]) -> Iterator[tuple[int, list[float]]]:
-    content = read_file(path, MAX_CSV_BYTES)
-    return _parse(path, content.decode("utf-8", "replace").splitlines(), header)
-
-
-def _array(path: Path, header: Sequence[str]) -> Floats:
-    """A large table of numbers; empty cells become 0."""
+def _large_table(path: Path) -> Floats:
+    """The rows of ``samples.csv``, of which there may be millions; empty cells not-a-number."""
     content = read_file(path, MAX_CSV_BYTES)
     first, _, body = content.partition(b"\n")
-    _check_header(path, first.decode("utf-8", "replace").rstrip("\r").split(","), header)
+    if first.rstrip(b"\r") != ",".join(SAMPLES_HEADER).encode():
+        raise no_such_table(path, SAMPLES_HEADER)
     if not body.strip():
-        raise UsageError(f"{path}: is damaged: it has no rows")
+        raise damaged(path, "it has no rows")
+    body = re.sub(rb",,(?=\r?$)", b",nan,nan", body, flags=re.MULTILINE)
     try:
-        table: Floats = np.loadtxt(
-            io.BytesIO(body), delimiter=",", ndmin=2, converters=_number_or_zero
-        )
+        table: Floats = np.loadtxt(io.BytesIO(body), delimiter=",", ndmin=2, comments=None)
     except ValueError as error:
-        why = str(error).splitlines()[0].partition(";")[0]
-        raise UsageError(f"{path}: is damaged: {why}") from None
-    if table.shape[1] != len(header):
-        raise UsageError(f"{path}: is damaged: its rows have {table.shape[1]} cells")
+        # NumPy's own words show the cell. It counts cells from row 0, and lengths of rows from 1.
+        row = re.search(r"at row (\d{1,12})[;,]", str(error))
+        is_cell = str(error).startswith("could not convert")
+        where = f" in line {int(row[1]) + 1 + is_cell}" if row else ""
+        what = "something is no number" if is_cell else "another number of cells should stand"
+        raise damaged(path, f"{what}{where}") from None
+    if table.shape[1] != len(SAMPLES_HEADER):
+        raise damaged(path, f"{len(SAMPLES_HEADER)} cells should stand in each line")
     return table
-
-
-def _number_or_zero(cell: str) -> float:
-    return float(cell) if cell else 0.0
-
-
-def _parse(
-    path: Path, lines: Iterable[str], header: Sequence[str]
-) -> Iterator[tuple[int, list[float]]]:
-    reader = csv.reader(lines)
-    rows = _without_csv_errors(path, reader)
-    _check_header(path, next(rows, []), header)
-    for row in rows:
-        if len(row) != len(header):
-            raise _damaged(path, reader.line_num, f"{len(header)} cells should stand here")
-        try:
-            yield reader.line_num, [float(cell) for cell in row]
-        except ValueError:
-            raise _damaged(path, reader.line_num, "holds something that is no number") from None
-
-
-def _without_csv_errors(path: Path, reader: _csv.Reader) -> Iterator[list[str]]:
-    try:
-        yield from reader
-    except csv.Error as error:
-        raise _damaged(path, reader.line_num, str(error)) from None
-
-
-def _check_header(path: Path, found: Sequence[str], header: Sequence[str]) -> None:
-    if tuple(found) != tuple(header):
-        raise UsageError(f"{path}: is no such table; its first line must be {','.join(header)}")
-
-
-def _damaged(path: Path, line: int, what: str) -> UsageError:
-    return UsageError(f"{path}:{line}: is damaged: {what}")
 
 
 def value_text(value: Value) -> str:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from hilc_cli.errors import UsageError, printable
-from hilc_cli.files import folder_to_read, is_there, read_file, write_folder
-from hilc_cli.laws.law import Plan
-from hilc_cli.names import name_from
+from hilc_cli.files import read_file
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.folder import PICTURE_FORMATS, check_replaceable, keep_pictures, read_manifest
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.learning import read_learning, write_learning
+from hilc_cli.results.reading import Count, Document, Name, Pair, damaged
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
     read_iterations,
@@ -30,24 +28,38 @@ from hilc_cli.results.tables import (
     write_samples,
 )
 
-SCENARIO = "scenario.yaml"
 MANIFEST = "manifest.json"
 ITERATIONS = "iterations.csv"
 SAMPLES = "samples.csv"
 INPUT = "input.csv"
-PLAN = "plan.csv"
-INITIAL_INPUT = "initial-input.csv"
 GRAVITY_CENTER = "gravity-center.csv"
 LEARNING = "learning.csv"
-TABLES = frozenset(
-    {SCENARIO, MANIFEST, ITERATIONS, SAMPLES, INPUT, PLAN, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
-)
-
 PICTURE_KINDS = ("path-change", "final-path", "error", "wheel-speeds", "summary", "learning")
-PICTURES = frozenset(f"{kind}.{suffix}" for kind in PICTURE_KINDS for suffix in PICTURE_FORMATS)
 
-KIND = "hilc run"
+RUN_FOLDER = ResultFolder(
+    what="run",
+    kind="hilc run",
+    other="another scenario",
+    tables=frozenset(
+        {SCENARIO, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
+    ),
+    pictures=PICTURE_KINDS,
+)
 _MAX_SCENARIO_BYTES = 10_000_000
+
+
+class _Manifest(Document):
+    """What is read of the manifest of a run."""
+
+    kind: str
+    name: Name
+    trajectory: Name
+    speed_limit_rad_s: Annotated[float, Field(gt=0, le=1e9)] | None
+    settings: dict[str, str]
+    yardsticks: dict[str, dict[str, float]]
+    gravity_center_m: Pair
+    diverged_at: Count | None
+    warnings: list[str]
 
 
 def write_run_folder(
@@ -96,16 +108,11 @@ def write_run_folder(
             write_gravity_center(folder / GRAVITY_CENTER, run.reference.times, paths)
         if draw is not None:
             draw(folder)
-        keep_pictures(path, folder, TABLES - {MANIFEST, PLAN}, PICTURES)
-        files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
-        text = json.dumps({"kind": KIND, **manifest(), "files": files}, indent=2)
-        (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
 
-    def may_replace(folder: Path) -> bool:
+    def check(folder: Path) -> None:
         check_output_folder(folder, scenario_yaml, initial_input, force=force)
-        return True
 
-    write_folder(path, fill, may_replace, keeps=lambda name: not _is_own(name))
+    RUN_FOLDER.write(path, fill, manifest, check)
 
 
 def check_output_folder(
@@ -115,7 +122,7 @@ def check_output_folder(
     *,
     force: bool = False,
 ) -> None:
-    """Whether a run may be written to a folder; to be asked before a long simulation.
+    """Makes sure that a run may be written to a folder; to be asked before a long simulation.
 
     Args:
         path: The folder.
@@ -126,18 +133,9 @@ def check_output_folder(
     Raises:
         ExistingResultsError: The folder holds another run, or is no run folder.
     """
-    check_replaceable(
-        path,
-        "run",
-        "another scenario",
-        is_own=lambda: is_run_folder(path),
-        is_same=lambda: force or _same_scenario(path, scenario_yaml, initial_input),
+    RUN_FOLDER.check(
+        path, lambda manifest: _same_scenario(path, scenario_yaml, initial_input), force=force
     )
-
-
-def is_run_folder(path: Path) -> bool:
-    """Whether a folder has been written by `write_run_folder`."""
-    return bool(read_manifest(path / MANIFEST, KIND))
 
 
 def read_run_folder(path: Path) -> RunData:
@@ -147,77 +145,47 @@ def read_run_folder(path: Path) -> RunData:
     is there.
 
     Raises:
-        HilcError: There is no such folder, or a table is missing or damaged.
+        HilcError: There is no such folder, or a file is missing or damaged.
     """
     if not is_there(path) or not is_there(path / ITERATIONS):
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
-    manifest = read_manifest(path / MANIFEST)
+    manifest = RUN_FOLDER.read(path, _Manifest) if (path / MANIFEST).exists() else None
     metrics = read_iterations(path / ITERATIONS)
-    own_name = printable(folder_to_read(path).name)
-    name, trajectory = (
-        name_from(manifest[key], f"{path / MANIFEST}: {key}") if key in manifest else own_name
-        for key in ("name", "trajectory")
+    own_name = printable(path.resolve().name)
+    reference, trials = read_samples(
+        path / SAMPLES, own_name if manifest is None else manifest.trajectory
     )
-    reference, trials = read_samples(path / SAMPLES, trajectory)
     if max(trials) >= len(metrics):
-        raise UsageError(f"{path / SAMPLES}: is damaged: it has iterations that {ITERATIONS} lacks")
+        raise damaged(path / SAMPLES, f"it has iterations that {ITERATIONS} lacks")
+    learning = read_learning(path / LEARNING)
+    if learning.names and len(learning) != len(metrics):
+        raise damaged(path / LEARNING, f"it has {len(learning)} iterations, not {len(metrics)}")
     saturated = metrics["saturated_samples"]
-    limit, diverged_at = manifest.get("speed_limit_rad_s"), manifest.get("diverged_at")
-    off = manifest.get("readings_off_m")
-    ahead, aside = _pair(manifest.get("gravity_center_m"))
-    return RunData(
-        name=name,
+    data = RunData(
+        name=own_name,
         reference=reference,
         metrics=metrics,
         trials={
             number: replace(trial, saturated_samples=int(saturated[number]))
             for number, trial in trials.items()
         },
-        speed_limit=float(limit) if isinstance(limit, int | float) else None,
-        gravity_center=(ahead, aside),
-        diverged_at=diverged_at if isinstance(diverged_at, int) else None,
-        readings_off_m=float(off) if _is_number(off) else 0.0,
-        learning=read_learning(path / LEARNING),
-        settings=_texts(manifest.get("settings")),
-        yardsticks=_numbers(manifest.get("yardsticks")),
-        warnings=_lines(manifest.get("warnings")),
+        learning=learning,
     )
-
-
-def _pair(value: object) -> tuple[float, float]:
-    match value:
-        case [int() | float() as first, int() | float() as second]:
-            return float(first), float(second)
-        case _:
-            return 0.0, 0.0
-
-
-def _texts(value: object) -> dict[str, str]:
-    if not isinstance(value, dict):
-        return {}
-    return {key: printable(text) for key, text in value.items() if isinstance(text, str)}
-
-
-def _lines(value: object) -> tuple[str, ...]:
-    if not isinstance(value, list):
-        return ()
-    return tuple(printable(text) for text in value if isinstance(text, str))
-
-
-def _numbers(value: object) -> dict[str, dict[str, float]]:
-    if not isinstance(value, dict):
-        return {}
-    return {
-        column: {
-            printable(name): float(number) for name, number in named.items() if _is_number(number)
-        }
-        for column, named in value.items()
-        if isinstance(named, dict)
-    }
-
-
-def _is_number(value: object) -> TypeGuard[float]:
-    return isinstance(value, int | float) and math.isfinite(value)
+    if manifest is None:
+        return data
+    return replace(
+        data,
+        name=manifest.name,
+        speed_limit=manifest.speed_limit_rad_s,
+        gravity_center=manifest.gravity_center_m,
+        diverged_at=manifest.diverged_at,
+        settings={key: printable(text) for key, text in manifest.settings.items()},
+        yardsticks={
+            column: {printable(name): value for name, value in named.items()}
+            for column, named in manifest.yardsticks.items()
+        },
+        warnings=tuple(map(printable, manifest.warnings)),
+    )
 
 
 def _same_scenario(
@@ -236,8 +204,3 @@ def _same_scenario(
     except UsageError:
         return False
     return all(map(np.array_equal, stored, initial_input))
-
-
-def _is_own(name: str) -> bool:
-    """Whether hilc writes files of that name; anything else in a run folder is somebody's own."""
-    return name in TABLES or name in PICTURES

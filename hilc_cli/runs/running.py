@@ -1,9 +1,9 @@
-"""One run: load a scenario, simulate it, keep it, draw it."""
+"""One run: load a scenario, simulate it, keep it, draw it, and say what its author hardly meant."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,23 +12,23 @@ from typing import Any, Protocol
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.learning import Learning
-from hilc_cli.engine.loop import simulate
+from hilc_cli.engine.measuring import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.laws.law import Plan
 from hilc_cli.results.learning import LearningTable
-from hilc_cli.results.manifest import circumstances
-from hilc_cli.results.metrics import MetricsTable, measure
+from hilc_cli.results.manifest import DRAWN_WITH, origin
+from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import Summary, summarise
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.run_folder import check_output_folder, read_run_folder, write_run_folder
-from hilc_cli.runs.warnings import forewarnings, what_happened
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.record import recorded_iterations
 from hilc_cli.scenario.settings import settings_of, yardsticks_of
+from hilc_cli.theory.feasibility.feasibility import beyond_wheels
+from hilc_cli.theory.noise.wheels import seen_in, seen_warnings
 
 __all__ = [
     "Run",
@@ -38,15 +38,12 @@ __all__ = [
     "ScenarioSource",
     "Summary",
     "check_folder",
-    "forewarnings",
     "load_scenario",
     "plot",
     "read_run",
     "run",
+    "warnings_before",
 ]
-
-
-_LIBRARIES = ("matplotlib", "numpy", "pydantic", "pyyaml")
 
 
 class OnIteration(Protocol):
@@ -145,7 +142,7 @@ class Run(RunData):
             "diverged_at": self.diverged_at,
             "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
-            **circumstances(self.started, _LIBRARIES, self.scenario.plug_ins),
+            **origin(self.started, DRAWN_WITH),
             "command": list(command),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
@@ -173,21 +170,17 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
     kept = recorded_iterations(scenario.spec.record.iterations, experiment.iterations)
     metrics, learning = MetricsTable(), LearningTable()
     trials: dict[int, Trial] = {}
-    last: Trial | None = None
-    diverged_at: int | None = None
-    try:
-        for trial in measured_trials(experiment, metrics, learner):
-            learning.append(trial.figures)
-            if trial.iteration in kept:
-                trials[trial.iteration] = trial
-            last = trial
-            if on_iteration is not None:
-                on_iteration(trial.iteration)
-    except DivergedError as error:
-        if last is None:
-            raise
-        diverged_at = error.iteration
-        trials[last.iteration] = last  # the last one always is kept
+    measured = MeasuredTrials(experiment)
+    for trial, row in measured:
+        metrics.append(row)
+        learning.append(trial.figures)
+        if trial.iteration in kept:
+            trials[trial.iteration] = trial
+        if on_iteration is not None:
+            on_iteration(trial.iteration)
+    if measured.last is None:
+        raise DivergedError(0)
+    trials[measured.last.iteration] = measured.last  # however far it came
     result = Run(
         name=scenario.name,
         reference=experiment.reference,
@@ -195,8 +188,7 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         trials=trials,
         speed_limit=scenario.speed_limit,
         gravity_center=experiment.robot.gravity_center,
-        diverged_at=diverged_at,
-        readings_off_m=max(experiment.disturbance.output.bound[:2]),
+        diverged_at=measured.diverged_at,
         learning=learning,
         settings=settings_of(scenario),
         yardsticks=yardsticks_of(scenario),
@@ -205,33 +197,8 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         plan=_finite(learner.plan()) if diverged_at is None else None,
         timings={"simulation": time.perf_counter() - clock},
     )
-    warnings = (*forewarnings(scenario), *what_happened(result, experiment))
+    warnings = (*warnings_before(scenario), *warnings_after(result, experiment))
     return replace(result, warnings=warnings)
-
-
-def _finite(plan: Plan) -> Plan | None:
-    """Returns the plan if it can be sent to anybody."""
-    return plan if np.isfinite([*plan.left, *plan.right, *plan.poses.ravel()]).all() else None
-
-
-def measured_trials(
-    experiment: Experiment, metrics: MetricsTable, learning: Learning | None = None
-) -> Iterator[Trial]:
-    """The iterations of an experiment, each measured as it is completed.
-
-    Args:
-        experiment: What to simulate.
-        metrics: Empty; gets a row for each iteration.
-        learning: Its learning, see `simulate`.
-
-    Raises:
-        DivergedError: An iteration left the finite numbers; it is neither measured nor yielded.
-    """
-    before: Trial | None = None
-    for trial in simulate(experiment, learning):
-        metrics.append(measure(trial, experiment.reference, before))
-        yield trial
-        before = trial
 
 
 def read_run(folder: str | Path) -> RunData:
@@ -304,16 +271,13 @@ def plot(
     if not 1 <= dpi <= 10_000:
         raise UsageError(f"dpi must be from 1 to 10000, got {dpi}")
     drawn_runs = as_runs(runs)
-    names: list[str] = []
 
-    def draw(into: Path) -> None:
-        drawn = save_figures(
+    def draw(into: Path) -> list[Path]:
+        return save_figures(
             drawn_runs, into, kinds=kinds, formats=formats, dpi=dpi, iterations=iterations
         )
-        names.extend(path.name for path in drawn)
 
-    merge_folder(Path(folder), draw, may_replace)
-    return [Path(folder) / name for name in names]
+    return merge_folder(Path(folder), draw, may_replace)
 
 
 def check_folder(scenario: ScenarioSource, folder: str | Path, *, force: bool = False) -> None:
@@ -324,3 +288,19 @@ def check_folder(scenario: ScenarioSource, folder: str | Path, *, force: bool = 
     """
     scenario = as_scenario(scenario)
     check_output_folder(Path(folder), scenario.resolved_yaml(), scenario.initial_input, force=force)
+
+
+def warnings_before(scenario: ScenarioSource) -> list[str]:
+    """Says what is probably not meant, and what no law can do, before anything is simulated."""
+    scenario = as_scenario(scenario)
+    return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
+
+
+def warnings_after(run: RunData, experiment: Experiment) -> list[str]:
+    """Says what was probably not meant and only a simulation shows.
+
+    Args:
+        run: The results, with at least one completed iteration.
+        experiment: What was simulated.
+    """
+    return seen_warnings(seen_in(run.last, experiment))

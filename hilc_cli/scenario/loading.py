@@ -10,7 +10,8 @@ from pydantic import ValidationError
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.plug_ins import trusting
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.tables import MAX_CSV_BYTES, read_input
+from hilc_cli.results.reading import MAX_CSV_BYTES
+from hilc_cli.results.tables import read_input
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.shipped_files import SCENARIOS

@@ -31,7 +31,7 @@ def misfits(data: Mapping[str, Any]) -> list[Located]:
     return [
         *_controller(data),
         *_recorded_iterations(
-            valid(RecordSpec, data.get("record")),
+            data.get("record"),
             valid(Iterations, data.get("iterations", DEFAULT_ITERATIONS)),
         ),
     ]
@@ -43,8 +43,8 @@ def _controller(data: Mapping[str, Any]) -> list[Located]:
     law = controller_model(controller)
     if law is None or not isinstance(controller, Mapping):
         return []
-    trajectory = valid(TrajectorySpec, data.get("trajectory"))
-    reference = None if trajectory is None else trajectory.reference()
+    trajectory = data.get("trajectory")
+    reference = trajectory.reference() if isinstance(trajectory, TrajectorySpec) else None
     return [
         (("controller", *at), problem, remedy)
         for at, problem, remedy in law.relations(controller, reference, _believed(data))
@@ -52,16 +52,14 @@ def _controller(data: Mapping[str, Any]) -> list[Located]:
 
 
 def _believed(data: Mapping[str, Any]) -> Robot | None:
-    robot = valid(RobotSection, data.get("robot"))
-    model = valid(ModelSpec, data.get("model") or {})
-    if robot is None or model is None:
+    robot, model = data.get("robot"), data.get("model") or ModelSpec()
+    if not isinstance(robot, RobotSpec) or not isinstance(model, ModelSpec):
         return None
-    believed: Robot = model.model(robot.robot())
-    return believed
+    return model.model(robot.robot())
 
 
-def _recorded_iterations(record: RecordSpec | None, last: int | None) -> list[Located]:
-    if record is None or last is None or isinstance(record.iterations, str):
+def _recorded_iterations(record: object, last: int | None) -> list[Located]:
+    if not isinstance(record, RecordSpec) or last is None or isinstance(record.iterations, str):
         return []
     problem = f"must be at most the last iteration, {last}"
     remedy = f"give whole numbers from 0 to {last}"
@@ -112,6 +110,8 @@ class ScenarioSpec(Model):
     disturbance: DisturbanceSpec = DisturbanceSpec()
     record: RecordSpec = RecordSpec()
     sweep: SweepSpec | None = Field(None, description="what 'hilc sweep' varies")
+
+    looked_at = ("trajectory", "robot", "model", "record")
 
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:

@@ -137,7 +137,7 @@ class TrajectorySpec(Model):
 
     @model_validator(mode="after")
     def _has_a_path(self) -> Self:
-        self._path()
+        _ = self._path
         return self
 
     @property
@@ -151,7 +151,7 @@ class TrajectorySpec(Model):
 
     @cached_property
     def _reference(self) -> Reference:
-        return self._path().sample(self.name)
+        return self._path.sample(self.name)
 
     def _degrees_meant(self, last: int) -> str:
         """What of the angles up to a segment looks like degrees, as the end of a message."""
@@ -165,6 +165,7 @@ class TrajectorySpec(Model):
                 return f"; {key} is {angle:g} rad = {turns} ({angle:g} deg?)"
         return ""
 
+    @cached_property
     def _path(self) -> PathBuilder:
         """The path with its segments in place.
 

@@ -1,9 +1,9 @@
-"""What is known of each case of a sweep, and of all of them together."""
+"""What is known of each case of a sweep and of all together, and how that is made of a store."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 
 from hilc_cli.names import in_short, listed, named
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import DIVERGED
-from hilc_cli.variation.axes import Axis, Value
+from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED
+from hilc_cli.variation.axes import Axis, Value, is_value
+from hilc_cli.variation.cases import Cases, ListedCases
 
 BEST = "best.yaml"
 """The scenario of the best case, in the folder of a sweep that was a search."""
 
 
 @dataclass(frozen=True, slots=True)
-class AsItIs:
+class OwnValues:
     """The scenario as it is, beside which the cases of a search are put.
 
     Attributes:
@@ -32,18 +33,25 @@ class AsItIs:
     metric: float
 
     def to_data(self) -> dict[str, Any]:
-        """As plain data for a JSON document."""
+        """Returns the same as plain data for a JSON document."""
         return {**asdict(self), "metric": self.metric if math.isfinite(self.metric) else None}
 
     @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> AsItIs:
+    def from_data(cls, data: object) -> OwnValues:
         """What `to_data` has written.
 
         Raises:
-            KeyError: Something is missing.
+            ValueError: It is something else.
         """
-        metric = data["metric"]
-        return cls(dict(data["values"]), math.nan if metric is None else float(metric))
+        values, metric = (
+            (data.get("values"), data.get("metric")) if isinstance(data, dict) else (None, None)
+        )
+        if isinstance(values, dict) and all(map(is_value, values.values())):
+            if metric is None:
+                return cls(values, math.nan)
+            if type(metric) in (int, float) and 0 <= metric <= 1e200:
+                return cls(values, float(metric))
+        raise ValueError("should be values by key and a metric")
 
 
 Numbers = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.uint64]
@@ -112,7 +120,7 @@ class SweepData:
     tolerance: float | None = None
     metric: str = "max_position_error_m"
     bands: Bands | None = None
-    as_it_is: AsItIs | None = None
+    as_it_is: OwnValues | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "columns", named("column", self.columns))
@@ -155,3 +163,68 @@ class SweepData:
         column = np.where(self.diverged, np.nan, self.columns[self.metric])
         order = np.argsort(column, kind="stable")
         return [int(case) for case in order[: int(np.isfinite(column).sum())]]
+
+
+def collect(
+    name: str,
+    cases: Cases | ListedCases,
+    rows: Floats,
+    errors: Iterable[Floats] | None,
+    tolerance: float | None,
+    metric: str,
+    go_on: Callable[[], None] = lambda: None,
+) -> SweepData:
+    """The results of a sweep of which all cases are known.
+
+    Args:
+        name: The scenario's name.
+        cases: The cases.
+        rows: Shape (cases, columns), in the order of CASE_COLUMNS.
+        errors: The maximum errors of all cases, iteration by iteration; None for no bands.
+        tolerance: Of iterations_to_tolerance [m], if there is one.
+        metric: What pictures show.
+        go_on: Called now and then; may raise to stop.
+    """
+    values = {}
+    for key in cases.axes:
+        go_on()
+        values[key] = as_numbers(cases.column(key))
+    return SweepData(
+        name=name,
+        axes=cases.axes,
+        is_grid=cases.sampling == "grid",
+        values=values,
+        columns={column: rows[:, i].copy() for i, column in enumerate(CASE_COLUMNS)},
+        tolerance=tolerance,
+        metric=metric,
+        bands=None if errors is None else bands(errors, go_on),
+    )
+
+
+def bands(errors: Iterable[Floats], go_on: Callable[[], None] = lambda: None) -> Bands:
+    """Quantiles of the maximum errors over the cases, iteration by iteration.
+
+    Args:
+        errors: For each iteration the errors of all cases [m]; infinite where a case has diverged,
+            not-a-number where it has no such iteration.
+        go_on: Called between iterations; may raise to stop.
+    """
+    counts, rows = [], []
+    for of_cases in errors:
+        go_on()
+        ran = np.sort(of_cases[~np.isnan(of_cases)])
+        counts.append(float(len(ran)))
+        rows.append([_quantile(ran, quantile) for quantile in QUANTILES])
+    return Bands(np.array(counts), np.array(rows).reshape(-1, len(QUANTILES)))
+
+
+def _quantile(ordered: Floats, fraction: float) -> float:
+    """A quantile with linear interpolation, between a number and infinity infinite."""
+    if len(ordered) == 0:
+        return math.nan
+    position = fraction * (len(ordered) - 1)
+    below = math.floor(position)
+    low, part = float(ordered[below]), position - below
+    if part == 0 or math.isinf(low):
+        return low
+    return low + part * (float(ordered[below + 1]) - low)

@@ -1,17 +1,19 @@
-"""The folders of sweeps: what is in them, whether they may be written, and pictures from them."""
+"""The folders of sweeps: opening those under way, reading and drawing finished ones."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import closing, suppress
 from pathlib import Path
 
-from hilc_cli.errors import HilcError
+from hilc_cli.errors import ExistingResultsError
 from hilc_cli.files import merge_folder, writing
+from hilc_cli.sweeps.chunks import Chunk
 from hilc_cli.sweeps.data import SweepData
-from hilc_cli.sweeps.opening import discard
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sweep_folder import check_sweep_folder, read_sweep_folder, read_sweep_manifest
-from hilc_cli.sweeps.work_folder import read_header
+from hilc_cli.sweeps.store import FolderStore
+from hilc_cli.sweeps.sweep_folder import SWEEP_FOLDER, check_sweep_folder, read_sweep_folder
+from hilc_cli.sweeps.work_folder import WORK_FOLDER, is_empty, locked_journal, read_header, remove
 
 
 def work_folder(folder: str | Path) -> Path:
@@ -29,11 +31,8 @@ def discard_work(plan: Plan, folder: str | Path) -> None:
 
 
 def is_resumable(folder: str | Path) -> bool:
-    """Whether a folder can be read that holds an unfinished sweep, or a shard."""
-    try:
-        return bool(read_header(Path(folder)))
-    except HilcError:
-        return False
+    """Whether a folder holds an unfinished sweep, or a shard."""
+    return WORK_FOLDER.is_at(folder)
 
 
 def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -> None:
@@ -51,13 +50,13 @@ def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -
 
 def is_complete(plan: Plan, folder: str | Path) -> bool:
     """Whether a folder holds the results of this very sweep, none of whose cases has failed."""
-    manifest = read_sweep_manifest(Path(folder))
+    manifest = SWEEP_FOLDER.look(Path(folder))
     return manifest.get("checksum") == plan.checksum() and not manifest.get("failed")
 
 
 def is_sweep(folder: str | Path) -> bool:
     """Whether a folder holds the results of a sweep."""
-    return bool(read_sweep_manifest(Path(folder)))
+    return SWEEP_FOLDER.is_at(folder)
 
 
 def read_sweep(folder: str | Path) -> SweepData:
@@ -107,3 +106,61 @@ def plot_sweep(
 
     merge_folder(Path(folder), draw, may_replace)
     return [Path(folder) / name for name in names]
+
+
+def open_store(
+    folder: Path, plan: Plan, cases: Chunk, shard: str | None, *, resume: bool, force: bool
+) -> FolderStore:
+    """Opens the folder of a sweep under way, or makes it.
+
+    Args:
+        folder: The folder.
+        plan: The sweep.
+        cases: The cases that belong into it.
+        shard: ``K/N``, for a shard.
+        resume: Go on with what is there; cases that have failed are tried again.
+        force: Replace what is there of another sweep, or of this one if it is not resumed.
+
+    Raises:
+        ExistingResultsError: Something is there that may neither be resumed nor replaced.
+        FileAccessError: It cannot be read or written.
+    """
+    with writing(folder):
+        is_there = folder.is_symlink() or (folder.exists() and not is_empty(folder))
+    if is_there:
+        header = read_header(folder)
+        if not header:
+            raise ExistingResultsError(
+                f"{folder}: exists and holds no sweep in progress, so it is left as it is; "
+                "choose another folder with --out"
+            )
+        same = header.get("checksum") == plan.checksum() and header.get("shard") == shard
+        if same and resume:
+            store = FolderStore(folder)
+            store.forget_failures()
+            return store
+        if not force:
+            what = "this sweep" if same else "another sweep or version of hilc"
+            go_on = "go on with --resume, or " if same else ""
+            raise ExistingResultsError(
+                f"{folder}: holds results of {what}; {go_on}start anew with --force"
+            )
+        with closing(locked_journal(folder, header)):
+            remove(folder)
+    return FolderStore.create(folder, plan, cases, shard)
+
+
+def discard(folder: Path, plan: Plan) -> None:
+    """Removes the folder of a sweep whose results have gone elsewhere.
+
+    What another program has open by now, or holds another sweep, stays.
+
+    Raises:
+        FileAccessError: It cannot be removed.
+    """
+    header = read_header(folder)
+    if header.get("checksum") == plan.checksum():
+        with suppress(ExistingResultsError), closing(locked_journal(folder, header)):
+            remove(folder)
+    elif not header and is_empty(folder):
+        remove(folder)

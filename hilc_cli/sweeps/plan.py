@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,12 +13,12 @@ from typing import Any
 
 from hilc_cli.names import in_short, listed
 from hilc_cli.numba_loading import DISABLED
+from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.scenario.axis import axis_text
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.sweeps.data import SEED_KEY
-from hilc_cli.sweeps.initial_error import hidden_by_initial_error
-from hilc_cli.sweeps.varied import TRAJECTORY, WITHOUT_EFFECT, Varied
+from hilc_cli.sweeps.varied import TRAJECTORY, WITHOUT_EFFECT, Varied, root
 from hilc_cli.variation.axes import Axis, axis_to_data
 from hilc_cli.variation.cases import Cases
 from hilc_cli.version import __version__
@@ -126,7 +127,7 @@ class Plan:
         return to_yaml(self.resolved())
 
     def checksum(self) -> str:
-        """Of all that the results of the cases depend on, this program's version included."""
+        """SHA-256 of all that the results depend on, the version of this program included."""
         data = self.resolved()
         for key in WITHOUT_EFFECT:
             *above, last = key.split(".")
@@ -147,3 +148,43 @@ class Plan:
         for wheel in self.varied.scenario.initial_input or ():
             digest.update(wheel.tobytes())
         return digest.hexdigest()
+
+
+_START = ("initial_pose", TRAJECTORY)
+_BOUND = "disturbance.initial_pose"
+_NONE = 1e-9  # [m]; less is rounding
+
+
+def least_initial_error(varied: Varied) -> float:
+    """What the position error of the first sample is at least, in all iterations of all cases.
+
+    Returns:
+        Distance of the initial pose from the trajectory's start, less what its disturbance may
+        take away [m]; 0 if cases may start from different poses.
+    """
+    if any(root(key) in _START or key.startswith(_BOUND) for key in varied.axes):
+        return 0.0
+    spec = varied.scenario.spec
+    offset, bound = spec.initial_error[:2], spec.disturbance.initial_pose.bound[:2]
+    return math.hypot(*(max(0.0, abs(o) - b) for o, b in zip(offset, bound, strict=True)))
+
+
+def hidden_by_initial_error(varied: Varied, spec: SweepSpec) -> list[str]:
+    """Warnings of a metric or a tolerance that the initial error alone decides."""
+    least = least_initial_error(varied)
+    if least <= _NONE:
+        return []
+    option = "--metric" if spec.minimise is None else "--minimise"
+    found = []
+    if spec.tolerance is not None and least > spec.tolerance:
+        problem = f"no case can settle within the tolerance of {spec.tolerance:g} m: "
+        problem += f"its maximum error is at least the initial error of {least:.3g} m"
+        if spec.metric == ITERATIONS_TO_TOLERANCE:
+            problem += f"; {option} {MAX_ERROR_SECOND_HALF} tells cases apart"
+        found.append(problem)
+    if spec.metric in (MAX_ERROR, PEAK):
+        found.append(
+            f"{spec.metric} is at least the initial error of {least:.3g} m in every case, however "
+            f"good it is; {option} {MAX_ERROR_SECOND_HALF} tells cases apart"
+        )
+    return found

@@ -146,8 +146,9 @@ class _Checked:
             return
         axes = {key: axis for key, axis in self.axes.items() if key != TRAJECTORY}
         every = [[(key, end, self.places[key]) for end in axis.ends] for key, axis in axes.items()]
-        corners = itertools.islice(itertools.product(*every), _MOST_CORNERS)
-        for corner in (*corners, tuple(ends[-1] for ends in every)):
+        corners = list(itertools.islice(itertools.product(*every), _MOST_CORNERS))
+        last = tuple(ends[-1] for ends in every)
+        for corner in corners if last in corners else [*corners, last]:
             for path in self.trajectories.values() or [self.spec.trajectory]:
                 spec = self.spec.model_copy(update={TRAJECTORY: path})
                 try:

@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import typer
 
 from hilc_cli.errors import printable
@@ -21,86 +20,24 @@ from hilc_cli.reporting.terminal import (
     say,
     two_columns,
 )
-from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.sweeps.data import BEST
-from hilc_cli.sweeps.summary import tied
-from hilc_cli.variation.axes import Range
+from hilc_cli.sweeps.summary import found_better, summarise_sweep, sweep_notes
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from hilc_cli.sweeps.chunks import Failure
-    from hilc_cli.sweeps.data import AsItIs, SweepData
+    from hilc_cli.sweeps.data import OwnValues, SweepData
     from hilc_cli.sweeps.estimate import Estimate
     from hilc_cli.sweeps.plan import Plan
-    from hilc_cli.sweeps.results import Sweep
     from hilc_cli.sweeps.summary import BestCase, SweepSummary
-
-
-_HIDING = (MAX_ERROR, PEAK, ITERATIONS_TO_TOLERANCE)
-"""Metrics that an initial error may decide alone."""
-_NEAR = 0.01  # of the range
-
-
-def sweep_notes(data: SweepData, summary: SweepSummary) -> list[str]:
-    """Ties for the best case; and of a search how good its best case is."""
-    best = summary.best[0].case if summary.best else None
-    notes = [] if best is None or summary.tied < 2 else [_tie(data, best)]
-    if data.as_it_is is None:
-        return notes
-    if best is None:
-        return [f"no case has a value of {data.metric}, so there is no {BEST}"]
-    if not found_better(data):
-        return [*notes, "no case is better than the scenario as it is"]
-    # Of several best cases it says nothing where one of them lies.
-    return notes or _at_ends(data, best)
-
-
-def found_better(data: SweepData) -> bool:
-    """Whether the best case of a search is better than the scenario as it is."""
-    best = next(iter(data.ranked()), None)
-    if best is None or data.as_it_is is None:
-        return False
-    # What has no metric is no better than anything.
-    return not data.columns[data.metric][best] >= data.as_it_is.metric
-
-
-def _tie(data: SweepData, best: int) -> str:
-    """That there are several best cases, and what would tell them apart."""
-    cases = tied(data)
-    value = f"{data.columns[data.metric][best]:.6g}"
-    where = "" if data.as_it_is is None else f", and the one in {BEST}"
-    note = f"{len(cases):,} of {len(data):,} cases share the best {data.metric}, {value}; "
-    note += f"case {best} is only one of them{where}"
-    later = data.columns[MAX_ERROR_SECOND_HALF][cases]
-    if data.metric in _HIDING and not np.allclose(later, later[0], rtol=0.01, equal_nan=True):
-        option = "--metric" if data.as_it_is is None else "--minimise"
-        note += f": {option} {MAX_ERROR_SECOND_HALF} tells them apart"
-    return note
-
-
-def _at_ends(data: SweepData, best: int) -> list[str]:
-    values = data.case(best)
-    return [
-        f"{key} of the best case is at the end of its range: a wider one may hold a better value"
-        for key, axis in data.axes.items()
-        if isinstance(axis, Range) and _is_at_end(axis, values[key])
-    ]
-
-
-def _is_at_end(axis: Range, value: object) -> bool:
-    """Whether a value is hardly farther from an end of the range than a search can tell."""
-    assert isinstance(value, int | float)  # of a range
-    low, number, high = axis.low, float(value), axis.high
-    if axis.spacing == "log":
-        low, number, high = math.log(low), math.log(number), math.log(high)
-    return min(number - low, high - number) < _NEAR * (high - low)
+    from hilc_cli.sweeps.sweeping import Sweep
 
 
 _NOTHING = "-"
 
 
-def search_table(summary: SweepSummary, as_it_is: AsItIs) -> Table:
+def search_table(summary: SweepSummary, as_it_is: OwnValues) -> Table:
     """The best case beside the scenario as it is, key by key."""
     from rich import box
     from rich.table import Table
@@ -123,8 +60,8 @@ def search_table(summary: SweepSummary, as_it_is: AsItIs) -> Table:
     return table
 
 
-def search_document(summary: SweepSummary, as_it_is: AsItIs, folder: Path) -> dict[str, Any]:
-    """The same for a JSON document."""
+def search_document(summary: SweepSummary, as_it_is: OwnValues, folder: Path) -> dict[str, Any]:
+    """Returns the best case beside the scenario as it is, for a JSON document."""
     best = _best(summary)
     return {
         "minimise": summary.metric,
@@ -154,12 +91,12 @@ AGAIN = "the same command with --resume tries these cases again"
 SHARDS_AGAIN = "--resume of their shards tries these cases again"
 _NO_BETTER = "Best case tried, no better than the scenario as it is"
 _MOST_FAILURES = 10
-"""So many are named one by one."""
+"""The largest number of failures that are named one by one."""
 
 
 @dataclass(frozen=True, slots=True)
 class SweepReport:
-    """Tells it as the user wants to hear it.
+    """Tells of a sweep as the user wants to hear it.
 
     Attributes:
         json: As one JSON document.
@@ -172,30 +109,30 @@ class SweepReport:
     verbose: bool
 
     def say(self, message: str) -> None:
-        """A message on stderr, unless nothing is to be said."""
+        """Says something on stderr, unless nothing is to be said."""
         if not self.quiet:
             say(message)
 
     def compiling(self) -> None:
-        """Why nothing moves for some seconds."""
+        """Says why nothing moves for some seconds."""
         self.say("compiling the engine for this machine, once for each kind of experiment")
 
     def warnings(self, plan: Plan) -> None:
-        """What is legal but probably not meant."""
+        """Says what is legal but probably not meant."""
         for warning in plan.warnings():
             self.say(f"warning: {warning}")
 
     def progress(
         self, plan: Plan, part: tuple[int, int] | None = None
     ) -> AbstractContextManager[Callable[[int], None]]:
-        """A progress bar over the cases."""
+        """Shows a progress bar over the cases."""
         from hilc_cli.sweeps.shards import shard_cases
 
         total = len(plan.cases) if part is None else len(shard_cases(len(plan.cases), *part))
         return progress(plan.name, total, quiet=self.quiet)
 
     def estimate(self, plan: Plan, estimate: Estimate) -> None:
-        """What a sweep would cost."""
+        """Tells what a sweep would cost."""
         if self.json:
             print_json({"name": plan.name, **asdict(estimate)})
             return
@@ -242,8 +179,6 @@ class SweepReport:
         _check_found(data)
 
     def _summary(self, data: SweepData, failures: Sequence[Failure], folder: Path) -> None:
-        from hilc_cli.sweeps.summary import summarise_sweep
-
         summary, as_it_is = summarise_sweep(data), data.as_it_is
         if self.json:
             document = {"folder": str(folder), **asdict(summary), "failures": _json(failures)}

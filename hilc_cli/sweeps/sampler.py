@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import MissingPackageError
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.sweeps.chunks import Chunk
 from hilc_cli.variation.axes import Axis, Choices, Value
 from hilc_cli.variation.cases import Cases
 
@@ -20,15 +22,41 @@ if TYPE_CHECKING:
     from optuna.trial import Trial
 
 SAMPLER = "TPE"
-"""As the manifest of a search names it."""
+"""Name of the sampler in the manifest of a search."""
 
 Values = tuple[Value, ...]
 _Params = dict[str, Any]
-"""What Optuna has for the values of a case."""
+"""Optuna's parameters for the values of a case."""
 
 _BLOCK = 256
 _MOST_DRAWS = 100
 """After so many that have been tried there may be no others."""
+
+
+# docs/sweeps.md has what these were chosen by.
+_FIRST = 12
+"""Cases that are drawn before there is anything to learn from."""
+_LEAST, _SHARE = 4, 4
+"""Size of a batch: at least so many, at most a quarter of what is known; a quarter is drawn."""
+
+
+def batches(cases: int) -> Iterator[tuple[Chunk, int]]:
+    """The cases of a search in batches that grow with what is known.
+
+    Args:
+        cases: How many there are; with more of them those before are the same.
+
+    Yields:
+        A batch, and how many of its cases are drawn: of the first all.
+    """
+    size = drawn = _FIRST
+    first = 0
+    while first < cases:
+        last = min(first + size, cases)
+        yield Chunk(first, last), min(drawn, last - first)
+        first = last
+        size = min(max(_LEAST, first // _SHARE), LANES)
+        drawn = size // _SHARE
 
 
 class Sampler:

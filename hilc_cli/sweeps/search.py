@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, METRIC_NAMES
-from hilc_cli.sweeps.chunks import Chunk, run_chunk
-from hilc_cli.sweeps.compute import Execution, compile_for, crew_for
-from hilc_cli.sweeps.execute import hand_out
-from hilc_cli.sweeps.memory_store import Store
+from hilc_cli.sweeps.chunks import Chunk, Store, run_chunk
+from hilc_cli.sweeps.compute import Execution, compile_for, compute_chunks, crew_for
+from hilc_cli.sweeps.data import OwnValues, SweepData
+from hilc_cli.sweeps.estimate import cases_per_chunk
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sampler import Sampler, Values
-from hilc_cli.sweeps.sizing import cases_per_chunk
-from hilc_cli.sweeps.varied import Varied
+from hilc_cli.sweeps.sampler import SAMPLER, Sampler, Values, batches
+from hilc_cli.sweeps.varied import TRAJECTORY, Varied, parts
+from hilc_cli.variation.axes import Value
 from hilc_cli.variation.cases import ListedCases
-
-# docs/sweeps.md has what these were chosen by.
-_FIRST = 12
-"""Cases that are drawn before there is anything to learn from."""
-_LEAST, _SHARE = 4, 4
-"""Of a batch: so many at least, a quarter of what is known at most; a quarter of it is drawn."""
+from hilc_cli.yaml_input.tree import to_yaml
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,12 +57,7 @@ def search(plan: Plan, store: Store, how: Execution) -> Found:
             values = sampler.ask(len(cases), drawn)
             batch = Chunk(cases.first, cases.last, values)
             store.forget_others(batch)
-            hand_out(
-                *(plan, store, crew, _missing(plan, store, batch, crew.workers)),
-                fail_fast=how.fail_fast,
-                on_cases=how.on_cases,
-                go_on=how.go_on,
-            )
+            compute_chunks(plan, store, crew, _missing(plan, store, batch, crew.workers), how)
             sampler.tell(costs(plan, store.rows()[batch.first : batch.last]))
             listed += values
     finally:
@@ -102,25 +94,6 @@ def _metric(plan: Plan, rows: Floats) -> Floats:
     return np.where(finished, rows[:, CASE_COLUMNS.index(plan.spec.metric)], np.nan)
 
 
-def batches(cases: int) -> Iterator[tuple[Chunk, int]]:
-    """The cases of a search in batches that grow with what is known.
-
-    Args:
-        cases: How many there are; with more of them those before are the same.
-
-    Yields:
-        A batch, and how many of its cases are drawn: of the first all.
-    """
-    size = drawn = _FIRST
-    first = 0
-    while first < cases:
-        last = min(first + size, cases)
-        yield Chunk(first, last), min(drawn, last - first)
-        first = last
-        size = min(max(_LEAST, first // _SHARE), LANES)
-        drawn = size // _SHARE
-
-
 def _missing(plan: Plan, store: Store, batch: Chunk, workers: int) -> list[Chunk]:
     """What is missing of a batch, in chunks that keep workers busy."""
     size = cases_per_chunk(plan, len(batch), workers)
@@ -136,3 +109,69 @@ def _as_it_is(plan: Plan) -> float:
     """The metric of the scenario with its own values."""
     own = Plan(Varied(plan.varied.scenario, {}), plan.spec)
     return float(_metric(plan, run_chunk(own, Chunk(0, 1, ((),))).rows)[0])
+
+
+_SUFFIX, _LONGEST_NAME = "-best", 100
+
+
+def beside_cases(plan: Plan, data: SweepData, metric: float) -> dict[str, Any]:
+    """The fields that a `Sweep` has of a search only.
+
+    Args:
+        plan: The search.
+        data: Its cases.
+        metric: What it minimises, of the scenario as it is.
+    """
+    own = plan.varied.scenario.resolved()
+    values = {key: value_of(own, key) for key in plan.axes}
+    return {"as_it_is": OwnValues(values, metric), "best_yaml": _best_yaml(plan, data, metric)}
+
+
+def how_searched(plan: Plan) -> dict[str, Any]:
+    """What the manifest tells of how a search was done."""
+    return {
+        "minimise": plan.spec.minimise,
+        "seed": plan.spec.seed,
+        "sampler": SAMPLER,
+        "optuna": version("optuna"),
+    }
+
+
+def _best_yaml(plan: Plan, data: SweepData, as_it_is: float) -> str | None:
+    """The scenario of the best case as a file, if any case has the metric."""
+    best = next(iter(data.ranked()), None)
+    if best is None:
+        return None
+    scenario = plan.varied.case(data.case(best)).resolved()
+    scenario["name"] = plan.name[: _LONGEST_NAME - len(_SUFFIX)] + _SUFFIX
+    metric = float(data.columns[data.metric][best])
+    title = f"# Case {best} of a search with hilc sweep, the best of {len(data)}: "
+    title += f"{data.metric} {metric!r}\n"
+    if metric >= as_it_is:
+        title += f"# No better than the scenario as it is, which has {as_it_is!r}.\n"
+    return f"{title}{to_yaml(scenario)}"
+
+
+def value_of(resolved: Mapping[str, Any], key: str) -> Value:
+    """What a resolved scenario has at a dotted key; None for what is no single value.
+
+    Args:
+        resolved: The scenario; of the names that a platform's width goes by it has one.
+        key: The key, with whichever of them.
+    """
+    if key == TRAJECTORY:
+        return str(resolved[TRAJECTORY]["name"])
+    platform, _, field = key.partition(".")
+    if field == "wheel_separation":
+        return 2 * float(resolved[platform]["half_track"])
+    found: Any = resolved
+    for part in parts(key):
+        is_there = part in found if isinstance(found, Mapping) else _is_place(part, found)
+        if not is_there:
+            return None
+        found = found[part]
+    return found if isinstance(found, bool | int | float | str) else None
+
+
+def _is_place(part: str | int, data: Any) -> bool:
+    return isinstance(data, list) and isinstance(part, int) and part < len(data)

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from hilc_cli.errors import MissingFileError, UsageError
 from hilc_cli.files import read_file
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO
+from hilc_cli.results.reading import damaged
 from hilc_cli.results.tables import read_stored_input
-from hilc_cli.runs.run_folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.sweeps.chunks import Chunk, Failure
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.store import FolderStore
-from hilc_cli.sweeps.work_folder import HEADER
-from hilc_cli.variation.axes import axes_from_data
-from hilc_cli.variation.cases import Cases
+from hilc_cli.sweeps.work_folder import WORK_FOLDER
 
 _MOST_SCENARIO_BYTES = 1_000_000_000  # a million values of a key are in it
 
@@ -66,16 +64,11 @@ class Merged:
 
     def __init__(self, stores: Sequence[FolderStore]) -> None:
         self._stores = sorted(stores, key=lambda store: store.cases)
-        self.header: dict[str, Any] = stores[0].header
-        damaged = UsageError(f"{stores[0].folder / HEADER}: is damaged: its axes do not fit")
+        self.header = stores[0].header
         try:
-            axes = axes_from_data(self.header["axes"])
-            drawn = self.header["cases"]
-            self.cases = Cases(axes, self.header["sample"], drawn, self.header["seed"])
-            if len(self.cases) != sum(len(store.cases) for store in stores):
-                raise damaged
-        except (KeyError, TypeError, ValueError, AttributeError):
-            raise damaged from None
+            self.cases = self.header.of_all
+        except ValueError as error:
+            raise damaged(stores[0].folder / WORK_FOLDER.manifest, f"axes: {error}") from None
 
     def rows(self) -> Floats:
         """All rows, shape (cases, columns)."""
@@ -102,11 +95,11 @@ def merge(stores: Sequence[FolderStore]) -> Merged:
     """
     first = stores[0]
     position = 0
-    searched = next((store.folder for store in stores if store.header["minimise"]), None)
+    searched = next((store.folder for store in stores if store.header.minimise), None)
     if searched is not None:
         raise UsageError(f"{searched}: is a search under way, no shard; finish it with --resume")
     for store in sorted(stores, key=lambda store: store.cases):
-        if store.header["checksum"] != first.header["checksum"]:
+        if store.header.checksum != first.header.checksum:
             raise UsageError(
                 f"{store.folder}: is a shard of another sweep than {first.folder}; "
                 "give the shards of one scenario, sweep and version of hilc"
@@ -118,10 +111,12 @@ def merge(stores: Sequence[FolderStore]) -> Merged:
             raise UsageError(f"no shard holds {missing}; give all shards of the sweep")
         position = store.cases.last
         if store.missing():
-            raise UsageError(f"{store.folder}: lacks {store.missing()[0]}; finish it with --resume")
-    if position < first.header["cases"]:
-        missing = Chunk(position, first.header["cases"])
-        raise UsageError(f"no shard holds {missing}; give all shards of the sweep")
+            raise UsageError(
+                f"{store.folder}: {store.missing()[0]} are missing; finish it with --resume"
+            )
+    if position < first.header.cases:
+        missing = Chunk(position, first.header.cases)
+        raise UsageError(f"{missing}: no shard holds them; give all shards of the sweep")
     return Merged(stores)
 
 
@@ -134,7 +129,7 @@ def read_scenario(folder: Path) -> str:
     try:
         return read_file(folder / SCENARIO, _MOST_SCENARIO_BYTES).decode("utf-8")
     except UnicodeDecodeError:
-        raise UsageError(f"{folder / SCENARIO}: is damaged: it is no UTF-8 text") from None
+        raise damaged(folder / SCENARIO, "it is no UTF-8 text") from None
 
 
 def read_initial_input(folder: Path) -> tuple[float, Floats, Floats] | None:

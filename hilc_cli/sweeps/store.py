@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 import errno
-import json
 import os
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from hilc_cli.errors import FileAccessError, UsageError
-from hilc_cli.files import open_to_read, open_to_write, sync, write_folder, writing
-from hilc_cli.names import name_from
+from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
+from hilc_cli.files import open_to_read, open_to_write, sync, writing
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.results.metrics import CASE_COLUMNS
+from hilc_cli.results.reading import damaged
 from hilc_cli.results.tables import write_input
-from hilc_cli.runs.run_folder import INITIAL_INPUT, SCENARIO
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure
-from hilc_cli.sweeps.memory_store import gaps
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, gaps
 from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.tables import check_case_numbers
 from hilc_cli.sweeps.work_folder import (
     ERRORS,
-    FILES,
-    HEADER,
-    KEYS,
-    KIND,
+    JOURNAL,
     ROWS,
+    WORK_FOLDER,
+    Entry,
+    Header,
     locked_journal,
     read_header,
     remove,
@@ -63,16 +61,13 @@ class FolderStore:
             FileAccessError: It cannot be read or written.
         """
         self.folder = folder
-        self.header = read_header(folder)
-        if not self.header:
+        seen = read_header(folder)
+        if not seen:
             raise UsageError(f"{folder}: is no folder of a sweep in progress, and no shard")
-        if not self.header.keys() >= KEYS:
-            raise UsageError(f"{folder / HEADER}: is damaged, or of another version of hilc")
-        name_from(self.header["name"], f"{folder / HEADER}: name")
-        self.cases = Chunk(self.header["first"], self.header["last"])
-        self._iterations = int(self.header["iterations"])
-        self._bands = bool(self.header["bands"])
-        self._journal = locked_journal(folder, self.header, read_only=read_only)
+        self.header = WORK_FOLDER.read(folder, Header)
+        self.cases = Chunk(self.header.first, self.header.last)
+        self._iterations, self._bands = self.header.iterations, self.header.bands
+        self._journal = locked_journal(folder, seen, read_only=read_only)
         self._files: dict[str, int] = {}
         self._done: dict[Chunk, tuple[Failure, ...]] = {}
         opened = open_to_read if read_only else open_to_write
@@ -103,7 +98,6 @@ class FolderStore:
             FileAccessError: It cannot be written.
         """
         header = {
-            "kind": KIND,
             "name": plan.name,
             "checksum": plan.checksum(),
             "first": cases.first,
@@ -126,16 +120,14 @@ class FolderStore:
             if scenario.initial_input is not None:
                 sample_time = scenario.spec.trajectory.sample_time
                 write_input(draft / INITIAL_INPUT, sample_time, *scenario.initial_input)
-            (draft / HEADER).write_text(json.dumps(header) + "\n", encoding="utf-8")
+
+        def check(there: Path) -> None:
+            if WORK_FOLDER.is_at(there):
+                raise ExistingResultsError(f"{there}: another program has just begun a sweep there")
 
         # As a whole: a program that is killed meanwhile leaves nothing that it would not know
         # again, and of two that start at once only one has its header there.
-        write_folder(
-            folder,
-            fill,
-            may_replace=lambda there: not read_header(there),
-            keeps=lambda name: name not in FILES,
-        )
+        WORK_FOLDER.write(folder, fill, lambda: header, check)
         return cls(folder)
 
     def missing(self) -> list[Chunk]:
@@ -192,12 +184,17 @@ class FolderStore:
 
     def rows(self) -> Floats:
         """All rows, shape (cases, columns)."""
-        return self._read(ROWS, 0, len(self.cases) * _COLUMNS).reshape(-1, _COLUMNS)
+        rows = self._read(ROWS, 0, len(self.cases) * _COLUMNS).reshape(-1, _COLUMNS)
+        check_case_numbers(self.folder / ROWS, rows)
+        return rows
 
     def errors(self) -> Iterator[Floats]:
         """The maximum errors of all cases, iteration by iteration."""
         for iteration in range(self._iterations + 1) if self._bands else ():
-            yield self._read(ERRORS, iteration * len(self.cases), len(self.cases))
+            errors = self._read(ERRORS, iteration * len(self.cases), len(self.cases))
+            if (errors < 0).any():  # infinite from where a case has diverged
+                raise damaged(self.folder / ERRORS, "errors must be numbers from 0 on")
+            yield errors
 
     def discard_if_empty(self) -> None:
         """Removes the folder if it holds no results, so that it is not in the way of others.
@@ -216,17 +213,20 @@ class FolderStore:
         self._files = {}
         self._journal.close()
 
-    def _recall(self, entry: dict[str, Any]) -> None:
+    def _recall(self, entry: Entry) -> None:
         """Takes a chunk of the journal for done if its results are what the journal says."""
-        values = entry.get("values")
-        if values is not None:
-            values = tuple(map(tuple, values))
-        chunk = Chunk(entry["first"], entry["last"], values)
+        values = None if entry.values is None else tuple(map(tuple, entry.values))
+        chunk = Chunk(entry.first, entry.last, values)
         if not self.cases.first <= chunk.first < chunk.last <= self.cases.last:
             return  # the journal has come here from another sweep
-        if self._checksum(chunk) == entry["checksum"]:
-            failed = entry["failures"]
-            self._count(chunk, tuple(Failure(Chunk(a, b), reason) for a, b, reason in failed))
+        failures = tuple(Failure(Chunk(a, b), reason) for a, b, reason in entry.failures)
+        if any(not chunk.first <= f.chunk.first < f.chunk.last <= chunk.last for f in failures) or (
+            values is not None
+            and [len(row) for row in values] != [len(self.header.axes)] * len(chunk)
+        ):
+            raise damaged(self.folder / JOURNAL, "it tells of other cases than it should")
+        if self._checksum(chunk) == entry.checksum:
+            self._count(chunk, failures)
 
     def _checksum(self, chunk: Chunk) -> int | None:
         """Of what the files hold of a chunk; None if they end before it, whatever is said of it."""

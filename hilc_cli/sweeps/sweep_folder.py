@@ -2,36 +2,49 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from hilc_cli.errors import UsageError
-from hilc_cli.files import write_folder
-from hilc_cli.names import name_from
+from pydantic import PlainValidator
+
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.folder import (
-    PICTURE_FORMATS,
-    SWEEP_PICTURE_KINDS,
-    check_replaceable,
-    keep_pictures,
-    read_manifest,
-)
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
+from hilc_cli.results.metrics import CASE_METRICS
+from hilc_cli.results.reading import Document, Length, Name, damaged, one_of
 from hilc_cli.results.tables import write_input
-from hilc_cli.runs.run_folder import INITIAL_INPUT, SCENARIO
-from hilc_cli.sweeps.data import BEST, AsItIs, SweepData
+from hilc_cli.sweeps.data import BEST, OwnValues, SweepData
 from hilc_cli.sweeps.tables import read_bands, read_cases, write_bands, write_cases
-from hilc_cli.variation.axes import axes_from_data, axis_to_data
+from hilc_cli.variation.axes import Axis, axes_from_data, axis_to_data
 
-KIND = "hilc sweep"
-MANIFEST = "sweep.json"
 CASES = "cases.csv"
 BANDS = "bands.csv"
 PARQUET = "cases.parquet"
-_PICTURES = {f"{kind}.{suffix}" for kind in SWEEP_PICTURE_KINDS for suffix in PICTURE_FORMATS}
-_TABLES = frozenset({CASES, BANDS, SCENARIO, INITIAL_INPUT, BEST})
-_OWN = _TABLES | {MANIFEST, PARQUET} | _PICTURES
+SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
+
+SWEEP_FOLDER = ResultFolder(
+    what="sweep",
+    kind="hilc sweep",
+    other="another sweep",
+    tables=frozenset({CASES, BANDS, SCENARIO, INITIAL_INPUT, BEST}),
+    pictures=SWEEP_PICTURE_KINDS,
+    files=frozenset({PARQUET}),
+    manifest="sweep.json",
+)
+
+Axes = Annotated[dict[str, Axis], PlainValidator(axes_from_data)]
+CaseMetric = Annotated[str, one_of(CASE_METRICS)]
+
+
+class _Manifest(Document):
+    """What is read of the manifest of a sweep."""
+
+    name: Name
+    axes: Axes
+    grid: bool
+    tolerance_m: Length | None
+    metric: CaseMetric
+    as_it_is: Annotated[OwnValues, PlainValidator(OwnValues.from_data)] | None = None
 
 
 def write_sweep_folder(
@@ -84,11 +97,12 @@ def write_sweep_folder(
             write_parquet(folder / PARQUET, data, go_on)
         if draw is not None:
             draw(folder)
-        keep_pictures(path, folder, _TABLES, _PICTURES)
         go_on()
-        files = sorted([*(file.name for file in folder.iterdir()), MANIFEST])
-        document = {
-            "kind": KIND,
+
+    SWEEP_FOLDER.write(
+        path,
+        fill,
+        lambda: {
             "name": data.name,
             "checksum": checksum,
             "axes": {key: axis_to_data(axis) for key, axis in data.axes.items()},
@@ -97,20 +111,13 @@ def write_sweep_folder(
             "metric": data.metric,
             **({} if data.as_it_is is None else {"as_it_is": data.as_it_is.to_data()}),
             **manifest(),
-            "files": files,
-        }
-        text = json.dumps(document, indent=2)
-        (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
-
-    def may_replace(folder: Path) -> bool:
-        check_sweep_folder(folder, checksum, force=force)
-        return True
-
-    write_folder(path, fill, may_replace, keeps=lambda name: name not in _OWN)
+        },
+        lambda folder: check_sweep_folder(folder, checksum, force=force),
+    )
 
 
 def check_sweep_folder(path: Path, checksum: str, *, force: bool = False) -> None:
-    """Whether a sweep may be written to a folder; to be asked before a long computation.
+    """Makes sure that a sweep may be written to a folder; to be asked before it is computed.
 
     Args:
         path: The folder.
@@ -120,37 +127,31 @@ def check_sweep_folder(path: Path, checksum: str, *, force: bool = False) -> Non
     Raises:
         ExistingResultsError: The folder holds another sweep, or is no sweep folder.
     """
-    check_replaceable(
-        path,
-        "sweep",
-        "another sweep",
-        is_own=lambda: bool(read_sweep_manifest(path)),
-        is_same=lambda: force or read_sweep_manifest(path).get("checksum") == checksum,
-    )
-
-
-def read_sweep_manifest(path: Path) -> dict[str, Any]:
-    """What a sweep folder says of itself; empty if it is none."""
-    return read_manifest(path / MANIFEST, KIND)
+    SWEEP_FOLDER.check(path, lambda there: there.get("checksum") == checksum, force=force)
 
 
 def read_sweep_folder(path: Path) -> SweepData:
     """The results in a sweep folder.
 
     Raises:
-        HilcError: It is no such folder, or a table is missing or damaged.
+        HilcError: It is no such folder, or a file is missing or damaged.
     """
-    manifest = read_sweep_manifest(path)
-    if not manifest:
-        raise UsageError(f"{path}: is no sweep folder: it has no {MANIFEST} of hilc sweep")
-    try:
-        axes = axes_from_data(manifest["axes"])
-        is_grid, tolerance = bool(manifest["grid"]), manifest["tolerance_m"]
-        metric = str(manifest["metric"])
-        name = name_from(manifest["name"], f"{path / MANIFEST}: name")
-        as_it_is = AsItIs.from_data(manifest["as_it_is"]) if "as_it_is" in manifest else None
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise UsageError(f"{path / MANIFEST}: is damaged: {error}") from None
-    values, columns = read_cases(path / CASES, axes)
+    manifest = SWEEP_FOLDER.read(path, _Manifest)
+    axes, beside = manifest.axes, manifest.as_it_is
+    if manifest.grid and any(axis.count is None for axis in axes.values()):
+        raise damaged(path / SWEEP_FOLDER.manifest, "axes: a range of a grid needs a count")
+    if beside is not None and beside.values.keys() != axes.keys():
+        raise damaged(path / SWEEP_FOLDER.manifest, "as_it_is: has other keys than the axes")
+    values, columns = read_cases(path / CASES, axes, is_grid=manifest.grid)
     bands = read_bands(path / BANDS) if (path / BANDS).exists() else None
-    return SweepData(name, axes, is_grid, values, columns, tolerance, metric, bands, as_it_is)
+    return SweepData(
+        manifest.name,
+        axes,
+        manifest.grid,
+        values,
+        columns,
+        manifest.tolerance_m,
+        manifest.metric,
+        bands,
+        beside,
+    )

@@ -5,22 +5,22 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
+from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from hilc_cli.errors import HilcError, UsageError
-from hilc_cli.files import folder_to_read
-from hilc_cli.results.manifest import circumstances
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.manifest import COMPILED_WITH, origin
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
-from hilc_cli.sweeps.chunks import Chunk, Failure
-from hilc_cli.sweeps.collect import collect
+from hilc_cli.sweeps.chunks import Chunk, Failure, MemoryStore, Store
 from hilc_cli.sweeps.compute import Execution, compute
-from hilc_cli.sweeps.memory_store import MemoryStore, Store
-from hilc_cli.sweeps.opening import open_store
+from hilc_cli.sweeps.data import SweepData, collect
+from hilc_cli.sweeps.folders import open_store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.planning import plan_of
-from hilc_cli.sweeps.results import LIBRARIES, Sweep, as_fields, beside_cases, how_searched
+from hilc_cli.sweeps.search import beside_cases, how_searched, search
 from hilc_cli.sweeps.shards import (
     check_shardable,
     merge,
@@ -29,9 +29,98 @@ from hilc_cli.sweeps.shards import (
     shard_cases,
 )
 from hilc_cli.sweeps.store import FolderStore
+from hilc_cli.sweeps.summary import SweepSummary, summarise_sweep
+from hilc_cli.sweeps.sweep_folder import write_sweep_folder
 
-if TYPE_CHECKING:
-    from hilc_cli.sweeps.search import Found
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Sweep(SweepData):
+    """The results of a sweep, and how they came to be.
+
+    Attributes:
+        failures: Cases that could not be simulated, and why.
+        checksum: Of all that the results depend on.
+        scenario_yaml: The resolved scenario with its sweep.
+        initial_input: Sample time, left and right wheel speeds of the input file, if there is one.
+        how: What the manifest tells of the computation.
+        best_yaml: The scenario of the best case as a file, if one was searched for and found.
+    """
+
+    failures: tuple[Failure, ...] = field(kw_only=True)
+    checksum: str = field(kw_only=True)
+    scenario_yaml: str = field(kw_only=True)
+    initial_input: tuple[float, Floats, Floats] | None = field(kw_only=True)
+    how: Mapping[str, Any] = field(kw_only=True)
+    best_yaml: str | None = field(default=None, kw_only=True)
+
+    def summary(self) -> SweepSummary:
+        """The few figures that tell how the sweep went."""
+        return summarise_sweep(self)
+
+    def write(
+        self,
+        folder: str | Path,
+        *,
+        force: bool = False,
+        formats: Sequence[str] = ("png",),
+        plots: bool = True,
+        command: Sequence[str] = (),
+        go_on: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Writes the sweep folder: tables, resolved scenario, manifest and pictures.
+
+        Args:
+            folder: The very folder that is written; it is there as a whole or not at all.
+            force: Replace the folder of another sweep.
+            formats: Of the pictures: png, svg, pdf; parquet for the table of the cases.
+            plots: Whether to draw pictures.
+            command: Command line to note in the manifest.
+            go_on: Called now and then; may raise to stop.
+
+        Raises:
+            ExistingResultsError: The folder holds another sweep, or is no sweep folder.
+            FileAccessError: It cannot be written.
+            UsageError: There is no such format, or what writes it is not installed.
+        """
+        pictures = [name for name in formats if name != "parquet"]
+
+        def draw(into: Path) -> None:
+            # Matplotlib starts slowly.
+            from hilc_cli.sweeps.pictures.catalogue import save_sweep_figures
+
+            save_sweep_figures(self, into, formats=pictures or ["png"])
+
+        def manifest() -> Mapping[str, Any]:
+            return {
+                **self.how,
+                "cases": len(self),
+                "diverged": int(self.diverged.sum()),
+                "failed": [
+                    {"first": f.chunk.first, "last": f.chunk.last - 1, "reason": f.reason}
+                    for f in self.failures
+                ],
+                "command": list(command),
+            }
+
+        write_sweep_folder(
+            Path(folder),
+            self,
+            manifest,
+            checksum=self.checksum,
+            scenario_yaml=self.scenario_yaml,
+            initial_input=self.initial_input,
+            best_yaml=self.best_yaml,
+            force=force,
+            draw=draw if plots else None,
+            parquet="parquet" in formats,
+            go_on=go_on,
+        )
+
+
+def as_fields(data: SweepData) -> dict[str, Any]:
+    """The fields of results, to be taken over by a `Sweep`."""
+    return {f.name: getattr(data, f.name) for f in fields(data)}
+
 
 _DEFAULT = Execution()
 
@@ -112,7 +201,7 @@ def sweep(
     started, clock = datetime.now(UTC), time.perf_counter()
     every = Chunk(0, len(plan.cases))
     with _store(plan, work_folder, every, None, resume=resume, force=force) as store:
-        found = _search(plan, store, how) if plan.searches else None
+        found = search(plan, store, how) if plan.searches else None
         if found is None:
             compute(plan, store, how)
         data = collect(
@@ -135,7 +224,7 @@ def sweep(
         scenario_yaml=plan.resolved_yaml(),
         initial_input=given and (scenario.spec.trajectory.sample_time, *given),
         how={
-            **circumstances(started, LIBRARIES, scenario.plug_ins),
+            **origin(started, COMPILED_WITH),
             **({} if found is None else {"search": how_searched(plan)}),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(scenario.checksums),
@@ -205,29 +294,23 @@ def merge_shards(
         merged = merge(stores)
         header = merged.header
         data = collect(
-            header["name"],
+            header.name,
             merged.cases,
             merged.rows(),
-            merged.errors() if header["bands"] else None,
-            header["tolerance_m"],
-            header["metric"],
+            merged.errors() if header.bands else None,
+            header.tolerance_m,
+            header.metric,
             go_on,
         )
         initial_input = read_initial_input(Path(folders[0]))
         return Sweep(
             **as_fields(data),
             failures=tuple(merged.failures()),
-            checksum=header["checksum"],
+            checksum=header.checksum,
             scenario_yaml=read_scenario(Path(folders[0])),
             initial_input=initial_input,
-            how={**circumstances(started, LIBRARIES), "shards": len(stores)},
+            how={**origin(started, COMPILED_WITH), "shards": len(stores)},
         )
-
-
-def _search(plan: Plan, store: Store, how: Execution) -> Found:
-    from hilc_cli.sweeps.search import search  # an extra
-
-    return search(plan, store, how)
 
 
 @contextmanager

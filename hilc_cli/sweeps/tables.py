@@ -2,22 +2,36 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from hilc_cli.errors import MissingPackageError, UsageError
-from hilc_cli.files import read_file
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, WHOLE_COLUMNS
-from hilc_cli.results.tables import MAX_CSV_BYTES, text_cell, unrun, value_text
-from hilc_cli.sweeps.data import QUANTILES, Bands, Numbers, SweepData, as_numbers
-from hilc_cli.variation.axes import Axis, Choices, Value
+from hilc_cli.results.metrics import (
+    CASE_COLUMNS,
+    DIVERGED,
+    ITERATIONS_TO_TOLERANCE,
+    PEAK,
+    WHOLE_COLUMNS,
+)
+from hilc_cli.results.reading import (
+    Numbers,
+    check_columns,
+    check_counted,
+    damaged,
+    parse_numbers,
+    read_numbers,
+    table_rows,
+)
+from hilc_cli.results.tables import metric_columns, text_cell, unrun, value_text
+from hilc_cli.sweeps.data import QUANTILES, Bands, SweepData, as_numbers
+from hilc_cli.sweeps.data import Numbers as NumberArray
+from hilc_cli.variation.axes import Axis, Choices, Range, Value
+from hilc_cli.variation.cases import Cases
 
 CASE = "case"
 BANDS_HEADER = (
@@ -31,7 +45,7 @@ _BLOCK = 10_000
 
 def write_cases(
     path: Path,
-    values: Mapping[str, Numbers | Sequence[Value]],
+    values: Mapping[str, NumberArray | Sequence[Value]],
     columns: Mapping[str, Floats],
     go_on: Callable[[], None] = lambda: None,
 ) -> None:
@@ -65,7 +79,7 @@ def _whole_cells(numbers: list[float]) -> list[str]:
     return ["" if number != number else str(int(number)) for number in numbers]
 
 
-def _words(column: Numbers | Sequence[Value], first: int, last: int) -> list[str]:
+def _words(column: NumberArray | Sequence[Value], first: int, last: int) -> list[str]:
     if isinstance(column, np.ndarray):
         return list(map(repr, column[first:last].tolist()))
     known: dict[Value, str] = {}
@@ -76,14 +90,36 @@ def _cell(value: Value) -> str:
     return text_cell(value) if isinstance(value, str) else value_text(value)
 
 
+_CASE_COLUMNS = [
+    *metric_columns(empty=True),
+    (ITERATIONS_TO_TOLERANCE, Numbers(0, 1e9, whole=True, empty=True)),
+    (PEAK, Numbers(0, empty=True)),
+    (DIVERGED, Numbers(0, 1, whole=True, empty=True)),
+]
+
+
+def check_case_numbers(path: Path, numbers: Floats) -> None:
+    """Makes sure that the numbers of cases are such as cases have.
+
+    Args:
+        path: The file that they come from.
+        numbers: Shape (cases, columns), in the order of CASE_COLUMNS.
+
+    Raises:
+        UsageError: They are not.
+    """
+    check_columns(path, _CASE_COLUMNS, numbers)
+
+
 def read_cases(
-    path: Path, axes: Mapping[str, Axis]
-) -> tuple[dict[str, Numbers | list[Value]], dict[str, Floats]]:
+    path: Path, axes: Mapping[str, Axis], *, is_grid: bool = False
+) -> tuple[dict[str, NumberArray | list[Value]], dict[str, Floats]]:
     """Reads ``cases.csv``.
 
     Args:
         path: The file.
         axes: What each varied key takes, which tells words from numbers.
+        is_grid: Whether the cases are those of a grid, and so must have its values.
 
     Returns:
         The values by key and the columns by name.
@@ -91,30 +127,48 @@ def read_cases(
     Raises:
         UsageError: It is no such table, or damaged.
     """
-    rows = _rows(path)
-    header = next(rows, [])
-    keys = list(axes)
+    rows = table_rows(path)
+    keys, first = list(axes), 1 + len(axes)
+    header = next(rows)
     if header != [CASE, *map(unrun, keys), *CASE_COLUMNS]:
         raise UsageError(f"{path}: is no table of these cases; its first line does not fit")
     raw: list[list[Value]] = [[] for _ in keys]
-    numbers: list[list[float]] = [[] for _ in CASE_COLUMNS]
-    readers = [_reader(axis) for axis in axes.values()]
-    for case, row in enumerate(rows):
-        try:
-            if len(row) != len(header) or int(row[0]) != case:
-                raise ValueError
-            for store, read, cell in zip(raw, readers, row[1:], strict=False):
-                store.append(read(cell))
-            for column, cell in zip(numbers, row[1 + len(keys) :], strict=True):
-                column.append(float(cell) if cell else math.nan)
-        except (ValueError, KeyError):
-            raise UsageError(f"{path}:{case + 2}: is damaged") from None
+    readers = list(zip(raw, map(_reader, axes.values()), keys, strict=True))
+
+    def numbers_of_rows() -> Iterator[list[str]]:
+        for line, row in enumerate(rows, 2):
+            for (store, read, key), cell in zip(readers, row[1:first], strict=True):
+                try:
+                    store.append(read(cell))
+                except (ValueError, KeyError):
+                    raise damaged(path, f"{key} has no such value", line) from None
+            yield [row[0], *row[first:]]
+
+    columns = [(CASE, Numbers(0, whole=True)), *_CASE_COLUMNS]
+    numbers = parse_numbers(path, columns, numbers_of_rows())
+    check_counted(path, CASE, numbers[:, 0])
+    if len(numbers) == 0:
+        raise damaged(path, "it has no cases")
+    if is_grid:
+        _check_grid(path, axes, raw)
     values = {key: as_numbers(store) for key, store in zip(keys, raw, strict=True)}
-    columns = {name: np.array(c) for name, c in zip(CASE_COLUMNS, numbers, strict=True)}
-    return values, columns
+    return values, {name: numbers[:, 1 + i].copy() for i, name in enumerate(CASE_COLUMNS)}
+
+
+def _check_grid(path: Path, axes: Mapping[str, Axis], raw: Sequence[list[Value]]) -> None:
+    cases = Cases(axes)
+    if len(cases) != len(raw[0]):
+        raise damaged(path, f"it has {len(raw[0])} cases, of {len(cases)} that the keys make")
+    for key, found in zip(axes, raw, strict=True):
+        if found != cases.column(key):
+            raise damaged(path, f"{key} has not the values of the grid")
 
 
 def _reader(axis: Axis) -> Callable[[str], Value]:
+    """What makes a value of a cell.
+
+    A cell that holds no value of the axis is a ValueError or a KeyError.
+    """
     if isinstance(axis, Choices) and axis.is_numeric:
         numbers = {value: value for value in axis.values}
         return lambda cell: numbers[_number(cell)]
@@ -123,7 +177,14 @@ def _reader(axis: Axis) -> Callable[[str], Value]:
         # The cell of a text comes without the quotes that the table needs.
         known |= {unrun(value): value for value in axis.values if isinstance(value, str)}
         return lambda cell: known[cell]
-    return _number
+    return partial(_number_within, axis)
+
+
+def _number_within(axis: Range, cell: str) -> float:
+    number = _number(cell)
+    if not axis.low <= number <= axis.high:
+        raise ValueError
+    return number
 
 
 def _number(cell: str) -> float:
@@ -140,30 +201,21 @@ def write_bands(path: Path, bands: Bands) -> None:
             file.write(f"{iteration},{int(cases)},{','.join(_cells(row))}\n")
 
 
+_BANDS_COLUMNS = [
+    *((name, Numbers(0, 1e9, whole=True)) for name in BANDS_HEADER[:2]),
+    *((name, Numbers(0, empty=True, infinite=True)) for name in BANDS_HEADER[2:]),
+]
+
+
 def read_bands(path: Path) -> Bands:
     """Reads ``bands.csv``.
 
     Raises:
         UsageError: It is no such table, or damaged.
     """
-    rows = _rows(path)
-    if tuple(next(rows, [])) != BANDS_HEADER:
-        raise UsageError(f"{path}: is no such table; its first line must be {BANDS_HEADER}")
-    cases, quantiles = [], []
-    for iteration, row in enumerate(rows):
-        try:
-            if int(row[0]) != iteration or len(row) != len(BANDS_HEADER):
-                raise ValueError
-            cases.append(float(row[1]))
-            quantiles.append([float(cell) if cell else math.nan for cell in row[2:]])
-        except (ValueError, IndexError):
-            raise UsageError(f"{path}:{iteration + 2}: is damaged") from None
-    return Bands(np.array(cases), np.array(quantiles).reshape(-1, len(QUANTILES)))
-
-
-def _rows(path: Path) -> Iterator[list[str]]:
-    content = read_file(path, MAX_CSV_BYTES)
-    return csv.reader(io.StringIO(content.decode("utf-8", "replace"), newline=""))
+    numbers = read_numbers(path, _BANDS_COLUMNS)
+    check_counted(path, "iteration", numbers[:, 0])
+    return Bands(numbers[:, 1].copy(), numbers[:, 2:].copy())
 
 
 _ROW_GROUP = 100_000

@@ -30,10 +30,14 @@ Change = tuple[str, Value, Place]
 def validated(spec: ScenarioSpec, changes: Sequence[Change]) -> ScenarioSpec:
     """The scenario with values put in.
 
+    What no change leads into is not validated again: to build a long path takes its time.
+
     Raises:
         InvalidInputError: They are not valid there; names every problem.
     """
-    return as_scenario(with_changes(spec, changes))
+    changed = {root(key) for key, _, _ in changes} | {"controller"}  # whose law looks at the others
+    kept = {key: part for key, part in spec if isinstance(part, BaseModel) and key not in changed}
+    return as_scenario(with_changes(spec, changes), kept)
 
 
 def with_changes(spec: ScenarioSpec, changes: Sequence[Change]) -> MapNode:
@@ -48,14 +52,20 @@ def with_changes(spec: ScenarioSpec, changes: Sequence[Change]) -> MapNode:
     return tree
 
 
-def as_scenario(tree: MapNode) -> ScenarioSpec:
+def as_scenario(tree: MapNode, kept: Mapping[str, BaseModel] | None = None) -> ScenarioSpec:
     """The scenario of a tree, if it is valid.
+
+    Args:
+        tree: The scenario.
+        kept: Parts that are valid already, in the place of those in the tree.
 
     Raises:
         InvalidInputError: It is not; names every problem.
     """
+    data = to_data(tree)
+    assert isinstance(data, dict)  # of a mapping
     try:
-        return ScenarioSpec.model_validate(to_data(tree))
+        return ScenarioSpec.model_validate({**data, **(kept or {})})
     except ValidationError as error:
         raise InvalidInputError(problems_of(error, tree, ScenarioSpec)) from None
 
@@ -78,7 +88,7 @@ def value_at(part: Any, keys: PathKeys) -> Any:
 
 
 _Places = dict[str | int, Any]
-"""By part of a key: the whole key, or the places below."""
+"""A tree of keys: for each part the whole key, or what lies below it."""
 
 TRAJECTORY = "trajectory"
 WITHOUT_EFFECT = (
@@ -98,7 +108,7 @@ WITHOUT_EFFECT = (
 CANNOT_BE_MADE = (HilcError, ValueError, ArithmeticError)
 """What making the experiment of a case raises if its values do not fit together."""
 _MOST_SAMPLES = 1_000_000
-"""Of trajectories that are kept for the cases to come."""
+"""The most samples of all trajectories that are kept for the cases to come."""
 
 
 @dataclass(slots=True)

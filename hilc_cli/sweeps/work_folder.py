@@ -8,14 +8,33 @@ import os
 import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, Strict, model_validator
 
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.files import check_size, open_to_read, open_to_write, writing
-from hilc_cli.results.folder import read_manifest
-from hilc_cli.runs.run_folder import INITIAL_INPUT, SCENARIO
+from hilc_cli.files import open_to_read, open_to_write, writing
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
+from hilc_cli.results.reading import Document, Length, Name, parse_document
+from hilc_cli.sweeps.sweep_folder import Axes, CaseMetric
+from hilc_cli.variation.axes import Value
+from hilc_cli.variation.cases import Cases
+from hilc_cli.yaml_input.quantities import MOST_CASES
 
 _MOST_BYTES = 2_000_000_000
+
+
+CaseNumber = Annotated[int, Field(ge=0, le=MOST_CASES)]
+
+
+class Entry(Document):
+    """A chunk of cases in the journal: that its results are there, and what they are like."""
+
+    first: int
+    last: int
+    checksum: int
+    failures: list[Annotated[tuple[int, int, str], Strict(False)]]
+    values: list[list[Value]] | None = None
 
 
 class Journal:
@@ -47,20 +66,19 @@ class Journal:
                 raise OSError(28, "No space left on device")
             os.fsync(self._descriptor)
 
-    def entries(self) -> Iterator[dict[str, Any]]:
+    def entries(self) -> Iterator[Entry]:
         """All entries that are whole, in order.
 
         Raises:
-            UsageError: The file is too large.
+            UsageError: One is whole, but no entry: somebody has made it up.
         """
-        check_size(self._path, os.fstat(self._descriptor).st_size, _MOST_BYTES)
         os.lseek(self._descriptor, 0, os.SEEK_SET)
         with os.fdopen(self._descriptor, "rb", closefd=False) as file:
-            content = file.read()
-        for line in content.split(b"\n"):
-            checksum, _, text = line.partition(b" ")
+            content = file.read(min(_MOST_BYTES, os.fstat(self._descriptor).st_size))
+        for line, text in enumerate(content.split(b"\n"), 1):
+            checksum, _, text = text.partition(b" ")
             if text and checksum == f"{zlib.crc32(text):08x}".encode():
-                yield json.loads(text)
+                yield parse_document(self._path, text, Entry, line)
 
     def is_empty(self) -> bool:
         """Whether nothing has been finished yet."""
@@ -71,21 +89,60 @@ class Journal:
         os.close(self._descriptor)
 
 
-KIND = "hilc sweep in progress"
-HEADER = "plan.json"
 JOURNAL = "journal"
 ROWS = "results.bin"
 ERRORS = "errors.bin"
-FILES = frozenset({HEADER, JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT})
-KEYS = frozenset(
-    {"name", "checksum", "first", "last", "shard", "iterations", "bands"}
-    | {"axes", "sample", "cases", "seed", "tolerance_m", "metric", "minimise"}
+
+WORK_FOLDER = ResultFolder(
+    what="sweep in progress",
+    kind="hilc sweep in progress",
+    other="another sweep",
+    files=frozenset({JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT}),
+    manifest="plan.json",
 )
 
 
+class Header(Document):
+    """What the folder of a sweep under way says of it: the manifest."""
+
+    kind: str
+    name: Name
+    checksum: str
+    first: CaseNumber
+    last: CaseNumber
+    shard: str | None
+    iterations: Annotated[int, Field(ge=0, le=10_000_000)]
+    bands: bool
+    axes: Axes
+    sample: Literal["grid", "random", "sobol"]
+    cases: CaseNumber
+    seed: Annotated[int, Field(ge=0, lt=2**64)]
+    tolerance_m: Length | None
+    metric: CaseMetric
+    minimise: CaseMetric | None
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if not self.first < self.last <= self.cases:
+            raise ValueError("its cases are none of the sweep")
+        return self
+
+    @property
+    def of_all(self) -> Cases:
+        """All cases of the sweep.
+
+        Raises:
+            ValueError: The axes make others.
+        """
+        cases = Cases(self.axes, self.sample, self.cases, self.seed)
+        if len(cases) != self.cases:
+            raise ValueError("its axes do not fit")
+        return cases
+
+
 def read_header(folder: Path) -> dict[str, Any]:
-    """What a folder says of the sweep in it; empty if it is no such folder."""
-    return read_manifest(folder / HEADER, KIND)
+    """What a folder says of the sweep in it, unchecked; empty if it is no such folder."""
+    return WORK_FOLDER.look(folder)
 
 
 def is_empty(folder: Path) -> bool:
@@ -97,7 +154,7 @@ def remove(folder: Path) -> None:
     """Removes a folder of a sweep in progress, but nothing that somebody else has put there."""
     # Without its journal the folder holds no results, without its header it is nobody's:
     # at whatever moment this is stopped, it can be resumed or replaced.
-    for name in (JOURNAL, *sorted(FILES - {JOURNAL, HEADER}), HEADER):
+    for name in (JOURNAL, *sorted(WORK_FOLDER.files - {JOURNAL}), WORK_FOLDER.manifest):
         with writing(folder / name):
             (folder / name).unlink(missing_ok=True)
     with writing(folder):
@@ -107,6 +164,11 @@ def remove(folder: Path) -> None:
 
 def locked_journal(folder: Path, header: Mapping[str, Any], *, read_only: bool = False) -> Journal:
     """The journal, with which nobody else can have the folder open, unless all only read it.
+
+    Args:
+        folder: The folder.
+        header: What it says of the sweep in it.
+        read_only: Whether nothing is to be written.
 
     Raises:
         ExistingResultsError: Somebody has, or has replaced it since its header was read.

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, Literal
 
-from hilc_cli.errors import printable
-
 Value = float | int | str | bool | None
 Spacing = Literal["linear", "log", "integer"]
 
 _KEY = re.compile(r"\w[\w-]*(\.\w[\w-]*)*")
+_LONGEST_KEY, _LONGEST_TEXT = 200, 10_000
+MOST_KEYS = 100
 MOST_VALUES = 1_000_000
 """Of one key, so that they can be listed."""
 
@@ -191,30 +191,60 @@ def axis_to_data(axis: Axis) -> dict[str, Any]:
     }
 
 
-def axes_from_data(data: Mapping[str, Mapping[str, Any]]) -> dict[str, Axis]:
+def axes_from_data(data: object) -> dict[str, Axis]:
     """The axes of a document, by key.
 
     Raises:
-        KeyError: Something is missing.
-        ValueError: A key is none, or an axis has more values than can be.
+        ValueError: They are not what `axis_to_data` has written; says why, but shows nothing of it.
     """
+    if not isinstance(data, Mapping) or not 0 < len(data) <= MOST_KEYS:
+        raise ValueError("should be axes by key")
     for key in data:
-        if not _KEY.fullmatch(key):
-            raise ValueError(f"{printable(key)} is no key")
+        if not isinstance(key, str) or len(key) > _LONGEST_KEY or not _KEY.fullmatch(key):
+            raise ValueError("has a key that is none")
     return {key: axis_from_data(axis) for key, axis in data.items()}
 
 
-def axis_from_data(data: Mapping[str, Any]) -> Axis:
+def axis_from_data(data: object) -> Axis:
     """The axis that `axis_to_data` has written.
 
     Raises:
-        KeyError: Something is missing.
-        ValueError: There are more values than can be.
+        ValueError: It is none; says why, but shows nothing of it.
     """
-    if "values" in data:
-        return Choices(tuple(data["values"]))
-    axis = Range(data["low"], data["high"], data["spacing"], data["count"], data["whole"])
-    asked = axis.count if axis.spacing == "integer" else axis.values_asked
-    if (asked or 0) > MOST_VALUES:
-        raise ValueError(f"an axis of {asked} values")
+    match data:
+        case {"values": [_, *_] as values}:
+            if len(values) > MOST_VALUES or not all(map(is_value, values)):
+                raise ValueError("has values that no key takes")
+            return Choices(tuple(values))
+        case {
+            "low": low,
+            "high": high,
+            "spacing": "linear" | "log" | "integer" as spacing,
+            "count": None | int() as count,
+            "whole": bool(whole),
+        } if _is_number(low) and _is_number(high) and low <= high and math.isfinite(high - low):
+            axis = Range(low, high, spacing, count, whole)
+        case _:
+            raise ValueError("has an axis that is none")
+    if spacing == "log" and low <= 0:
+        raise ValueError("has an axis without logarithms")
+    if spacing == "integer" and (low != int(low) or high != int(high)):
+        raise ValueError("has an axis whose ends are not whole")
+    least, asked = 2, count
+    if spacing == "integer":
+        least, asked = 1, int(high) - int(low) + 1
+    if asked is not None and not least <= asked <= MOST_VALUES:
+        raise ValueError("has an axis of more or fewer values than can be")
     return axis
+
+
+def is_value(value: object) -> bool:
+    """Whether something from a document can be the value of a key."""
+    if isinstance(value, str):
+        return len(value) <= _LONGEST_TEXT
+    return value is None or isinstance(value, bool) or _is_number(value)
+
+
+def _is_number(value: object) -> bool:
+    # Whole numbers of any length would be too large for arithmetic with others.
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e150

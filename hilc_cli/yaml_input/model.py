@@ -42,6 +42,9 @@ class Model(BaseModel):
     other_names: ClassVar[Mapping[str, str]] = {}
     """What to write for keys that other programs have, by their letters in lower case alone."""
 
+    looked_at: ClassVar[tuple[str, ...]] = ()
+    """Keys whose valid values `misfits` looks at: they are validated before the others, once."""
+
     @classmethod
     def chosen_by(cls, data: object = None) -> tuple[str, str] | None:
         """Returns the key, and its value, by which this model is chosen where there are several.
@@ -75,7 +78,13 @@ class Model(BaseModel):
     @classmethod
     def _fits_together(cls, data: object, handler: ModelWrapValidatorHandler[Self]) -> Self:
         """Tells of misfits together with wrong values, not only after those are mended."""
-        misfits = cls.misfits(data) if isinstance(data, dict) else []
+        if not isinstance(data, dict):
+            return handler(data)
+        for key in cls.looked_at:
+            part = valid(cls.model_fields[key].annotation, data.get(key))
+            if part is not None:
+                data = {**data, key: part}
+        misfits = cls.misfits(data)
         if not misfits:
             return handler(data)
         found = [InitErrorDetails(type=together(misfits), input=data)]

@@ -53,10 +53,10 @@ MARK = "HILC_TEST_SWEEP"
 
 # With two worker processes, and in chunks, even where a sweep would be over before they started.
 FORCED = """\
-import hilc_cli.sweeps.compute, hilc_cli.sweeps.sizing
+import hilc_cli.sweeps.compute, hilc_cli.sweeps.estimate
 hilc_cli.sweeps.compute._ALONE = 0
 hilc_cli.sweeps.compute.available_cores = lambda: 2
-hilc_cli.sweeps.sizing._MOST_CASES = 24
+hilc_cli.sweeps.estimate._MOST_CASES = 24
 from hilc_cli.cli.main import main
 main()
 """
@@ -179,7 +179,7 @@ def processes_of_parent(pid: int) -> list[int]:
 
 def _is_worker(pid: int) -> bool:
     try:
-        return b"hilc_cli.sweeps.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()
+        return b"hilc_cli.workers.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()
     except OSError:
         return False
 

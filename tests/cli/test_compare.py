@@ -13,7 +13,6 @@ import pytest
 
 from hilc_cli.comparisons import report
 from hilc_cli.reporting import terminal
-from hilc_cli.runs import running
 from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY, listing
 from tests.cli.processes import run_hilc
 from tests.conftest import Hilc, Outcome
@@ -56,7 +55,7 @@ def runs(made: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     def simulate(experiment: object) -> None:
         raise AssertionError("hilc compare has simulated")
 
-    monkeypatch.setattr(running, "simulate", simulate)
+    monkeypatch.setattr("hilc_cli.engine.measuring.simulate", simulate)
     return folder / "runs"
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.runs import running
 from tests.cli.inputs import listing
 from tests.conftest import Hilc, Outcome, Write
 
@@ -31,7 +30,7 @@ def runs(hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
     def simulate(experiment: object) -> None:
         raise AssertionError("hilc plot has simulated")
 
-    monkeypatch.setattr(running, "simulate", simulate)
+    monkeypatch.setattr("hilc_cli.engine.measuring.simulate", simulate)
     return folder / "runs"
 
 

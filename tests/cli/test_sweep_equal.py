@@ -106,7 +106,7 @@ def test_dask_cluster_of_which_a_worker_is_killed(tmp_path: Path) -> None:
 def test_no_dask_scheduler(tmp_path: Path) -> None:
     sweeps.put_sweep(tmp_path)
     address = f"tcp://127.0.0.1:{free_port()}"
-    script = "import hilc_cli.sweeps.dask_crew as crew\ncrew._CONNECT = 1\n" + sweeps.FORCED
+    script = "import hilc_cli.workers.cluster as crew\ncrew._CONNECT = 1\n" + sweeps.FORCED
     command = (*sweeps.COMMAND, "--scheduler", address)
     outcome = sweeps.run(*command, cwd=tmp_path, script=script)
     assert (outcome.code, outcome.out) == (1, "")

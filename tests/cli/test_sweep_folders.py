@@ -11,12 +11,12 @@ import pytest
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.sweeps import execute
 from hilc_cli.sweeps.folders import is_resumable
 from hilc_cli.sweeps.store import FolderStore
 from hilc_cli.sweeps.sweeping import plan_sweep
 from hilc_cli.sweeps.varied import Varied
 from hilc_cli.variation.axes import Value
+from hilc_cli.workers.handing_out import TRIES
 from tests.cli import sweeps
 from tests.cli.inputs import listing
 from tests.cli.processes import outcome_of
@@ -358,7 +358,7 @@ def test_cases_that_kill_their_worker(
     sixty = ("sweep", "scenario.yaml", "--vary", f"{KEY}=0.01:0.60:60", "--no-plots", "-q")
     assert hilc(*sixty, "--out", "whole") == DONE
     monkeypatch.setattr("hilc_cli.sweeps.compute._ALONE", 0)
-    monkeypatch.setattr("hilc_cli.sweeps.sizing._MOST_CASES", 24)
+    monkeypatch.setattr("hilc_cli.sweeps.estimate._MOST_CASES", 24)
     with monkeypatch.context() as patch:
         patch.setattr(
             "hilc_cli.sweeps.sweeping.plan_sweep", lambda *a, **b: deadly(plan_sweep(*a, **b))
@@ -368,7 +368,7 @@ def test_cases_that_kill_their_worker(
         3,
         "",
         "hilc: cases 24 to 47 failed: the worker process ended with signal 9, "
-        f"{execute.TRIES} times\nhilc: the same command with --resume tries these cases again\n",
+        f"{TRIES} times\nhilc: the same command with --resume tries these cases again\n",
     )
     rows = (sweeps.FOLDER / "cases.csv").read_text().splitlines()
     whole = Path("whole/cases.csv").read_text().splitlines()

@@ -13,8 +13,13 @@ import pytest
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import DivergedError
 from hilc_cli.leaderboards import contests
-from hilc_cli.leaderboards.contests import Contests, FailedContestError, compete, hold
-from hilc_cli.leaderboards.entries import Entry
+from hilc_cli.leaderboards.contests import (
+    Contests,
+    Entry,
+    FailedContestError,
+    compete,
+    compute_entries,
+)
 from hilc_cli.leaderboards.plan import Contest, load_leaderboard
 from hilc_cli.results.trial import Trial
 
@@ -88,7 +93,7 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> Contest:
             x = reference.x + off
             yield Trial(iteration, x, reference.y, reference.heading, wheels, wheels)
 
-    monkeypatch.setattr(contests, "simulate", simulate)
+    monkeypatch.setattr("hilc_cli.engine.measuring.simulate", simulate)
     return replace(found, scenario=type(scenario)(spec))
 
 
@@ -124,4 +129,4 @@ def test_run_that_cannot_be_computed_is_told(monkeypatch: pytest.MonkeyPatch) ->
     runs = tuple(islice(SHIPPED.contests(), 1))
     told = r"law paper-17, case circle, belief exact, disturbance none: ZeroDivisionError: nothing"
     with pytest.raises(FailedContestError, match=told):
-        hold(Contests(runs, (1,), 0.01), workers=1)
+        compute_entries(Contests(runs, (1,), 0.01), workers=1)

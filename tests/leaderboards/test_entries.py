@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from hilc_cli.leaderboards.entries import Entry
+from hilc_cli.leaderboards.contests import Entry
 
 ENTRY = Entry(
     *("bend", "exact", "none", "slow"),

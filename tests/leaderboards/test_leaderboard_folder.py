@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hilc_cli.comparisons.tables import csv_text
+from hilc_cli.comparisons.formats import csv_text
 from hilc_cli.errors import HilcError
-from hilc_cli.leaderboards.entries import Entry, LeaderboardData
+from hilc_cli.leaderboards.contests import Entry, LeaderboardData
 from hilc_cli.leaderboards.folder import read_leaderboard_folder, write_leaderboard_folder
 from hilc_cli.leaderboards.tables import entries_table
 from tests.leaderboards.test_entries import ENTRY, FAST
@@ -28,20 +28,22 @@ def write(folder: Path, data: LeaderboardData) -> None:
     write_leaderboard_folder(folder, data, texts, lambda: {}, checksum="")
 
 
-numbers = st.floats(0, allow_nan=False)
-pairs = st.tuples(numbers, numbers)
+numbers = st.floats(0, 1e140)
+errors = numbers | st.just(math.inf)
+pairs = st.tuples(errors, errors)
 whole = st.none() | st.integers(0, 10**9)
 entries = st.builds(
     Entry,
-    *[st.from_regex(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,20}", fullmatch=True)] * 4,
+    *map(st.just, ("bend", "exact", "none")),
+    st.from_regex(r"[A-Za-z0-9_][A-Za-z0-9._-]{0,20}", fullmatch=True),
     *[pairs] * 3,
-    *(whole, st.none() | numbers, whole, st.none() | numbers, numbers, st.none() | numbers),
-    *(whole, numbers),
+    *(whole, st.none() | st.floats(0, 1), whole, st.none() | errors, numbers, st.none() | numbers),
+    *(whole, st.floats(0, 1e9)),
 )
 
 
 @settings(max_examples=20)
-@given(st.lists(entries, min_size=1, max_size=3))
+@given(st.lists(entries, min_size=1, max_size=3, unique_by=lambda entry: entry.law))
 def test_any_entries_are_read_back_as_they_were(found: list[Entry]) -> None:
     with TemporaryDirectory() as place:
         folder = Path(place) / "board"
@@ -58,6 +60,7 @@ def test_any_entries_are_read_back_as_they_were(found: list[Entry]) -> None:
         ("slow,3.0,", "slow,", "leaderboard.csv:2: is damaged"),
         ("lost,0.1", "lost,", "leaderboard.csv:4: is damaged"),
         (",2,0.75,", ",2.5,0.75,", "leaderboard.csv:3: is damaged"),
+        ("lost,0.1", "slow,0.1", "leaderboard.csv: is damaged: it has not each law once"),
         ("_after_8_m", "_after_9_m", "leaderboard.csv: is no table of these runs; its first"),
     ],
 )
@@ -85,8 +88,8 @@ def test_table_without_runs_and_without_anything(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [
-        ("after", None, "manifest.json: is damaged: it has no 'after'"),
-        ("after", [], "manifest.json: is damaged: no number of iterations"),
+        ("after", None, "manifest.json: is damaged: after: field required"),
+        ("after", [], "manifest.json: is damaged: after: "),
         ("after", 3, "manifest.json: is damaged"),
         ("tolerance_m", "wide", "manifest.json: is damaged"),
         ("kind", "hilc run", "is no leaderboard folder: it has no manifest.json of hilc compare"),

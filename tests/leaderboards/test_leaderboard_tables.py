@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from hilc_cli.comparisons.tables import csv_text, latex_text, markdown_text
-from hilc_cli.leaderboards.entries import Entry, LeaderboardData
+from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
+from hilc_cli.leaderboards.contests import Entry, LeaderboardData
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
 from tests.leaderboards.test_entries import ENTRY, FAST
 

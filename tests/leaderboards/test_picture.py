@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.errors import UsageError
-from hilc_cli.leaderboards.entries import LeaderboardData
+from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.picture import leaderboard_figure, save_leaderboard
 from tests.leaderboards.test_entries import ENTRY, FAST
 

@@ -6,8 +6,8 @@ import pytest
 
 from hilc_cli.errors import UsageError
 from hilc_cli.paper.contents import FIGURES, figures_named
-from hilc_cli.paper.index import situation_text
 from hilc_cli.paper.plan import plan_reproduction
+from hilc_cli.paper.texts import situation_text
 
 # Typed from the captions: letter, what it shows, number of the law. Caption 3 names no laws, and
 # caption 6 gives gains only.

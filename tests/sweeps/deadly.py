@@ -10,10 +10,10 @@ from dataclasses import replace
 from typing import Any
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.sweeps import worker
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.varied import Varied
 from hilc_cli.variation.axes import Value
+from hilc_cli.workers import worker
 
 
 class DeadlyVaried(Varied):

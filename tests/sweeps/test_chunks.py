@@ -14,8 +14,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.sweeps.chunks import Chunk, run_chunk
+from hilc_cli.sweeps.estimate import cases_per_chunk
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sizing import cases_per_chunk
 from hilc_cli.sweeps.varied import Varied
 from hilc_cli.variation.axes import Value
 from tests.conftest import Write

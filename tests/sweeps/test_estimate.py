@@ -8,8 +8,7 @@ import pytest
 
 import hilc_cli as hilc_api
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.sweeps.estimate import estimate
-from hilc_cli.sweeps.sizing import samples_per_case
+from hilc_cli.sweeps.estimate import estimate, samples_per_case
 from tests.conftest import Write
 
 

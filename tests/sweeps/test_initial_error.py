@@ -11,8 +11,7 @@ import pytest
 
 import hilc_cli as hilc
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.sweeps.initial_error import least_initial_error
-from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.plan import Plan, least_initial_error
 from tests.conftest import Write
 
 GAINS: Mapping[str, object] = {"controller.gains.l1": [0.5, 5, 9]}

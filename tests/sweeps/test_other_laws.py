@@ -13,9 +13,8 @@ from hilc_cli.laws.law import Figures, Iteration, LastIteration, Learner, Task
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.sweeps.chunks import Chunk, run_chunk
-from hilc_cli.sweeps.estimate import estimate
+from hilc_cli.sweeps.estimate import cases_per_chunk, estimate
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sizing import cases_per_chunk
 from tests.conftest import Write
 
 LAW = {"law": "pid", "gains": {"kp": 0.5, "kd": 0.1}, "cutoff": 2}

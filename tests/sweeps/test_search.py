@@ -15,17 +15,17 @@ from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE
 from hilc_cli.sweeps import search as searching
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, run_chunk
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, MemoryStore, run_chunk
 from hilc_cli.sweeps.compute import Execution
-from hilc_cli.sweeps.crew import Crew, Outcome
-from hilc_cli.sweeps.memory_store import MemoryStore
-from hilc_cli.sweeps.opening import open_store
+from hilc_cli.sweeps.folders import open_store
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.search import batches, costs, search
+from hilc_cli.sweeps.sampler import batches
+from hilc_cli.sweeps.search import costs, search
 from hilc_cli.sweeps.store import FolderStore
 from hilc_cli.sweeps.sweeping import plan_sweep
+from hilc_cli.workers.handing_out import Crew, Outcome
 from tests.cli.searches import FILES, L1, METRIC, error_after
-from tests.sweeps.test_dask_crew import Client
+from tests.workers.test_cluster import Client
 
 CASES = 40
 
@@ -100,7 +100,7 @@ class Backwards:
         self.given.append(chunk)
         self.sizes.add(len(chunk))
 
-    def outcomes(self) -> list[Outcome[ChunkResult]]:
+    def outcomes(self) -> list[Outcome[Chunk, ChunkResult]]:
         chunk = self.given.pop()
         return [Outcome(chunk, run_chunk(self.plan, chunk))]
 
@@ -118,7 +118,7 @@ def test_whoever_computes_it_and_however_far_it_was(
 
     crews: list[Backwards] = []
 
-    def crew_for(plan: Plan, cases: int, how: Execution) -> Crew:
+    def crew_for(plan: Plan, cases: int, how: Execution) -> Crew[Chunk, ChunkResult]:
         crews.append(Backwards(plan))
         return crews[-1]
 
@@ -154,7 +154,7 @@ def test_workers_of_a_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     search(plan, one, Execution())
     monkeypatch.setattr(distributed, "Client", Client)
     monkeypatch.setattr(Client, "fates", ("lost", "finished"))
-    monkeypatch.setattr("hilc_cli.sweeps.dask_crew._greet", lambda address, go_on: None)
+    monkeypatch.setattr("hilc_cli.workers.cluster._greet", lambda address, go_on: None)
     search(plan, other, Execution(scheduler="tcp://nowhere:8786"))
     assert one.rows().tobytes() == other.rows().tobytes()
 

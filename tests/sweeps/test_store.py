@@ -13,7 +13,7 @@ import pytest
 
 from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.sweeps.chunks import Chunk, run_chunk
-from hilc_cli.sweeps.opening import open_store
+from hilc_cli.sweeps.folders import open_store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.store import FolderStore
 from hilc_cli.sweeps.work_folder import Journal

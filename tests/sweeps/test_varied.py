@@ -6,6 +6,7 @@ import dataclasses
 import pickle
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hilc_cli.errors import InvalidInputError
+from hilc_cli.reference.path import PathBuilder
 from hilc_cli.scenario.loading import load_scenario
 from hilc_cli.sweeps.planning import plan_of
 from hilc_cli.variation.cases import Cases
@@ -304,3 +306,19 @@ def test_paths_of_trajectories_start_at_what_names_them(write: Write, folder: Pa
     scenario = load_scenario("deep/scenario.yaml")
     assert plan_of(scenario)[0].axes["trajectory"].ladder() == ["path"]
     assert plan_of(scenario, ["trajectory=path.yaml"])[0].axes["trajectory"].ladder() == ["path"]
+
+
+def test_a_path_is_built_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    built = []
+    build = PathBuilder.__init__
+
+    def count(self: PathBuilder, *arguments: Any, **options: Any) -> None:
+        built.append(self)
+        build(self, *arguments, **options)
+
+    monkeypatch.setattr(PathBuilder, "__init__", count)
+    scenario = load_scenario("example:fig3-circle")
+    varied, _ = plan_of(scenario, ["controller.gains.l1=0.1,0.2", "robot.wheel_radius=0.1,0.2"])
+    for radius in (0.1, 0.2):
+        varied.experiment({"controller.gains.l1": 0.1, "robot.wheel_radius": radius})
+    assert len(built) == 1

@@ -11,8 +11,7 @@ from hilc_cli.drawing import labels, layout, style
 from hilc_cli.sweeps.data import Bands, SweepData
 from hilc_cli.sweeps.pictures.metric_axis import draw_zeros, metric_scale, show_metric
 from hilc_cli.sweeps.pictures.picking import MEDIAN
-from hilc_cli.sweeps.pictures.sheet import heading_of
-from hilc_cli.sweeps.pictures.spread import BANDS, within
+from hilc_cli.sweeps.pictures.shared import BANDS, heading_of, within
 
 _WIDTH, _HEIGHT = 5.8, 3.6  # of the panel [inch]
 _COUNT_HEIGHT, _COUNT_GAP = 0.7, 0.12  # of the panel of the number of cases [inch]

@@ -32,7 +32,7 @@ from hilc_cli.sweeps.pictures.picking import (
     varied_keys,
     varies_seed,
 )
-from hilc_cli.sweeps.pictures.sheet import heading_of
+from hilc_cli.sweeps.pictures.shared import heading_of
 
 MOST_ROWS, MOST_KEYS = 10, 12
 _PITCH = 0.34  # of rows [inch]

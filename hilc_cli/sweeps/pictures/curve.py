@@ -40,12 +40,13 @@ from hilc_cli.sweeps.pictures.picking import (
     thinned,
     varied_keys,
 )
-from hilc_cli.sweeps.pictures.sheet import draw_best, heading_of
-from hilc_cli.sweeps.pictures.spread import (
+from hilc_cli.sweeps.pictures.shared import (
     BANDS,
     MOST_GRID_VALUES,
     Spread,
+    draw_best,
     draw_spread,
+    heading_of,
     spread_along,
     within,
 )

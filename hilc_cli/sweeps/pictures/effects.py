@@ -35,8 +35,13 @@ from hilc_cli.sweeps.pictures.picking import (
     thinned,
     varied_keys,
 )
-from hilc_cli.sweeps.pictures.sheet import heading_of
-from hilc_cli.sweeps.pictures.spread import MOST_VALUES, Spread, draw_spread, spread_along
+from hilc_cli.sweeps.pictures.shared import (
+    MOST_VALUES,
+    Spread,
+    draw_spread,
+    heading_of,
+    spread_along,
+)
 
 MOST_PANELS = 12
 _MOST_COLUMNS = 4

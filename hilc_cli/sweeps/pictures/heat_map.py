@@ -35,7 +35,7 @@ from hilc_cli.sweeps.pictures.picking import (
     thinned,
     varied_keys,
 )
-from hilc_cli.sweeps.pictures.sheet import draw_best, heading_of
+from hilc_cli.sweeps.pictures.shared import draw_best, heading_of
 
 MOST_CELLS = 300
 """Along an axis; more are narrower than a pixel."""
@@ -64,12 +64,12 @@ class Cells:
 
     @property
     def medians(self) -> Floats:
-        """Of the metric, shape (rows, columns)."""
+        """Medians of the metric, shape (rows, columns)."""
         return self.groups.medians.reshape(self.shape)
 
     @property
     def outcomes(self) -> Integers:
-        """Of Outcome, shape (rows, columns); -1 where there is no case at all."""
+        """Outcomes of the cells, shape (rows, columns); -1 where there is no case at all."""
         return self.groups.outcomes.reshape(self.shape)
 
     def outline(self, outcome: Outcome) -> Path:

@@ -125,7 +125,7 @@ def _in_lines(name: str, unit: str, longest: int) -> str | None:
 
 
 def short_names(keys: Sequence[str]) -> dict[str, str]:
-    """Of each key the last part, or as many as tell it apart from the others."""
+    """Returns the last part of each key, or as many parts as tell it from the others."""
     names: dict[str, str] = {}
     for key in keys:
         parts = key.split(".")
@@ -283,7 +283,7 @@ class KeyAxis:
         )
 
     def limits(self) -> tuple[float, float]:
-        """From a little before the first to a little after the last value."""
+        """Ends of the axis: a little before the first value and a little after the last."""
         if self.words:
             return -0.5, len(self.words) - 0.5
         values = np.array([self.positions.min(), self.positions.max()])

@@ -17,7 +17,7 @@ from hilc_cli.variation.axes import Axis, Choices
 Integers = NDArray[np.int64]
 
 MOST_DOTS = 5000
-"""More cannot be told apart, and make files large."""
+"""The most dots of a picture: more cannot be told apart, and make files large."""
 
 MEDIAN = QUANTILES.index(0.5)
 

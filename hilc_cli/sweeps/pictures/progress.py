@@ -20,7 +20,7 @@ from hilc_cli.sweeps.pictures.metric_axis import (
     show_metric,
 )
 from hilc_cli.sweeps.pictures.picking import results_of, thinned
-from hilc_cli.sweeps.pictures.sheet import heading_of
+from hilc_cli.sweeps.pictures.shared import heading_of
 
 _WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.errors import UsageError
-from hilc_cli.sweeps.data import AsItIs, SweepData
+from hilc_cli.sweeps.data import OwnValues, SweepData
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
 from tests.drawing.reading import overlaps
 from tests.made_up_sweeps import FAILED, L1, L2, RATES, STEPS, sweep
@@ -17,7 +17,7 @@ METRIC = np.array([3.0, math.inf, 2.0, 2.5, FAILED, 1.0, math.nan, 1.5, 4.0])
 
 def searched(as_it_is: float = 3.5, metric: np.ndarray = METRIC) -> SweepData:
     data = sweep({L1: RATES, L2: STEPS}, metric, "random", len(metric))
-    return replace(data, as_it_is=AsItIs({L1: 1.0, L2: None}, as_it_is))
+    return replace(data, as_it_is=OwnValues({L1: 1.0, L2: None}, as_it_is))
 
 
 def test_search_has_a_picture_of_its_own() -> None:

@@ -1,0 +1,274 @@
+"""A comparison as CSV for programs, and as Markdown and LaTeX for documents."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from hilc_cli.comparisons.table import Column, ComparisonTable, Value
+from hilc_cli.errors import printable
+from hilc_cli.results.tables import text_cell
+
+MOST_SIDE_BY_SIDE = 4
+"""The most rows of a table that stand side by side on a page; more stand below each other."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """What stands in one place.
+
+    Attributes:
+        text: On one line.
+        is_best: Whether it is to be marked.
+        is_real: Whether it is a number that need not be whole.
+    """
+
+    text: str
+    is_best: bool = False
+    is_real: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A table as it is printed.
+
+    Attributes:
+        title: What it shows; empty for everything.
+        heads: What stands above the columns, line by line.
+        at_right: Whether each column holds numbers, which stand at the right.
+        rows: The cells, row by row.
+        names: So many columns at the left say what a row is of.
+    """
+
+    title: str
+    heads: tuple[tuple[str, ...], ...]
+    at_right: tuple[bool, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    names: int = 1
+
+    def part(self, first: int, last: int) -> Grid:
+        """The columns from one to before another, with those that name the rows."""
+        places = [*range(self.names), *range(max(first, self.names), last)]
+        return replace(
+            self,
+            heads=tuple(tuple(line[place] for place in places) for line in self.heads),
+            at_right=tuple(self.at_right[place] for place in places),
+            rows=tuple(tuple(row[place] for place in places) for row in self.rows),
+        )
+
+
+def for_page(table: ComparisonTable) -> list[Grid]:
+    """The grids for a document: one if there are few rows, or one for each section."""
+    if len(table.rows) <= MOST_SIDE_BY_SIDE:
+        return [side_by_side(table)]
+    return below_each_other(table)
+
+
+def side_by_side(table: ComparisonTable) -> Grid:
+    """One grid with a column for each row of the table, headed by what names it first."""
+    head, *others = table.printed()
+    cells = _cells(table)
+    columns = [table.columns[place] for place in others]
+    return Grid(
+        title="",
+        heads=(("", *(row[head].text for row in cells)),),
+        at_right=(False, *(True for _ in cells)),
+        rows=tuple(
+            (Cell(_title(column)), *(row[place] for row in cells))
+            for place, column in zip(others, columns, strict=True)
+        ),
+    )
+
+
+def below_each_other(table: ComparisonTable) -> list[Grid]:
+    """A grid for each section; what names a row stands in each of them."""
+    cells = _cells(table)
+    sections = dict.fromkeys(table.columns[place].section for place in table.printed())
+    return [_section(table, cells, section) for section in sections if section]
+
+
+def in_parts(grid: Grid, fits: Callable[[Grid], bool]) -> list[Grid]:
+    """The fewest parts of about as many columns that fit; a column each where nothing else does."""
+    others = len(grid.at_right) - grid.names
+    for count in range(1, others + 1):
+        size = -(-others // count)
+        starts = range(grid.names, grid.names + others, size)
+        parts = [grid.part(start, min(start + size, grid.names + others)) for start in starts]
+        if count == others or all(map(fits, parts)):
+            return parts
+    return [grid]
+
+
+def note_of(table: ComparisonTable, mark: str) -> str:
+    """What a reader must know.
+
+    Args:
+        table: The table.
+        mark: What the best values are marked with, such as ``Bold``.
+    """
+    marked = any(table.best(place) for place in range(len(table.columns)))
+    parts = [table.note, f"{mark}: {table.mark_note}." if marked else ""]
+    return " ".join(part for part in parts if part)
+
+
+def _section(table: ComparisonTable, cells: list[list[Cell]], section: str) -> Grid:
+    places = [place for place in table.printed() if table.columns[place].section in ("", section)]
+    columns = [table.columns[place] for place in places]
+    units = [column.unit for column in columns if column.section]
+    shared = units[0] if len(units) > 1 and len(set(units)) == 1 else ""
+    heads = [_head(column, with_unit=not shared) for column in columns]
+    return Grid(
+        title=f"{section} [{shared}]" if shared else section,
+        heads=tuple(filter(any, zip(*heads, strict=True))),
+        at_right=tuple(
+            not any(isinstance(row.values[place], str) for row in table.rows) for place in places
+        ),
+        rows=tuple(tuple(row[place] for place in places) for row in cells),
+        names=sum(not column.section for column in columns),
+    )
+
+
+def _cells(table: ComparisonTable) -> list[list[Cell]]:
+    best = [table.best(place) for place in range(len(table.columns))]
+    return [
+        [
+            Cell(printable(column.text(value)), number in best[place], isinstance(value, float))
+            for place, (column, value) in enumerate(zip(table.columns, row.values, strict=True))
+        ]
+        for number, row in enumerate(table.rows)
+    ]
+
+
+def _head(column: Column, *, with_unit: bool) -> tuple[str, ...]:
+    """Three short lines, as numbers are narrower than words; the last is for the unit, if asked."""
+    words = column.heading.split(" ", 1 if with_unit else 2)
+    if with_unit:
+        words.append(f"[{column.unit}]" if column.unit else "")
+    return ("",) * (3 - len(words)) + tuple(words)
+
+
+def _title(column: Column) -> str:
+    return f"{column.title} [{column.unit}]" if column.unit else column.title
+
+
+_MARKDOWN = str.maketrans({character: f"\\{character}" for character in "\\`*_<>|#~&$"})
+_LATEX = str.maketrans(
+    {
+        **{character: f"\\{character}" for character in "{}$&#_%"},
+        "\\": r"\textbackslash{}",
+        "^": r"\textasciicircum{}",
+        "~": r"\textasciitilde{}",
+        "<": r"\textless{}",
+        ">": r"\textgreater{}",
+        "|": r"\textbar{}",
+        "`": r"\textasciigrave{}",
+    }
+)
+
+
+def csv_text(table: ComparisonTable) -> str:
+    """The stored values under machine names; numbers read back exactly, no value is no text."""
+    rows = [[text_cell(column.name) for column in table.columns]]
+    rows += [[_stored(value) for value in row.values] for row in table.rows]
+    return "".join(f"{','.join(cells)}\n" for cells in rows)
+
+
+def markdown_text(table: ComparisonTable) -> str:
+    """Tables of GitHub's Markdown, the best values in bold."""
+    parts = [_markdown_grid(grid) for grid in for_page(table)]
+    return "\n\n".join([*parts, note_of(table, "Bold")]) + "\n"
+
+
+def latex_text(table: ComparisonTable) -> str:
+    r"""A float with tables in the style of booktabs, the best values in bold.
+
+    The document needs ``\usepackage{booktabs}``, and a font that has the letters of the names.
+    """
+    caption = _latex(f"{table.title}. {note_of(table, 'Bold')}")
+    lines = [
+        r"% Needs \usepackage{booktabs} in the preamble.",
+        r"\begin{table}",
+        r"  \centering",
+        f"  \\caption{{{caption}}}",
+        r"  \label{tab:comparison}",
+        r"  \footnotesize",
+        r"  \setlength{\tabcolsep}{4pt}",
+    ]
+    for number, grid in enumerate(for_page(table)):
+        if number:
+            lines += ["", r"  \medskip"]
+        lines += [f"  {line}" for line in _latex_grid(grid)]
+    return "\n".join([*lines, r"\end{table}"]) + "\n"
+
+
+WRITERS: Mapping[str, Callable[[ComparisonTable], str]] = {
+    "csv": csv_text,
+    "markdown": markdown_text,
+    "latex": latex_text,
+}
+"""What writes a kind of table."""
+
+FILES: Mapping[str, str] = {
+    "csv": "comparison.csv",
+    "markdown": "comparison.md",
+    "latex": "comparison.tex",
+}
+"""The file that holds it."""
+
+
+def _stored(value: Value) -> str:
+    if value is None:
+        return ""
+    return text_cell(value) if isinstance(value, str) else repr(value)
+
+
+def _markdown_grid(grid: Grid) -> str:
+    heads = [" ".join(filter(None, lines)) for lines in zip(*grid.heads, strict=True)]
+    rules = ["---:" if right else "---" for right in grid.at_right]
+    rows = [[_markdown_cell(cell) for cell in row] for row in grid.rows]
+    lines = [[_markdown(head) for head in heads], rules, *rows]
+    table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+    return f"**{_markdown(grid.title)}**\n\n{table}" if grid.title else table
+
+
+def _markdown_cell(cell: Cell) -> str:
+    text = _markdown(cell.text)
+    return f"**{text}**" if cell.is_best else text
+
+
+def _markdown(text: str) -> str:
+    return text.translate(_MARKDOWN).replace("](", r"]\(")
+
+
+def _latex_grid(grid: Grid) -> list[str]:
+    kinds = "".join("r" if right else "l" for right in grid.at_right)
+    lines = [f"\\begin{{tabular}}{{{kinds}}}", r"  \toprule"]
+    if grid.title:
+        lines += [_latex_row([f"\\multicolumn{{{len(kinds)}}}{{l}}{{{_latex(grid.title)}}}"])]
+        lines += [r"  \midrule"]
+    lines += [_latex_row([_latex(head) for head in heads]) for heads in grid.heads]
+    lines += [r"  \midrule"]
+    lines += [_latex_row([_latex_cell(cell) for cell in row]) for row in grid.rows]
+    return [*lines, r"  \bottomrule", r"\end{tabular}"]
+
+
+def _latex_row(cells: Sequence[str]) -> str:
+    row = " & ".join(cells).strip()
+    # Behind the end of the row before, these would be arguments of it.
+    guard = "{}" if row.startswith(("[", "*")) else ""
+    return f"  {guard}{row} \\\\"
+
+
+def _latex_cell(cell: Cell) -> str:
+    mantissa, exponent, power = cell.text.partition("e")
+    if cell.is_real and exponent:
+        formula = f"{mantissa} \\times 10^{{{power}}}"
+        return f"$\\mathbf{{{formula}}}$" if cell.is_best else f"${formula}$"
+    text = _latex(cell.text)
+    return f"\\textbf{{{text}}}" if cell.is_best else text
+
+
+def _latex(text: str) -> str:
+    # Two hyphens would become a dash.
+    return re.sub("-(?=-)", "-{}", text.translate(_LATEX))
