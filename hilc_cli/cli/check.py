@@ -76,7 +76,7 @@ def check(
 
     if not plot and (out is not None or formats or force):
         raise UsageError("--out, --format and --force are about the picture; add --plot")
-    valid = load_scenario(scenario, set_ or [])
+    valid = load_scenario(scenario, set_ or [], trust=trust)
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet or not simulate) as advance:
         found = check(valid, simulate=simulate, on_iteration=context.obj.counting(advance))
     pictures: list[Path] = []

@@ -82,6 +82,7 @@ def compare(
     out: OutputFolder = None,
     force: Force = False,
     workers: Workers = None,
+    trust: Trust = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -111,7 +112,7 @@ def compare(
     if laws is not None:
         if runs:
             raise UsageError(f"--laws runs what it compares; leave out {runs[0]}")
-        _compare_laws(laws, context.obj, out, workers, writing, printing)
+        _compare_laws(laws, context.obj, out, workers, writing, printing, trust=trust)
         return
     for option, is_given in {"--workers": workers is not None, "--trust": trust}.items():
         if is_given:
@@ -182,6 +183,8 @@ def _compare_laws(
     workers: int | None,
     writing: dict[str, Any],
     printing: _Printing,
+    *,
+    trust: bool,
 ) -> None:
     """Runs the laws of a leaderboard, and compares them."""
     from hilc_cli.drawing.save import check_format

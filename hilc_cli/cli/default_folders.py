@@ -145,14 +145,16 @@ def without_comparisons(folders: Sequence[Path]) -> list[Path]:
     What is left out is told.
     """
     from hilc_cli.comparisons.formats import FILES
+    from hilc_cli.files import is_there
     from hilc_cli.leaderboards.comparing import is_leaderboard
     from hilc_cli.reporting.terminal import say
     from hilc_cli.runs.run_folder import ITERATIONS
 
     kept = []
     for folder in folders:
-        has_table = (folder / FILES["csv"]).is_file() and not (folder / ITERATIONS).exists()
-        if has_table or is_leaderboard(folder):
+        tables = (FILES["csv"], ITERATIONS) if is_there(folder) else ()
+        found = [is_there(folder / name) for name in tables]
+        if found == [True, False] or is_leaderboard(folder):
             say(f"{folder}: holds a comparison and no run, so it is left out")
         else:
             kept.append(folder)
@@ -165,12 +167,15 @@ def shared_folder(folders: Sequence[Path]) -> Path:
     More than two, and names too long for one, are told from other such sets by a few digits, which
     follow from where they are.
     """
-    names = [printable(folder.resolve().name) for folder in folders]
+    from hilc_cli.files import folder_to_read
+
+    places = [folder_to_read(folder) for folder in folders]
+    names = [printable(place.name) for place in places]
     both = f"{names[0]}-vs-{names[1]}"
     if len(names) == 2 and len(os.fsencode(both)) <= _MOST_BYTES:
         return RUNS / both
-    places = "\0".join(os.path.relpath(folder.resolve()) for folder in folders)
-    digits = hashlib.sha256(os.fsencode(places)).hexdigest()[:6]
+    listed = "\0".join(map(os.path.relpath, places))
+    digits = hashlib.sha256(os.fsencode(listed)).hexdigest()[:6]
     first = os.fsdecode(os.fsencode(names[0])[: _MOST_BYTES // 2])
     return RUNS / f"{first}-and-{len(names) - 1}-more-{digits}"
 
@@ -180,13 +185,17 @@ def check_shared_folder(folder: Path) -> None:
 
     Raises:
         UsageError: The folder is that of a run, of a sweep or of a leaderboard, or a link.
+        FileAccessError: Nothing can be written there.
     """
+    from hilc_cli.files import output_place, writing
     from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER
     from hilc_cli.runs.run_folder import RUN_FOLDER
     from hilc_cli.sweeps.sweep_folder import SWEEP_FOLDER
 
     if folder.is_symlink():
         raise UsageError(f"--out {folder}: is a link; name the folder that it leads to")
+    with writing(folder):
+        output_place(folder)
     for kind in (RUN_FOLDER, SWEEP_FOLDER, LEADERBOARD_FOLDER):
         if kind.is_at(folder):
             raise UsageError(

@@ -5,20 +5,23 @@ Nothing heavy is imported here: ``hilc --help`` starts at once.
 
 from __future__ import annotations
 
-import io
-import os
-import shlex
-import signal
-import sys
-import traceback
-from collections.abc import Sequence
-from contextlib import suppress
-from pathlib import Path
-from typing import NoReturn
+try:
+    import io
+    import os
+    import shlex
+    import signal
+    import sys
+    import traceback
+    from collections.abc import Sequence
+    from contextlib import suppress
+    from pathlib import Path
+    from typing import NoReturn
 
-from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
-from hilc_cli.errors import HilcError, InvalidInputError, near_word, printable, shortened
-from hilc_cli.surroundings import settle
+    from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
+    from hilc_cli.errors import HilcError, InvalidInputError, near_word, printable, shortened
+    from hilc_cli.surroundings import settle
+except KeyboardInterrupt:  # nothing has begun yet
+    raise SystemExit(130) from None
 
 DONE = 0
 COULD_NOT = 1
@@ -198,7 +201,11 @@ def _keys_meant(option: str) -> list[str]:
     from hilc_cli.yaml_input.known_keys import known_keys, spelled_out
 
     words = option.lstrip("-").split(".")
-    found = spelled_out(known_keys(ScenarioSpec), words, len(words))
+    # What has keys below it has no single value, but for a trajectory: that may be a file.
+    known = [
+        key for key in known_keys(ScenarioSpec) if not key.has_keys or key.dotted == "trajectory"
+    ]
+    found = spelled_out(known, words, len(words))
     return found if len(found) <= _MOST_KEYS else []
 
 

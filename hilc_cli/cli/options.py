@@ -120,6 +120,12 @@ Formats = Annotated[
     list[PictureFormat] | None,
     typer.Option("--format", help="Of the pictures; repeatable. [default: png]"),
 ]
+Trust = Annotated[
+    bool,
+    typer.Option(
+        "--trust", help="Import the code that the file names as package.module:Class, and run it."
+    ),
+]
 
 
 def picture_formats(chosen: list[PictureFormat] | None) -> list[str]:

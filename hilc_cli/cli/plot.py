@@ -92,7 +92,6 @@ def plot(
         runs = [newest_results(RUNS, kinds)]
         if not quiet:
             say(f"no run is named: drawing the newest, {runs[0]}")
-    kinds = [choice.value for choice in kind or []]
     drawing: dict[str, Any] = {"formats": picture_formats(formats), "dpi": dpi}
     # Pictures in the folder of what they show are made from what stands beside them.
     drawing["may_replace"] = lambda file: force or out is None
@@ -153,13 +152,14 @@ def _plot_runs(
         shared_folder,
         without_comparisons,
     )
+    from hilc_cli.files import is_there
     from hilc_cli.runs.run_folder import ITERATIONS
     from hilc_cli.runs.running import as_runs, plot
 
     wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
     if len(folders) > 1:
         folders = without_comparisons(folders) or folders
-    elif not (folders[0] / ITERATIONS).exists():
+    elif not is_there(folders[0] / ITERATIONS):
         raise UsageError(
             f"{folders[0]}: holds neither a run nor a sweep nor a leaderboard; "
             "give a folder that hilc has written"

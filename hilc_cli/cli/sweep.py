@@ -20,7 +20,6 @@ from hilc_cli.cli.options import (
     OutputFolder,
     Overrides,
     Quiet,
-    Trust,
     Verbose,
     Version,
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.learning import Learning
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
 from hilc_cli.results.metrics import IterationMetrics, measure
@@ -21,14 +22,15 @@ class MeasuredTrials:
         diverged_at: The iteration that left the finite numbers; None if none has.
     """
 
-    def __init__(self, experiment: Experiment) -> None:
-        self._experiment = experiment
+    def __init__(self, experiment: Experiment, learning: Learning | None = None) -> None:
+        """With an experiment, and its learning if that is to be asked for plans, see `simulate`."""
+        self._experiment, self._learning = experiment, learning
         self.last: Trial | None = None
         self.diverged_at: int | None = None
 
     def __iter__(self) -> Iterator[tuple[Trial, IterationMetrics]]:
         try:
-            for trial in simulate(self._experiment):
+            for trial in simulate(self._experiment, self._learning):
                 metrics = measure(trial, self._experiment.reference, self.last)
                 self.last = trial
                 yield trial, metrics

@@ -191,7 +191,7 @@ def compare_laws(
         LeaderboardData(spec.name, spec.after, spec.tolerance, entries),
         leaderboard.checksum(),
         {
-            **origin(started, COMPILED_WITH),
+            **origin(started, COMPILED_WITH, leaderboard.plug_ins),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(leaderboard.checksums),
         },

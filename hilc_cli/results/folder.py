@@ -12,10 +12,14 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from hilc_cli.errors import ExistingResultsError, MissingFileError, UsageError
-from hilc_cli.files import read_file, write_folder, writing
+from hilc_cli.files import is_there, output_place, read_file, resolved, write_folder, writing
 from hilc_cli.results.reading import MAX_JSON_BYTES, Document, read_document
 
+_MAX_PICTURE_BYTES = 100_000_000
+
 PICTURE_FORMATS = ("png", "svg", "pdf")
+
+SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
 
 SCENARIO = "scenario.yaml"
 INITIAL_INPUT = "initial-input.csv"
@@ -59,6 +63,8 @@ class ResultFolder:
             UsageError: A folder, pipe or device stands in the place of the manifest.
             FileAccessError: It cannot be read.
         """
+        if not is_there(path):
+            return {}
         try:
             found = json.loads(read_file(path / self.manifest, MAX_JSON_BYTES))
         except (MissingFileError, ValueError, RecursionError):
@@ -106,8 +112,12 @@ class ResultFolder:
         if not is_folder:
             if path.exists() or path.is_symlink():
                 raise ExistingResultsError(f"{path}: is no folder; choose another with --out")
+            with writing(path):
+                output_place(path)
             return
-        if Path.cwd().is_relative_to(path.resolve()):
+        with writing(path):
+            is_here = Path.cwd().is_relative_to(resolved(path))
+        if is_here:
             # It would be exchanged for another one under the feet of whoever stands in it.
             raise ExistingResultsError(f"{path}: is the folder you are in; name another with --out")
         if is_empty:
@@ -185,7 +195,9 @@ class ResultFolder:
             for name in self._picture_files():
                 picture, copy = old / name, new / name
                 # A link stays behind: what it leads to is nobody's picture of these tables.
-                if picture.is_file() and not picture.is_symlink() and not copy.exists():
+                if not picture.is_file() or picture.is_symlink() or copy.exists():
+                    continue
+                if picture.stat().st_size <= _MAX_PICTURE_BYTES:
                     shutil.copyfile(picture, copy)
 
 

@@ -18,7 +18,9 @@ COMPILED_WITH = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
 """Packages that take part where many experiments are computed."""
 
 
-def origin(started: datetime, libraries: Sequence[str]) -> dict[str, Any]:
+def origin(
+    started: datetime, libraries: Sequence[str], plug_ins: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
     """Returns what a manifest tells of when and where results were computed: time and versions.
 
     Args:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from hilc_cli.names import in_short
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, settled_at
 from hilc_cli.results.run import RunData
@@ -128,7 +130,7 @@ def _length(length: float) -> str:
 def summarise(run: RunData) -> Summary:
     """The summary of a run with at least one completed iteration."""
     errors, second_half = run.metrics[MAX_ERROR], run.metrics[MAX_ERROR_SECOND_HALF]
-    telling = second_half if run.starts_off else errors
+    telling = np.nan_to_num(run.telling_errors_m, nan=np.inf, posinf=np.inf)
     size = run.reference.size
     saturated = run.metrics["saturated_samples"].sum()
     return Summary(

@@ -11,7 +11,8 @@ import numpy as np
 from pydantic import Field
 
 from hilc_cli.errors import UsageError, printable
-from hilc_cli.files import read_file
+from hilc_cli.files import folder_to_read, is_there, read_file
+from hilc_cli.laws.law import Plan
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.learning import read_learning, write_learning
@@ -32,6 +33,7 @@ MANIFEST = "manifest.json"
 ITERATIONS = "iterations.csv"
 SAMPLES = "samples.csv"
 INPUT = "input.csv"
+PLAN = "plan.csv"
 GRAVITY_CENTER = "gravity-center.csv"
 LEARNING = "learning.csv"
 PICTURE_KINDS = ("path-change", "final-path", "error", "wheel-speeds", "summary", "learning")
@@ -44,6 +46,7 @@ RUN_FOLDER = ResultFolder(
         {SCENARIO, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
     ),
     pictures=PICTURE_KINDS,
+    files=frozenset({PLAN}),
 )
 _MAX_SCENARIO_BYTES = 10_000_000
 
@@ -59,6 +62,7 @@ class _Manifest(Document):
     yardsticks: dict[str, dict[str, float]]
     gravity_center_m: Pair
     diverged_at: Count | None
+    readings_off_m: Annotated[float, Field(ge=0)] = 0.0
     warnings: list[str]
 
 
@@ -149,9 +153,9 @@ def read_run_folder(path: Path) -> RunData:
     """
     if not is_there(path) or not is_there(path / ITERATIONS):
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
-    manifest = RUN_FOLDER.read(path, _Manifest) if (path / MANIFEST).exists() else None
+    manifest = RUN_FOLDER.read(path, _Manifest) if is_there(path / MANIFEST) else None
     metrics = read_iterations(path / ITERATIONS)
-    own_name = printable(path.resolve().name)
+    own_name = printable(folder_to_read(path).name)
     reference, trials = read_samples(
         path / SAMPLES, own_name if manifest is None else manifest.trajectory
     )
@@ -179,6 +183,7 @@ def read_run_folder(path: Path) -> RunData:
         speed_limit=manifest.speed_limit_rad_s,
         gravity_center=manifest.gravity_center_m,
         diverged_at=manifest.diverged_at,
+        readings_off_m=manifest.readings_off_m,
         settings={key: printable(text) for key, text in manifest.settings.items()},
         yardsticks={
             column: {printable(name): value for name, value in named.items()}

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.learning import Learning
 from hilc_cli.engine.measuring import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import folder_to_read, merge_folder
@@ -142,7 +143,7 @@ class Run(RunData):
             "diverged_at": self.diverged_at,
             "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
-            **origin(self.started, DRAWN_WITH),
+            **origin(self.started, DRAWN_WITH, self.scenario.plug_ins),
             "command": list(command),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
@@ -170,7 +171,7 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
     kept = recorded_iterations(scenario.spec.record.iterations, experiment.iterations)
     metrics, learning = MetricsTable(), LearningTable()
     trials: dict[int, Trial] = {}
-    measured = MeasuredTrials(experiment)
+    measured = MeasuredTrials(experiment, learner)
     for trial, row in measured:
         metrics.append(row)
         learning.append(trial.figures)
@@ -189,16 +190,22 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         speed_limit=scenario.speed_limit,
         gravity_center=experiment.robot.gravity_center,
         diverged_at=measured.diverged_at,
+        readings_off_m=max(experiment.disturbance.output.bound[:2]),
         learning=learning,
         settings=settings_of(scenario),
         yardsticks=yardsticks_of(scenario),
         scenario=scenario,
         started=started,
-        plan=_finite(learner.plan()) if diverged_at is None else None,
+        plan=_finite(learner.plan()) if measured.diverged_at is None else None,
         timings={"simulation": time.perf_counter() - clock},
     )
     warnings = (*warnings_before(scenario), *warnings_after(result, experiment))
     return replace(result, warnings=warnings)
+
+
+def _finite(plan: Plan) -> Plan | None:
+    """Returns the plan if it can be sent to anybody."""
+    return plan if np.isfinite([*plan.left, *plan.right, *plan.poses.ravel()]).all() else None
 
 
 def read_run(folder: str | Path) -> RunData:

@@ -10,6 +10,7 @@ from pydantic import Field
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.laws.registry import ControllerSpec, controller_model
 from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import RobotSection
 from hilc_cli.scenario.disturbance import DisturbanceSpec
 from hilc_cli.scenario.record import RecordSpec

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 
-from hilc_cli.errors import ExistingResultsError
+from hilc_cli.errors import ExistingResultsError, HilcError
 from hilc_cli.files import merge_folder, writing
 from hilc_cli.sweeps.chunks import Chunk
 from hilc_cli.sweeps.data import SweepData
@@ -31,8 +31,11 @@ def discard_work(plan: Plan, folder: str | Path) -> None:
 
 
 def is_resumable(folder: str | Path) -> bool:
-    """Whether a folder holds an unfinished sweep, or a shard."""
-    return WORK_FOLDER.is_at(folder)
+    """Whether a folder holds an unfinished sweep, or a shard, that can be read."""
+    try:
+        return WORK_FOLDER.is_at(folder)
+    except HilcError:
+        return False
 
 
 def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -> None:
@@ -139,13 +142,14 @@ def open_store(
             store = FolderStore(folder)
             store.forget_failures()
             return store
-        if not force:
-            what = "this sweep" if same else "another sweep or version of hilc"
-            go_on = "go on with --resume, or " if same else ""
-            raise ExistingResultsError(
-                f"{folder}: holds results of {what}; {go_on}start anew with --force"
-            )
-        with closing(locked_journal(folder, header)):
+        with closing(locked_journal(folder, header)) as journal:
+            # One that was killed before it had any results is in nobody's way.
+            if not force and not journal.is_empty():
+                what = "this sweep" if same else "another sweep or version of hilc"
+                go_on = "go on with --resume, or " if same else ""
+                raise ExistingResultsError(
+                    f"{folder}: holds results of {what}; {go_on}start anew with --force"
+                )
             remove(folder)
     return FolderStore.create(folder, plan, cases, shard)
 

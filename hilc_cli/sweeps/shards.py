@@ -111,12 +111,10 @@ def merge(stores: Sequence[FolderStore]) -> Merged:
             raise UsageError(f"no shard holds {missing}; give all shards of the sweep")
         position = store.cases.last
         if store.missing():
-            raise UsageError(
-                f"{store.folder}: {store.missing()[0]} are missing; finish it with --resume"
-            )
+            raise UsageError(f"{store.folder}: lacks {store.missing()[0]}; finish it with --resume")
     if position < first.header.cases:
         missing = Chunk(position, first.header.cases)
-        raise UsageError(f"{missing}: no shard holds them; give all shards of the sweep")
+        raise UsageError(f"no shard holds {missing}; give all shards of the sweep")
     return Merged(stores)
 
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import PlainValidator
 
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, SWEEP_PICTURE_KINDS, ResultFolder
 from hilc_cli.results.metrics import CASE_METRICS
 from hilc_cli.results.reading import Document, Length, Name, damaged, one_of
 from hilc_cli.results.tables import write_input
@@ -20,7 +20,6 @@ from hilc_cli.variation.axes import Axis, axes_from_data, axis_to_data
 CASES = "cases.csv"
 BANDS = "bands.csv"
 PARQUET = "cases.parquet"
-SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
 
 SWEEP_FOLDER = ResultFolder(
     what="sweep",

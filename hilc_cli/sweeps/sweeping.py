@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from hilc_cli.errors import HilcError, UsageError
+from hilc_cli.files import folder_to_read
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.manifest import COMPILED_WITH, origin
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
@@ -224,7 +225,7 @@ def sweep(
         scenario_yaml=plan.resolved_yaml(),
         initial_input=given and (scenario.spec.trajectory.sample_time, *given),
         how={
-            **origin(started, COMPILED_WITH),
+            **origin(started, COMPILED_WITH, scenario.plug_ins),
             **({} if found is None else {"search": how_searched(plan)}),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(scenario.checksums),

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, Strict, model_validator
 
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.files import open_to_read, open_to_write, writing
+from hilc_cli.files import check_size, open_to_read, open_to_write, writing
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.reading import Document, Length, Name, parse_document
 from hilc_cli.sweeps.sweep_folder import Axes, CaseMetric
@@ -70,11 +70,12 @@ class Journal:
         """All entries that are whole, in order.
 
         Raises:
-            UsageError: One is whole, but no entry: somebody has made it up.
+            UsageError: The file is too large, or an entry is whole, but none: made up by somebody.
         """
+        check_size(self._path, os.fstat(self._descriptor).st_size, _MOST_BYTES)
         os.lseek(self._descriptor, 0, os.SEEK_SET)
         with os.fdopen(self._descriptor, "rb", closefd=False) as file:
-            content = file.read(min(_MOST_BYTES, os.fstat(self._descriptor).st_size))
+            content = file.read()
         for line, text in enumerate(content.split(b"\n"), 1):
             checksum, _, text = text.partition(b" ")
             if text and checksum == f"{zlib.crc32(text):08x}".encode():

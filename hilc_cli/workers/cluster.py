@@ -17,7 +17,7 @@ from concurrent.futures import Future, wait
 from contextlib import suppress
 from functools import lru_cache
 from itertools import count
-from typing import Any, Generic
+from typing import Any, Generic, TypeVar
 from urllib.parse import urlsplit
 
 from hilc_cli.errors import HilcError, MissingPackageError, UsageError
@@ -37,6 +37,10 @@ T = TypeVar("T")
 
 class ClusterError(HilcError):
     """The cluster cannot be reached, or does not do what it is asked for."""
+
+
+class SilentError(TimeoutError):
+    """Something that was asked does not answer."""
 
 
 class DaskCrew(Generic[Piece, Result]):

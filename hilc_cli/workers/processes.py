@@ -13,6 +13,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Generic
 
 from hilc_cli.errors import HilcError
+from hilc_cli.plug_ins import import_path
 from hilc_cli.workers import worker
 from hilc_cli.workers.handing_out import PATIENCE, Outcome, Piece, Result
 
@@ -31,6 +32,8 @@ class _Worker(Generic[Piece]):
     def __init__(self, work: object) -> None:
         ours, theirs = socket.socketpair()
         arguments = (theirs.fileno(), os.getpid())
+        # Laws from elsewhere are found first where plug-ins may come from, as they were here.
+        path = dict.fromkeys([*import_path(), *filter(None, sys.path)])
         # A signal that the worker is born with blocked never reaches it: those of a terminal are
         # sent to all its processes, but the owner decides what becomes of its workers.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, _OF_TERMINALS)
@@ -40,7 +43,7 @@ class _Worker(Generic[Piece]):
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(path)},
             )
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)

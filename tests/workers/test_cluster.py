@@ -177,26 +177,26 @@ class Hanging(Client):
     ],
 )
 def test_scheduler_that_falls_silent(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, connects: bool, why: str
+    monkeypatch: pytest.MonkeyPatch, connects: bool, why: str
 ) -> None:
     monkeypatch.setattr(distributed, "Client", Hanging)
     monkeypatch.setattr(Hanging, "connects", connects)
-    monkeypatch.setattr(dask_crew, "_greet", lambda address, go_on: None)
-    monkeypatch.setattr(dask_crew, "_CONNECT", 0.1)
-    monkeypatch.setattr(dask_crew, "PATIENCE", 0.1)
+    monkeypatch.setattr(cluster, "_greet", lambda address, go_on: None)
+    monkeypatch.setattr(cluster, "_CONNECT", 0.1)
+    monkeypatch.setattr(cluster, "PATIENCE", 0.1)
     with pytest.raises(ClusterError, match=f"^tcp://nowhere:1: {why}$"):
-        DaskCrew(small_plan(tmp_path), "tcp://nowhere:1", lambda: None)
+        DaskCrew(str, "tcp://nowhere:1", lambda: None)
 
 
 def test_signal_is_heard_while_nothing_answers() -> None:
     with pytest.raises(KeyboardInterrupt):
-        dask_crew.within(60, threading.Event().wait, lambda: os.kill(os.getpid(), signal.SIGINT))
+        cluster.within(60, threading.Event().wait, lambda: os.kill(os.getpid(), signal.SIGINT))
 
 
 def test_host_of_too_long_a_name() -> None:
     why = "there is no scheduler that answers: its host has no name that can be looked up$"
     with pytest.raises(ClusterError, match=why):
-        dask_crew._greet(f"tcp://{'a' * 70}:1", lambda: None)
+        cluster._greet(f"tcp://{'a' * 70}:1", lambda: None)
 
 
 def test_host_of_no_such_name() -> None:
