@@ -17,7 +17,7 @@ from tests.cli.processes import environment
 from tests.conftest import Hilc
 from tests.pages import PAGES, ROOT, Block, Command, blocks, commands
 
-RUN_BY_THEIR_OWN_TESTS = ("docs/laws/",)  # tests/test_law_pages.py
+RUN_BY_THEIR_OWN_TESTS = ("docs/laws/", "docs/plug-ins.md")  # test_law_pages, cli/test_plug_ins
 
 
 def is_run_here(page: str) -> bool:
@@ -110,7 +110,7 @@ def yaml_block(page: str, mark: str) -> str:
 
 def test_each_yaml_example_is_known_to_a_test() -> None:
     # Of laws and the leaderboard tests/test_law_pages.py reads them, of a search the test below.
-    elsewhere = ("docs/laws/", "docs/laws.md")
+    elsewhere = ("docs/laws/", "docs/laws.md", "docs/plug-ins.md")
     unmarked = [
         (page, block.text)
         for page in PAGES

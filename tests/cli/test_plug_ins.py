@@ -242,3 +242,9 @@ def test_commands_of_the_page_run(plugged: Plugged) -> None:
         quick = ("--set", "iterations=1", "-q")
         drawn = () if arguments[0] == "check" else ("--no-plots",)
         assert plugged(*arguments, *quick, *drawn).code == 0, line
+
+
+def test_ways_to_name_a_law_are_valid(plugged: Plugged) -> None:
+    for line in blocks("yaml")[0].splitlines():
+        value = line.partition("  #")[0].replace("controller: ", "controller=")
+        assert plugged("check", "named.yaml", "--set", value, "--trust", "-q").code == 0, line
