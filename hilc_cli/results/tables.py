@@ -120,9 +120,9 @@ def write_gravity_center(
 
 
 _COUNT = Numbers(0, 1e9, whole=True)
-_METRIC = Numbers(0, LARGEST)
 _FINITE = Numbers()
-_POSE = Numbers(-LARGEST, LARGEST)
+_FAR = 3 * LARGEST  # a difference of two that count as finite
+_POSE = Numbers(-_FAR, _FAR)
 _SPEED = Numbers(-FASTEST, FASTEST)
 
 
@@ -137,7 +137,7 @@ def metric_columns(*, empty: bool = False) -> list[tuple[str, Numbers]]:
             name,
             Numbers(
                 0,
-                1e9 if name in INTEGER_METRICS else FASTEST if "rad_s" in name else LARGEST,
+                1e9 if name in INTEGER_METRICS else FASTEST if "rad_s" in name else _FAR,
                 whole=name in INTEGER_METRICS,
                 empty=empty,
             ),
