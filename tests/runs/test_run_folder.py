@@ -500,7 +500,7 @@ DAMAGES = [
     ("samples.csv", "\n0,1,", "\n0,oops,", "samples.csv: is damaged: "),
     ("samples.csv", "\n0,1,", "\n0,1,1,", "samples.csv: is damaged: "),
     ("samples.csv", "\n2,", "\n9,", "samples.csv: is damaged: it has iterations that iterations"),
-    ("samples.csv", "\n0,1,", "\nnan,1,", "samples.csv: is damaged: "),
+    ("samples.csv", "\n0,1,", "\nnan,1,", "samples.csv:3: is damaged: numbers must be finite"),
     ("samples.csv", "\n0,1,", "\n0,1,nan\n0,1,", "samples.csv: is damaged: "),
 ]
 
