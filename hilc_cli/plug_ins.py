@@ -143,10 +143,11 @@ def _found(kind: Kind, name: str, trust: bool, own: Iterable[str]) -> PlugIn:
     if not points:
         known = list(dict.fromkeys([*own, *installed(kind)]))
         near = near_word(name, known)
-        meant = f"did you mean '{near}'? " if near else ""
         *others, last = known or ["package.module:Class"]
-        given = f"{meant}give {', '.join(others)} or {last}" if others else f"{meant}give {last}"
-        raise PlugInError(kind, name, "is not one of the choices", given)
+        remedy = f"give {', '.join(others)} or {last}" if others else f"give {last}"
+        if near:
+            remedy = f"did you mean '{near}'?"
+        raise PlugInError(kind, name, "is not one of the choices", remedy)
     if len(points) > 1:
         packages = sorted(distribution.name for _, distribution in points)
         problem = f"is the name of more than one installed {kind}"

@@ -76,9 +76,10 @@ def test_trust_is_given_for_what_is_inside(site: Path) -> None:
         assert find("law", "toy_robots:Toy").cls.__name__ == "Toy"
 
 
-def test_unknown_name_is_told_with_those_that_are_known(site: Path) -> None:
-    assert problem_of("toyy").endswith(
-        "is not one of the choices; did you mean 'toy'? give pid, hybrid, broken, number or toy"
+def test_unknown_name_is_told_with_the_near_one_or_those_that_are_known(site: Path) -> None:
+    assert problem_of("toyy").endswith("is not one of the choices; did you mean 'toy'?")
+    assert problem_of("nothing").endswith(
+        "is not one of the choices; give pid, hybrid, broken, number or toy"
     )
 
 

@@ -81,7 +81,11 @@ class Model(BaseModel):
         if not isinstance(data, dict):
             return handler(data)
         for key in cls.looked_at:
-            part = valid(cls.model_fields[key].annotation, data.get(key))
+            field = cls.model_fields[key]
+            kind: Any = field.annotation
+            if field.metadata:  # such as the validator that finds the model of a plant
+                kind = Annotated[kind, *field.metadata]
+            part = valid(kind, data.get(key))
             if part is not None:
                 data = {**data, key: part}
         misfits = cls.misfits(data)

@@ -827,7 +827,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l1=0,1", "--out", "path.yaml/x"],
         1,
-        "hilc: path.yaml/x.part: cannot be written: file exists",
+        "hilc: path.yaml/x: cannot be written: nothing is made below path.yaml, which is no folder",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--set", "iterations=-1"],
