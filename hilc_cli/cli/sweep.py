@@ -20,6 +20,7 @@ from hilc_cli.cli.options import (
     OutputFolder,
     Overrides,
     Quiet,
+    Trust,
     Verbose,
     Version,
 )
@@ -172,6 +173,7 @@ def sweep(
     resume: Resume = False,
     fail_fast: FailFast = False,
     dry_run: DryRun = False,
+    trust: Trust = False,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -201,7 +203,7 @@ def sweep(
     wanted = _Wanted(vary, sample, cases, seed, minimise, tolerance, bands, metric)
     how = _How(workers, scheduler, shard, resume, fail_fast, dry_run)
     report = SweepReport(json=json, quiet=quiet, verbose=verbose)
-    command = _Command(context.obj, report, set_, out, force, formats or [], not no_plots)
+    command = _Command(context.obj, report, set_, out, force, formats or [], not no_plots, trust)
     if merge:
         command.merge(targets, wanted, how)
     else:
@@ -243,6 +245,7 @@ class _Command:
     force: bool
     formats: Sequence[SweepFormat]
     plots: bool
+    trust: bool
 
     def merge(self, targets: list[str], wanted: _Wanted, how: _How) -> None:
         """Puts the shards in some folders together."""
@@ -298,7 +301,7 @@ class _Command:
         from hilc_cli.sweeps.sweeping import plan_sweep
 
         return plan_sweep(
-            load_scenario(scenario, self.overrides or []),
+            load_scenario(scenario, self.overrides or [], trust=self.trust),
             wanted.vary or [],
             sample=None if wanted.sample is None else wanted.sample.value,
             cases=wanted.cases,

@@ -137,13 +137,15 @@ def test_killed_at_random_moments_and_resumed(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("alone")
-@pytest.mark.parametrize("step", ["store.json", "store.FolderStore.__init__"])
+@pytest.mark.parametrize("step", ["folder.json", "store.FolderStore.__init__"])
 def test_killed_while_its_folder_is_made(hilc: Hilc, folder: Path, step: str) -> None:
     sweeps.put_sweep(folder)
     script = f"""\
-import os, signal
+import json, os, signal
+from hilc_cli.results import folder
 from hilc_cli.sweeps import store
 class Killer:
+    loads = json.loads
     def __get__(self, *arguments):
         os.kill(os.getpid(), signal.SIGKILL)
     dumps = property(__get__)
