@@ -50,10 +50,12 @@ def read_file(path: Path, limit: int) -> bytes:
         UsageError: It is a folder, pipe or device, or it is too large.
         FileAccessError: It cannot be read.
     """
-    with os.fdopen(open_to_read(path, limit), "rb") as file:
+    descriptor = open_to_read(path, limit)
+    size = os.fstat(descriptor).st_size
+    with os.fdopen(descriptor, "rb") as file:
         try:
             # Room for all that may be asked for at once would be far more than most files need.
-            content = file.read(min(limit, os.fstat(file.fileno()).st_size) + 1)
+            content = file.read(min(limit, size) + 1)
             while content and len(content) <= limit and (more := file.read(_PIECE)):
                 content += more  # of a file that grows, or whose size the system does not know
         except OSError as error:

@@ -111,8 +111,8 @@ def test_signal_before_anything_is_kept(tmp_path: Path) -> None:
     """Nothing to go on with: nothing is said of it."""
     script = """\
 import os, signal
-from hilc_cli.runs.running import load_scenario
-load_scenario = lambda *arguments: os.kill(os.getpid(), signal.SIGTERM)
+from hilc_cli.runs import running
+running.load_scenario = lambda *arguments, **options: os.kill(os.getpid(), signal.SIGTERM)
 from hilc_cli.cli.main import main
 main()
 """

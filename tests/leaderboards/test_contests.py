@@ -85,7 +85,7 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> Contest:
     spec = scenario.spec.model_copy(update={"iterations": len(OFF) - 1})
     reference = spec.trajectory.reference()
 
-    def simulate(experiment: Experiment) -> Iterator[Trial]:
+    def simulate(experiment: Experiment, learning: object) -> Iterator[Trial]:
         wheels = np.zeros(len(reference.x) - 1)
         for iteration, off in enumerate(OFF[: experiment.iterations + 1]):
             if math.isinf(off):
