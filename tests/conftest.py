@@ -19,6 +19,8 @@ from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY
 
 pytest_plugins = ["tests.made_up_runs", "tests.made_up_sweeps", "tests.yaml_files"]
 
+_HANDLERS = {number: signal.getsignal(number) for number in STOPPED}
+
 # How long an example takes says nothing on a loaded machine.
 hypothesis.settings.register_profile("hilc", deadline=None)
 hypothesis.settings.load_profile("hilc")
@@ -88,6 +90,14 @@ def write(folder: Path) -> Write:
     return write
 
 
+@pytest.fixture(autouse=True)
+def _signals_are_heard() -> Iterator[None]:
+    """The program leaves with signals ignored, which processes that a test starts would inherit."""
+    yield
+    for number, handler in _HANDLERS.items():
+        signal.signal(number, handler)
+
+
 @pytest.fixture
 def hilc(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Hilc:
     """The command line, run in this process: much faster than a new one for each case."""
@@ -95,14 +105,11 @@ def hilc(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
 
     def hilc(*arguments: str, stdin: bytes = b"") -> Outcome:
         capsys.readouterr()
-        before = {number: signal.getsignal(number) for number in STOPPED}
         with monkeypatch.context() as patched:
             patched.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(stdin)))
             patched.setattr(sys, "argv", ["hilc", *arguments])
             with pytest.raises(SystemExit) as stop:
                 main(arguments)
-        for number, handler in before.items():
-            signal.signal(number, handler)
         printed = capsys.readouterr()
         assert isinstance(stop.value.code, int)
         return Outcome(stop.value.code, printed.out, printed.err)

@@ -95,6 +95,7 @@ def test_fewest_iterations_to_a_tolerance(hilc: Hilc) -> None:
     assert 9.5 <= search["best"]["values"][L1] <= 10.5
 
 
+@pytest.mark.slow
 def test_best_scenario_runs_to_the_metric(hilc: Hilc) -> None:
     changes = (
         "--set",
@@ -253,6 +254,7 @@ def test_resumed_search_is_that_of_one_go(hilc: Hilc, kept: int) -> None:
     assert not sweeps.PART.exists()
 
 
+@pytest.mark.slow
 def test_killed_search_goes_on(tmp_path: Path, hilc: Hilc) -> None:
     sweeps.put_sweep(tmp_path)
     keys = ("--vary", f"{L1}=0.1:10:log", "--vary", f"{L2}=0:5")

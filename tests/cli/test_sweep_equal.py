@@ -82,6 +82,7 @@ def answers(port: int) -> bool:
         return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
+@pytest.mark.slow
 def test_dask_cluster_of_which_a_worker_is_killed(tmp_path: Path) -> None:
     sweeps.put_sweep(tmp_path)
     port = free_port()

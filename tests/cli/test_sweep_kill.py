@@ -96,6 +96,7 @@ def is_running(pid: int) -> bool:
         return False
 
 
+@pytest.mark.slow
 def test_killed_at_random_moments_and_resumed(tmp_path: Path) -> None:
     seed = random.SystemRandom().randrange(10**6)
     print(f"random seed {seed}")

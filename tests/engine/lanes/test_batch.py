@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
@@ -22,7 +22,7 @@ from hilc_cli.plants.kinematic import Robot, TurnConvention
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.metrics import METRIC_NAMES, MetricsTable, measure
+from hilc_cli.results.metrics import MAX_ERROR, METRIC_NAMES, MetricsTable, measure
 from hilc_cli.runs.running import load_scenario, run
 from hilc_cli.shipped_files import examples
 from hilc_cli.yaml_input.expressions import Affine
@@ -128,6 +128,10 @@ def experiments(draw: st.DrawFn, reference: Reference) -> Experiment:
 def test_every_metric_of_every_iteration_agrees_with_the_loop_engine(data: st.DataObject) -> None:
     experiment = data.draw(experiments(data.draw(st.sampled_from([CIRCLE, BEND]))))
     expected = by_loop(experiment)
+    # Where a start that is off by a rounding leads elsewhere, rounding decides, in either engine.
+    x, y, heading = experiment.initial_pose
+    moved = by_loop(replace(experiment, initial_pose=(x + 1e-13, y, heading + 1e-13)))
+    assume(np.allclose(moved[MAX_ERROR], expected[MAX_ERROR], rtol=1e-10, atol=1e-12))
     # One case for each number of iterations: their last iterations are all iterations.
     cases = [replace(experiment, iterations=last) for last in range(experiment.iterations + 1)]
     result = simulate_batch(cases)
@@ -241,6 +245,7 @@ def test_headings_beyond_reason_do_not_end_a_run() -> None:
     assert result.errors.max() > 1e20
 
 
+@pytest.mark.slow
 def test_kernel_says_the_same_interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     """The lane code is plain Python: the compiler may change its speed, not its numbers."""
     scenario = load_scenario(

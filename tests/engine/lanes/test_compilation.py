@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from hilc_cli.engine.lanes.batch import is_compiled, simulate_batch
 from hilc_cli.runs.running import load_scenario
 from tests.cli.processes import uncovered
@@ -33,6 +35,7 @@ def answers(folder: Path, *arguments: str) -> str:
     ).stdout.strip()
 
 
+@pytest.mark.slow
 def test_code_in_the_cache_counts_as_compiled(tmp_path: Path) -> None:
     # To ask does not compile; what one process has compiled, the next one finds.
     assert answers(tmp_path, "run") == "False False True"
