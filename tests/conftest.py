@@ -90,12 +90,16 @@ def write(folder: Path) -> Write:
     return write
 
 
+def put_back(handlers: Mapping[signal.Signals, Any]) -> None:
+    """The program leaves with signals ignored, which processes that a test starts would inherit."""
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
 @pytest.fixture(autouse=True)
 def _signals_are_heard() -> Iterator[None]:
-    """The program leaves with signals ignored, which processes that a test starts would inherit."""
     yield
-    for number, handler in _HANDLERS.items():
-        signal.signal(number, handler)
+    put_back(_HANDLERS)
 
 
 @pytest.fixture
@@ -105,11 +109,13 @@ def hilc(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFi
 
     def hilc(*arguments: str, stdin: bytes = b"") -> Outcome:
         capsys.readouterr()
+        before = {number: signal.getsignal(number) for number in STOPPED}
         with monkeypatch.context() as patched:
             patched.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(stdin)))
             patched.setattr(sys, "argv", ["hilc", *arguments])
             with pytest.raises(SystemExit) as stop:
                 main(arguments)
+        put_back(before)
         printed = capsys.readouterr()
         assert isinstance(stop.value.code, int)
         return Outcome(stop.value.code, printed.out, printed.err)
