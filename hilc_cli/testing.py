@@ -8,8 +8,7 @@ from __future__ import annotations
 import json
 import math
 import pickle
-from collections.abc import Mapping
-from collections.abc import Set as AbstractSet
+from collections.abc import Mapping, Set as AbstractSet
 from dataclasses import replace
 from typing import Any, TypeVar
 

@@ -21,8 +21,7 @@ from hilc_cli.theory.findings import ExpectedError, Findings, extent
 from hilc_cli.theory.learning.expected import RESOLUTION
 from hilc_cli.theory.learning.outcome import CLEARLY, FAILED, NEAR, Outcome, seen_outcome
 from hilc_cli.theory.proof.bounds import Bounds
-from hilc_cli.theory.proof.measured import Comparison
-from hilc_cli.theory.proof.measured import compare as beside
+from hilc_cli.theory.proof.measured import Comparison, compare as beside
 from hilc_cli.theory.proof.theories import CORRECTED, WITHIN_LIMIT
 
 

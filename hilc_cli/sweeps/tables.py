@@ -28,8 +28,7 @@ from hilc_cli.results.reading import (
     table_rows,
 )
 from hilc_cli.results.tables import metric_columns, text_cell, unrun, value_text
-from hilc_cli.sweeps.data import QUANTILES, Bands, SweepData, as_numbers
-from hilc_cli.sweeps.data import Numbers as NumberArray
+from hilc_cli.sweeps.data import QUANTILES, Bands, Numbers as NumberArray, SweepData, as_numbers
 from hilc_cli.variation.axes import Axis, Choices, Range, Value
 from hilc_cli.variation.cases import Cases
 

@@ -10,8 +10,7 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge, least_left
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.findings import joined as joined_findings
+from hilc_cli.theory.findings import Findings, joined as joined_findings
 from hilc_cli.theory.law_theory import LawTheory, knows_plant
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import NEAR

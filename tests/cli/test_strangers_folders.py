@@ -23,8 +23,7 @@ from hilc_cli.sweeps.store import FolderStore
 from hilc_cli.sweeps.sweeping import plan_sweep, sweep, sweep_shard
 from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY, listing, plus
 from tests.conftest import Hilc, Outcome
-from tests.leaderboards.test_leaderboard_folder import DATA
-from tests.leaderboards.test_leaderboard_folder import write as write_leaderboard
+from tests.leaderboards.test_leaderboard_folder import DATA, write as write_leaderboard
 
 VARY = ("controller.gain_matrix=model,unit", "iterations=1,2")
 SWEEP = ("sweep", "scenario.yaml", "--vary", VARY[0], "--vary", VARY[1], "--bands", "--no-plots")

@@ -13,8 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from hilc_cli.comparisons.comparing import compare_runs
 from hilc_cli.comparisons.formats import WRITERS, csv_text, latex_text, markdown_text

@@ -7,8 +7,7 @@ from statistics import NormalDist
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
 from hilc_cli.reference.sampled import Floats

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.gain_matrix import GainMatrix, model_gain, wheel_correction

@@ -13,8 +13,10 @@ from hilc_cli.paper.sheet import sheet_figure
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
 from tests.drawing.reading import line, lines
-from tests.made_up_runs import MakeRun
-from tests.made_up_runs import make_run as make_run  # the fixture
+from tests.made_up_runs import (
+    MakeRun,
+    make_run as make_run,  # the fixture
+)
 
 PATH_HEADER = "iteration,sample,reference_x_m,reference_y_m,x_m,y_m"
 HEADERS = {

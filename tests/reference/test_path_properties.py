@@ -6,8 +6,7 @@ import cmath
 import math
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from hilc_cli.reference.path import build_reference
 from hilc_cli.reference.sampled import Floats, Reference

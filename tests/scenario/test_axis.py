@@ -6,8 +6,7 @@ import json
 import math
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from hilc_cli.scenario.axis import axis_text, read_axis, shown_axis
 from hilc_cli.scenario.experiment import Scenario

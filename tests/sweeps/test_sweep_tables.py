@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow.parquet
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 import hilc_cli as hilc_api
 from hilc_cli.errors import UsageError
@@ -21,8 +20,7 @@ from hilc_cli.sweeps.data import Bands, as_numbers
 from hilc_cli.sweeps.tables import read_bands, read_cases, write_bands, write_cases
 from hilc_cli.variation.axes import Axis, Choices, Range, Value
 from tests.conftest import Hilc, Outcome, Write
-from tests.results.test_tables import GOLDEN_ITERATIONS, GOLDEN_SCENARIO
-from tests.results.test_tables import rows as rows_of
+from tests.results.test_tables import GOLDEN_ITERATIONS, GOLDEN_SCENARIO, rows as rows_of
 
 METRICS = (
     "max_position_error_m,mean_position_error_m,rms_position_error_m,final_position_error_m,"

@@ -7,8 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from hilc_cli.variation.axes import Axis, Choices, Range, Spacing, axis_from_data, axis_to_data
 

@@ -8,8 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.stats import chi2, qmc
 
 from hilc_cli.variation.axes import Axis, Choices, Range, Value

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from hilc_cli.yaml_input.nodes import Source, to_data
 from hilc_cli.yaml_input.tree import parse_yaml, to_yaml

@@ -13,8 +13,7 @@ from hilc_cli.compiling import is_at_hand
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.iterations import run_iterations
 from hilc_cli.engine.lanes.lanes import LANES
-from hilc_cli.engine.lanes.packs import NEVER as NEVER
-from hilc_cli.engine.lanes.packs import Kind, Pack
+from hilc_cli.engine.lanes.packs import NEVER as NEVER, Kind, Pack
 from hilc_cli.numba_loading import typeof
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import METRIC_NAMES

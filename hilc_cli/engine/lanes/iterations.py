@@ -14,6 +14,7 @@ from hilc_cli.engine.lanes.kernel import (
     ERROR,
     ERROR_SUM,
     FASTEST_WHEEL,
+    FORMULAS as KERNEL_FORMULAS,
     GAINS,
     HEADING,
     HEADING_GAINS,
@@ -36,11 +37,9 @@ from hilc_cli.engine.lanes.kernel import (
     _reduced,
     follow,
 )
-from hilc_cli.engine.lanes.kernel import FORMULAS as KERNEL_FORMULAS
 from hilc_cli.engine.lanes.lanes import Field, Noise, Words
 from hilc_cli.engine.lanes.machine_code import cached, compiled, source
-from hilc_cli.engine.lanes.noise import FORMULAS as NOISE_FORMULAS
-from hilc_cli.engine.lanes.noise import draw_output, draw_pose
+from hilc_cli.engine.lanes.noise import FORMULAS as NOISE_FORMULAS, draw_output, draw_pose
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import METRIC_NAMES, IterationMetrics, is_finite
 

@@ -20,8 +20,7 @@ from hilc_cli.disturbance.normal import (
     polynomial,
     quantile,
 )
-from hilc_cli.disturbance.philox import ROUNDS, mixed, open_unit_interval
-from hilc_cli.disturbance.philox import Words as WordArray
+from hilc_cli.disturbance.philox import ROUNDS, Words as WordArray, mixed, open_unit_interval
 from hilc_cli.disturbance.streams import Stream
 from hilc_cli.engine.lanes.lanes import LANES, Field, Noise, NoiseField, Words
 from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use_widest_vectors

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
 from hilc_cli.engine.experiment import Experiment

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge, shortest_way
 from hilc_cli.laws.norm_optimal.optimal_motion import Model

@@ -6,8 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from hilc_cli.laws.gain_matrix import GainMatrix, model_gain, unit_gain
 from hilc_cli.plants.kinematic import Robot
