@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import sys
 import sysconfig
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from contextlib import contextmanager, redirect_stdout
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ from importlib.metadata import (
     version,
 )
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from hilc_cli.errors import UsageError, near_word, printable, shortened
 
@@ -117,6 +117,35 @@ def find(kind: Kind, name: str, *, trust: bool | None = None, own: Iterable[str]
 def installed(kind: Kind) -> list[str]:
     """Returns the names of all installed plug-ins of a kind, in alphabetical order."""
     return sorted({point.name for point, _ in _entry_points(kind)})
+
+
+def packages_of(
+    kind: Kind, names: Iterable[str], own: Container[str]
+) -> dict[str, dict[str, str | None]]:
+    """Returns package and version of what is not hilc's own, by name, for manifests.
+
+    Args:
+        kind: What it is.
+        names: Names that have been found before.
+        own: The names of hilc's own.
+    """
+    found = {name: find(kind, name) for name in names if name not in own}
+    return {
+        name: {"package": each.distribution, "version": each.version}
+        for name, each in found.items()
+    }
+
+
+def schema_of_installed(kind: Kind) -> dict[str, Any]:
+    """Returns the JSON Schema of any but hilc's own, whose keys are not known before it is."""
+    names = [REFERENCE, *map(re.escape, installed(kind))]
+    return {
+        "type": "object",
+        "title": f"a {kind} that is installed beside hilc",
+        "required": [kind],
+        "properties": {kind: {"type": "string", "pattern": f"^({'|'.join(names)})$"}},
+        "additionalProperties": True,
+    }
 
 
 def import_path() -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from functools import reduce
 from importlib import import_module
@@ -13,15 +12,14 @@ from pydantic import (
     ConfigDict,
     GetJsonSchemaHandler,
     SerializeAsAny,
-    ValidationError,
     WrapValidator,
 )
-from pydantic_core import InitErrorDetails, core_schema
+from pydantic_core import core_schema
 
 from hilc_cli import plug_ins
 from hilc_cli.laws.parameters import DEFAULT_LAW, Controller, law_named
 from hilc_cli.plug_ins import PlugInError
-from hilc_cli.yaml_input.model import wrong
+from hilc_cli.yaml_input.model import of_named_model
 
 OWN = {
     "hybrid": "hilc_cli.laws.hybrid:HybridController",
@@ -59,16 +57,8 @@ class InstalledController(Controller):
     def __get_pydantic_json_schema__(
         cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        """Returns the schema of any law but hilc's own, whose keys are not known before it is."""
-        names = [plug_ins.REFERENCE, *map(re.escape, plug_ins.installed("law"))]
-        law = {"type": "string", "pattern": f"^({'|'.join(names)})$"}
-        return {
-            "type": "object",
-            "title": "a law that is installed beside hilc",
-            "required": ["law"],
-            "properties": {"law": law},
-            "additionalProperties": True,
-        }
+        """Returns the schema of any law but hilc's own."""
+        return plug_ins.schema_of_installed("law")
 
 
 def controller_model(data: object) -> type[Controller] | None:
@@ -87,10 +77,7 @@ def packages_of(laws: Iterable[str]) -> dict[str, dict[str, str | None]]:
     Args:
         laws: Names of laws that have been found before.
     """
-    found = {law: plug_ins.find("law", law) for law in laws if law not in CONTROLLERS}
-    return {
-        law: {"package": each.distribution, "version": each.version} for law, each in found.items()
-    }
+    return plug_ins.packages_of("law", laws, OWN)
 
 
 def _named(law: object) -> type[Controller]:
@@ -118,13 +105,7 @@ def _of_its_law(data: object, handler: object) -> Controller:
         return data
     if not isinstance(data, Mapping):
         return CONTROLLERS[DEFAULT_LAW].model_validate(data)
-    try:
-        model = _named(law_named(data))
-    except PlugInError as error:
-        kind = wrong(error.problem, error.remedy)
-        found = InitErrorDetails(type=kind, loc=("law",), input=data["law"])
-        raise ValidationError.from_exception_data("controller", [found]) from None
-    return model.model_validate(data)
+    return of_named_model("law", data, lambda: _named(law_named(data)))
 
 
 if TYPE_CHECKING:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,16 +9,15 @@ from pydantic import (
     ConfigDict,
     GetJsonSchemaHandler,
     SerializeAsAny,
-    ValidationError,
     WrapValidator,
 )
-from pydantic_core import InitErrorDetails, core_schema
+from pydantic_core import core_schema
 
 from hilc_cli import plug_ins
 from hilc_cli.plants.kinematic_plant import KinematicSpec
 from hilc_cli.plants.parameters import RobotSpec, plant_named
 from hilc_cli.plug_ins import PlugInError
-from hilc_cli.yaml_input.model import wrong
+from hilc_cli.yaml_input.model import of_named_model
 
 OWN: Mapping[str, type[RobotSpec]] = {"kinematic": KinematicSpec}
 
@@ -42,24 +40,13 @@ class InstalledRobot(RobotSpec):
     def __get_pydantic_json_schema__(
         cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        """Returns the schema of any plant but hilc's own, whose keys are not known before it is."""
-        names = [plug_ins.REFERENCE, *map(re.escape, plug_ins.installed("plant"))]
-        plant = {"type": "string", "pattern": f"^({'|'.join(names)})$"}
-        return {
-            "type": "object",
-            "title": "a plant that is installed beside hilc",
-            "required": ["plant"],
-            "properties": {"plant": plant},
-            "additionalProperties": True,
-        }
+        """Returns the schema of any plant but hilc's own."""
+        return plug_ins.schema_of_installed("plant")
 
 
 def package_of(plant: str) -> dict[str, dict[str, str | None]]:
     """Returns package and version of a plant that is not hilc's own, by its name, for manifests."""
-    if plant in OWN:
-        return {}
-    found = plug_ins.find("plant", plant)
-    return {plant: {"package": found.distribution, "version": found.version}}
+    return plug_ins.packages_of("plant", [plant], OWN)
 
 
 def _named(plant: object) -> type[RobotSpec]:
@@ -82,14 +69,7 @@ def _of_its_plant(data: object, handler: object) -> RobotSpec:
     """Validates parameters against the model of their plant alone."""
     if isinstance(data, RobotSpec):
         return data
-    try:
-        model = _named(plant_named(data))
-    except PlugInError as error:
-        assert isinstance(data, Mapping)  # anything else is of the usual plant
-        kind = wrong(error.problem, error.remedy)
-        found = InitErrorDetails(type=kind, loc=("plant",), input=data["plant"])
-        raise ValidationError.from_exception_data("robot", [found]) from None
-    return model.model_validate(data)
+    return of_named_model("plant", data, lambda: _named(plant_named(data)))
 
 
 if TYPE_CHECKING:

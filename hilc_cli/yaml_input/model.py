@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Self, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Self, TypeVar, get_args, get_origin
 
 from pydantic import (
     BaseModel,
@@ -20,6 +20,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from hilc_cli.names import LONGEST_NAME, NAME_PATTERN
+from hilc_cli.plug_ins import PlugInError
 from hilc_cli.yaml_input.nodes import Node, PathKeys, nearest, to_data
 
 Name = Annotated[str, StringConstraints(pattern=NAME_PATTERN, max_length=LONGEST_NAME)]
@@ -117,6 +118,29 @@ def valid(kind: Any, value: Any) -> Any:
         return TypeAdapter(kind).validate_python(value)
     except ValidationError:
         return None
+
+
+_Named = TypeVar("_Named", bound=BaseModel)
+
+
+def of_named_model(key: str, data: Any, named: Callable[[], type[_Named]]) -> _Named:
+    """Validates data against the model that one of its keys names, and against no other.
+
+    Args:
+        key: The key.
+        data: The data.
+        named: Finds the model; raises PlugInError if there is none.
+
+    Raises:
+        ValidationError: There is no such model, or the data does not fit it.
+    """
+    try:
+        model = named()
+    except PlugInError as error:
+        kind = wrong(error.problem, error.remedy)
+        found = InitErrorDetails(type=kind, loc=(key,), input=data[key])
+        raise ValidationError.from_exception_data(key, [found]) from None
+    return model.model_validate(data)
 
 
 def listed(words: Sequence[str]) -> str:
