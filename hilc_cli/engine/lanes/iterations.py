@@ -88,10 +88,10 @@ def _begin(
     x_desired: float,
     y_desired: float,
     heading_desired: float,
-    full_matrix: bool | None,
-    own_heading: bool | None,
-    reference_heading: bool | None,
-    previous_heading: bool | None,
+    full_matrix: bool,
+    own_heading: bool,
+    reference_heading: bool,
+    previous_heading: bool,
     iteration: int,
     closed: bool,
     output_kind: int,
@@ -104,7 +104,7 @@ def _begin(
     draw_output(noise, lanes, words, output_kind, 0, 1)
     for j in range(W):
         position, turning = 1.0, 1.0
-        if full_matrix is None:
+        if not full_matrix:
             position, turning = lanes[M + W + j], lanes[M + 15 * W + j]
         for c in range(3):
             gain = lanes[L1 + c * W + j] if closed else 0.0
@@ -129,11 +129,11 @@ def _begin(
         # The start is in the first half, however short the path.
         lanes[LATER_SQUARE + j] = 0.0
         lanes[LATER_SUM + j] = 0.0
-        if own_heading is not None:
+        if own_heading:
             gain_heading = heading + noise[OUTPUT_NOISE + 2 * W + j]
-            if previous_heading is not None:
+            if previous_heading:
                 gain_heading = heading_desired - history[ROW + ERROR + 2 * W + j]
-            elif reference_heading is not None:
+            elif reference_heading:
                 gain_heading = heading_desired
             lanes[REST + W + j], lanes[SHIFTED + W + j] = _reduced(gain_heading)
         lanes[REST + j], lanes[SHIFTED + j] = _reduced(heading)
@@ -224,11 +224,13 @@ def _run_iterations(
 ) -> None:
     """Runs all iterations of a pack; see `kernel._follow` and `_note` for the arguments."""
     n = len(x_desired) - 1
-    goes_on, iteration = True, 0
+    # As a plain 0 the first iteration would be a type of its own, compiled for itself.
+    goes_on, iteration = True, np.int64(0)
     while goes_on:
         _compiled_begin(
             lanes, words, noise, history, x_desired[0], y_desired[0], heading_desired[0],
-            full_matrix, own_heading, reference_heading, previous_heading,
+            full_matrix is not None, own_heading is not None,
+            reference_heading is not None, previous_heading is not None,
             iteration, iteration > 0 or learn_in_first, output_kind, pose_kind,
         )  # fmt: skip
         ends = False
