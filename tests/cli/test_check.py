@@ -26,6 +26,7 @@ from hilc_cli.theory.learning import transient
 from tests.cli.inputs import SCENARIO, TRAJECTORY, listing, scenario, trajectory
 from tests.cli.processes import HILC, TIMEOUT, environment, run_hilc
 from tests.conftest import Hilc, Outcome, Write
+from tests.shipped import distinct
 
 BRIEF = """\
 test: does not halve the error, 1 warning
@@ -509,7 +510,7 @@ def test_shipped_scenario_is_feasible(name: str) -> None:
     ] * closed_askew
 
 
-@pytest.mark.parametrize("name", [path.stem for path in examples()])
+@pytest.mark.parametrize("name", distinct(path.stem for path in examples()))
 def test_document_of_a_shipped_scenario_is_strict(
     hilc: Hilc, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
