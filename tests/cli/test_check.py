@@ -656,7 +656,7 @@ def test_report_is_one_screen(
     for module in (whole, section, terminal):
         monkeypatch.setattr(module, "is_decorated", lambda stream: stream is sys.stdout)
     monkeypatch.setenv("COLUMNS", str(columns))
-    out = hilc("check", f"example:{name}", "--set", "trajectory.sample_time=5 ms").out
+    out = hilc("check", f"example:{name}", "--set", "trajectory.sample_time=10 ms").out
     lines = "".join(part.partition("m")[2] for part in f"m{out}".split("\x1b[")).splitlines()
     assert max(map(len, lines)) <= columns
     assert len(lines) <= (24 if columns == 100 else 26)
@@ -731,6 +731,7 @@ def test_check_imports_neither_pictures_nor_compilers(tmp_path: Path) -> None:
         ),
     ],
 )
+@pytest.mark.usefixtures("short_horizon")
 def test_every_law_is_told_in_words(hilc: Hilc, folder: Path, name: str, law: str) -> None:
     outcome = hilc("check", f"example:{name}", "--set", "iterations=1")
     assert outcome.code == 0
@@ -743,6 +744,6 @@ def test_law_that_does_not_learn_needs_no_iterations(hilc: Hilc, folder: Path) -
 
 
 def test_matrix_with_which_nothing_is_learned_fails(hilc: Hilc) -> None:
-    outcome = hilc("check", "example:fig8c", "-q")
+    outcome = hilc("check", "example:fig8c", "-q", "--set", "trajectory.sample_time=10 ms")
     assert (outcome.code, outcome.out) == (3, "")
     assert outcome.err.startswith("hilc: no learning is to be expected: the predicted error grows")
