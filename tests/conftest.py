@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import signal
 import sys
@@ -12,6 +13,7 @@ from typing import Any, Protocol
 
 import hypothesis
 import pytest
+import typer.main
 
 from hilc_cli.cli.main import main
 from hilc_cli.cli.session import STOPPED
@@ -69,6 +71,14 @@ def _compiler_without_tracing() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(Compiler, "compile", compile_untraced)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _commands_are_built_once() -> Iterator[None]:
+    """A process builds the commands of ``hilc`` once, which takes as long as many a test."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(typer.main, "get_command", functools.cache(typer.main.get_command))
         yield
 
 

@@ -58,10 +58,16 @@ class Command:
     @property
     def arguments(self) -> list[str] | None:
         """The arguments of a plain ``hilc`` command; None for what needs a shell."""
-        if _SHELL_CHARACTERS.search(_QUOTED.sub("", self.line)):
+        line = self.line.partition(" > ")[0]
+        if _SHELL_CHARACTERS.search(_QUOTED.sub("", line)):
             return None
-        program, *arguments = shlex.split(self.line)
+        program, *arguments = shlex.split(line)
         return arguments if program == "hilc" else None
+
+    @property
+    def output(self) -> str | None:
+        """The file into which a plain command prints; None if there is none."""
+        return self.line.partition(" > ")[2] or None
 
 
 def blocks(page: str) -> list[Block]:

@@ -22,6 +22,7 @@ from hilc_cli.errors import (
 )
 from hilc_cli.laws.hybrid import HybridController
 from hilc_cli.scenario.scenario import ScenarioSpec
+from hilc_cli.theory.learning import transient
 from tests.cli.inputs import SCENARIO, scenario
 from tests.conftest import Write
 
@@ -296,7 +297,7 @@ def test_scenarios_are_taken_as_they_come(folder: Path) -> None:
         assert plan.checksum() == hilc_api.plan_sweep(sources[0], {L1: [0.1, 0.2]}).checksum()
         hilc_api.check_folder(source, "nowhere")
     assert len(hilc_api.sweep({**data, "sweep": {"vary": {L1: "0.1:0.4:4"}}})) == 4
-    assert hilc_api.check("example:fig7b").scenario.name == "fig7b"
+    assert hilc_api.check("example:feedback-circle").scenario.name == "feedback-circle"
     changed = hilc_api.load_scenario(data, {"iterations": 1})
     assert changed.spec.iterations == 1 and data["iterations"] == 2
 
@@ -338,12 +339,16 @@ def assert_short(*results: object) -> None:
         assert not re.search(r"array\(|<[\w.]+ object at", repr(result))
 
 
+def coarse(name: str) -> hilc_api.Scenario:
+    return hilc_api.load_scenario(f"example:{name}", {"trajectory.sample_time": "10 ms"})
+
+
 def test_results_show_themselves_in_a_few_lines() -> None:
-    run = hilc_api.run("example:fig8a")
+    run = hilc_api.run(hilc_api.load_scenario("example:fig8a", {"iterations": 5}))
     run.write("runs/one", plots=False)
     assert_short(run, run.summary(), run.metrics, run.learning, run.last, run.reference)
     assert_short(run.scenario, run.trials, hilc_api.read_run("runs/one"))
-    assert_short(hilc_api.check("example:fig6c").forecast, hilc_api.compare([run, run]))
+    assert_short(hilc_api.check(coarse("fig6c")).forecast, hilc_api.compare([run, run]))
     plan = hilc_api.plan_sweep("scenario.yaml", {L1: "1e-3:1:500:log", "trajectory": ["path.yaml"]})
     sweep = hilc_api.sweep(plan)
     assert_short(plan, sweep, sweep.columns, sweep.values, sweep.summary())
@@ -352,9 +357,12 @@ def test_results_show_themselves_in_a_few_lines() -> None:
     assert f"{run.metrics['max_position_error_m'][-1]:.6g}" in repr(run)
 
 
-def test_check_shows_the_verdict_of_the_command_line_and_whole_sentences() -> None:
+def test_check_shows_the_verdict_of_the_command_line_and_whole_sentences(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(transient, "ITERATIONS", 200)
     for name, verdict in (("fig8a", "works"), ("fig8c", "cannot work"), ("fig3-circle", "works")):
-        found = hilc_api.check(f"example:{name}")
+        found = hilc_api.check(coarse(name))
         first, *lines = repr(found).splitlines()
         assert first == f"Check of {name!r}: {found.verdict}"
         assert found.verdict.startswith(f"{verdict}, ")

@@ -314,7 +314,7 @@ def test_limit_is_to_blame_for_what_a_right_model_leaves_as_well() -> None:
 
 
 def test_turn_in_place_has_no_size_and_no_side() -> None:
-    spin = {"radius": 1e-9, "turn": "left", "sweep": "500 deg", "duration": "15 s"}
+    spin = {"radius": 1e-9, "turn": "left", "sweep": "500 deg", "duration": "5 s"}
     path = {**TURN, "segments": [{"arc": spin}]}
     noise = {"state": {"bound": ["1 mm", "1 mm", 0]}, "output": {"bound": ["5 mm", "5 mm", 0]}}
     wrong = {"wheel_separation": 0.18}

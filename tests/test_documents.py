@@ -30,6 +30,8 @@ def run(command: Command, hilc: Hilc) -> tuple[int, str]:
     """Runs a command line in the working folder; exit code and what it said."""
     if command.arguments is not None:
         outcome = hilc(*command.arguments)
+        if command.output:
+            Path(command.output).write_text(outcome.out, encoding="utf-8")
         return outcome.code, outcome.err
     done = subprocess.run(
         ["bash", "-c", f"set -euo pipefail\n{command.line}"],

@@ -37,14 +37,14 @@ iterations: 20
 controller: {gains: {l1: 0.5}, h: 20, b_w: 180}
 disturbance: {state: {bound: [0.001, 0.001, 0.001]}}
 """
-VARY = ("disturbance.seed=1..240", "iterations=12,20")
+VARY = ("disturbance.seed=1..120", "iterations=12,20")
 METRIC = "mean_position_error_m"  # the maximum error is never less than the initial one
 OPTIONS = (
     *("--vary", VARY[0], "--vary", VARY[1]),
     *("--bands", "--tolerance", "0.8", "--metric", METRIC),
 )
 COMMAND = ("sweep", "sweep.yaml", *OPTIONS, "--no-plots")
-CASES = 480
+CASES = 240
 CHUNK = 24
 TABLES = ("bands.csv", "cases.csv", "scenario.yaml")
 FOLDER = Path("runs/test-sweep")

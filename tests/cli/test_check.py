@@ -26,6 +26,7 @@ from hilc_cli.theory.learning import transient
 from tests.cli.inputs import SCENARIO, TRAJECTORY, listing, scenario, trajectory
 from tests.cli.processes import HILC, TIMEOUT, environment, run_hilc
 from tests.conftest import Hilc, Outcome, Write
+from tests.shipped import distinct
 
 BRIEF = """\
 test: does not halve the error, 1 warning
@@ -509,7 +510,7 @@ def test_shipped_scenario_is_feasible(name: str) -> None:
     ] * closed_askew
 
 
-@pytest.mark.parametrize("name", [path.stem for path in examples()])
+@pytest.mark.parametrize("name", distinct(path.stem for path in examples()))
 def test_document_of_a_shipped_scenario_is_strict(
     hilc: Hilc, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
@@ -655,7 +656,7 @@ def test_report_is_one_screen(
     for module in (whole, section, terminal):
         monkeypatch.setattr(module, "is_decorated", lambda stream: stream is sys.stdout)
     monkeypatch.setenv("COLUMNS", str(columns))
-    out = hilc("check", f"example:{name}", "--set", "trajectory.sample_time=5 ms").out
+    out = hilc("check", f"example:{name}", "--set", "trajectory.sample_time=10 ms").out
     lines = "".join(part.partition("m")[2] for part in f"m{out}".split("\x1b[")).splitlines()
     assert max(map(len, lines)) <= columns
     assert len(lines) <= (24 if columns == 100 else 26)
@@ -730,6 +731,7 @@ def test_check_imports_neither_pictures_nor_compilers(tmp_path: Path) -> None:
         ),
     ],
 )
+@pytest.mark.usefixtures("short_horizon")
 def test_every_law_is_told_in_words(hilc: Hilc, folder: Path, name: str, law: str) -> None:
     outcome = hilc("check", f"example:{name}", "--set", "iterations=1")
     assert outcome.code == 0
@@ -742,6 +744,6 @@ def test_law_that_does_not_learn_needs_no_iterations(hilc: Hilc, folder: Path) -
 
 
 def test_matrix_with_which_nothing_is_learned_fails(hilc: Hilc) -> None:
-    outcome = hilc("check", "example:fig8c", "-q")
+    outcome = hilc("check", "example:fig8c", "-q", "--set", "trajectory.sample_time=10 ms")
     assert (outcome.code, outcome.out) == (3, "")
     assert outcome.err.startswith("hilc: no learning is to be expected: the predicted error grows")

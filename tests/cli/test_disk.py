@@ -119,7 +119,7 @@ def test_replacement_works_without_the_exchange_of_linux(
     assert len(hilc_api.read_run(folder / "runs/test").metrics) == 2
 
 
-@pytest.mark.parametrize("round_", range(3))
+@pytest.mark.parametrize("round_", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 2))])
 def test_two_runs_into_the_same_folder_at_once(tmp_path: Path, round_: int) -> None:
     (tmp_path / "scenario.yaml").write_text(SCENARIO)
     (tmp_path / "path.yaml").write_text(TRAJECTORY)

@@ -14,6 +14,7 @@ from tests.cli.inputs import listing
 from tests.conftest import Hilc, Outcome, Write
 
 KINDS = ["path-change", "final-path", "error", "wheel-speeds", "summary"]
+COARSE = ("--dpi", "30")
 RUN = ("run", "scenario.yaml", "--no-plots", "-q", "--out")
 
 
@@ -40,7 +41,7 @@ def pictures(folder: Path) -> list[str]:
 
 def test_all_kinds_are_drawn_into_the_run_folder(hilc: Hilc, runs: Path) -> None:
     expected = "".join(f"runs/test/{kind}.png\n" for kind in KINDS)
-    outcome = hilc("plot", "runs/test")
+    outcome = hilc("plot", "runs/test", *COARSE)
     assert (outcome.code, outcome.err) == (0, "")
     assert sorted(outcome.out.splitlines()) == sorted(expected.splitlines())
     assert pictures(runs / "test") == sorted(f"{kind}.png" for kind in KINDS)
@@ -50,23 +51,25 @@ def test_deleted_pictures_are_drawn_as_they_were(hilc: Hilc, write: Write, folde
     write()
     assert hilc("run", "scenario.yaml", "-q").code == 0
     run = folder / "runs/test"
+    (run / "summary.png").unlink()  # it shows what is on the others
     before = {name: (run / name).read_bytes() for name in pictures(run)}
     for name in before:
         (run / name).unlink()
-    assert hilc("plot", "runs/test", "-q") == Outcome(0, "", "")
+    kinds = [f"--kind={Path(name).stem}" for name in before]
+    assert hilc("plot", "runs/test", *kinds, "-q") == Outcome(0, "", "")
     assert {name: (run / name).read_bytes() for name in pictures(run)} == before
 
 
 def test_tables_alone_suffice(hilc: Hilc, runs: Path) -> None:
     for name in ("scenario.yaml", "manifest.json", "input.csv"):
         (runs / "test" / name).unlink()
-    assert hilc("plot", "runs/test", "-q") == Outcome(0, "", "")
+    assert hilc("plot", "runs/test", "-q", *COARSE) == Outcome(0, "", "")
     assert len(pictures(runs / "test")) == 5
 
 
 def test_tables_are_left_as_they_are(hilc: Hilc, runs: Path) -> None:
     before = listing(runs)
-    assert hilc("plot", "runs/test", "-q").code == 0
+    assert hilc("plot", "runs/test", "--kind", "error", "-q").code == 0
     after = listing(runs)
     assert {name: after[name] for name in before if name != "test/manifest.json"} == {
         name: content for name, content in before.items() if name != "test/manifest.json"
@@ -143,7 +146,7 @@ def test_existing_picture_elsewhere_is_kept(hilc: Hilc, runs: Path, folder: Path
     (folder / "figures").mkdir()
     (folder / "figures/final-path.png").write_text("precious")
     before = listing(folder)
-    outcome = hilc("plot", "runs/test", "--out", "figures")
+    outcome = hilc("plot", "runs/test", "--out", "figures", *COARSE)
     assert outcome == Outcome(
         1,
         "",
@@ -157,7 +160,8 @@ def test_force_replaces_an_existing_picture(hilc: Hilc, runs: Path, folder: Path
     (folder / "figures").mkdir()
     (folder / "figures/final-path.png").write_text("old")
     (folder / "figures/notes.txt").write_text("keep")
-    assert hilc("plot", "runs/test", "--out", "figures", "--force", "-q") == Outcome(0, "", "")
+    arguments = ("--kind", "final-path", "--out", "figures", "--force", "-q")
+    assert hilc("plot", "runs/test", *arguments) == Outcome(0, "", "")
     assert (folder / "figures/final-path.png").read_bytes().startswith(b"\x89PNG")
     assert (folder / "figures/notes.txt").read_text() == "keep"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import re
 from pathlib import Path
@@ -9,12 +10,13 @@ from typing import Any
 
 import pytest
 
-from hilc_cli.cli.schema import json_schema
+from hilc_cli.cli import schema as schema_command
 from hilc_cli.shipped_files import LEADERBOARDS, examples
 from hilc_cli.yaml_input.nodes import Source, to_data
 from hilc_cli.yaml_input.tree import parse_yaml
 from tests.conftest import Hilc
 
+json_schema = functools.cache(schema_command.json_schema)
 KINDS = ["trajectory", "scenario", "leaderboard"]
 FILES = [
     *(pytest.param("scenario", path, id=path.name) for path in examples()),

@@ -61,15 +61,10 @@ def test_quiet_prints_nothing(inputs: Path) -> None:
     assert run_hilc(*RUN, "-q", *changes, cwd=inputs) == Outcome(0, "", "")
 
 
-def test_warnings_go_to_stderr(inputs: Path) -> None:
+def test_warnings_go_to_stderr_and_are_part_of_the_summary(inputs: Path) -> None:
     changes = ("--set", "initial_pose.y=1", "--set", "controller.gains.l2=1")
     outcome = run_hilc(*RUN, *changes, cwd=inputs)
     assert (outcome.code, outcome.err) == (0, WARNING)
-
-
-def test_warnings_are_part_of_the_summary(inputs: Path) -> None:
-    changes = ("--set", "initial_pose.y=1", "--set", "controller.gains.l2=1")
-    outcome = run_hilc(*RUN, *changes, cwd=inputs)
     assert outcome.out.splitlines().count(WARNING.removeprefix("hilc: ").rstrip()) == 1
     folder = "runs/test+y=1+l2=1"
     assert outcome.out.endswith(f"\nWritten to {folder}\n")
@@ -121,10 +116,11 @@ def test_endless_standard_input_is_told(inputs: Path) -> None:
     )
 
 
-PIPES = ["schema scenario", "examples", "--help", "run --help", "run scenario.yaml --no-plots"]
+# Much at once, help, and what a command prints in several steps.
+PIPES = ["schema scenario", "--help", "run scenario.yaml --no-plots"]
 
 
-@pytest.mark.parametrize("command", PIPES)
+@pytest.mark.parametrize("command", [*PIPES, "examples", "run --help"])
 def test_reader_that_has_seen_enough_is_no_failure(inputs: Path, command: str) -> None:
     outcome = in_shell(f"hilc {command} | head -1 > /dev/null; exit ${{PIPESTATUS[0]}}", inputs)
     assert outcome == Outcome(0, "", "")
@@ -178,7 +174,7 @@ def test_folder_name_that_stdout_cannot_spell_is_no_failure(inputs: Path, encodi
 
 
 def test_no_escape_codes_in_pipes(inputs: Path) -> None:
-    for arguments in (RUN, ("examples",), ("--help",), ("run", "--help"), ("run", "nosuch")):
+    for arguments in (RUN, ("run", "--help"), ("run", "nosuch")):
         outcome = run_hilc(*arguments, cwd=inputs, changes={"FORCE_COLOR": "", "COLUMNS": "60"})
         assert "\x1b" not in outcome.out + outcome.err
 

@@ -16,7 +16,7 @@ from tests.conftest import Hilc, Outcome
 pytestmark = pytest.mark.usefixtures("alone")
 
 Resize = Callable[[str], None]
-SMALLEST_FILE = 78_400  # errors.bin reaches it after some chunks
+SMALLEST_FILE = 39_200  # errors.bin reaches it after some chunks
 
 
 @pytest.fixture(autouse=True)
@@ -70,7 +70,7 @@ def resize(folder: Path) -> Iterator[Resize]:
 
 @pytest.mark.parametrize(
     ("size", "is_computed"),
-    [("120k", False), ("240k", True)],
+    [("60k", False), ("120k", True)],
     ids=["while it computes", "while results are written"],
 )
 def test_full_disk(hilc: Hilc, folder: Path, resize: Resize, size: str, is_computed: bool) -> None:
@@ -105,7 +105,7 @@ def test_disk_without_room_for_anything(hilc: Hilc, folder: Path, resize: Resize
 
 def test_disk_without_room_for_a_shard(hilc: Hilc, folder: Path, resize: Resize) -> None:
     sweeps.put_sweep(folder)
-    resize("112k")
+    resize("72k")
     command = (*sweeps.COMMAND, "--shard", "1/1", "--out", "disk/shard")
     resume = check_refused(hilc(*command), "no space left on device")
     resize("4m")

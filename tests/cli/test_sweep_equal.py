@@ -16,7 +16,8 @@ from tests.cli.processes import outcome_of
 from tests.conftest import Hilc, Outcome
 
 
-@pytest.mark.parametrize("workers", ["1", "2"])
+# Beside its parent, one worker process does what two do.
+@pytest.mark.parametrize("workers", [pytest.param("1", marks=pytest.mark.slow), "2"])
 def test_worker_processes(tmp_path: Path, workers: str) -> None:
     sweeps.put_sweep(tmp_path)
     outcome = sweeps.run(*sweeps.COMMAND, "--workers", workers, "-q", cwd=tmp_path)

@@ -11,11 +11,11 @@ from tests.reference.paths import paper_reference
 
 
 def test_memory_does_not_grow_with_the_number_of_iterations() -> None:
-    # 20 samples: a trial is about 1 kB, so that 1400 of them kept would be more than 1 MB.
+    # 20 samples: a trial is about 1 kB, so that 400 of them kept would be 400 kB.
     experiment = experiment_of(
         paper_reference("circle", 0.1),
         law_of(0.5, 0.25, 0.25),
-        iterations=1500,
+        iterations=500,
         speed_limit=LIMIT,
         disturbance=Disturbance(1, state=Bounded((0.01, 0.01, 0.01))),
     )

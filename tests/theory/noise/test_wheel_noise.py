@@ -51,7 +51,8 @@ BACK = law_of(1.0, 3.0, 1.0, matrix=matrix_of("model", ROBOT))
     ("law", "limit", "noise", "iterations"),
     [
         (optimal(WRONG), 13.0, NOISE, 4),
-        (optimal(ROBOT), 9.0, NOISE, 4),
+        # Far too slow wheels make the law search long; at their limit the third case has them, too.
+        pytest.param(optimal(ROBOT), 9.0, NOISE, 4, marks=pytest.mark.slow),
         (optimal(WRONG, identify=False), 11.0, NOISE, 4),
         (HYBRID, 11.9, SLIGHT, 5),
         (HYBRID, math.inf, SLIGHT, 15),  # what is learned of the noise grows over the iterations
