@@ -35,6 +35,21 @@ class Setting:
     initial_error: Triple
     initial_bound: Triple
 
+    def has_initial_error(self, tolerance: float) -> bool:
+        """Whether a run starts off the reference, so that a law may meet that.
+
+        Decided once for a run, from what is known before it: noise in a measured output never
+        switches the law.
+
+        Args:
+            tolerance: Components up to this count as no error [m and rad].
+
+        Source:
+            Qiao et al. 2021, Fig. 2.
+        """
+        pairs = zip(self.initial_error, self.initial_bound, strict=True)
+        return any(abs(error) > tolerance or bound > tolerance for error, bound in pairs)
+
 
 class Controller(Model):
     """A law by its name, with the law's own parameters.

@@ -10,15 +10,18 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from hilc_cli.laws.gain_matrix import GainMatrix, GainMatrixChoice, gain_matrix, matrix_misfits
-from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
-from hilc_cli.laws.parameters import Controller, Setting, default_length, length_misfits
-from hilc_cli.laws.past_errors import (
+from hilc_cli.laws.gain_matrix import (
     GainHeading,
+    GainMatrix,
+    GainMatrixChoice,
     PastErrors,
     corrected_plan,
+    gain_matrix,
+    matrix_misfits,
     per_component,
 )
+from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
+from hilc_cli.laws.parameters import Controller, Setting, default_length, length_misfits
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.yaml_input.model import Located, Model, valid

@@ -12,10 +12,10 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.learning import Learning
-from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import packages_of
 from hilc_cli.names import in_short
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.parameters import DEFAULT_PLANT
 from hilc_cli.plants.registry import package_of
 from hilc_cli.reference.sampled import Floats, Reference

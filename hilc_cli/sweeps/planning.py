@@ -43,10 +43,9 @@ from hilc_cli.yaml_input.nodes import (
     from_data,
     to_data,
 )
-from hilc_cli.yaml_input.overrides import parts_of_key
 from hilc_cli.yaml_input.problems import problems_of
 from hilc_cli.yaml_input.quantities import MOST_CASES
-from hilc_cli.yaml_input.reading import Inputs
+from hilc_cli.yaml_input.reading import Inputs, parts_of_key
 
 _LAW = "controller.law"
 _MOST_CORNERS = 64

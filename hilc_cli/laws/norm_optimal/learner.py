@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -135,7 +135,7 @@ class NormOptimalLearner:
         with np.errstate(over="ignore", invalid="ignore"):
             model = self._model()
             rectified = _rectified(self._parameters, self._trajectory, start, model)
-            model = replace(model, speed_limit=rectified.speed_limit)
+            model = model._replace(speed_limit=rectified.speed_limit)
             best = self._learned(model, rectified)
             gains = self._feedback(model, best.poses)
         self._last = self._belief.robot, best.inputs

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -118,15 +119,29 @@ def _longest(
     return length
 
 
+class Model(NamedTuple):
+    """The motion that the controller expects of its platform: a tuple, which the compiler knows.
+
+    Attributes:
+        distance_gain: a = d_k R / 2 [m s].
+        turn_gain: b = d_k R / (2 B) [s].
+        drift: What these two do not explain: ahead [m], to the left [m], turn [rad] in each
+            sample, shape (n, 3).
+        speed_limit: b_w [rad/s].
+    """
+
+    distance_gain: float
+    turn_gain: float
+    drift: Floats
+    speed_limit: float
+
+
 def _closed_loop(
     start: Floats,
     inputs: Floats,
     desired: Floats,
     gains: Floats,
-    speed_limit: float,
-    distance_gain: float,
-    turn_gain: float,
-    drift: Floats,
+    model: Model,
 ) -> tuple[Floats, Floats]:
     """Wheel speeds and poses under feedback about a desired motion, each wheel within the limit.
 
@@ -135,10 +150,7 @@ def _closed_loop(
         inputs: Wheel speeds on the desired motion [rad/s], shape (n, 2).
         desired: The desired poses, shape (n + 1, 3).
         gains: Feedback of the pose error on the wheels, shape (n, 2, 3).
-        speed_limit: b_w [rad/s].
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
-        drift: What the model does not explain, shape (n, 3).
+        model: The platform.
 
     Returns:
         Wheel speeds, shape (n, 2), and poses, shape (n + 1, 3).
@@ -146,6 +158,7 @@ def _closed_loop(
     Source:
         Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
     """
+    distance_gain, turn_gain, drift, speed_limit = model
     applied = np.empty_like(inputs)
     poses = np.empty_like(desired)
     x, y, heading = start[0], start[1], start[2]
@@ -174,24 +187,6 @@ MOST_STEPS = 100
 _SHORTEST = 2.0**-10  # of a step along the search direction
 _SETTLED = 1e-4  # relative gain of a step at which the search ends
 _EXACT = 1e-9  # share of the cost that the bounded problem may miss
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Model:
-    """The motion that the controller expects of its platform.
-
-    Attributes:
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
-        drift: What these two do not explain: ahead [m], to the left [m], turn [rad] in each
-            sample, shape (n, 3).
-        speed_limit: b_w [rad/s].
-    """
-
-    distance_gain: float
-    turn_gain: float
-    drift: Floats
-    speed_limit: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -338,10 +333,7 @@ def _best_step(
             inputs + length * changes,
             poses + length * moved,
             gains,
-            model.speed_limit,
-            model.distance_gain,
-            model.turn_gain,
-            model.drift,
+            model,
         )
         new_cost = aim.cost(tried, reached)
         if found is not None and new_cost >= found.cost:
