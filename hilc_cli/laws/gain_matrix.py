@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import PlainSerializer, PlainValidator, WithJsonSchema
+from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from hilc_cli.errors import near_word
@@ -242,6 +242,7 @@ GainMatrixChoice = Annotated[
             ]
         }
     ),
+    Field(description="model: Eq. 45; unit: Eq. 56; or 2x3 entries affine in cos and sin"),
 ]
 
 

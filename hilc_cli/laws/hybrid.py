@@ -22,12 +22,12 @@ from hilc_cli.laws.gain_matrix import (
     wheel_correction,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
-from hilc_cli.laws.parameters import Controller, Setting, default_length, length_misfits
+from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
 from hilc_cli.plants.kinematic import Number, Robot
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.yaml_input.expressions import Affine
 from hilc_cli.yaml_input.model import Located, Model, valid
-from hilc_cli.yaml_input.quantities import Gain, LateralGain, PositiveWheelSpeed, Samples, Tolerance
+from hilc_cli.yaml_input.quantities import Gain, LateralGain, Samples, Tolerance
 
 
 def compensation_gain(k: int, h: int, sample_time: float) -> float:
@@ -242,9 +242,7 @@ class HybridController(Controller):
 
     law: Literal["hybrid"] = "hybrid"
     gains: HybridGains
-    gain_matrix: GainMatrixChoice = Field(
-        "model", description="model: Eq. 45; unit: Eq. 56; or 2x3 entries affine in cos and sin"
-    )
+    gain_matrix: GainMatrixChoice = "model"
     gain_heading: GainHeading = Field(
         "measured", description="heading at which the gain matrix is taken"
     )
@@ -257,9 +255,7 @@ class HybridController(Controller):
     h: Samples | None = Field(
         None, description="length of the compensation in samples, 1 to n; default 200, or n if less"
     )
-    b_w: PositiveWheelSpeed | None = Field(
-        None, description="speed limit of the wheels [rad/s]; null for none"
-    )
+    b_w: SpeedLimit = None
 
     @classmethod
     def relations(

@@ -5,16 +5,25 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
+
+from pydantic import Field
 
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.laws.law import Law
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.yaml_input.model import Located, Model
+from hilc_cli.yaml_input.quantities import PositiveWheelSpeed
 
 DEFAULT_LAW = "hybrid"
 DEFAULT_H = 200  # samples, the paper's choice in situation 3
+
+SpeedLimit = Annotated[
+    PositiveWheelSpeed | None,
+    Field(description="speed limit of the wheels [rad/s]; null for none"),
+]
+"""The type of the field ``b_w`` that every law has."""
 
 SLOWEST = 1.0  # [s]; no wheels are told less often what to do
 

@@ -26,8 +26,6 @@ import textwrap
 from dataclasses import field
 from typing import TYPE_CHECKING
 
-from hilc_cli.names import counted as counted
-
 if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text

@@ -109,13 +109,6 @@ def mistaken(keys: Collection[str], wanted: str, shown: str = "") -> str | None:
     return None if given == wanted else _not_but(given, wanted, shown)
 
 
-def mistaken_example(text: str, wanted: str) -> str | None:
-    """The same for ``example:NAME``; None also for any other text."""
-    if is_example(text, wanted):
-        return None
-    return next((_not_but(kind, wanted, "") for kind in KINDS if is_example(text, kind)), None)
-
-
 def _not_but(given: str, wanted: str, shown: str) -> str:
     got = f", got {shown}" if shown else ""
     return f"is a {_ONE[given]}, not a {_ONE[wanted]}{got}; {_INSTEAD[given, wanted]}"
@@ -163,9 +156,7 @@ class Inputs:
             content = _read_stdin()
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
             return self._parsed(content, Source("<stdin>", Path()), kind)
-        path = _example_or_path(name, kind)
-        content = self.file(_there(path, name, kind), MAX_BYTES)
-        return self._parsed(content, Source(str(path), path.parent), kind)
+        return self._of_file(_file_of(name, kind, Path(name)), kind)
 
     def with_trajectory(self, tree: MapNode) -> MapNode:
         """The scenario with its trajectory file, if it names one, in the place of the path.
@@ -183,7 +174,8 @@ class Inputs:
             )
             raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
         try:
-            trajectory = self._trajectory_tree(node.value, node.place.source.folder)
+            path = _short(node.place.source.folder / node.value)
+            trajectory = self._of_file(_file_of(node.value, TRAJECTORIES, path), TRAJECTORIES)
         except (UsageError, FileAccessError) as error:
             message = f"{error}{hint(node.value, quoted=node.quoted)}"
             raise InvalidInputError([Problem(str(node.place), "trajectory", message)]) from None
@@ -193,13 +185,8 @@ class Inputs:
                 raise InvalidInputError([Problem(str(node.place), "trajectory", other)])
         return with_entry(tree, "trajectory", trajectory, trajectory.place)
 
-    def _trajectory_tree(self, name: str, folder: Path) -> Node:
-        if name.startswith(PREFIX):
-            path = _example_or_path(name, TRAJECTORIES)
-        else:
-            path = _there(_short(folder / name), name, TRAJECTORIES)
-        content = self.file(path, MAX_BYTES)
-        return self._parsed(content, Source(str(path), path.parent), TRAJECTORIES)
+    def _of_file(self, path: Path, kind: str) -> Node:
+        return self._parsed(self.file(path, MAX_BYTES), Source(str(path), path.parent), kind)
 
     def _parsed(self, content: bytes, source: Source, kind: str) -> Node:
         """The tree of a file that is of a kind, or of another one that is known.
@@ -217,16 +204,13 @@ class Inputs:
         return tree
 
 
-def _example_or_path(name: str, kind: str) -> Path:
-    """The file that a text stands for."""
-    other = mistaken_example(name, kind)
-    if other is not None:
-        raise UsageError(f"{name}: {other}")
-    return resolve_example(name, kind)
-
-
-def _there(path: Path, name: str, kind: str) -> Path:
-    """The path, if something is there or no example is meant."""
+def _file_of(name: str, kind: str, path: Path) -> Path:
+    """Returns the file that a text stands for: the example that it names, or what is at a path."""
+    if name.startswith(PREFIX):
+        given = next((each for each in (kind, *KINDS) if is_example(name, each)), kind)
+        if given != kind:
+            raise UsageError(f"{name}: {_not_but(given, kind, '')}")
+        return resolve_example(name, kind)
     meant = None if os.path.lexists(path) else example_meant(name, kind)
     if meant is not None:
         raise UsageError(f"{path}: there is no such file; did you mean '{meant}'?")

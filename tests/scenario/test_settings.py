@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
+from hilc_cli.scenario.experiment import settings_of, yardsticks_of
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.scenario.settings import settings_of, yardsticks_of
 
 
 @pytest.mark.parametrize(

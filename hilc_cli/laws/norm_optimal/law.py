@@ -12,7 +12,7 @@ from pydantic import Field
 
 from hilc_cli.laws.law import Figures, Iteration, Learner, Plan, Task
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
-from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, length_misfits
+from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, SpeedLimit, length_misfits
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.yaml_input.model import Flag, Located, Model, valid
@@ -183,9 +183,7 @@ class NormOptimalController(Controller):
     memory: Annotated[int, such_as(Samples, "4")] = Field(
         4, description="iterations over which motion that the model does not explain is averaged"
     )
-    b_w: PositiveWheelSpeed | None = Field(
-        None, description="speed limit of the wheels [rad/s]; null for none"
-    )
+    b_w: SpeedLimit = None
 
     @classmethod
     def relations(
