@@ -12,71 +12,133 @@ from tests.conftest import Hilc, Outcome, Write
 
 LONG = "n" * 300
 
-USAGE: list[tuple[str, list[str], str]] = [
-    (
-        "set-no-eq",
-        ["run", "scenario.yaml", "--set", "iterations"],
-        "--set iterations: must read KEY=VALUE, such as controller.gains.l1=0.5",
-    ),
-    (
-        "set-empty-key",
-        ["run", "scenario.yaml", "--set", "=3"],
-        "--set =3: must read KEY=VALUE, such as controller.gains.l1=0.5",
-    ),
-    (
-        "set-dots",
-        ["run", "scenario.yaml", "--set", "a..b=3"],
-        "--set a..b=3: must read KEY=VALUE, such as controller.gains.l1=0.5",
-    ),
+OVERRIDES = [
+    ("set-no-eq", "iterations", "must read KEY=VALUE, such as controller.gains.l1=0.5"),
+    ("set-empty-key", "=3", "must read KEY=VALUE, such as controller.gains.l1=0.5"),
+    ("set-dots", "a..b=3", "must read KEY=VALUE, such as controller.gains.l1=0.5"),
     (
         "set-through",
-        ["run", "scenario.yaml", "--set", "iterations.x=3"],
-        "--set iterations.x=3: iterations.x: cannot be set, since iterations is a single value; set that instead",
+        "iterations.x=3",
+        "iterations.x: cannot be set, since iterations is a single value; set that instead",
     ),
     (
         "set-index",
-        ["run", "scenario.yaml", "--set", "trajectory.segments.7.line.length=3"],
-        "--set trajectory.segments.7.line.length=3: trajectory.segments.7: is no entry of the list; give a number from 0 to 0",
+        "trajectory.segments.7.line.length=3",
+        "trajectory.segments.7: is no entry of the list; give a number from 0 to 0",
     ),
     (
         "set-index-word",
-        ["run", "scenario.yaml", "--set", "trajectory.segments.first=3"],
-        "--set trajectory.segments.first=3: trajectory.segments.first: is no entry of the list; give a number from 0 to 0",
+        "trajectory.segments.first=3",
+        "trajectory.segments.first: is no entry of the list; give a number from 0 to 0",
     ),
     (
         "set-index-neg",
-        ["run", "scenario.yaml", "--set", "trajectory.segments.-1.line.length=3"],
-        "--set trajectory.segments.-1.line.length=3: trajectory.segments.-1: is no entry of the list; give a number from 0 to 0",
+        "trajectory.segments.-1.line.length=3",
+        "trajectory.segments.-1: is no entry of the list; give a number from 0 to 0",
     ),
-    (
-        "set-unknown",
-        ["run", "scenario.yaml", "--set", "iteration=3"],
-        "--set iteration=3: iteration: is an unknown key; did you mean 'iterations'?",
-    ),
+    ("set-unknown", "iteration=3", "iteration: is an unknown key; did you mean 'iterations'?"),
     (
         "set-unknown-nested",
-        ["run", "scenario.yaml", "--set", "controller.gain.l1=3"],
-        "--set controller.gain.l1=3: controller.gain: is an unknown key of law hybrid; did you mean 'controller.gains.l1'?",
+        "controller.gain.l1=3",
+        "controller.gain: is an unknown key of law hybrid; did you mean 'controller.gains.l1'?",
     ),
     (
         "set-yaml",
-        ["run", "scenario.yaml", "--set", "iterations=[1"],
-        "--set iterations=[1: iterations: is not valid YAML: did not find expected ',' or ']'; check quotes, colons, brackets and indentation",
+        "iterations=[1",
+        "iterations: is not valid YAML: did not find expected ',' or ']'; check quotes, colons, brackets and indentation",
     ),
     (
         "set-yaml2",
-        ["run", "scenario.yaml", "--set", "iterations=a: b: c"],
-        "--set iterations=a: b: c: iterations: is not valid YAML: mapping values are not allowed in this context; check quotes, colons, brackets and indentation",
+        "iterations=a: b: c",
+        "iterations: is not valid YAML: mapping values are not allowed in this context; check quotes, colons, brackets and indentation",
     ),
     (
         "set-value",
-        ["run", "scenario.yaml", "--set", "controller.gains.l1=-1"],
-        "--set controller.gains.l1=-1: controller.gains.l1: must be at least 0, got -1; give a number from 0 up, such as 0.5",
+        "controller.gains.l1=-1",
+        "controller.gains.l1: must be at least 0, got -1; give a number from 0 up, such as 0.5",
     ),
     (
         "set-list",
-        ["run", "scenario.yaml", "--set", "robot.gravity_center=[1,a]"],
-        "--set robot.gravity_center=[1,a]: robot.gravity_center.1: has the unknown name 'a', got 'a'; give a number, such as 1.5 or 20 cm",
+        "robot.gravity_center=[1,a]",
+        "robot.gravity_center.1: has the unknown name 'a', got 'a'; give a number, such as 1.5 or 20 cm",
+    ),
+    (
+        "set-tag",
+        "name=!!python/object:os.system ls",
+        "name: has the tag tag:yaml.org,2002:python/object:os.system; leave tags out",
+    ),
+    ("set-dup", "robot={a: 1, a: 2}", "robot: is given twice, first in line 1; keep one of them"),
+    (
+        "set-traj-missing",
+        "trajectory=nosuch.yaml",
+        "trajectory: nosuch.yaml: there is no such file; check the path",
+    ),
+    (
+        "set-h",
+        "controller.h=7",
+        "controller.h: must be at most the trajectory's 3 samples, got 7; give a whole number from 1 to 3",
+    ),
+    (
+        "trajectory-by-name",
+        "trajectory=cardioid",
+        "trajectory: cardioid: there is no such file; did you mean 'example:cardioid'?",
+    ),
+]
+REQUIREMENTS = [
+    (
+        "req-form",
+        "max_position_error_m",
+        "must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
+    ),
+    (
+        "req-eq",
+        "max_position_error_m==0",
+        "must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
+    ),
+    (
+        "req-metric",
+        "max_position_error<=0.1",
+        "'max_position_error' is no metric; did you mean 'max_position_error_m'?",
+    ),
+    (
+        "req-metric-far",
+        "qqq<=0.1",
+        "'qqq' is no metric; known: final_position_error_m, input_change_rms_rad_s, max_abs_error_heading_rad, max_abs_error_x_m, max_abs_error_y_m, max_position_error_m, max_position_error_second_half_m, max_wheel_speed_rad_s, mean_position_error_m, mean_position_error_second_half_m, rms_position_error_m, saturated_samples",
+    ),
+    (
+        "req-number",
+        "max_position_error_m<=small",
+        "the bound has the unknown name 'small'; give a number such as 0.01",
+    ),
+    (
+        "req-nan",
+        "max_position_error_m<=1e999",
+        "the bound must be finite; give a number such as 0.01",
+    ),
+    (
+        "req-empty",
+        "max_position_error_m<=",
+        "must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
+    ),
+    (
+        "req-unit",
+        "max_position_error_m<=3 s",
+        "the bound has the wrong unit; give a number such as 0.01",
+    ),
+    (
+        "req-reversed",
+        "0.1>=max_position_error_m",
+        "must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
+    ),
+]
+USAGE: list[tuple[str, list[str], str]] = [
+    *(
+        (name, ["run", "scenario.yaml", "--set", text], f"--set {text}: {told}")
+        for name, text, told in OVERRIDES
+    ),
+    *(
+        (name, ["run", "scenario.yaml", "--require", text], f"hilc: --require {text}: {told}")
+        for name, text, told in REQUIREMENTS
     ),
     (
         "set-two",
@@ -95,74 +157,9 @@ USAGE: list[tuple[str, list[str], str]] = [
         ),
     ),
     (
-        "set-tag",
-        ["run", "scenario.yaml", "--set", "name=!!python/object:os.system ls"],
-        "--set name=!!python/object:os.system ls: name: has the tag tag:yaml.org,2002:python/object:os.system; leave tags out",
-    ),
-    (
-        "set-dup",
-        ["run", "scenario.yaml", "--set", "robot={a: 1, a: 2}"],
-        "--set robot={a: 1, a: 2}: robot: is given twice, first in line 1; keep one of them",
-    ),
-    (
-        "set-traj-missing",
-        ["run", "scenario.yaml", "--set", "trajectory=nosuch.yaml"],
-        "--set trajectory=nosuch.yaml: trajectory: nosuch.yaml: there is no such file; check the path",
-    ),
-    (
         "set-traj-inline",
         ["run", "scenario.yaml", "--set", "trajectory.sample_time=0.2"],
         "path.yaml:5:33: trajectory.segments.0.line.duration: takes 0.3 s, which is 1.5 samples of 0.2 s, got '0.3 s'; give a whole number of samples, such as 0.2 s",
-    ),
-    (
-        "set-h",
-        ["run", "scenario.yaml", "--set", "controller.h=7"],
-        "--set controller.h=7: controller.h: must be at most the trajectory's 3 samples, got 7; give a whole number from 1 to 3",
-    ),
-    (
-        "req-form",
-        ["run", "scenario.yaml", "--require", "max_position_error_m"],
-        "hilc: --require max_position_error_m: must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
-    ),
-    (
-        "req-eq",
-        ["run", "scenario.yaml", "--require", "max_position_error_m==0"],
-        "hilc: --require max_position_error_m==0: must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
-    ),
-    (
-        "req-metric",
-        ["run", "scenario.yaml", "--require", "max_position_error<=0.1"],
-        "hilc: --require max_position_error<=0.1: 'max_position_error' is no metric; did you mean 'max_position_error_m'?",
-    ),
-    (
-        "req-metric-far",
-        ["run", "scenario.yaml", "--require", "qqq<=0.1"],
-        "hilc: --require qqq<=0.1: 'qqq' is no metric; known: final_position_error_m, input_change_rms_rad_s, max_abs_error_heading_rad, max_abs_error_x_m, max_abs_error_y_m, max_position_error_m, max_position_error_second_half_m, max_wheel_speed_rad_s, mean_position_error_m, mean_position_error_second_half_m, rms_position_error_m, saturated_samples",
-    ),
-    (
-        "req-number",
-        ["run", "scenario.yaml", "--require", "max_position_error_m<=small"],
-        "hilc: --require max_position_error_m<=small: the bound has the unknown name 'small'; give a number such as 0.01",
-    ),
-    (
-        "req-nan",
-        ["run", "scenario.yaml", "--require", "max_position_error_m<=1e999"],
-        "hilc: --require max_position_error_m<=1e999: the bound must be finite; give a number such as 0.01",
-    ),
-    (
-        "req-empty",
-        ["run", "scenario.yaml", "--require", "max_position_error_m<="],
-        "hilc: --require max_position_error_m<=: must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
-    ),
-    (
-        "req-unit",
-        ["run", "scenario.yaml", "--require", "max_position_error_m<=3 s"],
-        "hilc: --require max_position_error_m<=3 s: the bound has the wrong unit; give a number such as 0.01",
-    ),
-    (
-        "req-reversed",
-        ["run", "scenario.yaml", "--require", "0.1>=max_position_error_m"],
-        "hilc: --require 0.1>=max_position_error_m: must read METRIC:le:VALUE, such as max_position_error_m:le:0.01, or in quotes 'METRIC<=VALUE'; le, lt, ge, gt stand for <=, <, >=, >",
     ),
     (
         "unknown-option",
@@ -218,11 +215,6 @@ USAGE: list[tuple[str, list[str], str]] = [
         "path-of-an-example",
         ["check", "scenarios/Gain-Map.yaml"],
         "hilc: scenarios/Gain-Map.yaml: there is no such file; did you mean 'example:gain-map'?",
-    ),
-    (
-        "trajectory-by-name",
-        ["run", "scenario.yaml", "--set", "trajectory=cardioid"],
-        "--set trajectory=cardioid: trajectory: cardioid: there is no such file; did you mean 'example:cardioid'?",
     ),
     (
         "no-example-of-this-name",
