@@ -72,8 +72,12 @@ def plot(
       hilc plot runs/leaderboard --format svg --format pdf
     """
     from hilc_cli.cli.default_folders import RUNS, newest_results
-    from hilc_cli.leaderboards.comparing import is_leaderboard
-    from hilc_cli.sweeps.folders import is_sweep
+    from hilc_cli.leaderboards.comparing import (
+        is_leaderboard,
+        plot_leaderboard,
+        read_leaderboard,
+    )
+    from hilc_cli.sweeps.folders import is_sweep, plot_sweep, read_sweep
 
     kinds = [choice.value for choice in kind or []]
     if not runs:
@@ -84,46 +88,22 @@ def plot(
     # Pictures in the folder of what they show are made from what stands beside them.
     drawing["may_replace"] = lambda file: force or out is None
     if any(map(is_sweep, runs)):
-        folder, pictures = _plot_sweep(runs, kinds, iterations, out, drawing)
+        if len(runs) > 1 or iterations is not None:
+            raise UsageError("a sweep is drawn on its own, and without --iterations")
+        folder = out or runs[0]
+        pictures = plot_sweep(read_sweep(runs[0]), folder, kinds=kinds, **drawing)
     # Among runs, those that a pattern such as runs/* finds, too, are left out.
     elif all(map(is_leaderboard, runs)):
-        folder, pictures = _plot_leaderboard(runs, kinds, iterations, out, drawing)
+        if len(runs) > 1 or iterations is not None or kinds:
+            raise UsageError("a leaderboard is drawn alone, without --iterations and --kind")
+        folder = out or runs[0]
+        pictures = plot_leaderboard(read_leaderboard(runs[0]), folder, **drawing)
     else:
         folder, pictures = _plot_runs(runs, kinds, iterations, out, drawing, force=force)
     if json:
         print_json({"folder": str(folder), "files": [str(picture) for picture in pictures]})
     elif not quiet:
         print_text("\n".join(printable(str(picture)) for picture in pictures))
-
-
-def _plot_sweep(
-    folders: list[Path],
-    kinds: Sequence[str],
-    iterations: str | None,
-    out: Path | None,
-    drawing: dict[str, Any],
-) -> tuple[Path, list[Path]]:
-    from hilc_cli.sweeps.folders import plot_sweep, read_sweep
-
-    if len(folders) > 1 or iterations is not None:
-        raise UsageError("a sweep is drawn on its own, and without --iterations")
-    folder = out or folders[0]
-    return folder, plot_sweep(read_sweep(folders[0]), folder, kinds=kinds, **drawing)
-
-
-def _plot_leaderboard(
-    folders: list[Path],
-    kinds: Sequence[str],
-    iterations: str | None,
-    out: Path | None,
-    drawing: dict[str, Any],
-) -> tuple[Path, list[Path]]:
-    from hilc_cli.leaderboards.comparing import plot_leaderboard, read_leaderboard
-
-    if len(folders) > 1 or iterations is not None or kinds:
-        raise UsageError("a leaderboard is drawn alone, without --iterations and --kind")
-    folder = out or folders[0]
-    return folder, plot_leaderboard(read_leaderboard(folders[0]), folder, **drawing)
 
 
 def _plot_runs(

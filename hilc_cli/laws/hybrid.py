@@ -233,6 +233,12 @@ class HybridGains(Model):
         0.0, description="kappa [rad/m]: heading error asked for by an error to the left; 0: none"
     )
 
+    @property
+    def in_words(self) -> str:
+        """All gains, the lateral one if it is used."""
+        lateral = f", lateral {self.lateral:g} rad/m" if self.lateral else ""
+        return f"l1 {self.l1:g}, l2 {self.l2:g}, l3 {self.l3:g}{lateral}"
+
 
 class HybridController(Controller):
     """The hybrid iterative learning controller of Qiao et al. 2021."""
@@ -293,17 +299,14 @@ class HybridController(Controller):
 
     def in_words(self, setting: Setting) -> str:
         """The position of Fig. 2's switch, and all gains."""
-        compensates, gains = self.compensates(setting), self.gains
+        compensates = self.compensates(setting)
         law = "Eq. 21, compensating the initial error" if compensates else "Eq. 17"
-        lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
-        return f"{law}; l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
+        return f"{law}; {self.gains.in_words}"
 
     def in_short(self, setting: Setting) -> str:
         """The equation and the gains, for a title."""
-        gains = self.gains
         equation = "Eq. 21" if self.compensates(setting) else "Eq. 17"
-        lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
-        return f"{equation}, l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
+        return f"{equation}, {self.gains.in_words}"
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""

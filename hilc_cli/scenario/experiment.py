@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from hilc_cli import plug_ins
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.learning import Learning
 from hilc_cli.laws.norm_optimal.law import RATIO
@@ -18,7 +19,7 @@ from hilc_cli.laws.registry import packages_of
 from hilc_cli.names import in_short
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.parameters import DEFAULT_PLANT
-from hilc_cli.plants.registry import package_of
+from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.quantities import BELIEVED, TRUE
 from hilc_cli.scenario.scenario import ScenarioSpec
@@ -80,7 +81,8 @@ class Scenario:
     @property
     def plug_ins(self) -> dict[str, dict[str, str | None]]:
         """Package and version of what is not hilc's own in it, as manifests note them."""
-        return packages_of([self.spec.controller.law]) | package_of(self.spec.robot.plant)
+        law, plant = self.spec.controller.law, self.spec.robot.plant
+        return packages_of([law]) | plug_ins.packages_of("plant", [plant], PLANTS)
 
     @property
     def speed_limit(self) -> float | None:

@@ -218,8 +218,9 @@ def _misfits_of_controller(data: Mapping[str, Any]) -> list[Located]:
     trajectory, robot = data.get("trajectory"), data.get("robot")
     model = data.get("model") or ModelSpec()
     reference = trajectory.reference() if isinstance(trajectory, TrajectorySpec) else None
-    known = isinstance(robot, RobotSpec) and isinstance(model, ModelSpec)
-    believed = model.model(robot.robot()) if known else None
+    believed = None
+    if isinstance(robot, RobotSpec) and isinstance(model, ModelSpec):
+        believed = model.model(robot.robot())
     return [
         (("controller", *at), problem, remedy)
         for at, problem, remedy in law.relations(controller, reference, believed)

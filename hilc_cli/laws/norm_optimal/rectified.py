@@ -185,6 +185,8 @@ def earliest_merge(
 ) -> int | None:
     """First sample whose pose the platform can have; None if there is none.
 
+    This is a bound that no controller can beat.
+
     Args:
         trajectory: Poses, shape (n + 1, 3).
         start: Pose of sample 0, shape (3,).
