@@ -19,11 +19,10 @@ import numpy as np
 import hilc_cli as hilc
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, OptimalPlan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
-from hilc_cli.laws.norm_optimal.rectified import trajectory_inputs
+from hilc_cli.laws.norm_optimal.rectified import earliest_merge, trajectory_inputs
 from hilc_cli.plants.kinematic import Robot, euler_step, limit_wheel_speeds, step_gains
 from hilc_cli.reference.sampled import Floats
 

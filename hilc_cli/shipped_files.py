@@ -37,13 +37,11 @@ def is_example(text: str, kind: str) -> bool:
 
 
 def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
-    """The file behind ``example:NAME``; any other text is a path as it is.
+    """The file behind ``example:NAME``.
 
     Raises:
         UsageError: There is no such example.
     """
-    if not text.startswith(PREFIX):
-        return Path(text)
     name = _name(text)
     known = {path.stem: path for path in examples(kind)}
     if name not in known:

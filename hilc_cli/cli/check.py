@@ -8,19 +8,7 @@ from typing import Annotated
 
 import typer
 
-from hilc_cli.cli.options import (
-    Force,
-    Formats,
-    Json,
-    OutputFolder,
-    Overrides,
-    Quiet,
-    ScenarioArgument,
-    Trust,
-    Verbose,
-    Version,
-    picture_formats,
-)
+from hilc_cli.cli import options
 from hilc_cli.errors import UsageError
 from hilc_cli.reporting.terminal import print_json, print_text, progress, say
 
@@ -39,19 +27,19 @@ Plot = Annotated[bool, typer.Option("--plot", help="Draw the predicted error of 
 
 def check(
     context: typer.Context,
-    scenario: ScenarioArgument,
-    set_: Overrides = None,
+    scenario: options.ScenarioArgument,
+    set_: options.Overrides = None,
     simulate: Simulate = False,
     theory: Theory = False,
     plot: Plot = False,
-    formats: Formats = None,
-    out: OutputFolder = None,
-    force: Force = False,
-    trust: Trust = False,
-    json: Json = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    version: Version = False,
+    formats: options.Formats = None,
+    out: options.OutputFolder = None,
+    force: options.Force = False,
+    trust: options.Trust = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+    version: options.Version = False,
 ) -> None:
     """Check a scenario before it is simulated.
 
@@ -82,7 +70,7 @@ def check(
     pictures: list[Path] = []
     if plot:
         folder = out or default_folder(valid.name, set_, "-check")
-        names = picture_formats(formats)
+        names = options.picture_formats(formats)
         pictures = found.plot(folder, formats=names, may_replace=lambda file: force or out is None)
         if not pictures:
             say("nothing is drawn: nothing is predicted of this law")

@@ -110,9 +110,10 @@ def complete_leaderboard(incomplete: str) -> list[str]:
 
 def complete_key(incomplete: str) -> list[str]:
     """Keys of a scenario with their equals sign, those of all laws."""
-    from hilc_cli.scenario.keys import scenario_keys  # Pydantic models start slowly
+    from hilc_cli.scenario.scenario import ScenarioSpec  # Pydantic models start slowly
+    from hilc_cli.yaml_input.known_keys import value_keys
 
-    return _begun([f"{key}=" for key in scenario_keys()], incomplete)
+    return _begun([f"{key}=" for key in dict.fromkeys(value_keys(ScenarioSpec))], incomplete)
 
 
 def complete_varied_key(incomplete: str) -> list[str]:

@@ -7,11 +7,7 @@ from typing import Annotated
 
 import typer
 
-from hilc_cli.cli.options import Json, Quiet, Verbose, Version, check_is_folder_name
-
-
-def _check_copy(folder: Path | None) -> Path | None:
-    return check_is_folder_name("--copy", folder)
+from hilc_cli.cli import options
 
 
 def examples(
@@ -21,7 +17,7 @@ def examples(
             "--copy",
             metavar="DIR",
             help="Write them to DIR/scenarios and DIR/trajectories.",
-            callback=_check_copy,
+            callback=options.check_is_folder_name,
             show_default=False,
         ),
     ] = None,
@@ -31,10 +27,10 @@ def examples(
     force: Annotated[
         bool, typer.Option("--force", help="Replace changed files of the same name.")
     ] = False,
-    json: Json = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    version: Version = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+    version: options.Version = False,
 ) -> None:
     """List or copy the examples that come with hilc.
 

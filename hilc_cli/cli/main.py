@@ -140,8 +140,6 @@ def _usage(error: Exception, subcommand: str, arguments: Sequence[str]) -> str:
     """One line for a command line that cannot be parsed."""
     command = f"hilc {subcommand}".rstrip()
     if hasattr(error, "possibilities"):  # an option that is not there
-        from hilc_cli.cli.main import option_meant
-
         option, parameters = error.option_name, error.ctx.command.params  # type: ignore[attr-defined]
         options = [name for each in parameters for name in each.opts]
         meant = option_meant(option, options, arguments)

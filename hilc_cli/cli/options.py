@@ -61,7 +61,7 @@ def _remember_verbose(context: typer.Context, verbose: bool) -> bool:
     return verbose
 
 
-def check_is_folder_name(option: str, folder: Path | None) -> Path | None:
+def check_is_folder_name(option: typer.CallbackParam, folder: Path | None) -> Path | None:
     """Makes sure that what is to be a folder is not called like a file.
 
     Args:
@@ -76,12 +76,8 @@ def check_is_folder_name(option: str, folder: Path | None) -> Path | None:
         remedy = f"give the name of a folder, such as {folder.stem}"
         if ending in set(PictureFormat):
             remedy += f", and --format {ending} where pictures are drawn"
-        raise UsageError(f"{option} {folder}: is the name of a file; {remedy}")
+        raise UsageError(f"{option.opts[0]} {folder}: is the name of a file; {remedy}")
     return folder
-
-
-def _check_out(folder: Path | None) -> Path | None:
-    return check_is_folder_name("--out", folder)
 
 
 ScenarioArgument = Annotated[
@@ -109,7 +105,7 @@ OutputFolder = Annotated[
         "--out",
         metavar="DIR",
         help="The very folder to write.",
-        callback=_check_out,
+        callback=check_is_folder_name,
         show_default=False,
     ),
 ]
@@ -120,6 +116,7 @@ Formats = Annotated[
     list[PictureFormat] | None,
     typer.Option("--format", help="Of the pictures; repeatable. [default: png]"),
 ]
+Dpi = Annotated[int, typer.Option(min=20, max=1200, help="Resolution of png.")]
 Trust = Annotated[
     bool,
     typer.Option(

@@ -4,24 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from hilc_cli.cli import options
 from hilc_cli.cli.completion import complete_results
-from hilc_cli.cli.options import (
-    Force,
-    Formats,
-    Json,
-    OutputFolder,
-    PictureKind,
-    Quiet,
-    Verbose,
-    Version,
-    picture_formats,
-)
 from hilc_cli.errors import UsageError, printable
 from hilc_cli.reporting.terminal import print_json, print_text, say
 
@@ -36,7 +25,7 @@ Runs = Annotated[
     ),
 ]
 Kinds = Annotated[
-    list[PictureKind] | None,
+    list[options.PictureKind] | None,
     typer.Option(
         "--kind",
         metavar="KIND",
@@ -53,21 +42,20 @@ Iterations = Annotated[
         show_default=False,
     ),
 ]
-Dpi = Annotated[int, typer.Option(min=20, max=1200, help="Resolution of png.")]
 
 
 def plot(
     runs: Runs = None,
     kind: Kinds = None,
-    formats: Formats = None,
+    formats: options.Formats = None,
     iterations: Iterations = None,
-    dpi: Dpi = 150,
-    out: OutputFolder = None,
-    force: Force = False,
-    json: Json = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    version: Version = False,
+    dpi: options.Dpi = 150,
+    out: options.OutputFolder = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+    version: options.Version = False,
 ) -> None:
     """Draw pictures of runs, a sweep or a leaderboard.
 
@@ -84,58 +72,38 @@ def plot(
       hilc plot runs/leaderboard --format svg --format pdf
     """
     from hilc_cli.cli.default_folders import RUNS, newest_results
-    from hilc_cli.leaderboards.comparing import is_leaderboard
-    from hilc_cli.sweeps.folders import is_sweep
+    from hilc_cli.leaderboards.comparing import (
+        is_leaderboard,
+        plot_leaderboard,
+        read_leaderboard,
+    )
+    from hilc_cli.sweeps.folders import is_sweep, plot_sweep, read_sweep
 
     kinds = [choice.value for choice in kind or []]
     if not runs:
         runs = [newest_results(RUNS, kinds)]
         if not quiet:
             say(f"no run is named: drawing the newest, {runs[0]}")
-    drawing: dict[str, Any] = {"formats": picture_formats(formats), "dpi": dpi}
+    drawing: dict[str, Any] = {"formats": options.picture_formats(formats), "dpi": dpi}
     # Pictures in the folder of what they show are made from what stands beside them.
     drawing["may_replace"] = lambda file: force or out is None
     if any(map(is_sweep, runs)):
-        folder, pictures = _plot_sweep(runs, kinds, iterations, out, drawing)
+        if len(runs) > 1 or iterations is not None:
+            raise UsageError("a sweep is drawn on its own, and without --iterations")
+        folder = out or runs[0]
+        pictures = plot_sweep(read_sweep(runs[0]), folder, kinds=kinds, **drawing)
     # Among runs, those that a pattern such as runs/* finds, too, are left out.
     elif all(map(is_leaderboard, runs)):
-        folder, pictures = _plot_leaderboard(runs, kinds, iterations, out, drawing)
+        if len(runs) > 1 or iterations is not None or kinds:
+            raise UsageError("a leaderboard is drawn alone, without --iterations and --kind")
+        folder = out or runs[0]
+        pictures = plot_leaderboard(read_leaderboard(runs[0]), folder, **drawing)
     else:
         folder, pictures = _plot_runs(runs, kinds, iterations, out, drawing, force=force)
     if json:
         print_json({"folder": str(folder), "files": [str(picture) for picture in pictures]})
     elif not quiet:
         print_text("\n".join(printable(str(picture)) for picture in pictures))
-
-
-def _plot_sweep(
-    folders: list[Path],
-    kinds: Sequence[str],
-    iterations: str | None,
-    out: Path | None,
-    drawing: dict[str, Any],
-) -> tuple[Path, list[Path]]:
-    from hilc_cli.sweeps.folders import plot_sweep, read_sweep
-
-    if len(folders) > 1 or iterations is not None:
-        raise UsageError("a sweep is drawn on its own, and without --iterations")
-    folder = out or folders[0]
-    return folder, plot_sweep(read_sweep(folders[0]), folder, kinds=kinds, **drawing)
-
-
-def _plot_leaderboard(
-    folders: list[Path],
-    kinds: Sequence[str],
-    iterations: str | None,
-    out: Path | None,
-    drawing: dict[str, Any],
-) -> tuple[Path, list[Path]]:
-    from hilc_cli.leaderboards.comparing import plot_leaderboard, read_leaderboard
-
-    if len(folders) > 1 or iterations is not None or kinds:
-        raise UsageError("a leaderboard is drawn alone, without --iterations and --kind")
-    folder = out or folders[0]
-    return folder, plot_leaderboard(read_leaderboard(folders[0]), folder, **drawing)
 
 
 def _plot_runs(
@@ -156,7 +124,7 @@ def _plot_runs(
     from hilc_cli.runs.run_folder import ITERATIONS
     from hilc_cli.runs.running import as_runs, plot
 
-    wanted = None if iterations is None else parse_whole_numbers("--iterations", iterations)
+    wanted = None if iterations is None else _whole_numbers("--iterations", iterations)
     if len(folders) > 1:
         folders = without_comparisons(folders) or folders
     elif not is_there(folders[0] / ITERATIONS):
@@ -167,7 +135,11 @@ def _plot_runs(
     runs = as_runs(folders)
     chosen: set[int] | None = None
     if wanted is not None:
-        chosen = {*wanted.single, *(i for run in runs for i in run.trials if i in wanted)}
+        recorded = {iteration for run in runs for iteration in run.trials}
+        chosen = {first for first, last in wanted if last is None}
+        # Of a range, those that there are are meant.
+        ranges = [(first, last) for first, last in wanted if last is not None]
+        chosen |= {i for i in recorded for first, last in ranges if first <= i <= last}
     folder = out or (folders[0] if len(folders) == 1 else shared_folder(folders))
     if len(folders) > 1:
         check_shared_folder(folder)
@@ -178,19 +150,8 @@ def _plot_runs(
 _PART = re.compile(r"\s*(\d{1,9})\s*(?:\.\.\s*(\d{1,9})\s*)?")
 
 
-@dataclass(frozen=True, slots=True)
-class WholeNumbers:
-    """Single numbers, and ranges with their ends."""
-
-    single: tuple[int, ...]
-    ranges: tuple[range, ...]
-
-    def __contains__(self, number: int) -> bool:
-        return number in self.single or any(number in part for part in self.ranges)
-
-
-def parse_whole_numbers(option: str, text: str) -> WholeNumbers:
-    """The numbers that a list of numbers and ranges names, ends included.
+def _whole_numbers(option: str, text: str) -> list[tuple[int, int | None]]:
+    """Returns the numbers, and the first and last ones of ranges, that a list names.
 
     Args:
         option: The option that holds it, for the error message.
@@ -199,17 +160,13 @@ def parse_whole_numbers(option: str, text: str) -> WholeNumbers:
     Raises:
         UsageError: It has another form.
     """
-    single: list[int] = []
-    ranges: list[range] = []
+    found: list[tuple[int, int | None]] = []
     for part in text.split(","):
         match = _PART.fullmatch(part)
         if match is None:
             raise UsageError(f"{option} {text}: must be whole numbers such as 0,1,5..10,100")
-        first = int(match[1])
-        if match[2] is None:
-            single.append(first)
-        elif int(match[2]) < first:
+        first, last = int(match[1]), None if match[2] is None else int(match[2])
+        if last is not None and last < first:
             raise UsageError(f"{option} {text}: '{part.strip()}' is no range from low to high")
-        else:
-            ranges.append(range(first, int(match[2]) + 1))
-    return WholeNumbers(tuple(single), tuple(ranges))
+        found.append((first, last))
+    return found

@@ -10,16 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hilc_cli.cli.options import (
-    Force,
-    Formats,
-    Json,
-    OutputFolder,
-    Quiet,
-    Verbose,
-    Version,
-    picture_formats,
-)
+from hilc_cli.cli import options
 from hilc_cli.cli.session import Session
 from hilc_cli.reporting.terminal import print_json, print_text, progress, say_timings
 
@@ -48,14 +39,14 @@ Figures = Annotated[
 def reproduce(
     context: typer.Context,
     figures: Figures = None,
-    out: OutputFolder = None,
-    force: Force = False,
-    formats: Formats = None,
-    dpi: Annotated[int, typer.Option(min=20, max=1200, help="Resolution of png.")] = 300,
-    json: Json = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    version: Version = False,
+    out: options.OutputFolder = None,
+    force: options.Force = False,
+    formats: options.Formats = None,
+    dpi: options.Dpi = 300,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+    version: options.Version = False,
 ) -> None:
     """Reproduce the paper's figures 3 to 8 and judge its claims.
 
@@ -73,7 +64,7 @@ def reproduce(
 
     plan = plan_reproduction(figures or [])
     folder = out or Path("runs") / "reproduce"
-    chosen = picture_formats(formats)
+    chosen = options.picture_formats(formats)
     check_reproduction(plan, folder, force=force)
     session: Session = context.obj
     with progress("reproduce", plan.steps, quiet=quiet, stage=partial(_stage, plan)) as advance:

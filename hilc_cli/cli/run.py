@@ -11,20 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from hilc_cli.cli import options
 from hilc_cli.cli.completion import complete_metric
-from hilc_cli.cli.options import (
-    Force,
-    Formats,
-    Json,
-    OutputFolder,
-    Overrides,
-    Quiet,
-    ScenarioArgument,
-    Trust,
-    Verbose,
-    Version,
-    picture_formats,
-)
 from hilc_cli.reporting.terminal import (
     print_json,
     print_table,
@@ -57,18 +45,18 @@ Requirements = Annotated[
 
 def run(
     context: typer.Context,
-    scenario: ScenarioArgument,
-    set_: Overrides = None,
-    out: OutputFolder = None,
-    force: Force = False,
+    scenario: options.ScenarioArgument,
+    set_: options.Overrides = None,
+    out: options.OutputFolder = None,
+    force: options.Force = False,
     require: Requirements = None,
-    formats: Formats = None,
+    formats: options.Formats = None,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no pictures.")] = False,
-    trust: Trust = False,
-    json: Json = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    version: Version = False,
+    trust: options.Trust = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+    version: options.Version = False,
 ) -> None:
     """Simulate a scenario.
 
@@ -94,7 +82,7 @@ def run(
     _warn(known, quiet=quiet)
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet) as advance:
         result = run(valid, on_iteration=context.obj.counting(advance))
-    chosen = picture_formats(formats)
+    chosen = options.picture_formats(formats)
     writing = result.write(
         folder, force=force, formats=chosen, plots=not no_plots, command=sys.argv
     )

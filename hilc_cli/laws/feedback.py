@@ -8,17 +8,15 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from hilc_cli.laws.feedforward import reference_twist
 from hilc_cli.laws.law import LastIteration, Learner, Plan, Task
-from hilc_cli.laws.parameters import Controller, Setting
-from hilc_cli.plants.kinematic import Number, Robot, wheel_speeds_from_twist
+from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit
+from hilc_cli.plants.kinematic import Number, Robot, reference_twist, wheel_speeds_from_twist
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.yaml_input.model import Model
 from hilc_cli.yaml_input.quantities import (
     CurvatureGain,
     GainPerSecond,
     LateralGain,
-    PositiveWheelSpeed,
     such_as,
 )
 
@@ -150,9 +148,7 @@ class FeedbackController(Controller):
 
     law: Literal["feedback"]
     gains: FeedbackGains = FeedbackGains()
-    b_w: PositiveWheelSpeed | None = Field(
-        None, description="speed limit of the wheels [rad/s]; null for none"
-    )
+    b_w: SpeedLimit = None
 
     def law_for(self, setting: Setting) -> FeedbackLaw:
         """The law for the engines."""

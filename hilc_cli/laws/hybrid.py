@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
@@ -9,27 +10,64 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from hilc_cli.laws.compensation import compensation_gain, has_initial_error
 from hilc_cli.laws.gain_matrix import (
+    GainHeading,
     GainMatrix,
     GainMatrixChoice,
+    PastErrors,
+    corrected_plan,
     gain_matrix,
     matrix_misfits,
+    per_component,
     wheel_correction,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
-from hilc_cli.laws.parameters import Controller, Setting, default_length, length_misfits
-from hilc_cli.laws.past_errors import (
-    GainHeading,
-    PastErrors,
-    corrected_plan,
-    per_component,
-)
+from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
 from hilc_cli.plants.kinematic import Number, Robot
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.yaml_input.expressions import Affine
 from hilc_cli.yaml_input.model import Located, Model, valid
-from hilc_cli.yaml_input.quantities import Gain, LateralGain, PositiveWheelSpeed, Samples, Tolerance
+from hilc_cli.yaml_input.quantities import Gain, LateralGain, Samples, Tolerance
+
+
+def compensation_gain(k: int, h: int, sample_time: float) -> float:
+    """Weight of the initial error at sample k, exp(-k d_t) theta(k).
+
+    Falls about linearly from 2 / (d_t h) to zero at sample h; theta alone sums to about 1 / d_t.
+
+    Args:
+        k: Sample index, >= 0.
+        h: Length of the compensation in samples, >= 1.
+        sample_time: d_t [s], > 0.
+
+    Returns:
+        The weight [1/s].
+
+    Source:
+        Qiao et al. 2021, Eqs. 21 and 22.
+    """
+    peak = 2 / (sample_time * h)
+    return compensation_weight(k, h, peak, peak / h, math.exp(-k * sample_time))
+
+
+def compensation_weight(k: float, h: float, peak: float, slope: float, decay: float) -> float:
+    """`compensation_gain` from what does not change over the samples.
+
+    Args:
+        k: Sample index, >= 0.
+        h: Length of the compensation in samples, >= 1.
+        peak: theta(0) = 2 / (d_t h) [1/s].
+        slope: What theta falls by from sample to sample, peak / h [1/s].
+        decay: exp(-k d_t), computed by the caller its own way.
+
+    Returns:
+        The weight [1/s].
+
+    Source:
+        Qiao et al. 2021, Eqs. 21 and 22.
+    """
+    theta = peak - slope * k if k < h else 0.0  # Eq. 22
+    return decay * theta
 
 
 def learned_error(
@@ -195,6 +233,12 @@ class HybridGains(Model):
         0.0, description="kappa [rad/m]: heading error asked for by an error to the left; 0: none"
     )
 
+    @property
+    def in_words(self) -> str:
+        """All gains, the lateral one if it is used."""
+        lateral = f", lateral {self.lateral:g} rad/m" if self.lateral else ""
+        return f"l1 {self.l1:g}, l2 {self.l2:g}, l3 {self.l3:g}{lateral}"
+
 
 class HybridController(Controller):
     """The hybrid iterative learning controller of Qiao et al. 2021."""
@@ -204,9 +248,7 @@ class HybridController(Controller):
 
     law: Literal["hybrid"] = "hybrid"
     gains: HybridGains
-    gain_matrix: GainMatrixChoice = Field(
-        "model", description="model: Eq. 45; unit: Eq. 56; or 2x3 entries affine in cos and sin"
-    )
+    gain_matrix: GainMatrixChoice = "model"
     gain_heading: GainHeading = Field(
         "measured", description="heading at which the gain matrix is taken"
     )
@@ -219,9 +261,7 @@ class HybridController(Controller):
     h: Samples | None = Field(
         None, description="length of the compensation in samples, 1 to n; default 200, or n if less"
     )
-    b_w: PositiveWheelSpeed | None = Field(
-        None, description="speed limit of the wheels [rad/s]; null for none"
-    )
+    b_w: SpeedLimit = None
 
     @classmethod
     def relations(
@@ -242,9 +282,7 @@ class HybridController(Controller):
     def compensates(self, setting: Setting) -> bool:
         """The position of Fig. 2's switch."""
         if self.compensation == "auto":
-            return has_initial_error(
-                setting.initial_error, setting.initial_bound, self.switch_tolerance
-            )
+            return setting.has_initial_error(self.switch_tolerance)
         return self.compensation == "on"
 
     def law_for(self, setting: Setting) -> HybridLaw:
@@ -261,17 +299,14 @@ class HybridController(Controller):
 
     def in_words(self, setting: Setting) -> str:
         """The position of Fig. 2's switch, and all gains."""
-        compensates, gains = self.compensates(setting), self.gains
+        compensates = self.compensates(setting)
         law = "Eq. 21, compensating the initial error" if compensates else "Eq. 17"
-        lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
-        return f"{law}; l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
+        return f"{law}; {self.gains.in_words}"
 
     def in_short(self, setting: Setting) -> str:
         """The equation and the gains, for a title."""
-        gains = self.gains
         equation = "Eq. 21" if self.compensates(setting) else "Eq. 17"
-        lateral = f", lateral {gains.lateral:g} rad/m" if gains.lateral else ""
-        return f"{equation}, l1 {gains.l1:g}, l2 {gains.l2:g}, l3 {gains.l3:g}{lateral}"
+        return f"{equation}, {self.gains.in_words}"
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""

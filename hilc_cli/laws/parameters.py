@@ -5,16 +5,25 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
+
+from pydantic import Field
 
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.laws.law import Law
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.yaml_input.model import Located, Model
+from hilc_cli.yaml_input.quantities import PositiveWheelSpeed
 
 DEFAULT_LAW = "hybrid"
 DEFAULT_H = 200  # samples, the paper's choice in situation 3
+
+SpeedLimit = Annotated[
+    PositiveWheelSpeed | None,
+    Field(description="speed limit of the wheels [rad/s]; null for none"),
+]
+"""The type of the field ``b_w`` that every law has."""
 
 SLOWEST = 1.0  # [s]; no wheels are told less often what to do
 
@@ -34,6 +43,21 @@ class Setting:
     model: Robot
     initial_error: Triple
     initial_bound: Triple
+
+    def has_initial_error(self, tolerance: float) -> bool:
+        """Whether a run starts off the reference, so that a law may meet that.
+
+        Decided once for a run, from what is known before it: noise in a measured output never
+        switches the law.
+
+        Args:
+            tolerance: Components up to this count as no error [m and rad].
+
+        Source:
+            Qiao et al. 2021, Fig. 2.
+        """
+        pairs = zip(self.initial_error, self.initial_bound, strict=True)
+        return any(abs(error) > tolerance or bound > tolerance for error, bound in pairs)
 
 
 class Controller(Model):

@@ -10,15 +10,18 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from hilc_cli.laws.gain_matrix import GainMatrix, GainMatrixChoice, gain_matrix, matrix_misfits
-from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
-from hilc_cli.laws.parameters import Controller, Setting, default_length, length_misfits
-from hilc_cli.laws.past_errors import (
+from hilc_cli.laws.gain_matrix import (
     GainHeading,
+    GainMatrix,
+    GainMatrixChoice,
     PastErrors,
     corrected_plan,
+    gain_matrix,
+    matrix_misfits,
     per_component,
 )
+from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
+from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.yaml_input.model import Located, Model, valid
@@ -27,7 +30,6 @@ from hilc_cli.yaml_input.quantities import (
     Frequency,
     Gain,
     GainPerSecond,
-    PositiveWheelSpeed,
     Samples,
     Share,
 )
@@ -245,15 +247,11 @@ class PidController(Controller):
     h: Samples | None = Field(
         None, description="length of the rectifying in samples, 1 to n; default 200, or n if less"
     )
-    gain_matrix: GainMatrixChoice = Field(
-        "model", description="model: Eq. 45; unit: Eq. 56; or 2x3 entries affine in cos and sin"
-    )
+    gain_matrix: GainMatrixChoice = "model"
     gain_heading: GainHeading = Field(
         "measured", description="heading at which the gain matrix is taken"
     )
-    b_w: PositiveWheelSpeed | None = Field(
-        None, description="speed limit of the wheels [rad/s]; null for none"
-    )
+    b_w: SpeedLimit = None
 
     @classmethod
     def relations(

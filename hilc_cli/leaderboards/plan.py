@@ -16,11 +16,9 @@ from hilc_cli.laws.registry import ControllerSpec, packages_of
 from hilc_cli.names import in_short, listed
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plug_ins import trusting
-from hilc_cli.scenario.disturbance import DisturbanceSpec
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.scenario.record import RecordSpec
-from hilc_cli.scenario.robot import ModelSpec
+from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
 from hilc_cli.yaml_input.model import Located, Model, Name, Text
 from hilc_cli.yaml_input.nodes import MapNode, Node, nearest, to_data

@@ -11,9 +11,8 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import simulate_batch
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.paper.claim import Figure, Verdict
-from hilc_cli.plants.kinematic import driven_path
+from hilc_cli.plants.kinematic import driven_path, feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import settled_at
 from hilc_cli.results.run import RunData

@@ -13,7 +13,7 @@ from hilc_cli.paper.contents import FIGURE_NAMES, PaperFigure, figures_named
 from hilc_cli.paper.panel import SHOWN_ITERATIONS
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.scenario.record import recorded_iterations
+from hilc_cli.scenario.scenario import recorded_iterations
 from hilc_cli.shipped_files import PREFIX
 
 

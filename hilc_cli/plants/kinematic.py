@@ -1,4 +1,4 @@
-"""The differential-drive platform: wheel speeds to motion, and the motor speed limit.
+"""The differential-drive platform: wheel speeds to motion and back, and the motor speed limit.
 
 The functions work on plain numbers (or arrays of them), so that every engine can call them.
 They take the half track *signed*: positive where a faster left wheel turns the platform left,
@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from hilc_cli.reference.sampled import Floats, Reference
+
 Number = TypeVar("Number", float, Floats)
 
 TurnConvention = Literal["paper", "rep103"]
@@ -298,3 +298,31 @@ def gravity_center_position(
         x + cos_heading * ahead - sin_heading * aside,
         y + sin_heading * ahead + cos_heading * aside,
     )
+
+
+def feedforward(reference: Reference, model: Robot) -> tuple[Floats, Floats]:
+    """Wheel speeds that cover each step of the reference: its chord and its turn in one sample.
+
+    Run through the forward Euler plant, the steps have the reference's lengths and turns, but
+    each starts along the tangent instead of the chord: on a circle the result is the reference
+    turned about its start by half a step.
+
+    Args:
+        reference: The trajectory to follow.
+        model: The platform as the controller believes it to be.
+
+    Returns:
+        Left and right wheel speeds [rad/s], shape (n,) each.
+    """
+    speed, yaw_rate = reference_twist(reference)
+    return wheel_speeds_from_twist(speed, yaw_rate, model.wheel_radius, model.signed_half_track)
+
+
+def reference_twist(reference: Reference) -> tuple[Floats, Floats]:
+    """Forward speed [m/s] and yaw rate [rad/s] of each step of a reference, shape (n,) each.
+
+    The chord and the turn of a step, by the sample time.
+    """
+    chord = np.hypot(np.diff(reference.x), np.diff(reference.y))
+    turn = np.diff(reference.heading)
+    return chord / reference.sample_time, turn / reference.sample_time

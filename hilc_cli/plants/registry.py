@@ -44,11 +44,6 @@ class InstalledRobot(RobotSpec):
         return plug_ins.schema_of_installed("plant")
 
 
-def package_of(plant: str) -> dict[str, dict[str, str | None]]:
-    """Returns package and version of a plant that is not hilc's own, by its name, for manifests."""
-    return plug_ins.packages_of("plant", [plant], OWN)
-
-
 def _named(plant: object) -> type[RobotSpec]:
     """Returns the model of a plant.
 

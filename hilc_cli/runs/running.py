@@ -24,10 +24,9 @@ from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import Summary, summarise
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.run_folder import check_output_folder, read_run_folder, write_run_folder
-from hilc_cli.scenario.experiment import Scenario
+from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
-from hilc_cli.scenario.record import recorded_iterations
-from hilc_cli.scenario.settings import settings_of, yardsticks_of
+from hilc_cli.scenario.scenario import recorded_iterations
 from hilc_cli.theory.feasibility.feasibility import beyond_wheels
 from hilc_cli.theory.noise.wheels import seen_in, seen_warnings
 

@@ -17,9 +17,14 @@ from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.shipped_files import SCENARIOS
 from hilc_cli.yaml_input.model import Model, model_in
 from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, Place, Scalar, nearest, to_data
-from hilc_cli.yaml_input.overrides import apply_override, data_override, parse_override
 from hilc_cli.yaml_input.problems import problems_of
-from hilc_cli.yaml_input.reading import Inputs, mistaken
+from hilc_cli.yaml_input.reading import (
+    Inputs,
+    apply_override,
+    data_override,
+    mistaken,
+    parse_override,
+)
 
 Overrides = Mapping[str, object] | Sequence[str]
 

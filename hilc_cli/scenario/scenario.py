@@ -2,64 +2,235 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Literal
+from collections.abc import Collection, Mapping
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+import numpy as np
+from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
+from pydantic_core import PydanticCustomError
 
-from hilc_cli.disturbance.streams import Triple
+from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
 from hilc_cli.laws.registry import ControllerSpec, controller_model
 from hilc_cli.plants.kinematic import Robot
-from hilc_cli.plants.parameters import RobotSpec
+from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, half_track_of
 from hilc_cli.plants.registry import RobotSection
-from hilc_cli.scenario.disturbance import DisturbanceSpec
-from hilc_cli.scenario.record import RecordSpec
-from hilc_cli.scenario.robot import ModelSpec
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
-from hilc_cli.yaml_input.model import Located, Model, Name, Text, valid
-from hilc_cli.yaml_input.quantities import Angle, Coordinate, Iterations
+from hilc_cli.yaml_input.expressions import PLAIN
+from hilc_cli.yaml_input.model import (
+    Flag,
+    Located,
+    Model,
+    Name,
+    Text,
+    located,
+    together,
+    valid,
+    wrong,
+    wrong_at,
+)
+from hilc_cli.yaml_input.quantities import (
+    Angle,
+    AngleBound,
+    Coordinate,
+    Iterations,
+    LengthBound,
+    Quantity,
+    RobotLength,
+    Seed,
+    WheelSeparation,
+)
+
+Bounds = tuple[LengthBound, LengthBound, AngleBound]
+
+
+class BoundedSpec(Model):
+    """A random pose offset that never exceeds its bound."""
+
+    bound: Bounds = Field((0.0, 0.0, 0.0), description="of x [m], y [m] and heading [rad]")
+    distribution: Distribution = "uniform"
+    standard_deviation: Bounds | None = Field(
+        None,
+        description="of truncated-normal before it is cut off at the bound; default: bound / 3",
+    )
+    repeat: Flag = Field(False, description="the same numbers in every iteration")
+
+    @model_validator(mode="after")
+    def _deviation_fits(self) -> Self:
+        if self.standard_deviation is None:
+            return self
+        if self.distribution == "uniform":
+            raise wrong_at(
+                ("standard_deviation",),
+                "has no meaning for a uniform distribution",
+                "remove it or set 'distribution: truncated-normal'",
+            )
+        for index, (deviation, bound) in enumerate(
+            zip(self.standard_deviation, self.bound, strict=True)
+        ):
+            if bound > 0 and deviation == 0:
+                raise wrong_at(
+                    ("standard_deviation", index),
+                    "must be above 0",
+                    "give a number above 0 or set this bound to 0",
+                )
+        return self
+
+    def bounded(self) -> Bounded:
+        """The offset for the engines."""
+        x, y, heading = self.bound
+        deviation: Triple = self.standard_deviation or (x / 3, y / 3, heading / 3)
+        return Bounded(self.bound, self.distribution, deviation, self.repeat)
+
+
+class DisturbanceSpec(Model):
+    """Disturbances of the state (beta), the measured output (alpha) and the initial pose."""
+
+    seed: Seed = Field(0, description="the same seed gives the same numbers everywhere")
+    state: BoundedSpec = Field(BoundedSpec(), description="beta of Eq. 11, added at every step")
+    output: BoundedSpec = Field(
+        BoundedSpec(), description="alpha of Eq. 11: what the controller sees, not what is"
+    )
+    initial_pose: BoundedSpec = Field(
+        BoundedSpec(), description="added to the initial pose of each iteration"
+    )
+
+    @property
+    def active(self) -> bool:
+        """Whether anything is disturbed."""
+        sources = (self.state, self.output, self.initial_pose)
+        return any(source.bounded().active for source in sources)
+
+    def disturbance(self) -> Disturbance:
+        """The disturbances for the engines."""
+        return Disturbance(
+            self.seed, self.state.bounded(), self.output.bounded(), self.initial_pose.bounded()
+        )
+
+
+EVERY_UP_TO = 5
+AUTOMATIC = 24
+
+RecordedIterations = Literal["auto", "all"] | Collection[int]
+
+
+def recorded_iterations(choice: RecordedIterations, last: int) -> frozenset[int]:
+    """The iterations whose samples are kept; the first and the last always are.
+
+    ``auto`` keeps every one of the first few and then about two dozen at equal ratios, since
+    learning changes the path most at the start.
+
+    Args:
+        choice: ``auto``, ``all``, or the iterations themselves.
+        last: Number of the last iteration.
+    """
+    if choice == "all":
+        return frozenset(range(last + 1))
+    if choice == "auto":
+        if last < AUTOMATIC:
+            return frozenset(range(last + 1))
+        ratios = np.geomspace(EVERY_UP_TO, last, AUTOMATIC - EVERY_UP_TO)
+        kept = {*range(EVERY_UP_TO), *(round(ratio) for ratio in ratios.tolist())}
+    else:
+        kept = {int(iteration) for iteration in choice}
+    return frozenset({0, last, *kept})
+
+
+_ITERATION = Quantity(PLAIN, "100", least=0, whole=True)
+_RECORD_SCHEMA: dict[str, object] = {
+    "anyOf": [
+        {"enum": ["auto", "all"]},
+        {"type": "array", "items": {"type": "integer", "minimum": 0}},
+    ]
+}
+_RECORD_REMEDY = "give auto, all, or a list of iterations such as [0, 10, 100]"
+
+
+def _recorded(value: object) -> RecordedIterations:
+    if value in ("auto", "all"):
+        return value
+    if not isinstance(value, list):
+        raise wrong("is no choice of iterations", _RECORD_REMEDY)
+    iterations: list[int] = []
+    problems: list[Located] = []
+    for index, item in enumerate(value):
+        try:
+            iterations.append(int(_ITERATION(item)))
+        except PydanticCustomError as error:
+            problems += [((index, *at), problem, remedy) for at, problem, remedy in located(error)]
+    if problems:
+        raise together(problems)
+    return tuple(iterations)
+
+
+class RecordSpec(Model):
+    """What is kept beside the metrics, which are kept of every iteration."""
+
+    iterations: Annotated[
+        RecordedIterations,
+        PlainValidator(_recorded),
+        PlainSerializer(lambda choice: choice if isinstance(choice, str) else list(choice)),
+        WithJsonSchema(_RECORD_SCHEMA),
+    ] = Field(
+        "auto", description="iterations whose samples are kept; the first and the last always are"
+    )
+    gravity_center: Flag = Field(
+        False, description="write the path of the gravity centre (Eq. 7) as well"
+    )
+
+
+class ModelSpec(Model):
+    """What the controller believes; what is left out is as the robot really is."""
+
+    other_names = OTHER_KEYS
+
+    wheel_radius: RobotLength | None = Field(None, description="R_rs [m]")
+    half_track: RobotLength | None = Field(None, description="B_rs [m]")
+    wheel_separation: WheelSeparation | None = Field(
+        None, description="distance between the wheels [m], instead of half_track"
+    )
+
+    @model_validator(mode="after")
+    def _one_track(self) -> Self:
+        if self.half_track is not None and self.wheel_separation is not None:
+            raise wrong_at((), "has both half_track and wheel_separation", "give one of them")
+        return self
+
+    def model(self, robot: Robot) -> Robot:
+        """The platform as the controller believes it to be."""
+        half_track = half_track_of(self.half_track, self.wheel_separation)
+        return Robot(
+            robot.wheel_radius if self.wheel_radius is None else self.wheel_radius,
+            robot.half_track if half_track is None else half_track,
+            robot.turn_convention,
+        )
+
 
 DEFAULT_ITERATIONS = 100
 
 
-def misfits(data: Mapping[str, Any]) -> list[Located]:
-    """What does not fit together in the plain data of a scenario.
-
-    Args:
-        data: The scenario, not yet validated or valid.
-    """
-    return [
-        *_controller(data),
-        *_recorded_iterations(
-            data.get("record"),
-            valid(Iterations, data.get("iterations", DEFAULT_ITERATIONS)),
-        ),
-    ]
-
-
-def _controller(data: Mapping[str, Any]) -> list[Located]:
-    """What the law's parameters ask of the trajectory and of the believed platform."""
+def _misfits_of_controller(data: Mapping[str, Any]) -> list[Located]:
+    """Returns what the law's parameters ask of the trajectory and of the believed platform."""
     controller = data.get("controller")
     law = controller_model(controller)
     if law is None or not isinstance(controller, Mapping):
         return []
-    trajectory = data.get("trajectory")
+    trajectory, robot = data.get("trajectory"), data.get("robot")
+    model = data.get("model") or ModelSpec()
     reference = trajectory.reference() if isinstance(trajectory, TrajectorySpec) else None
+    believed = None
+    if isinstance(robot, RobotSpec) and isinstance(model, ModelSpec):
+        believed = model.model(robot.robot())
     return [
         (("controller", *at), problem, remedy)
-        for at, problem, remedy in law.relations(controller, reference, _believed(data))
+        for at, problem, remedy in law.relations(controller, reference, believed)
     ]
 
 
-def _believed(data: Mapping[str, Any]) -> Robot | None:
-    robot, model = data.get("robot"), data.get("model") or ModelSpec()
-    if not isinstance(robot, RobotSpec) or not isinstance(model, ModelSpec):
-        return None
-    return model.model(robot.robot())
-
-
-def _recorded_iterations(record: object, last: int | None) -> list[Located]:
+def _misfits_of_record(data: Mapping[str, Any]) -> list[Located]:
+    """Returns recorded iterations beyond the last one."""
+    record = data.get("record")
+    last = valid(Iterations, data.get("iterations", DEFAULT_ITERATIONS))
     if not isinstance(record, RecordSpec) or last is None or isinstance(record.iterations, str):
         return []
     problem = f"must be at most the last iteration, {last}"
@@ -117,7 +288,8 @@ class ScenarioSpec(Model):
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
         """What does not fit together, whatever else is wrong."""
-        return [*super().misfits(data), *misfits(data)]
+        own = super().misfits(data)
+        return [*own, *_misfits_of_controller(data), *_misfits_of_record(data)]
 
     @property
     def learns_in_first(self) -> bool:

@@ -16,9 +16,9 @@ from hilc_cli.reference.path import (
     PathError,
     SamplesError,
     SegmentPlan,
+    Turn,
 )
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.reference.segments import Turn
 from hilc_cli.yaml_input.model import Flag, Located, Model, Name, Text, together, wrong_at
 from hilc_cli.yaml_input.quantities import (
     Angle,

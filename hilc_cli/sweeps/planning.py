@@ -16,8 +16,7 @@ from hilc_cli.errors import MOST_PROBLEMS, InvalidInputError, Problem, UsageErro
 from hilc_cli.results.tables import value_text
 from hilc_cli.scenario.axis import read_axis, shown_axis
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
-from hilc_cli.scenario.record import RecordSpec
-from hilc_cli.scenario.scenario import ScenarioSpec
+from hilc_cli.scenario.scenario import RecordSpec, ScenarioSpec
 from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.varied import (
@@ -44,10 +43,9 @@ from hilc_cli.yaml_input.nodes import (
     from_data,
     to_data,
 )
-from hilc_cli.yaml_input.overrides import parts_of_key
 from hilc_cli.yaml_input.problems import problems_of
 from hilc_cli.yaml_input.quantities import MOST_CASES
-from hilc_cli.yaml_input.reading import Inputs
+from hilc_cli.yaml_input.reading import Inputs, parts_of_key
 
 _LAW = "controller.law"
 _MOST_CORNERS = 64

@@ -20,8 +20,8 @@ from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.variation.axes import Axis, Value
 from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, Place, Source, from_data, to_data
-from hilc_cli.yaml_input.overrides import apply_override
 from hilc_cli.yaml_input.problems import problems_of
+from hilc_cli.yaml_input.reading import apply_override
 
 Change = tuple[str, Value, Place]
 """A key, its value, and where that stands."""

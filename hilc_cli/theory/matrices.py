@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.plants.kinematic import control_matrices
+from hilc_cli.plants.kinematic import control_matrices, feedforward
 from hilc_cli.reference.sampled import Floats
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge, least_left
+from hilc_cli.laws.norm_optimal.rectified import earliest_merge, least_left
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings, joined as joined_findings
 from hilc_cli.theory.law_theory import LawTheory, knows_plant

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.disturbance.philox import open_unit_interval, philox
+from hilc_cli.disturbance.streams import open_unit_interval, philox
 from hilc_cli.variation.axes import Axis, Value
 
 Sampling = Literal["grid", "random", "sobol"]

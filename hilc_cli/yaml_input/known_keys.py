@@ -79,6 +79,28 @@ def known_keys(
         level = below
 
 
+_MAY_BE_WHOLE = frozenset({"trajectory", "sweep"})
+"""Sections that may be a single value: the path of a file, or nothing."""
+
+
+def value_keys(model: type[Model], above: str = "") -> Iterator[str]:
+    """Dotted keys of all values that a file may hold, those of all laws among them, in order.
+
+    What is in lists, such as the segments of a trajectory, is left out: those keys have numbers.
+    Some come twice, since laws share them.
+
+    Args:
+        model: What the file is validated against.
+        above: What stands before each key, with a dot at its end.
+    """
+    for name, field in model.model_fields.items():
+        parts = [] if _holds_entries(field.annotation) else models_in(field.annotation)
+        if not parts or name in _MAY_BE_WHOLE:
+            yield f"{above}{name}"
+        for part in parts:
+            yield from value_keys(part, f"{above}{name}.")
+
+
 def same_word(one: str, other: str) -> bool:
     """Whether two words differ only in case, hyphens, underscores and spaces."""
     return _plain(one) == _plain(other)

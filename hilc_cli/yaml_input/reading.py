@@ -1,4 +1,4 @@
-"""Trees from files and standard input, and a trajectory put in the place of its path."""
+"""Trees from files and standard input, with a trajectory and values of ``--set`` put into them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import hashlib
 import os
 import re
 import sys
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
+from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError, shortened
 from hilc_cli.files import read_file, reason, resolved
 from hilc_cli.shipped_files import (
     KINDS,
@@ -23,6 +23,7 @@ from hilc_cli.shipped_files import (
     resolve_example,
 )
 from hilc_cli.yaml_input.nodes import (
+    ListNode,
     MapNode,
     Node,
     Place,
@@ -33,7 +34,7 @@ from hilc_cli.yaml_input.nodes import (
     with_entry,
 )
 from hilc_cli.yaml_input.syntax_errors import hint
-from hilc_cli.yaml_input.tree import MAX_BYTES, parse_yaml
+from hilc_cli.yaml_input.tree import LONGEST_KEY, MAX_BYTES, parse_yaml
 
 # The keys without which a file is none of its kind; the first that fits.
 _KEYS = {
@@ -108,13 +109,6 @@ def mistaken(keys: Collection[str], wanted: str, shown: str = "") -> str | None:
     return None if given == wanted else _not_but(given, wanted, shown)
 
 
-def mistaken_example(text: str, wanted: str) -> str | None:
-    """The same for ``example:NAME``; None also for any other text."""
-    if is_example(text, wanted):
-        return None
-    return next((_not_but(kind, wanted, "") for kind in KINDS if is_example(text, kind)), None)
-
-
 def _not_but(given: str, wanted: str, shown: str) -> str:
     got = f", got {shown}" if shown else ""
     return f"is a {_ONE[given]}, not a {_ONE[wanted]}{got}; {_INSTEAD[given, wanted]}"
@@ -162,9 +156,7 @@ class Inputs:
             content = _read_stdin()
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
             return self._parsed(content, Source("<stdin>", Path()), kind)
-        path = _example_or_path(name, kind)
-        content = self.file(_there(path, name, kind), MAX_BYTES)
-        return self._parsed(content, Source(str(path), path.parent), kind)
+        return self._of_file(_file_of(name, kind, Path(name)), kind)
 
     def with_trajectory(self, tree: MapNode) -> MapNode:
         """The scenario with its trajectory file, if it names one, in the place of the path.
@@ -182,7 +174,8 @@ class Inputs:
             )
             raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
         try:
-            trajectory = self._trajectory_tree(node.value, node.place.source.folder)
+            path = _short(node.place.source.folder / node.value)
+            trajectory = self._of_file(_file_of(node.value, TRAJECTORIES, path), TRAJECTORIES)
         except (UsageError, FileAccessError) as error:
             message = f"{error}{hint(node.value, quoted=node.quoted)}"
             raise InvalidInputError([Problem(str(node.place), "trajectory", message)]) from None
@@ -192,13 +185,8 @@ class Inputs:
                 raise InvalidInputError([Problem(str(node.place), "trajectory", other)])
         return with_entry(tree, "trajectory", trajectory, trajectory.place)
 
-    def _trajectory_tree(self, name: str, folder: Path) -> Node:
-        if name.startswith(PREFIX):
-            path = _example_or_path(name, TRAJECTORIES)
-        else:
-            path = _there(_short(folder / name), name, TRAJECTORIES)
-        content = self.file(path, MAX_BYTES)
-        return self._parsed(content, Source(str(path), path.parent), TRAJECTORIES)
+    def _of_file(self, path: Path, kind: str) -> Node:
+        return self._parsed(self.file(path, MAX_BYTES), Source(str(path), path.parent), kind)
 
     def _parsed(self, content: bytes, source: Source, kind: str) -> Node:
         """The tree of a file that is of a kind, or of another one that is known.
@@ -216,16 +204,13 @@ class Inputs:
         return tree
 
 
-def _example_or_path(name: str, kind: str) -> Path:
-    """The file that a text stands for."""
-    other = mistaken_example(name, kind)
-    if other is not None:
-        raise UsageError(f"{name}: {other}")
-    return resolve_example(name, kind)
-
-
-def _there(path: Path, name: str, kind: str) -> Path:
-    """The path, if something is there or no example is meant."""
+def _file_of(name: str, kind: str, path: Path) -> Path:
+    """Returns the file that a text stands for: the example that it names, or what is at a path."""
+    if name.startswith(PREFIX):
+        given = next((each for each in (kind, *KINDS) if is_example(name, each)), kind)
+        if given != kind:
+            raise UsageError(f"{name}: {_not_but(given, kind, '')}")
+        return resolve_example(name, kind)
     meant = None if os.path.lexists(path) else example_meant(name, kind)
     if meant is not None:
         raise UsageError(f"{path}: there is no such file; did you mean '{meant}'?")
@@ -253,3 +238,117 @@ def _short(path: Path) -> Path:
         return short if resolved(short) == resolved(path) else path
     except (OSError, ValueError):  # a loop of links, a NUL character
         return path
+
+
+_SHOWN_OF_LONG_KEYS = 40
+
+
+def parse_override(text: str) -> tuple[tuple[str, ...], Node]:
+    """Keys and value of ``KEY=VALUE``, the value read as YAML.
+
+    Raises:
+        InvalidInputError: There is no key or no equals sign, or the value is no YAML.
+    """
+    key, equals, value = text.partition("=")
+    source = _source(f"--set {text}")
+    keys = parts_of_key(key.strip(), "--set")
+    if not equals or not all(keys):
+        message = "must read KEY=VALUE, such as controller.gains.l1=0.5"
+        raise InvalidInputError([Problem(source.label, "", message)])
+    if not value.strip():
+        return keys, Scalar(Place(source), None, "null")
+    try:
+        return keys, parse_yaml(value.encode("utf-8", "surrogateescape"), source)
+    except InvalidInputError as error:
+        problems = [replace(problem, path=key.strip()) for problem in error.problems]
+        raise InvalidInputError(problems) from None
+
+
+def parts_of_key(key: str, option: str) -> tuple[str, ...]:
+    """The parts of a dotted key; some may be empty.
+
+    Args:
+        key: The key.
+        option: What it has been given with.
+
+    Raises:
+        InvalidInputError: It is so long that it is no key, whatever it says.
+    """
+    if len(key) > LONGEST_KEY:
+        shown = f"{option} {shortened(key, _SHOWN_OF_LONG_KEYS)}"
+        message = f"has a key of {len(key)} characters; give keys with dots between them, such as "
+        raise InvalidInputError([Problem(shown, "", f"{message}controller.gains.l1")])
+    return tuple(key.split("."))
+
+
+def data_override(key: str, value: object) -> tuple[tuple[str, ...], Node]:
+    """Keys and value of an override that comes from Python."""
+    keys = parts_of_key(key, "override")
+    place = Place(_source(f"override {key}"))
+    if not all(keys):
+        message = "must be keys with dots between them, such as controller.gains.l1"
+        raise InvalidInputError([Problem(str(place), "", message)])
+    return keys, from_data(value, place)
+
+
+def apply_override(
+    tree: MapNode,
+    keys: tuple[str, ...],
+    value: Node,
+    inline: Callable[[MapNode], MapNode],
+    default: Callable[[tuple[str, ...]], object] = lambda keys: None,
+) -> MapNode:
+    """The tree with one value replaced or added.
+
+    Args:
+        tree: The scenario.
+        keys: Keys and list indices on the way to the value; missing mappings are added.
+        value: The value.
+        inline: Puts the trajectory in the place of its path, for keys that lead into it.
+        default: What a list that is not in the tree is by default, for keys that lead into it.
+
+    Raises:
+        InvalidInputError: The way leads through a value that has no keys, or past a list's end.
+    """
+    if len(keys) > 1 and keys[0] == "trajectory":
+        tree = inline(tree)
+    changed = _put(tree, keys, value, (), default)
+    assert isinstance(changed, MapNode)  # a mapping stays one
+    return changed
+
+
+def _put(
+    node: Node | None,
+    keys: tuple[str, ...],
+    value: Node,
+    above: tuple[str, ...],
+    default: Callable[[tuple[str, ...]], object],
+) -> Node:
+    if not keys:
+        return value
+    key, rest = keys[0], keys[1:]
+    here = (*above, key)
+    if node is None and key.isdecimal():
+        known = default(above)
+        node = None if known is None else from_data(known, value.place)
+    if node is None or (isinstance(node, Scalar) and node.value is None):
+        node = MapNode(value.place)
+    if isinstance(node, MapNode):
+        return with_entry(
+            node, key, _put(node.entries.get(key), rest, value, here, default), value.place
+        )
+    path = ".".join(here)
+    if isinstance(node, ListNode):
+        if key.isdecimal() and int(key) < len(node.items):
+            items = list(node.items)
+            items[int(key)] = _put(items[int(key)], rest, value, here, default)
+            return replace(node, items=tuple(items))
+        last = len(node.items) - 1
+        message = f"is no entry of the list; give a number from 0 to {last}"
+    else:
+        message = f"cannot be set, since {'.'.join(above)} is a single value; set that instead"
+    raise InvalidInputError([Problem(str(value.place), path, message)])
+
+
+def _source(label: str) -> Source:
+    return Source(label, Path(), has_lines=False)

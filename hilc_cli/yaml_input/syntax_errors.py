@@ -81,7 +81,7 @@ def _remedy(character: str) -> str:
 
 
 _MOST_LINES = 5
-_HELP = "check quotes, colons, brackets and indentation"
+SYNTAX_HELP = "check quotes, colons, brackets and indentation"
 _INDENTED_BY_TAB = re.compile(r" *\t(?=\s*[^\s#])")
 
 
@@ -98,7 +98,7 @@ def explained(text: str, error: yaml.MarkedYAMLError) -> tuple[int, int, str]:
     mark = error.problem_mark or error.context_mark
     problem = error.problem or error.context or ""
     if mark is None:
-        return 1, 1, f"is not valid YAML: {problem}; {_HELP}"
+        return 1, 1, f"is not valid YAML: {problem}; {SYNTAX_HELP}"
     if "escape" in problem or "hexdecimal" in problem:
         at = text.rfind("\\", 0, mark.index + 1)
         if at >= 0:
@@ -117,7 +117,7 @@ def explained(text: str, error: yaml.MarkedYAMLError) -> tuple[int, int, str]:
     if problem == "did not find expected key" and above and not line.strip() and len(line):
         message = f"stands in column {mark.column + 1}, where nothing above it starts"
         return mark.line + 1, mark.column + 1, f"{message}; indent it as its neighbours are"
-    return mark.line + 1, mark.column + 1, f"is not valid YAML: {problem}; {_HELP}"
+    return mark.line + 1, mark.column + 1, f"is not valid YAML: {problem}; {SYNTAX_HELP}"
 
 
 def _lines_before(text: str, error: yaml.MarkedYAMLError) -> list[tuple[int, str]]:

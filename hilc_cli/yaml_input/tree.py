@@ -15,7 +15,7 @@ import yaml
 
 from hilc_cli.errors import InvalidInputError, Problem
 from hilc_cli.yaml_input.nodes import ListNode, MapNode, Node, Place, Scalar, Source
-from hilc_cli.yaml_input.syntax_errors import explained, odd_character, told
+from hilc_cli.yaml_input.syntax_errors import SYNTAX_HELP, explained, odd_character, told
 
 _NULL = frozenset({"", "~", "null", "Null", "NULL"})
 _TRUE = frozenset({"true", "True", "TRUE"})
@@ -64,7 +64,6 @@ MAX_VALUES = 50_000
 
 _Loader: type = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _WHOLE_NUMBER = re.compile(r"[-+]?[0-9]+")
-_SYNTAX_HELP = "check quotes, colons, brackets and indentation"
 
 
 class _Stop(Exception):
@@ -113,7 +112,7 @@ def parse_yaml(
         composer.problem(Place(source, line, column), message)
     except yaml.YAMLError as error:
         why = str(error).splitlines()[0]
-        composer.problem(_unreadable(text, source), f"is not valid YAML: {why}; {_SYNTAX_HELP}")
+        composer.problem(_unreadable(text, source), f"is not valid YAML: {why}; {SYNTAX_HELP}")
     finally:
         loader.dispose()
     if tree is None or (composer.problems and problems is None):

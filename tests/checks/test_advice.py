@@ -14,10 +14,9 @@ from hilc_cli.checks.advice import advice
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.laws.pid import PidLaw
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.path import ArcPlan, build_reference
 from hilc_cli.theory.law_theory import law_theory
 from tests.engine.experiments import PLATFORM, experiment_of, law_of

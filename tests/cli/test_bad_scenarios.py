@@ -10,7 +10,171 @@ import pytest
 from tests.cli.inputs import SCENARIO, TRAJECTORY, listing, plus, put_odd_things, scenario
 from tests.conftest import Hilc, Outcome, Write
 
+# Of these tables, a value, what is told of it, and what all of one have in common stands in CASES.
+RADII = [
+    ("radius-bool", "true", "must be a number, got true"),
+    ("radius-null", "", "must be a number, got nothing"),
+    ("radius-list", "[1]", "must be a number, got a list of 1"),
+    ("radius-zero", "0", "must be above 0, got 0"),
+    ("radius-negative", "-0.2", "must be above 0, got -0.2"),
+    ("radius-nan", ".nan", "must be finite, got .nan"),
+    ("radius-inf", ".inf", "must be finite, got .inf"),
+    ("radius-1e999", "1e999", "must be finite, got 1e999"),
+    (
+        "radius-5000",
+        "9" * 5000,
+        "has 5000 digits, got '9999999999999999999999999999999999999999...'",
+    ),
+    ("radius-unit-time", "200 ms", "has the wrong unit, got '200 ms'"),
+    ("radius-unit-deg", "20 deg", "has the wrong unit, got '20 deg'"),
+    ("radius-word", "big", "has the unknown name 'big', got 'big'"),
+    ("radius-empty-text", "''", "ends where a number should be, got ''"),
+    ("radius-yes", "yes", "has the unknown name 'yes', got 'yes'"),
+    (
+        "radius-underscore",
+        "1_000",
+        "has '_000' where it should end or have an operator, got '1_000'",
+    ),
+    ("expr-floordiv", "pi//2", "has '/' where a number should be, got 'pi//2'"),
+    ("expr-open", "(1", "has an opening bracket without a closing one, got '(1'"),
+    ("expr-close", "1)", "has ')' where it should end or have an operator, got '1)'"),
+    ("expr-ends", "1+", "ends where a number should be, got '1+'"),
+    ("expr-foo", "foo", "has the unknown name 'foo', got 'foo'"),
+    ("expr-units", "1 m + 2 s", "adds values of different units, got '1 m + 2 s'"),
+    ("expr-zero", "1/0", "divides by zero, got '1/0'"),
+    ("expr-power", "2**3", "has '*' where a number should be, got '2**3'"),
+    ("expr-caret", "2^3", "has '^' where it should end or have an operator, got '2^3'"),
+    (
+        "expr-long",
+        "1+" * 70 + "1",
+        "is longer than 120 characters, got '1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+...'",
+    ),
+    (
+        "expr-brackets",
+        "(" * 21 + "1" + ")" * 21,
+        "has more than 20 nested brackets, got '(((((((((((((((((((((1))))))))))))))))))...'",
+    ),
+    (
+        "expr-import",
+        "__import__('os').getcwd()",
+        "has ''', which is no part of it, got '__import__('os').getcwd()'",
+    ),
+    ("expr-call", "sqrt(2)", "has the unknown name 'sqrt', got 'sqrt(2)'"),
+    ("expr-pii", "pj/2", "has the unknown name 'pj', got 'pj/2'"),
+    ("expr-two-numbers", "1 2", "has '2' where it should end or have an operator, got '1 2'"),
+    ("expr-unit-first", "m", "has the unit 'm' without a number before it, got 'm'"),
+    ("expr-double-unit", "1 m m", "has 'm' where it should end or have an operator, got '1 m m'"),
+    ("expr-overflow", "1e300*1e300", "must be finite, got '1e300*1e300'"),
+    ("expr-nan", "1e999-1e999", "must be finite, got '1e999-1e999'"),
+    ("expr-digit-unicode", "'٣'", "has '٣', which is no part of it, got '٣'"),
+]
+NAMES = [
+    ("name-number", "12", "must be text, got 12; put it in quotes"),
+    (
+        "name-slash",
+        "a/b",
+        "has characters that are not allowed, got 'a/b'; use letters, digits, '.', '_' and '-'",
+    ),
+    (
+        "name-dots",
+        "'..'",
+        "has characters that are not allowed, got '..'; begin with a letter or digit: hidden files and folders begin with '.'",
+    ),
+    (
+        "name-draft",
+        ".s.hilc-043a718b-aaaaaaaa",
+        "has characters that are not allowed, got '.s.hilc-043a718b-aaaaaaaa'; begin with a letter or digit: hidden files and folders begin with '.'",
+    ),
+    (
+        "name-empty",
+        "''",
+        "has characters that are not allowed, got ''; use letters, digits, '.', '_' and '-'",
+    ),
+    (
+        "name-long",
+        "n" * 101,
+        "is too long, got 'nnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnn...'; shorten it",
+    ),
+    (
+        "name-newline",
+        '"a\\nb"',
+        "has characters that are not allowed, got 'a�b'; use letters, digits, '.', '_' and '-'; it has a line break, since a backslash in double quotes starts an escape: write the text in single quotes, or / instead",
+    ),
+    (
+        "name-trailing-newline",
+        '"ab\\n"',
+        "has characters that are not allowed, got 'ab�'; use letters, digits, '.', '_' and '-'; it has a line break, since a backslash in double quotes starts an escape: write the text in single quotes, or / instead",
+    ),
+    (
+        "tag",
+        "!!python/object:os.system ls",
+        "has the tag tag:yaml.org,2002:python/object:os.system; leave tags out",
+    ),
+    ("tag-str", "!!str test", "has the tag tag:yaml.org,2002:str; leave tags out"),
+    ("tag-own", "!foo test", "has the tag !foo; leave tags out"),
+]
+MATRICES = [
+    (
+        "matrix-unknown",
+        "[[tan, 2, 3], [4, 5, 6]]",
+        "18: controller.gain_matrix.0.0: has the unknown name 'tan', got 'tan'",
+    ),
+    (
+        "matrix-unit",
+        "[[1 m, 2, 3], [4, 5, 6]]",
+        "18: controller.gain_matrix.0.0: has 'm' where it should end or have an operator, got '1 m'",
+    ),
+    (
+        "matrix-null",
+        "[[null, 2, 3], [4, 5, 6]]",
+        "18: controller.gain_matrix.0.0: must be a number or an expression, got nothing",
+    ),
+    (
+        "matrix-inf",
+        "[[.inf, 2, 3], [4, 5, 6]]",
+        "18: controller.gain_matrix.0.0: must be finite, got .inf",
+    ),
+    (
+        "matrix-zero-by-model",
+        "[[1/(B-0.5), 2, 3], [4, 5, 6]]",
+        "18: controller.gain_matrix.0.0: divides by zero, got '1/(B-0.5)'",
+    ),
+    (
+        "matrix-bool-entry",
+        "[[true, 2, 3], [4, 5, 6]]",
+        "18: controller.gain_matrix.0.0: must be a number or an expression, got true",
+    ),
+    (
+        "matrix-long-int",
+        "[[" + "9" * 5000 + ", 2, 3], [4, 5, 6]]",
+        "18: controller.gain_matrix.0.0: is longer than 120 characters, got '9999999999999999999999999999999999999999...'",
+    ),
+]
 CASES = [
+    *(
+        (
+            name,
+            scenario("wheel_radius: 0.2", f"wheel_radius: {value}"),
+            f"scenario.yaml:3:23: robot.wheel_radius: {told}; give a number above 0, such as 0.2 or 20 cm",
+        )
+        for name, value, told in RADII
+    ),
+    *(
+        (
+            name,
+            scenario("name: test", f"name: {value}"),
+            f"scenario.yaml:1:7: name: {told}",
+        )
+        for name, value, told in NAMES
+    ),
+    *(
+        (
+            name,
+            scenario("b_w: 180", f"gain_matrix: {value}"),
+            f"scenario.yaml:7:{told}; give a number or an expression in cos, sin, R and B",
+        )
+        for name, value, told in MATRICES
+    ),
     (
         "missing-robot",
         scenario("robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: paper}\n", ""),
@@ -116,46 +280,6 @@ CASES = [
         "scenario.yaml:6:10: controller.gains: must be a mapping of keys and values, got 0.5; write its keys below it",
     ),
     (
-        "name-number",
-        scenario("name: test", "name: 12"),
-        "scenario.yaml:1:7: name: must be text, got 12; put it in quotes",
-    ),
-    (
-        "name-slash",
-        scenario("name: test", "name: a/b"),
-        "scenario.yaml:1:7: name: has characters that are not allowed, got 'a/b'; use letters, digits, '.', '_' and '-'",
-    ),
-    (
-        "name-dots",
-        scenario("name: test", "name: '..'"),
-        "scenario.yaml:1:7: name: has characters that are not allowed, got '..'; begin with a letter or digit: hidden files and folders begin with '.'",
-    ),
-    (
-        "name-draft",
-        scenario("name: test", "name: .s.hilc-043a718b-aaaaaaaa"),
-        "scenario.yaml:1:7: name: has characters that are not allowed, got '.s.hilc-043a718b-aaaaaaaa'; begin with a letter or digit: hidden files and folders begin with '.'",
-    ),
-    (
-        "name-empty",
-        scenario("name: test", "name: ''"),
-        "scenario.yaml:1:7: name: has characters that are not allowed, got ''; use letters, digits, '.', '_' and '-'",
-    ),
-    (
-        "name-long",
-        scenario("name: test", "name: " + "n" * 101),
-        "scenario.yaml:1:7: name: is too long, got 'nnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnnn...'; shorten it",
-    ),
-    (
-        "name-newline",
-        scenario("name: test", 'name: "a\\nb"'),
-        "scenario.yaml:1:7: name: has characters that are not allowed, got 'a�b'; use letters, digits, '.', '_' and '-'; it has a line break, since a backslash in double quotes starts an escape: write the text in single quotes, or / instead",
-    ),
-    (
-        "name-trailing-newline",
-        scenario("name: test", 'name: "ab\\n"'),
-        "scenario.yaml:1:7: name: has characters that are not allowed, got 'ab�'; use letters, digits, '.', '_' and '-'; it has a line break, since a backslash in double quotes starts an escape: write the text in single quotes, or / instead",
-    ),
-    (
         "name-null",
         scenario("name: test", "name:"),
         "scenario.yaml:1:6: name: must be text, got nothing; put it in quotes",
@@ -166,49 +290,9 @@ CASES = [
         "scenario.yaml:8:14: description: must be text, got 12; put it in quotes",
     ),
     (
-        "radius-bool",
-        scenario("wheel_radius: 0.2", "wheel_radius: true"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be a number, got true; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-null",
-        scenario("wheel_radius: 0.2", "wheel_radius: "),
-        "scenario.yaml:3:23: robot.wheel_radius: must be a number, got nothing; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-list",
-        scenario("wheel_radius: 0.2", "wheel_radius: [1]"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be a number, got a list of 1; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
         "radius-map",
         scenario("wheel_radius: 0.2", "wheel_radius: {a: 1}"),
         "scenario.yaml:3:9: robot.wheel_radius: must be a number, got a mapping; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-zero",
-        scenario("wheel_radius: 0.2", "wheel_radius: 0"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got 0; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-negative",
-        scenario("wheel_radius: 0.2", "wheel_radius: -0.2"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got -0.2; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-nan",
-        scenario("wheel_radius: 0.2", "wheel_radius: .nan"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got .nan; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-inf",
-        scenario("wheel_radius: 0.2", "wheel_radius: .inf"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got .inf; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-1e999",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1e999"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got 1e999; give a number above 0, such as 0.2 or 20 cm",
     ),
     (
         "radius-huge",
@@ -219,21 +303,6 @@ CASES = [
         "radius-bignum",
         scenario("wheel_radius: 0.2", "wheel_radius: 1" + "0" * 60),
         "scenario.yaml:3:23: robot.wheel_radius: must be at most 1000, got 1000000000000000000000000000000000000000...; give a number from 1e-05 to 1000, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-5000",
-        scenario("wheel_radius: 0.2", "wheel_radius: " + "9" * 5000),
-        "scenario.yaml:3:23: robot.wheel_radius: has 5000 digits, got '9999999999999999999999999999999999999999...'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-unit-time",
-        scenario("wheel_radius: 0.2", "wheel_radius: 200 ms"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the wrong unit, got '200 ms'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-unit-deg",
-        scenario("wheel_radius: 0.2", "wheel_radius: 20 deg"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the wrong unit, got '20 deg'; give a number above 0, such as 0.2 or 20 cm",
     ),
     (
         "radius-unit-unknown",
@@ -251,124 +320,9 @@ CASES = [
         "scenario.yaml:3:23: robot.wheel_radius: has a decimal comma, got '0,2'; did you mean '0.2'?",
     ),
     (
-        "radius-word",
-        scenario("wheel_radius: 0.2", "wheel_radius: big"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'big', got 'big'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-empty-text",
-        scenario("wheel_radius: 0.2", "wheel_radius: ''"),
-        "scenario.yaml:3:23: robot.wheel_radius: ends where a number should be, got ''; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-yes",
-        scenario("wheel_radius: 0.2", "wheel_radius: yes"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'yes', got 'yes'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "radius-underscore",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1_000"),
-        "scenario.yaml:3:23: robot.wheel_radius: has '_000' where it should end or have an operator, got '1_000'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-floordiv",
-        scenario("wheel_radius: 0.2", "wheel_radius: pi//2"),
-        "scenario.yaml:3:23: robot.wheel_radius: has '/' where a number should be, got 'pi//2'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-open",
-        scenario("wheel_radius: 0.2", "wheel_radius: (1"),
-        "scenario.yaml:3:23: robot.wheel_radius: has an opening bracket without a closing one, got '(1'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-close",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1)"),
-        "scenario.yaml:3:23: robot.wheel_radius: has ')' where it should end or have an operator, got '1)'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-ends",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1+"),
-        "scenario.yaml:3:23: robot.wheel_radius: ends where a number should be, got '1+'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-foo",
-        scenario("wheel_radius: 0.2", "wheel_radius: foo"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'foo', got 'foo'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-units",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1 m + 2 s"),
-        "scenario.yaml:3:23: robot.wheel_radius: adds values of different units, got '1 m + 2 s'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-zero",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1/0"),
-        "scenario.yaml:3:23: robot.wheel_radius: divides by zero, got '1/0'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-power",
-        scenario("wheel_radius: 0.2", "wheel_radius: 2**3"),
-        "scenario.yaml:3:23: robot.wheel_radius: has '*' where a number should be, got '2**3'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-caret",
-        scenario("wheel_radius: 0.2", "wheel_radius: 2^3"),
-        "scenario.yaml:3:23: robot.wheel_radius: has '^' where it should end or have an operator, got '2^3'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-long",
-        scenario("wheel_radius: 0.2", "wheel_radius: " + "1+" * 70 + "1"),
-        "scenario.yaml:3:23: robot.wheel_radius: is longer than 120 characters, got '1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+1+...'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-brackets",
-        scenario("wheel_radius: 0.2", "wheel_radius: " + "(" * 21 + "1" + ")" * 21),
-        "scenario.yaml:3:23: robot.wheel_radius: has more than 20 nested brackets, got '(((((((((((((((((((((1))))))))))))))))))...'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-import",
-        scenario("wheel_radius: 0.2", "wheel_radius: __import__('os').getcwd()"),
-        "scenario.yaml:3:23: robot.wheel_radius: has ''', which is no part of it, got '__import__('os').getcwd()'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-call",
-        scenario("wheel_radius: 0.2", "wheel_radius: sqrt(2)"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'sqrt', got 'sqrt(2)'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-pii",
-        scenario("wheel_radius: 0.2", "wheel_radius: pj/2"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'pj', got 'pj/2'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-two-numbers",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1 2"),
-        "scenario.yaml:3:23: robot.wheel_radius: has '2' where it should end or have an operator, got '1 2'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
         "expr-2pi",
         scenario("wheel_radius: 0.2", "wheel_radius: 2pi"),
         "scenario.yaml:3:23: robot.wheel_radius: has 'pi' where it should end or have an operator, got '2pi'; did you mean '2*pi'?",
-    ),
-    (
-        "expr-unit-first",
-        scenario("wheel_radius: 0.2", "wheel_radius: m"),
-        "scenario.yaml:3:23: robot.wheel_radius: has the unit 'm' without a number before it, got 'm'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-double-unit",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1 m m"),
-        "scenario.yaml:3:23: robot.wheel_radius: has 'm' where it should end or have an operator, got '1 m m'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-overflow",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1e300*1e300"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got '1e300*1e300'; give a number above 0, such as 0.2 or 20 cm",
-    ),
-    (
-        "expr-nan",
-        scenario("wheel_radius: 0.2", "wheel_radius: 1e999-1e999"),
-        "scenario.yaml:3:23: robot.wheel_radius: must be finite, got '1e999-1e999'; give a number above 0, such as 0.2 or 20 cm",
     ),
     (
         "expr-unicode",
@@ -379,11 +333,6 @@ CASES = [
         "expr-pi-unicode",
         scenario("wheel_radius: 0.2", "wheel_radius: π"),
         "scenario.yaml:3:23: robot.wheel_radius: has the unknown name 'π', got 'π'; did you mean 'pi'?",
-    ),
-    (
-        "expr-digit-unicode",
-        scenario("wheel_radius: 0.2", "wheel_radius: '٣'"),
-        "scenario.yaml:3:23: robot.wheel_radius: has '٣', which is no part of it, got '٣'; give a number above 0, such as 0.2 or 20 cm",
     ),
     (
         "iterations-negative",
@@ -628,29 +577,9 @@ CASES = [
         "scenario.yaml:7:18: controller.gain_matrix.0.0: divides by cos or sin, got '1/cos'; entries are affine in them",
     ),
     (
-        "matrix-unknown",
-        scenario("b_w: 180", "gain_matrix: [[tan, 2, 3], [4, 5, 6]]"),
-        "scenario.yaml:7:18: controller.gain_matrix.0.0: has the unknown name 'tan', got 'tan'; give a number or an expression in cos, sin, R and B",
-    ),
-    (
         "matrix-unknown-near",
         scenario("b_w: 180", "gain_matrix: [[coss, 2, 3], [4, 5, 6]]"),
         "scenario.yaml:7:18: controller.gain_matrix.0.0: has the unknown name 'coss', got 'coss'; did you mean 'cos'?",
-    ),
-    (
-        "matrix-unit",
-        scenario("b_w: 180", "gain_matrix: [[1 m, 2, 3], [4, 5, 6]]"),
-        "scenario.yaml:7:18: controller.gain_matrix.0.0: has 'm' where it should end or have an operator, got '1 m'; give a number or an expression in cos, sin, R and B",
-    ),
-    (
-        "matrix-null",
-        scenario("b_w: 180", "gain_matrix: [[null, 2, 3], [4, 5, 6]]"),
-        "scenario.yaml:7:18: controller.gain_matrix.0.0: must be a number or an expression, got nothing; give a number or an expression in cos, sin, R and B",
-    ),
-    (
-        "matrix-inf",
-        scenario("b_w: 180", "gain_matrix: [[.inf, 2, 3], [4, 5, 6]]"),
-        "scenario.yaml:7:18: controller.gain_matrix.0.0: must be finite, got .inf; give a number or an expression in cos, sin, R and B",
     ),
     (
         "matrix-two",
@@ -659,21 +588,6 @@ CASES = [
             "scenario.yaml:7:18: controller.gain_matrix.0.0: has the unknown name 'tan', got 'tan'; give a number or an expression in cos, sin, R and B\n"
             "scenario.yaml:7:37: controller.gain_matrix.1.2: divides by zero, got '1/0'; give a number or an expression in cos, sin, R and B"
         ),
-    ),
-    (
-        "matrix-zero-by-model",
-        scenario("b_w: 180", "gain_matrix: [[1/(B-0.5), 2, 3], [4, 5, 6]]"),
-        "scenario.yaml:7:18: controller.gain_matrix.0.0: divides by zero, got '1/(B-0.5)'; give a number or an expression in cos, sin, R and B",
-    ),
-    (
-        "matrix-bool-entry",
-        scenario("b_w: 180", "gain_matrix: [[true, 2, 3], [4, 5, 6]]"),
-        "scenario.yaml:7:18: controller.gain_matrix.0.0: must be a number or an expression, got true; give a number or an expression in cos, sin, R and B",
-    ),
-    (
-        "matrix-long-int",
-        scenario("b_w: 180", "gain_matrix: [[" + "9" * 5000 + ", 2, 3], [4, 5, 6]]"),
-        "scenario.yaml:7:18: controller.gain_matrix.0.0: is longer than 120 characters, got '9999999999999999999999999999999999999999...'; give a number or an expression in cos, sin, R and B",
     ),
     (
         "seed-negative",
@@ -838,21 +752,6 @@ CASES = [
         ),
         "scenario.yaml:3:9: <<: merge keys are not part of YAML 1.2; write the keys out\n"
         "scenario.yaml:3:1: robot: needs exactly one of half_track and wheel_separation; give one of them",
-    ),
-    (
-        "tag",
-        scenario("name: test", "name: !!python/object:os.system ls"),
-        "scenario.yaml:1:7: name: has the tag tag:yaml.org,2002:python/object:os.system; leave tags out",
-    ),
-    (
-        "tag-str",
-        scenario("name: test", "name: !!str test"),
-        "scenario.yaml:1:7: name: has the tag tag:yaml.org,2002:str; leave tags out",
-    ),
-    (
-        "tag-own",
-        scenario("name: test", "name: !foo test"),
-        "scenario.yaml:1:7: name: has the tag !foo; leave tags out",
     ),
     (
         "tag-apply",

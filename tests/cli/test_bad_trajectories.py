@@ -360,67 +360,63 @@ INPUTS = [
     (
         "header",
         INPUT_CSV.replace("left_wheel_rad_s", "left"),
-        "scenario.yaml:8:16: initial_input: input.csv: is no such table; its first line must be sample,t_s,left_wheel_rad_s,right_wheel_rad_s (initial_input is zero, feedforward or such a file)",
+        "input.csv: is no such table; its first line must be sample,t_s,left_wheel_rad_s,right_wheel_rad_s",
     ),
     (
         "empty",
         "",
-        "scenario.yaml:8:16: initial_input: input.csv: is no such table; its first line must be sample,t_s,left_wheel_rad_s,right_wheel_rad_s (initial_input is zero, feedforward or such a file)",
+        "input.csv: is no such table; its first line must be sample,t_s,left_wheel_rad_s,right_wheel_rad_s",
     ),
     (
         "short",
         INPUT_CSV.rpartition("2,0.2")[0],
-        "scenario.yaml:8:16: initial_input: input.csv: has 2 rows, but the trajectory has 3 samples to drive; give an input of the same trajectory (initial_input is zero, feedforward or such a file)",
+        "input.csv: has 2 rows, but the trajectory has 3 samples to drive; give an input of the same trajectory",
     ),
     (
         "long",
         INPUT_CSV + "3,0.3,1,2\n",
-        "scenario.yaml:8:16: initial_input: input.csv: has 4 rows, but the trajectory has 3 samples to drive; give an input of the same trajectory (initial_input is zero, feedforward or such a file)",
+        "input.csv: has 4 rows, but the trajectory has 3 samples to drive; give an input of the same trajectory",
     ),
     (
         "nan",
         INPUT_CSV.replace("1,0.1,1,", "1,0.1,nan,"),
-        "scenario.yaml:8:16: initial_input: input.csv:3: is damaged: numbers must be finite (initial_input is zero, feedforward or such a file)",
+        "input.csv:3: is damaged: numbers must be finite",
     ),
     (
         "inf",
         INPUT_CSV.replace("1,0.1,1,", "1,0.1,inf,"),
-        "scenario.yaml:8:16: initial_input: input.csv:3: is damaged: numbers must be finite (initial_input is zero, feedforward or such a file)",
+        "input.csv:3: is damaged: numbers must be finite",
     ),
     (
         "word",
         INPUT_CSV.replace("1,0.1,1,", "1,0.1,fast,"),
-        "scenario.yaml:8:16: initial_input: input.csv:3: is damaged: holds something that is no number (initial_input is zero, feedforward or such a file)",
+        "input.csv:3: is damaged: holds something that is no number",
     ),
     (
         "order",
         INPUT_CSV.replace("1,0.1", "2,0.1"),
-        "scenario.yaml:8:16: initial_input: input.csv:3: is damaged: sample 1 should stand here (initial_input is zero, feedforward or such a file)",
+        "input.csv:3: is damaged: sample 1 should stand here",
     ),
     (
         "cells",
         INPUT_CSV.replace("1,0.1,1,2", "1,0.1,1"),
-        "scenario.yaml:8:16: initial_input: input.csv:3: is damaged: 4 cells should stand here (initial_input is zero, feedforward or such a file)",
+        "input.csv:3: is damaged: 4 cells should stand here",
     ),
-    (
-        "blank",
-        INPUT_CSV + "\n",
-        "scenario.yaml:8:16: initial_input: input.csv:5: is damaged: 4 cells should stand here (initial_input is zero, feedforward or such a file)",
-    ),
+    ("blank", INPUT_CSV + "\n", "input.csv:5: is damaged: 4 cells should stand here"),
     (
         "latin",
         INPUT_CSV.encode().replace(b"left", b"l\xffft", 1),
-        "scenario.yaml:8:16: initial_input: input.csv: is not UTF-8 text; give an input CSV file (initial_input is zero, feedforward or such a file)",
+        "input.csv: is not UTF-8 text; give an input CSV file",
     ),
     (
         "nul",
         INPUT_CSV.replace("1,0.1,1", "1,0.1,\x00"),
-        "scenario.yaml:8:16: initial_input: input.csv:3: is damaged: holds something that is no number (initial_input is zero, feedforward or such a file)",
+        "input.csv:3: is damaged: holds something that is no number",
     ),
     (
         "5000",
         INPUT_CSV.replace("1,0.1,1,", "1,0.1," + "9" * 5000 + ","),
-        "scenario.yaml:8:16: initial_input: input.csv:3: is damaged: numbers must be finite (initial_input is zero, feedforward or such a file)",
+        "input.csv:3: is damaged: numbers must be finite",
     ),
 ]
 
@@ -433,7 +429,9 @@ def test_wrong_initial_input_is_explained(
 ) -> None:
     write({"scenario.yaml": plus("initial_input: input.csv\n"), "input.csv": content})
     before = listing(folder)
-    assert hilc("run", "scenario.yaml", "--no-plots") == Outcome(2, "", f"{message}\n")
+    choices = "(initial_input is zero, feedforward or such a file)"
+    told = f"scenario.yaml:8:16: initial_input: {message} {choices}\n"
+    assert hilc("run", "scenario.yaml", "--no-plots") == Outcome(2, "", told)
     assert listing(folder) == before
 
 

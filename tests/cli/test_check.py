@@ -17,7 +17,7 @@ import pytest
 import hilc_cli as hilc_api
 from hilc_cli.checks.advice import advice
 from hilc_cli.checks.report import whole
-from hilc_cli.reporting import section, terminal
+from hilc_cli.reporting import terminal
 from hilc_cli.shipped_files import examples
 from hilc_cli.theory.feasibility.demand import demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits, feasibility_findings
@@ -653,7 +653,7 @@ def test_reader_that_has_seen_enough_ends_the_report(tmp_path: Path) -> None:
 def test_report_is_one_screen(
     hilc: Hilc, monkeypatch: pytest.MonkeyPatch, name: str, columns: int
 ) -> None:
-    for module in (whole, section, terminal):
+    for module in (whole, terminal):
         monkeypatch.setattr(module, "is_decorated", lambda stream: stream is sys.stdout)
     monkeypatch.setenv("COLUMNS", str(columns))
     out = hilc("check", f"example:{name}", "--set", "trajectory.sample_time=10 ms").out

@@ -10,9 +10,8 @@ import numpy as np
 
 from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.gain_matrix import GainMatrix, model_gain, unit_gain
+from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix, model_gain, unit_gain
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.sampled import Floats, Reference

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from tests.engine.experiments import PLATFORM, experiment_of, law_of

@@ -10,10 +10,8 @@ from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Tri
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
-from hilc_cli.laws.feedforward import feedforward
-from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.laws.past_errors import GainHeading
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix
+from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.path import build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import eval_laguerre
 
-from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.path import ArcPlan, build_reference
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.learning.lifted import LiftedIteration

@@ -10,7 +10,7 @@ import pytest
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedback import FeedbackLaw
-from hilc_cli.laws.norm_optimal.earliest_merge import least_left
+from hilc_cli.laws.norm_optimal.rectified import least_left
 from hilc_cli.reference.path import LinePlan, build_reference
 from hilc_cli.theory.findings import Findings
 from hilc_cli.theory.law_theory import law_theory

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hilc_cli.reporting.section import Grid
+from hilc_cli.reporting.terminal import Grid
 from hilc_cli.results.metrics import settled_at
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 from hilc_cli.theory.findings import length_text

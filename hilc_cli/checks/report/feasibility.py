@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from hilc_cli.names import counted
-from hilc_cli.reporting.section import Grid, Section
+from hilc_cli.reporting.terminal import Grid, Section
 from hilc_cli.theory.feasibility.feasibility import GRAVITY, in_degrees, rounded
 
 if TYPE_CHECKING:

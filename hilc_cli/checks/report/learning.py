@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from hilc_cli.checks.report.errors import errors_grid
-from hilc_cli.reporting.section import Section
+from hilc_cli.reporting.terminal import Section
 from hilc_cli.theory.findings import expected_document
 from hilc_cli.theory.law_theory import knows_plant
 from hilc_cli.theory.noise.wheels import wheel_document, wheel_rows

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from hilc_cli.reporting.section import Grid, Section
+from hilc_cli.reporting.terminal import Grid, Section
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check

@@ -12,8 +12,16 @@ from hilc_cli.checks.report.feasibility import feasibility_section
 from hilc_cli.checks.report.learning import learning_section
 from hilc_cli.checks.report.theory import theory_section
 from hilc_cli.names import counted
-from hilc_cli.reporting.section import finding_lines, print_grid, print_section, title
-from hilc_cli.reporting.terminal import is_decorated, print_table, print_text, two_columns
+from hilc_cli.reporting.terminal import (
+    finding_lines,
+    is_decorated,
+    print_grid,
+    print_section,
+    print_table,
+    print_text,
+    title,
+    two_columns,
+)
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check

@@ -7,8 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.disturbance.philox import Words as WordArray
-from hilc_cli.disturbance.streams import Stream
+from hilc_cli.disturbance.streams import Stream, Words as WordArray
 from hilc_cli.engine.lanes.kernel import (
     CHANGE_SQUARES,
     ERROR,

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 
-from hilc_cli.disturbance.philox import Words
+from hilc_cli.disturbance.streams import Words
 from hilc_cli.engine.lanes.lanes import BLOCK, HISTORY_FIELDS, LANES, Field, History, Noise
 from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use_widest_vectors
 from hilc_cli.engine.lanes.noise import draw_output, draw_state
 from hilc_cli.engine.lanes.trigonometry import cos_sin_near_zero, reduced, turned
-from hilc_cli.laws.compensation import compensation_weight
 from hilc_cli.laws.gain_matrix import wheel_correction
-from hilc_cli.laws.hybrid import compensated_error, learned_error
+from hilc_cli.laws.hybrid import compensated_error, compensation_weight, learned_error
 from hilc_cli.plants.kinematic import advance, limit_wheel_means
 from hilc_cli.reference.sampled import Floats
 

@@ -20,8 +20,13 @@ from hilc_cli.disturbance.normal import (
     polynomial,
     quantile,
 )
-from hilc_cli.disturbance.philox import ROUNDS, Words as WordArray, mixed, open_unit_interval
-from hilc_cli.disturbance.streams import Stream
+from hilc_cli.disturbance.streams import (
+    ROUNDS,
+    Stream,
+    Words as WordArray,
+    mixed,
+    open_unit_interval,
+)
 from hilc_cli.engine.lanes.lanes import LANES, Field, Noise, NoiseField, Words
 from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use_widest_vectors
 from hilc_cli.numba_loading import overload, register_jitable

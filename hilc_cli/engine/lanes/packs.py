@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.disturbance.normal import probabilities
-from hilc_cli.disturbance.philox import round_keys
-from hilc_cli.disturbance.streams import Bounded
+from hilc_cli.disturbance.streams import Bounded, round_keys
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.lanes import (
     FIELDS,
@@ -23,8 +22,8 @@ from hilc_cli.engine.lanes.lanes import (
 )
 from hilc_cli.engine.lanes.noise import NONE, NORMAL, UNIFORM
 from hilc_cli.errors import UsageError
+from hilc_cli.laws.gain_matrix import GainHeading
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import METRIC_NAMES

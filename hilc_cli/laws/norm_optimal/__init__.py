@@ -1,8 +1,7 @@
 """Norm-optimal iterative learning on the robot's own model: one concept a file.
 
-From the bottom: `motion` is the model's motion; `riccati`, `linear_quadratic` and `interior_point`
-solve one linear quadratic problem under the speed limit, `optimal_motion` repeats it along the
-motion; `local_level`, `motion_fit`, `belief` and `unexplained` are what a measured iteration says
-of the platform; `tracking` and `rectified` make the reference from where the platform really
-starts; `learner` is the law.
+From the bottom: `linear_quadratic` is one linear quadratic problem, `optimal_motion` solves it
+under the speed limit and repeats it along the motion; `local_level`, `noise_levels`,
+`identification` and `belief` are what a measured iteration says of the platform; `rectified` makes
+the reference from where the platform really starts; `learner` is the law, `law` its parameters.
 """

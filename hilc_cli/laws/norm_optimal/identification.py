@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +13,7 @@ from hilc_cli.laws.norm_optimal.noise_levels import Contrasts, Earlier, LevelFit
 from hilc_cli.reference.sampled import Floats
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SeenMotion:
+class SeenMotion(NamedTuple):
     """What was measured, and what the wheels did for it; of one iteration, or the mean of several.
 
     Attributes:
@@ -64,17 +64,9 @@ def with_latest(
     if earlier is None:
         return EarlierMotion(1, latest, turn.contrasts, distance.contrasts)
     count, mean = earlier.iterations + 1, earlier.mean
-    return EarlierMotion(
-        count,
-        SeenMotion(
-            mean.headings + (latest.headings - mean.headings) / count,
-            mean.turned + (latest.turned - mean.turned) / count,
-            mean.steps + (latest.steps - mean.steps) / count,
-            mean.driven + (latest.driven - mean.driven) / count,
-        ),
-        turn.contrasts,
-        distance.contrasts,
-    )
+    pairs = zip(mean, latest, strict=True)
+    mean = SeenMotion(*(before + (last - before) / count for before, last in pairs))
+    return EarlierMotion(count, mean, turn.contrasts, distance.contrasts)
 
 
 def summed(steps: Floats) -> Floats:

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from hilc_cli.laws.compensation import has_initial_error
 from hilc_cli.laws.law import Figures, Iteration, Learner, Plan, Task
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
-from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, length_misfits
+from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, SpeedLimit, length_misfits
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.yaml_input.model import Flag, Located, Model, valid
@@ -70,9 +69,8 @@ class _AtWork:
     """The law on one experiment."""
 
     def __init__(self, law: NormOptimalLaw, task: Task) -> None:
-        from hilc_cli.laws.norm_optimal.learner import (
-            NormOptimalLearner,
-        )  # the compiler starts slowly
+        # The compiler starts slowly.
+        from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner
 
         reference = task.reference
         self._reference = reference
@@ -185,9 +183,7 @@ class NormOptimalController(Controller):
     memory: Annotated[int, such_as(Samples, "4")] = Field(
         4, description="iterations over which motion that the model does not explain is averaged"
     )
-    b_w: PositiveWheelSpeed | None = Field(
-        None, description="speed limit of the wheels [rad/s]; null for none"
-    )
+    b_w: SpeedLimit = None
 
     @classmethod
     def relations(
@@ -221,7 +217,7 @@ class NormOptimalController(Controller):
 
     def yardsticks(self, setting: Setting) -> dict[str, dict[str, float]]:
         """When the plan is to be on the trajectory, if the platform does not start there."""
-        if not has_initial_error(setting.initial_error, setting.initial_bound, _NONE):
+        if not setting.has_initial_error(_NONE):
             return {}
         h = _within(self.h, setting.reference)
         return {MERGE_TIME: {"h": h * setting.reference.sample_time}}
@@ -240,8 +236,7 @@ class NormOptimalController(Controller):
     def warnings(self, setting: Setting) -> list[str]:
         """A way in that takes up most of the trajectory."""
         half, h = max(setting.reference.samples // 2, 1), _within(self.h, setting.reference)
-        off = has_initial_error(setting.initial_error, setting.initial_bound, _NONE)
-        if h <= half or not off:
+        if h <= half or not setting.has_initial_error(_NONE):
             return []
         return [
             f"controller.h lets the initial error last for {h} of the trajectory's "

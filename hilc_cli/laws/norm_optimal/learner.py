@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -134,8 +134,10 @@ class NormOptimalLearner:
             start = self._trajectory[0] if self._measured is None else self._measured.start
         with np.errstate(over="ignore", invalid="ignore"):
             model = self._model()
-            rectified = _rectified(self._parameters, self._trajectory, start, model)
-            model = replace(model, speed_limit=rectified.speed_limit)
+            rectified = rectified_reference(
+                self._trajectory, start, model, self._parameters.h, self._parameters.squared_weights
+            )
+            model = model._replace(speed_limit=rectified.speed_limit)
             best = self._learned(model, rectified)
             gains = self._feedback(model, best.poses)
         self._last = self._belief.robot, best.inputs
@@ -204,19 +206,9 @@ def rectified_for(
     drift = np.zeros((len(trajectory) - 1, 3))
     model = Model(distance_gain, turn_gain, drift, min(speed_limit, _NO_LIMIT))
     with np.errstate(over="ignore", invalid="ignore"):
-        return _rectified(parameters, trajectory, start, model)
-
-
-def _rectified(
-    parameters: NormOptimalParameters, trajectory: Floats, start: Floats, model: Model
-) -> RectifiedReference:
-    return rectified_reference(
-        trajectory,
-        start,
-        model,
-        parameters.h,
-        parameters.squared_weights,
-    )
+        return rectified_reference(
+            trajectory, start, model, parameters.h, parameters.squared_weights
+        )
 
 
 def _same(one: Robot, other: Robot) -> bool:

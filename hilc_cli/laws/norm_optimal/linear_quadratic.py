@@ -185,7 +185,11 @@ input_derivatives = cached(_input_derivatives)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearQuadratic:
-    """The problem that the text of `riccati` states, in its letters.
+    """The least cost of a change c of the wheel speeds and of what it makes of the poses, d.
+
+    The cost is half the sum of d' W d over the poses and of c' V c over the steps, plus the sums of
+    s' d and of v' c, where d(k + 1) = A d(k) + B c(k) and d(0) = 0. W is w for x and y, and w_h for
+    the heading.
 
     Attributes:
         motion: What A and B consist of.

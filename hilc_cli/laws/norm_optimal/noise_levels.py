@@ -1,6 +1,6 @@
 """What an iteration says of one gain, beside the iterations before it.
 
-What the last iteration adds to the likelihood of all of them (`noise_ratios`) is what it says
+What the last iteration adds to the likelihood of all of them (`NoiseRatios`) is what it says
 itself: least squares of its readings less the repeated noise that those before it foretell, as far
 as they do. If all noise is new these are its own readings; if all is repeated, their difference
 from the mean of those before, with a large standard error where the known part has hardly changed.

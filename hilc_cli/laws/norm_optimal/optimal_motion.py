@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -118,15 +119,29 @@ def _longest(
     return length
 
 
+class Model(NamedTuple):
+    """The motion that the controller expects of its platform: a tuple, which the compiler knows.
+
+    Attributes:
+        distance_gain: a = d_k R / 2 [m s].
+        turn_gain: b = d_k R / (2 B) [s].
+        drift: What these two do not explain: ahead [m], to the left [m], turn [rad] in each
+            sample, shape (n, 3).
+        speed_limit: b_w [rad/s].
+    """
+
+    distance_gain: float
+    turn_gain: float
+    drift: Floats
+    speed_limit: float
+
+
 def _closed_loop(
     start: Floats,
     inputs: Floats,
     desired: Floats,
     gains: Floats,
-    speed_limit: float,
-    distance_gain: float,
-    turn_gain: float,
-    drift: Floats,
+    model: Model,
 ) -> tuple[Floats, Floats]:
     """Wheel speeds and poses under feedback about a desired motion, each wheel within the limit.
 
@@ -135,10 +150,7 @@ def _closed_loop(
         inputs: Wheel speeds on the desired motion [rad/s], shape (n, 2).
         desired: The desired poses, shape (n + 1, 3).
         gains: Feedback of the pose error on the wheels, shape (n, 2, 3).
-        speed_limit: b_w [rad/s].
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
-        drift: What the model does not explain, shape (n, 3).
+        model: The platform.
 
     Returns:
         Wheel speeds, shape (n, 2), and poses, shape (n + 1, 3).
@@ -146,6 +158,7 @@ def _closed_loop(
     Source:
         Qiao et al. 2021, Eqs. 6 and 8 with the control matrix of Eq. 9.
     """
+    distance_gain, turn_gain, drift, speed_limit = model
     applied = np.empty_like(inputs)
     poses = np.empty_like(desired)
     x, y, heading = start[0], start[1], start[2]
@@ -174,24 +187,6 @@ MOST_STEPS = 100
 _SHORTEST = 2.0**-10  # of a step along the search direction
 _SETTLED = 1e-4  # relative gain of a step at which the search ends
 _EXACT = 1e-9  # share of the cost that the bounded problem may miss
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Model:
-    """The motion that the controller expects of its platform.
-
-    Attributes:
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
-        drift: What these two do not explain: ahead [m], to the left [m], turn [rad] in each
-            sample, shape (n, 3).
-        speed_limit: b_w [rad/s].
-    """
-
-    distance_gain: float
-    turn_gain: float
-    drift: Floats
-    speed_limit: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -250,24 +245,25 @@ def optimal_motion(
         poses: The model's motion with them, shape (n + 1, 3); its start is that of all others.
         most_steps: So many linear quadratic problems at most.
     """
-    cost = aim.cost(inputs, poses)
+    at = _Step(inputs, poses, aim.cost(inputs, poses), 0.0)
     damping = 0.0
     steps = 0
-    while steps < most_steps and math.isfinite(cost):  # it is not on the way to divergence
+    settled = False
+    while steps < most_steps and math.isfinite(at.cost):  # it is not on the way to divergence
         steps += 1
         # Damping is a cost of leaving the motion at hand; it is 0 unless a search has failed.
-        found = _searched(model, aim, inputs, poses, cost, damping * aim.input_weight)
+        found = _searched(model, aim, at, damping * aim.input_weight)
         if found is None:
             if damping > 1e6:
-                return OptimalMotion(inputs, poses, cost, steps, settled=False)
+                break
             damping = max(10 * damping, 1.0)
             continue
-        before = cost
-        inputs, poses, cost = found.inputs, found.poses, found.cost
+        before, at = at.cost, found
         damping = 0.0 if damping < 1 else damping / 10
-        if before - cost <= _SETTLED * before:
-            return OptimalMotion(inputs, poses, cost, steps, settled=True)
-    return OptimalMotion(inputs, poses, cost, steps, settled=False)
+        if before - at.cost <= _SETTLED * before:
+            settled = True
+            break
+    return OptimalMotion(at.inputs, at.poses, at.cost, steps, settled)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -278,7 +274,7 @@ class _Step:
         inputs: Wheel speeds [rad/s], shape (n, 2).
         poses: Where they bring the model, shape (n + 1, 3).
         cost: What it costs.
-        length: Share of the way to the solution of the linear quadratic problem.
+        length: Share of the way to the solution of the linear quadratic problem; 0 at first.
     """
 
     inputs: Floats
@@ -287,9 +283,7 @@ class _Step:
     length: float
 
 
-def _searched(
-    model: Model, aim: Aim, inputs: Floats, poses: Floats, cost: float, damping: float
-) -> _Step | None:
+def _searched(model: Model, aim: Aim, at: _Step, damping: float) -> _Step | None:
     """A motion that does not cost more; None if none is found.
 
     It lies on the way to the solution of the linear quadratic problem. The motion goes there with
@@ -297,33 +291,27 @@ def _searched(
     way, because the limit does not let it, also without.
     """
     problem = LinearQuadratic(
-        linearised(poses, model.distance_gain, model.turn_gain),
+        linearised(at.poses, model.distance_gain, model.turn_gain),
         aim.pose_weights,
-        np.full_like(inputs, aim.input_weight + damping),
-        aim.pose_weights[:, [0, 0, 1]] * (poses - aim.poses),
-        aim.input_weight * (inputs - aim.inputs),
+        np.full_like(at.inputs, aim.input_weight + damping),
+        aim.pose_weights[:, [0, 0, 1]] * (at.poses - aim.poses),
+        aim.input_weight * (at.inputs - aim.inputs),
     )
     limit = model.speed_limit
-    best = bounded_changes(problem, -limit - inputs, limit - inputs, _EXACT * (1 + cost))
+    tolerance = _EXACT * (1 + at.cost)
+    best = bounded_changes(problem, -limit - at.inputs, limit - at.inputs, tolerance)
     way = best.changes, problem.moved(best.changes)
-    found = _best_step(model, aim, inputs, poses, cost, *way, best.gains)
+    found = _best_step(model, aim, at, *way, best.gains)
     if found is not None and found.length == 1:
         return found
-    other = _best_step(model, aim, inputs, poses, cost, *way, np.zeros_like(best.gains))
+    other = _best_step(model, aim, at, *way, np.zeros_like(best.gains))
     if found is None or (other is not None and other.cost < found.cost):
         return other
     return found
 
 
 def _best_step(
-    model: Model,
-    aim: Aim,
-    inputs: Floats,
-    poses: Floats,
-    cost: float,
-    changes: Floats,
-    moved: Floats,
-    gains: Floats,
+    model: Model, aim: Aim, at: _Step, changes: Floats, moved: Floats, gains: Floats
 ) -> _Step | None:
     """The best of steps of which each is half of the one before; None if all cost more.
 
@@ -334,19 +322,12 @@ def _best_step(
     length = 1.0
     while length >= _SHORTEST:
         tried, reached = closed_loop(
-            poses[0],
-            inputs + length * changes,
-            poses + length * moved,
-            gains,
-            model.speed_limit,
-            model.distance_gain,
-            model.turn_gain,
-            model.drift,
+            at.poses[0], at.inputs + length * changes, at.poses + length * moved, gains, model
         )
         new_cost = aim.cost(tried, reached)
         if found is not None and new_cost >= found.cost:
             break
-        if new_cost <= cost:
+        if new_cost <= at.cost:
             found = _Step(tried, reached, new_cost, length)
         length /= 2
     return found

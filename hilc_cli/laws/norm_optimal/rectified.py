@@ -11,7 +11,7 @@ the squares of what is left are least, and it comes later.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -29,10 +29,7 @@ def _tracked(
     inputs: Floats,
     rate: float,
     slow: float,
-    speed_limit: float,
-    distance_gain: float,
-    turn_gain: float,
-    drift: Floats,
+    model: Model,
 ) -> tuple[Floats, Floats]:
     """The model's motion under the tracking controller and the speed limit.
 
@@ -42,10 +39,7 @@ def _tracked(
         inputs: Wheel speeds that would follow them without error [rad/s], shape (n, 2).
         rate: How fast errors fall, as a share of them in each sample, between 0 and 1.
         slow: Step [m] below which the steering against a sideways error gets weaker, > 0.
-        speed_limit: b_w [rad/s].
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
-        drift: What the model does not explain, shape (n, 3).
+        model: The platform.
 
     Returns:
         Wheel speeds, shape (n, 2), and poses, shape (n + 1, 3).
@@ -55,6 +49,7 @@ def _tracked(
         Robotics Research 12 (1993), 55-64: the sideways error is weighted by sin(e) / e of the
         heading error e.
     """
+    distance_gain, turn_gain, drift, speed_limit = model
     applied = np.empty_like(inputs)
     poses = np.empty_like(target)
     x, y, heading = start[0], start[1], start[2]
@@ -154,14 +149,11 @@ def rectified_reference(
         own,
         min(_RATE / h, _FASTEST),
         0.1 * float(steps.max()) + 1e-12,
-        model.speed_limit,
-        model.distance_gain,
-        model.turn_gain,
-        model.drift,
+        model,
     )
     fastest = max(float(np.abs(own).max()), float(np.abs(inputs).max()))
     limit = min(model.speed_limit, _SPARE * (fastest + wheel**-0.5))
-    model = replace(model, speed_limit=limit)
+    model = model._replace(speed_limit=limit)
     best = optimal_motion(model, Aim(trajectory, pose_weights, own, wheel), inputs, motion)
     away = np.hypot(*(best.poses - trajectory)[:, :2].T) > MERGED
     merged = int(np.flatnonzero(away)[-1]) + 1 if away.any() else 0
@@ -186,3 +178,91 @@ def trajectory_inputs(trajectory: Floats, model: Model) -> Floats:
     mean = (length - model.drift[:, 0]) / (2 * model.distance_gain)
     half = (turn - model.drift[:, 2]) / (2 * model.turn_gain)
     return np.stack([mean + half, mean - half], axis=1)
+
+
+def earliest_merge(
+    trajectory: Floats, start: Floats, top_speed: float, half_track: float, sample_time: float
+) -> int | None:
+    """First sample whose pose the platform can have; None if there is none.
+
+    This is a bound that no controller can beat.
+
+    Args:
+        trajectory: Poses, shape (n + 1, 3).
+        start: Pose of sample 0, shape (3,).
+        top_speed: R_c b_w [m/s].
+        half_track: B_c [m], > 0.
+        sample_time: d_t [s].
+    """
+    least = shortest_way(trajectory, start, half_track) / top_speed
+    # A time that is met exactly counts as met.
+    reached = least <= np.arange(len(trajectory)) * sample_time + 1e-12
+    return int(np.flatnonzero(reached)[0]) if reached.any() else None
+
+
+def least_left(
+    trajectory: Floats, start: Floats, top_speed: float, half_track: float, sample_time: float
+) -> float:
+    """What no controller can make up for, at whichever sample that is least [m]; 0 for none.
+
+    A platform that at some sample is within a distance e and an angle p of the trajectory's pose
+    has a way to that pose itself that costs at most e + B p more than it has rolled by then.
+
+    Args:
+        trajectory: Poses, shape (n + 1, 3).
+        start: Pose of sample 0, shape (3,).
+        top_speed: R_c b_w [m/s].
+        half_track: B_c [m], > 0.
+        sample_time: d_t [s].
+
+    Returns:
+        The least position error plus B_c times the heading error that is left.
+    """
+    rolled = top_speed * np.arange(len(trajectory)) * sample_time
+    return max(0.0, float((shortest_way(trajectory, start, half_track) - rolled).min()))
+
+
+def shortest_way(poses: Floats, start: Floats, half_track: float) -> Floats:
+    """Least of what the faster wheel rolls on the way to each pose [m], shape (n + 1,).
+
+    The wheels' limit leaves |speed| + B |yaw rate| <= top speed, so that a way costs its length and
+    B times its turns, whoever drives it. Let its headings fill an interval [lo, hi]. It then turns
+    at least from the start to one end, to the other and to the heading of the pose. With the
+    line to the pose, or its reverse, in the interval, its length is at least the distance d. If it
+    is not, let the headings count from the line, all between 0 and pi: the shortest way is to
+    drive ahead at one end of the interval and back at the other, and has the length
+
+        d sin((lo + hi) / 2) / sin((hi - lo) / 2).
+
+    As both ends are visited anyway, there is a way that costs no more than this, and the least
+    over all intervals is what a way costs at least. It is at an interval of which one end is the
+    start's or the pose's heading, since the sine is concave; the other end follows from the
+    derivative, by half the width w: sin(w)^2 = d sin(the end that is kept) / (4 B).
+
+    Args:
+        poses: Poses, shape (n + 1, 3).
+        start: Where the platform is, shape (3,).
+        half_track: B_c [m], > 0.
+
+    Source:
+        Balkcom and Mason: Time optimal trajectories for bounded velocity differential drive
+        vehicles. Int. J. Robotics Research 21 (2002), 199-217: straight lines and turns in place
+        suffice, zigzags ("tacking") among them.
+    """
+    dx, dy = (poses[:, :2] - start[:2]).T
+    distance, line = np.hypot(dx, dy), np.arctan2(dy, dx)
+    ends = np.stack([np.full_like(line, start[2]), poses[:, 2]]) - line
+    lowest, highest = ends.min(axis=0), ends.max(axis=0)
+    turn = highest - lowest
+    half_turns = np.pi * np.floor(lowest / np.pi)
+    lowest, highest = lowest - half_turns, highest - half_turns
+    has_line = (highest >= np.pi) | (lowest == 0) | (distance == 0)
+    # Where the interval at hand has the line, nothing is to be gained and these do not count.
+    kept = np.where(has_line, np.pi / 2, np.stack([highest, np.pi - lowest]))
+    sine = np.sqrt((distance * np.sin(kept) / (4 * half_track)).clip(0, 1))
+    half = np.arcsin(sine).clip(turn / 2, kept / 2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        length = distance * (np.sin(kept) / np.tan(half) - np.cos(kept))
+    zigzag = (length + half_track * (4 * half - turn)).min(axis=0)
+    shortest: Floats = np.where(has_line, distance + half_track * turn, zigzag)
+    return shortest

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from hilc_cli.laws.compensation import compensation_gain
+from hilc_cli.laws.hybrid import compensation_gain
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.measuring import (
     NEARLY_WORDS,

@@ -8,8 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from hilc_cli.laws.feedforward import feedforward
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.sampled import Floats, Reference
 
 _ROUNDING = 16 * float(np.finfo(np.float64).eps)  # of a sine, a product and two differences

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.compensation import compensation_gain
-from hilc_cli.laws.hybrid import HybridLaw, compensated_error, learned_error
+from hilc_cli.laws.hybrid import HybridLaw, compensated_error, compensation_gain, learned_error
 from hilc_cli.reference.path import POSITION_TOLERANCE
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.learning.gains import (

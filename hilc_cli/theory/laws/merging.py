@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.feedforward import feedforward
-from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.plants.kinematic import step_gains
+from hilc_cli.laws.norm_optimal.rectified import earliest_merge
+from hilc_cli.plants.kinematic import feedforward, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings
 from hilc_cli.theory.learning.outcome import CLEARLY, NEAR

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedback import FeedbackLaw
-from hilc_cli.laws.feedforward import reference_twist
+from hilc_cli.plants.kinematic import reference_twist
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings
 from hilc_cli.theory.laws.tracking_response import FAR, TrackingResponse

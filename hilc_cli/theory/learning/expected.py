@@ -11,8 +11,8 @@ from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
-from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, extent
 from hilc_cli.theory.laws.model_mismatch import ModelMismatch

@@ -8,8 +8,7 @@ import numpy as np
 
 from hilc_cli.disturbance.streams import Bounded, Disturbance, scaled
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.feedforward import feedforward
-from hilc_cli.plants.kinematic import Robot, driven_path
+from hilc_cli.plants.kinematic import Robot, driven_path, feedforward
 from hilc_cli.reference.sampled import Floats, Reference
 
 _SMALLEST = 1e-10  # of a probability, as a random word of a run has it

@@ -8,7 +8,7 @@ from typing import TypeGuard
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import Findings, Rows

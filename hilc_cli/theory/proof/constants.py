@@ -21,7 +21,7 @@ import numpy as np
 
 from hilc_cli.disturbance.streams import Bounded
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.compensation import compensation_gain
+from hilc_cli.laws.hybrid import compensation_gain
 from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.linear_law import paper_law

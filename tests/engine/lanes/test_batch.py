@@ -16,9 +16,8 @@ from hilc_cli.engine.lanes.batch import NEVER, simulate_batch
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.gain_matrix import GainMatrix, model_gain, unit_gain
+from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix, model_gain, unit_gain
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.plants.kinematic import Robot, TurnConvention
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference

@@ -17,11 +17,6 @@ from tests.engine.experiments import PLATFORM
 DEFAULT = NormOptimalParameters()
 
 
-def poses_of(reference: Reference) -> Floats:
-    """The reference as poses, shape (n + 1, 3)."""
-    return np.stack([reference.x, reference.y, reference.heading], axis=1)
-
-
 def noise(bound: Triple, distribution: Distribution = "uniform") -> Bounded:
     """A disturbance; normal ones have a third of the bound as deviation."""
     x, y, heading = bound
@@ -92,5 +87,5 @@ class Workplace:
 
     def position_error(self, learned: Learned) -> Floats:
         """Distance from the trajectory at each sample [m]."""
-        error: Floats = np.hypot(*(learned.poses - poses_of(self.reference))[:, :2].T)
+        error: Floats = np.hypot(*(learned.poses - self.reference.poses)[:, :2].T)
         return error

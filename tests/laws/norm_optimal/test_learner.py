@@ -16,7 +16,7 @@ from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from tests.engine.experiments import PLATFORM
-from tests.laws.norm_optimal.plant import Learned, Workplace, noise, poses_of
+from tests.laws.norm_optimal.plant import Learned, Workplace, noise
 from tests.reference.paths import PAPER_STARTS, Pose, paper_reference
 
 LIMIT = 180.0
@@ -129,7 +129,7 @@ def test_random_trajectory_from_a_random_start() -> None:
     random = np.random.default_rng(seed)
     reference = random_trajectory(random)
     offset = random.uniform([-0.5, -0.5, -1.0], [0.5, 0.5, 1.0])
-    x, y, heading = (poses_of(reference)[0] + offset).tolist()
+    x, y, heading = (reference.poses[0] + offset).tolist()
     shares = random.uniform(0.7, 1.3, 2)
     model = Robot(PLATFORM.wheel_radius * shares[0], PLATFORM.half_track * shares[1])
     parameters = NormOptimalParameters(h=60)
@@ -200,7 +200,7 @@ def test_without_identification_nothing_is_identified() -> None:
     parameters = NormOptimalParameters(identify=False)
     learner = NormOptimalLearner(parameters, reference, BELIEFS["small"], LIMIT)
     applied = np.full((reference.samples, 2), 10.0)
-    plan = learner.next(poses_of(reference), applied)
+    plan = learner.next(reference.poses, applied)
     assert plan.identification is None
     assert learner.belief.robot == BELIEFS["small"]
     assert learner.belief.wheel_radius_error == math.inf
@@ -247,7 +247,7 @@ def test_platform_at_rest_changes_no_belief() -> None:
     reference = rounded(1.0)
     learner = NormOptimalLearner(NormOptimalParameters(), reference, BELIEFS["small"], LIMIT)
     n = reference.samples
-    plan = learner.next(np.tile(poses_of(reference)[0], (n + 1, 1)), np.zeros((n, 2)))
+    plan = learner.next(np.tile(reference.poses[0], (n + 1, 1)), np.zeros((n, 2)))
     assert plan.believed.wheel_radius == pytest.approx(BELIEFS["small"].wheel_radius, rel=1e-12)
     assert plan.identification is not None
     assert plan.identification.wheel_radius_error == math.inf
@@ -281,7 +281,7 @@ def test_limit_that_is_never_reached_changes_nothing(speed_limit: float) -> None
     reference = rounded(1.0)
     plans = [
         NormOptimalLearner(NormOptimalParameters(h=40), reference, PLATFORM, limit).plan(
-            poses_of(reference)[0] + [0.2, 0.1, 0.3]
+            reference.poses[0] + [0.2, 0.1, 0.3]
         )
         for limit in (speed_limit, 500.0)
     ]
@@ -303,7 +303,7 @@ def test_numbers_on_the_way_to_divergence_end_without_an_error(size: float) -> N
     reference = rounded(1.0)
     learner = NormOptimalLearner(NormOptimalParameters(), reference, PLATFORM, math.inf)
     n = reference.samples
-    poses = poses_of(reference) + size * np.arange(n + 1)[:, None]
+    poses = reference.poses + size * np.arange(n + 1)[:, None]
     plan = learner.next(poses, np.full((n, 2), size))
     assert plan.feedforward.shape == (n, 2)
     if size > 1e50:

@@ -11,8 +11,13 @@ from hilc_cli.laws.norm_optimal.optimal_motion import bounded_changes
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
-from tests.laws.norm_optimal.dense import diagonal, lifted
-from tests.laws.norm_optimal.problems import DISTANCE_GAIN, TURN_GAIN, random_motion
+from tests.laws.norm_optimal.problems import (
+    DISTANCE_GAIN,
+    TURN_GAIN,
+    diagonal,
+    lifted,
+    random_motion,
+)
 
 N = 12
 

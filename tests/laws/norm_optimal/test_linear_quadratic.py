@@ -8,10 +8,11 @@ from scipy.linalg import solve_discrete_are
 
 from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains, linearised
 from hilc_cli.reference.sampled import Floats
-from tests.laws.norm_optimal.dense import diagonal, lifted
 from tests.laws.norm_optimal.problems import (
     DISTANCE_GAIN,
     TURN_GAIN,
+    diagonal,
+    lifted,
     random_motion,
     random_problem,
 )

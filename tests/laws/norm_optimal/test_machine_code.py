@@ -21,7 +21,7 @@ GAINS, INVERSES = (
 POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
 READINGS, KNOWN = np.cumsum(RANDOM.normal(0, 1, (2, 40)), axis=1)
-PLATFORM = (DISTANCE_GAIN, TURN_GAIN, DRIFT)
+MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "factorised": (
@@ -52,9 +52,9 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "closed_loop": (
         optimal_motion.closed_loop,
-        (POSES[0], INPUTS, POSES, FEEDBACK, 60.0, *PLATFORM),
+        (POSES[0], INPUTS, POSES, FEEDBACK, MODEL),
     ),
-    "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, 60.0, *PLATFORM)),
+    "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, MODEL)),
     "filtered": (local_level.filtered, (READINGS, KNOWN, 0.2)),
     "smoothed": (local_level.smoothed, (READINGS, 0.2)),
 }

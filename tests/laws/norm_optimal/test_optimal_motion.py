@@ -1,13 +1,68 @@
-"""The search against a general solver of SciPy, on problems small enough for it."""
+"""The search, and its bounded problem, against general solvers of SciPy on small problems."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
+from scipy.optimize import lsq_linear, minimize
 
-from hilc_cli.laws.norm_optimal.optimal_motion import Aim, Model, closed_loop, optimal_motion
+from hilc_cli.laws.norm_optimal.optimal_motion import (
+    MOST_NEWTON_STEPS,
+    Aim,
+    Model,
+    bounded_changes,
+    closed_loop,
+    optimal_motion,
+)
 from hilc_cli.reference.sampled import Floats
+from tests.laws.norm_optimal.problems import random_problem
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_solution_is_that_of_an_active_set_method(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    n = 20
+    problem, quadratic, linear = random_problem(random, n)
+    free = np.linalg.solve(quadratic, -linear).reshape(n, 2)
+    # Bounds that cut off a good part of the free solution.
+    room = np.abs(free) * random.uniform(0.2, 2.0, (n, 2)) + 0.01
+    lowest, highest = -room, room * random.uniform(0.5, 1.5, (n, 2))
+    best = bounded_changes(problem, lowest, highest, 1e-14 * float(abs(linear @ free.ravel())))
+
+    root = np.linalg.cholesky(quadratic).T
+    expected = lsq_linear(
+        root,
+        np.linalg.solve(root.T, -linear),
+        (lowest.ravel(), highest.ravel()),
+        method="bvls",
+        tol=1e-15,
+    ).x
+    assert np.sum((expected == lowest.ravel()) | (expected == highest.ravel())) >= 4
+    assert 0 < best.steps < MOST_NEWTON_STEPS
+    assert best.changes.ravel() == pytest.approx(expected, abs=1e-6 * np.abs(free).max())
+    assert np.all((lowest <= best.changes) & (best.changes <= highest))
+
+
+def test_bounds_that_do_not_matter_change_nothing() -> None:
+    problem, quadratic, linear = random_problem(np.random.default_rng(1), 10)
+    free = np.linalg.solve(quadratic, -linear).reshape(10, 2)
+    far = np.abs(free) + 1
+    best = bounded_changes(problem, -far, far, 1e-9)
+    assert best.steps == 0
+    assert best.changes == pytest.approx(free, abs=1e-9 * np.abs(free).max())
+
+
+def test_wheel_at_its_bound_does_not_answer_to_errors() -> None:
+    problem, quadratic, linear = random_problem(np.random.default_rng(2), 10)
+    free = np.linalg.solve(quadratic, -linear).reshape(10, 2)
+    bound = np.full((10, 2), 1e3 * np.abs(free).max())
+    # The left wheel at sample 3 is held far below what it should do.
+    highest = bound.copy()
+    highest[3, 0] = -abs(free[3, 0]) - np.abs(free).max()
+    best = bounded_changes(problem, -bound, highest, 1e-12)
+    assert best.changes[3, 0] == pytest.approx(highest[3, 0], rel=1e-9)
+    assert np.abs(best.gains[3, 0]).max() < 1e-6 * np.abs(best.gains[3, 1]).max()
+
 
 N = 8
 NO_GAINS = np.zeros((N, 2, 3))
@@ -81,9 +136,7 @@ def test_search_that_is_cut_short_says_so() -> None:
 
 def test_closed_loop_without_gains_is_the_motion() -> None:
     model, aim = problem(4, 1e3)
-    applied, poses = closed_loop(
-        START, aim.inputs, aim.poses, NO_GAINS, 1e3, 0.02, 0.03, model.drift
-    )
+    applied, poses = closed_loop(START, aim.inputs, aim.poses, NO_GAINS, model)
     assert np.array_equal(applied, aim.inputs)
     assert poses == pytest.approx(moved(model, aim.inputs), abs=1e-13)
 
@@ -92,9 +145,8 @@ def test_closed_loop_feeds_back_within_the_limit() -> None:
     gains = np.zeros((N, 2, 3))
     gains[0] = [[10, 0, 0], [0, 100, 5]]
     desired = np.zeros((N + 1, 3))
-    applied, _ = closed_loop(
-        START, np.ones((N, 2)), desired, gains, 15.0, 0.02, 0.03, np.zeros((N, 3))
-    )
+    model = Model(0.02, 0.03, np.zeros((N, 3)), 15.0)
+    applied, _ = closed_loop(START, np.ones((N, 2)), desired, gains, model)
     # 1 - 10 * 0.1, and 1 + 100 * 0.2 - 5 * 0.4 = 19, above the limit.
     assert applied[0] == pytest.approx([0, 15])
 
@@ -134,9 +186,7 @@ def test_search_settles_where_the_wheels_are_far_too_slow(share: float) -> None:
         return float(total), (slope + 0.01 * change).ravel()
 
     inputs = share * own  # the circle, too slow
-    _, poses = closed_loop(
-        target[0], inputs, target, np.zeros((n, 2, 3)), limit, gain, ratio * gain, model.drift
-    )
+    _, poses = closed_loop(target[0], inputs, target, np.zeros((n, 2, 3)), model)
     found = optimal_motion(model, aim, inputs, poses)
     assert found.settled
     assert found.steps < 40

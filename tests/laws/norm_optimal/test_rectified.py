@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge, shortest_way
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.rectified import (
     RectifiedReference,
+    earliest_merge,
     rectified_reference,
+    shortest_way,
     tracked,
     trajectory_inputs,
 )
@@ -178,10 +179,7 @@ def test_first_guess_comes_to_the_trajectory_within_the_limit(
         trajectory_inputs(target, model),
         rate,
         0.002,
-        60.0,
-        model.distance_gain,
-        model.turn_gain,
-        model.drift,
+        model,
     )
     assert np.abs(inputs).max() <= 60.0 * (1 + 1e-12)
     assert np.hypot(*(poses - target)[-1, :2]) < 0.15

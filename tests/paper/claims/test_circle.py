@@ -10,8 +10,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hilc_cli.engine.lanes.batch import simulate_batch
-from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.paper.claims.initial_error import sideways_error_after_compensation
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import METRIC_NAMES
 from tests.engine.experiments import PLATFORM, experiment_of, law_of

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from hilc_cli.laws.feedforward import feedforward
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.theory.feasibility.demand import Demand, demand_of

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.gain_matrix import GainMatrix
+from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.paper.claims.initial_error import sideways_error_after_compensation
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import LinePlan, build_reference

@@ -12,8 +12,7 @@ import pytest
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import simulate_batch
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.feedforward import feedforward
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import settled_at

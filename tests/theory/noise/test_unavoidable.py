@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.feedforward import feedforward
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.theory.feasibility.demand import demand_of

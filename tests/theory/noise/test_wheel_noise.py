@@ -11,13 +11,12 @@ import pytest
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.laws.law import Law
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.pid import PidLaw
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.theory.law_theory import law_theory
 from tests.engine.experiments import law_of, matrix_of
 from tests.theory.laws.test_tracking_response import LEFT, ROBOT, STRAIGHT, WRONG, experiment, path

@@ -16,8 +16,7 @@ from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.gain_matrix import model_gain
-from hilc_cli.laws.past_errors import GainHeading
+from hilc_cli.laws.gain_matrix import GainHeading, model_gain
 from hilc_cli.plants.kinematic import Robot, limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.theory.proof.bounds import Bounds, bounds, smallest_lambda

@@ -9,8 +9,7 @@ import pytest
 
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.loop import simulate
-from hilc_cli.laws.gain_matrix import model_gain
-from hilc_cli.laws.past_errors import GainHeading
+from hilc_cli.laws.gain_matrix import GainHeading, model_gain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.proof.bounds import Bounds, bounds

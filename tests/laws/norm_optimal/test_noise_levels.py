@@ -1,4 +1,4 @@
-"""New and repeated noise against dense generalised least squares over all readings at once."""
+"""Noise, new and repeated, the gain and the level behind readings: against dense least squares."""
 
 from __future__ import annotations
 
@@ -8,7 +8,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.local_level import possible_shares, sums_by_share
+from hilc_cli.laws.norm_optimal.local_level import (
+    filtered,
+    possible_shares,
+    smoothed,
+    sums_by_share,
+)
 from hilc_cli.laws.norm_optimal.noise_levels import (
     Earlier,
     LevelFit,
@@ -183,3 +188,103 @@ def test_repeated_iteration_adds_nothing() -> None:
     done = fits(y[:2], s[:2])
     assert (done[1].gain, done[1].standard_error) == (0.0, math.inf)
     assert done[1].overall == pytest.approx(done[0].overall, rel=0.1)
+
+
+def test_exact_readings_give_the_exact_gain() -> None:
+    s = np.cumsum(np.random.default_rng(3).normal(1, 1, 200))
+    fit = fit_level(4.0 - 0.7 * s, s, 1e-15)
+    assert fit.gain == pytest.approx(-0.7, rel=1e-12)
+    assert fit.standard_error < 1e-12
+    assert fit.level == pytest.approx(4.0 - 0.7 * s, rel=1e-12)
+
+
+def test_known_part_that_stands_still_tells_nothing() -> None:
+    fit = fit_level(np.random.default_rng(4).normal(0, 1, 50), np.zeros(50), 1e-15)
+    assert (fit.gain, fit.standard_error) == (0.0, math.inf)
+
+
+def test_so_few_readings_tell_nothing() -> None:
+    y = np.array([0.0, 1.0, 2.0, 3.0])
+    fit = fit_level(y, y, 1e-15)
+    assert (fit.gain, fit.standard_error) == (0.0, math.inf)
+    assert fit.level.tolist() == y.tolist()
+
+
+@pytest.mark.parametrize("drift", [0.0, 0.3])
+def test_standard_errors_are_those_of_known_variances(drift: float) -> None:
+    # With one noise only the error has a closed form: that of ordinary least squares of the
+    # readings, or of their differences.
+    random = np.random.default_rng(5)
+    n = 400
+    s = np.arange(n + 1.0)
+    expected = drift / math.sqrt(n) if drift else 1 / math.sqrt(np.sum((s - s.mean()) ** 2))
+    errors = []
+    for _ in range(15):
+        noise = random.normal(0, 1, n + 1)
+        fit = fit_level(2.0 * s + (np.cumsum(drift * noise) if drift else noise), s, 1e-15)
+        assert abs(fit.gain - 2.0) < 3 * fit.standard_error
+        errors.append(fit.standard_error / expected)
+    # Not knowing the other noise to be absent makes it less sure, the more so the slower it shows.
+    assert 0.9 < np.median(errors) < 3
+
+
+@pytest.mark.parametrize("n", [10, 30])
+def test_few_readings_know_that_they_are_few(n: int) -> None:
+    # Drift alone: the innovations are n independent numbers, the gain is their mean, and its error
+    # over the standard error without Student's correction would spread by 1.4 at n = 10.
+    random = np.random.default_rng(6)
+    s = np.arange(n + 1.0)
+    off = []
+    for _ in range(300):
+        fit = fit_level(s + np.cumsum(random.uniform(-0.3, 0.3, n + 1)), s, 1e-15)
+        off.append((fit.gain - 1) / fit.standard_error)
+    assert np.mean(np.abs(off) < 3) >= 0.97
+    assert 0.5 < np.std(off) < 1.3
+
+
+def test_error_of_the_level_without_drift_is_that_of_its_mean() -> None:
+    # A constant read with noise of variance one: its mean is off by 1 / (n + 1), and half the
+    # square of a normal number has half the square of its variance as variance.
+    n = 500
+    fit = fit_level(np.random.default_rng(7).normal(0, 1, n + 1), np.zeros(n + 1), 1e-15)
+    assert fit.level == pytest.approx(np.full(n + 1, fit.level.mean()), abs=0.15)
+    # Drift that is too small to show is allowed for.
+    assert np.all((1 / (n + 1) < 1.1 * fit.variance) & (fit.variance < 30 / (n + 1)))
+    assert np.all(fit.doubt >= fit.variance**2 / 2 * (1 - 1e-12))
+
+
+READINGS = 25
+SHARES = [0.0, 1e-4, 0.3, 1.0]
+
+
+def differences_covariance(share: float) -> Floats:
+    """Of y(k) - y(k-1) less its known part: beta(k-1) + alpha(k) - alpha(k-1)."""
+    noise = 1 - share
+    covariance = np.diag(np.full(READINGS, share + 2 * noise))
+    return covariance - noise * (np.eye(READINGS, k=1) + np.eye(READINGS, k=-1))
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_sums_are_those_of_generalised_least_squares(share: float) -> None:
+    random = np.random.default_rng(1)
+    y, s = np.cumsum(random.normal(0, 1, (2, READINGS + 1)), axis=1)
+    covariance = differences_covariance(share)
+    weights = np.linalg.inv(covariance)
+    dy, ds = np.diff(y), np.diff(s)
+    yy, ys, ss, logarithms = filtered(y, s, share)
+    assert (yy, ys, ss) == pytest.approx(
+        (dy @ weights @ dy, dy @ weights @ ds, ds @ weights @ ds), rel=1e-9
+    )
+    assert logarithms == pytest.approx(np.linalg.slogdet(covariance)[1], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("share", SHARES)
+def test_smoothed_level_is_the_conditional_mean(share: float) -> None:
+    rest = np.cumsum(np.random.default_rng(2).normal(0, 1, READINGS + 1))
+    level, variance = smoothed(rest, share)
+    # The readings less their noise, given the differences of the readings.
+    noise = 1 - share
+    step = np.diff(np.eye(READINGS + 1), axis=0)
+    gain = noise * np.linalg.solve(differences_covariance(share), step).T
+    assert level == pytest.approx(rest - gain @ np.diff(rest), abs=1e-9)
+    assert variance == pytest.approx(noise * (1 - np.sum(gain * step.T, axis=1)), abs=1e-9)

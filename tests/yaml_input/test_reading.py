@@ -1,4 +1,4 @@
-"""Overrides that lead into lists which the file leaves out."""
+"""Values of ``--set`` that lead into lists which the file leaves out."""
 
 from __future__ import annotations
 
