@@ -84,8 +84,8 @@ def plot(
       hilc plot runs/leaderboard --format svg --format pdf
     """
     from hilc_cli.cli.default_folders import RUNS, newest_results
-    from hilc_cli.leaderboards.comparing import is_leaderboard
-    from hilc_cli.sweeps.folders import is_sweep
+    from hilc_cli.leaderboards.folder import is_leaderboard
+    from hilc_cli.sweeps.sweep_folder import is_sweep
 
     kinds = [choice.value for choice in kind or []]
     if not runs:
@@ -115,7 +115,7 @@ def _plot_sweep(
     out: Path | None,
     drawing: dict[str, Any],
 ) -> tuple[Path, list[Path]]:
-    from hilc_cli.sweeps.folders import plot_sweep, read_sweep
+    from hilc_cli.sweeps.sweep_folder import plot_sweep, read_sweep
 
     if len(folders) > 1 or iterations is not None:
         raise UsageError("a sweep is drawn on its own, and without --iterations")
@@ -130,7 +130,8 @@ def _plot_leaderboard(
     out: Path | None,
     drawing: dict[str, Any],
 ) -> tuple[Path, list[Path]]:
-    from hilc_cli.leaderboards.comparing import plot_leaderboard, read_leaderboard
+    from hilc_cli.leaderboards.comparing import plot_leaderboard
+    from hilc_cli.leaderboards.folder import read_leaderboard
 
     if len(folders) > 1 or iterations is not None or kinds:
         raise UsageError("a leaderboard is drawn alone, without --iterations and --kind")

@@ -14,8 +14,7 @@ from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import MissingPackageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.sweeps.chunks import Chunk
-from hilc_cli.variation.axes import Axis, Choices, Value
-from hilc_cli.variation.cases import Cases
+from hilc_cli.variation import Axis, Cases, Choices, Value
 
 if TYPE_CHECKING:
     from optuna.distributions import BaseDistribution

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
@@ -12,15 +12,19 @@ import numpy as np
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, METRIC_NAMES
-from hilc_cli.sweeps.chunks import Chunk, Store, run_chunk
-from hilc_cli.sweeps.compute import Execution, compile_for, compute_chunks, crew_for
+from hilc_cli.sweeps.chunks import Chunk, Store
+from hilc_cli.sweeps.compute import (
+    Execution,
+    cases_per_chunk,
+    compile_for,
+    compute_chunks,
+    crew_for,
+    run_chunk,
+)
 from hilc_cli.sweeps.data import OwnValues, SweepData
-from hilc_cli.sweeps.estimate import cases_per_chunk
-from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.plan import TRAJECTORY, Plan, parts
 from hilc_cli.sweeps.sampler import SAMPLER, Sampler, Values, batches
-from hilc_cli.sweeps.varied import TRAJECTORY, Varied, parts
-from hilc_cli.variation.axes import Value
-from hilc_cli.variation.cases import ListedCases
+from hilc_cli.variation import ListedCases, Value
 from hilc_cli.yaml_input.tree import to_yaml
 
 
@@ -107,7 +111,7 @@ def _missing(plan: Plan, store: Store, batch: Chunk, workers: int) -> list[Chunk
 
 def _as_it_is(plan: Plan) -> float:
     """The metric of the scenario with its own values."""
-    own = Plan(Varied(plan.varied.scenario, {}), plan.spec)
+    own = replace(plan, spec=plan.spec.model_copy(update={"vary": {}}))
     return float(_metric(plan, run_chunk(own, Chunk(0, 1, ((),))).rows)[0])
 
 
@@ -122,7 +126,7 @@ def beside_cases(plan: Plan, data: SweepData, metric: float) -> dict[str, Any]:
         data: Its cases.
         metric: What it minimises, of the scenario as it is.
     """
-    own = plan.varied.scenario.resolved()
+    own = plan.scenario.resolved()
     values = {key: value_of(own, key) for key in plan.axes}
     return {"as_it_is": OwnValues(values, metric), "best_yaml": _best_yaml(plan, data, metric)}
 
@@ -142,7 +146,7 @@ def _best_yaml(plan: Plan, data: SweepData, as_it_is: float) -> str | None:
     best = next(iter(data.ranked()), None)
     if best is None:
         return None
-    scenario = plan.varied.case(data.case(best)).resolved()
+    scenario = plan.case(data.case(best)).resolved()
     scenario["name"] = plan.name[: _LONGEST_NAME - len(_SUFFIX)] + _SUFFIX
     metric = float(data.columns[data.metric][best])
     title = f"# Case {best} of a search with hilc sweep, the best of {len(data)}: "

@@ -11,8 +11,7 @@ import optuna
 import pytest
 
 from hilc_cli.sweeps.sampler import Sampler, Values
-from hilc_cli.variation.axes import Axis, Choices, Range
-from hilc_cli.variation.cases import Cases
+from hilc_cli.variation import Axis, Cases, Choices, Range
 
 AXES: dict[str, Axis] = {
     "linear": Range(-2.0, 3.0),

@@ -15,14 +15,13 @@ from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE
 from hilc_cli.sweeps import search as searching
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, MemoryStore, run_chunk
-from hilc_cli.sweeps.compute import Execution
-from hilc_cli.sweeps.folders import open_store
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, MemoryStore
+from hilc_cli.sweeps.compute import Execution, run_chunk
 from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.planning import plan_sweep
 from hilc_cli.sweeps.sampler import batches
 from hilc_cli.sweeps.search import costs, search
-from hilc_cli.sweeps.store import FolderStore
-from hilc_cli.sweeps.sweeping import plan_sweep
+from hilc_cli.sweeps.store import FolderStore, open_store
 from hilc_cli.workers.handing_out import Crew, Outcome
 from tests.cli.searches import FILES, L1, METRIC, error_after
 from tests.workers.test_cluster import Client
