@@ -204,7 +204,7 @@ def sweep(
     from hilc_cli.sweeps.planning import plan_sweep
     from hilc_cli.sweeps.report import SweepReport
     from hilc_cli.sweeps.shards import check_shardable, shard_cases
-    from hilc_cli.workers.handing_out import available_cores
+    from hilc_cli.workers.crews import available_cores
 
     session: Session = context.obj
     wanted: dict[str, Any] = {
@@ -294,10 +294,11 @@ def _compute_shard(
     force: bool,
 ) -> None:
     from hilc_cli.cli.default_folders import shard_folder
-    from hilc_cli.sweeps.shards import sweep_shard
+    from hilc_cli.sweeps.shards import shard_cases, sweep_shard
 
     place = shard_folder(folder, *part)
-    with _resumable(place), report.progress(plan, part) as on_cases:
+    cases = len(shard_cases(len(plan.cases), *part))
+    with _resumable(place), report.progress(plan, cases) as on_cases:
         how = how.telling(on_cases)
         failures = sweep_shard(plan, part, place, how, resume=resume, force=force)
     report.shard(plan, part, failures, place)
@@ -324,7 +325,7 @@ def _compute(
         report.complete(folder)
         return
     with _resumable(work):
-        with report.progress(plan) as on_cases:
+        with report.progress(plan, len(plan.cases)) as on_cases:
             how = how.telling(on_cases)
             result = sweep(plan, how, work_folder=work, resume=resume, force=writing["force"])
         result.write(folder, **writing)

@@ -18,7 +18,7 @@ from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
 from hilc_cli.results.manifest import COMPILED_WITH, origin
-from hilc_cli.workers.handing_out import available_cores
+from hilc_cli.workers.crews import available_cores
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

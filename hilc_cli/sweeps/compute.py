@@ -22,8 +22,7 @@ from hilc_cli.results.metrics import CASE_COLUMNS, METRIC_NAMES
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store, nothing_known
 from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan
 from hilc_cli.variation import Cases, Value
-from hilc_cli.workers.handing_out import TRIES, Alone, Crew, available_cores, hand_out
-from hilc_cli.workers.processes import Processes
+from hilc_cli.workers.crews import TRIES, Alone, Crew, Processes, available_cores, hand_out
 
 _ALONE = 0.5
 """Seconds of work that this process does sooner than worker processes start."""

@@ -123,14 +123,9 @@ class SweepReport:
         for warning in plan.warnings():
             self.say(f"warning: {warning}")
 
-    def progress(
-        self, plan: Plan, part: tuple[int, int] | None = None
-    ) -> AbstractContextManager[Callable[[int], None]]:
-        """Shows a progress bar over the cases."""
-        from hilc_cli.sweeps.shards import shard_cases
-
-        total = len(plan.cases) if part is None else len(shard_cases(len(plan.cases), *part))
-        return progress(plan.name, total, quiet=self.quiet)
+    def progress(self, plan: Plan, cases: int) -> AbstractContextManager[Callable[[int], None]]:
+        """Shows a progress bar over so many cases."""
+        return progress(plan.name, cases, quiet=self.quiet)
 
     def estimate(self, plan: Plan, estimate: Estimate) -> None:
         """Tells what a sweep would cost."""

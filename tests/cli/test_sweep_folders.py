@@ -15,7 +15,7 @@ from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.planning import plan_sweep
 from hilc_cli.sweeps.store import FolderStore, is_resumable
 from hilc_cli.variation import Value
-from hilc_cli.workers.handing_out import TRIES
+from hilc_cli.workers.crews import TRIES
 from tests.cli import sweeps
 from tests.cli.inputs import listing
 from tests.cli.processes import outcome_of

@@ -27,7 +27,7 @@ from hilc_cli.sweeps.compute import (
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.store import FolderStore, open_store
 from hilc_cli.variation import Value
-from hilc_cli.workers.handing_out import TRIES, Crew, Outcome
+from hilc_cli.workers.crews import TRIES, Crew, Outcome
 from tests.conftest import Write
 from tests.sweeps.plans import small_plan
 

@@ -22,7 +22,7 @@ from hilc_cli.sweeps.planning import plan_sweep
 from hilc_cli.sweeps.sampler import batches
 from hilc_cli.sweeps.search import costs, search
 from hilc_cli.sweeps.store import FolderStore, open_store
-from hilc_cli.workers.handing_out import Crew, Outcome
+from hilc_cli.workers.crews import Crew, Outcome
 from tests.cli.searches import FILES, L1, METRIC, error_after
 from tests.workers.test_cluster import Client
 
