@@ -138,10 +138,12 @@ class LawComparison:
                 "command": list(command),
             }
 
-        def check(there: Path) -> None:
-            _check(there, self.checksum, force=force)
-
-        return LEADERBOARD_FOLDER.write(Path(folder), fill, manifest, check)
+        return LEADERBOARD_FOLDER.write(
+            Path(folder),
+            fill,
+            manifest,
+            lambda there: _check(there, self.checksum, force=force),
+        )
 
 
 def check_leaderboard_output(

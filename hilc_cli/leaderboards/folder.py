@@ -66,15 +66,8 @@ _OTHERS = {
 """What stands in the columns behind the errors; whether the limit is kept follows from others."""
 
 
-def read_entries(path: Path, after: Sequence[int]) -> tuple[Entry, ...]:
-    """Reads ``leaderboard.csv``.
-
-    Args:
-        path: The file.
-        after: Numbers of iterations after which errors are told.
-
-    Returns:
-        The entries, at least one; each is as it was written.
+def _read_entries(path: Path, after: Sequence[int]) -> tuple[Entry, ...]:
+    """Returns the entries of ``leaderboard.csv``, at least one, each as it was written.
 
     Raises:
         UsageError: It is no such table, or damaged.
@@ -131,5 +124,5 @@ def read_leaderboard(folder: str | Path) -> LeaderboardData:
         HilcError: There is no such folder, or a file is missing or damaged.
     """
     manifest = LEADERBOARD_FOLDER.read(Path(folder), _Manifest)
-    entries = read_entries(Path(folder) / TABLES["csv"], manifest.after)
+    entries = _read_entries(Path(folder) / TABLES["csv"], manifest.after)
     return LeaderboardData(manifest.name, manifest.after, manifest.tolerance_m, entries)

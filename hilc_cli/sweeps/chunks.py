@@ -77,13 +77,6 @@ class ChunkResult:
     failures: tuple[Failure, ...] = ()
 
 
-def nothing_known(plan: Plan, chunk: Chunk, *failures: Failure) -> ChunkResult:
-    """Results without any number, to be filled in, or of cases that have failed."""
-    rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)
-    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.bands else None
-    return ChunkResult(chunk, rows, errors, failures)
-
-
 class Store(ABC):
     """Keeps what is known of the cases of a range.
 

@@ -19,7 +19,7 @@ from hilc_cli.engine.many import simulate_many
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, METRIC_NAMES
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store, nothing_known
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
 from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan
 from hilc_cli.variation import Cases, Value
 from hilc_cli.workers.crews import TRIES, Alone, Crew, Processes, available_cores, hand_out
@@ -158,7 +158,7 @@ def compute_chunks(
         result = outcome.result
         if result is None:  # all its cases have failed
             reason = outcome.reason if outcome.is_final else f"{outcome.reason}, {TRIES} times"
-            result = nothing_known(plan, outcome.piece, Failure(outcome.piece, reason))
+            result = _nothing_known(plan, outcome.piece, Failure(outcome.piece, reason))
         store.keep(result)
         done += len(outcome.piece)
         if result.failures and how.fail_fast:
@@ -260,7 +260,7 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
         chunk: Which of its cases.
         go_on: Called now and then; may raise to stop.
     """
-    found = nothing_known(plan, chunk)
+    found = _nothing_known(plan, chunk)
     failures: list[Failure] = []
     samples = plan.scenario.spec.trajectory.reference().samples
     packs = max(1, min(_PACKS_AT_ONCE, _SAMPLES_AT_ONCE // (LANES * samples)))
@@ -345,3 +345,10 @@ def _with_divergence(result: BatchResult, iterations: Floats) -> Floats:
     lost = (number >= at) & (number <= iterations[:, np.newaxis])
     errors: Floats = np.where(lost, np.inf, result.errors)
     return errors
+
+
+def _nothing_known(plan: Plan, chunk: Chunk, *failures: Failure) -> ChunkResult:
+    """Results without any number, to be filled in, or of cases that have failed."""
+    rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)
+    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.bands else None
+    return ChunkResult(chunk, rows, errors, failures)

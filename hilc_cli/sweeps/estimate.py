@@ -13,7 +13,7 @@ from hilc_cli.engine.many import simulate_many
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.sweeps.compute import cases_per_chunk, samples_per_case
 from hilc_cli.sweeps.plan import CANNOT_BE_MADE, Plan
-from hilc_cli.sweeps.sampler import batches
+from hilc_cli.sweeps.search import batches
 
 _BASE_MEMORY = 250e6  # [bytes] Python with its libraries, pictures included
 _BYTES_PER_VALUE = 8

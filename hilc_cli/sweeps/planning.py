@@ -32,7 +32,7 @@ from hilc_cli.sweeps.plan import (
     value_at,
     with_changes,
 )
-from hilc_cli.sweeps.sampler import require_optuna
+from hilc_cli.sweeps.search import require_optuna
 from hilc_cli.variation import Axis, Choices, Range, Value
 from hilc_cli.yaml_input.nodes import (
     MapNode,

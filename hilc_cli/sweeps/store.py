@@ -19,12 +19,12 @@ from hilc_cli.files import open_to_read, open_to_write, sync, writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.results.reading import Document, Length, Name, damaged
+from hilc_cli.results.reading import Document, Length, Name, check_columns, damaged
 from hilc_cli.results.tables import write_input
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
 from hilc_cli.sweeps.journal import Entry, Journal
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sweep_folder import Axes, CaseMetric, check_case_numbers
+from hilc_cli.sweeps.sweep_folder import CASE_NUMBERS, Axes, CaseMetric
 from hilc_cli.variation import Cases, axis_to_data
 from hilc_cli.yaml_input.quantities import MOST_CASES
 
@@ -270,7 +270,7 @@ class FolderStore(Store):
     def rows(self) -> Floats:
         """All rows, shape (cases, columns)."""
         rows = self._read(ROWS, 0, len(self.cases) * _COLUMNS).reshape(-1, _COLUMNS)
-        check_case_numbers(self.folder / ROWS, rows)
+        check_columns(self.folder / ROWS, CASE_NUMBERS, rows)
         return rows
 
     def errors(self) -> Iterator[Floats]:

@@ -27,7 +27,6 @@ from hilc_cli.results.reading import (
     Length,
     Name,
     Numbers,
-    check_columns,
     check_counted,
     damaged,
     one_of,
@@ -74,20 +73,6 @@ class _Manifest(Document):
     tolerance_m: Length | None
     metric: CaseMetric
     as_it_is: Annotated[OwnValues, PlainValidator(OwnValues.from_data)] | None = None
-
-
-def check_sweep_folder(path: Path, checksum: str, *, force: bool = False) -> None:
-    """Makes sure that a sweep may be written to a folder; to be asked before it is computed.
-
-    Args:
-        path: The folder.
-        checksum: Of the sweep.
-        force: Replace the folder of another sweep.
-
-    Raises:
-        ExistingResultsError: The folder holds another sweep, or is no sweep folder.
-    """
-    SWEEP_FOLDER.check(path, lambda there: there.get("checksum") == checksum, force=force)
 
 
 def is_complete(checksum: str, folder: str | Path) -> bool:
@@ -223,25 +208,13 @@ def _cell(value: Value) -> str:
     return text_cell(value) if isinstance(value, str) else value_text(value)
 
 
-_CASE_COLUMNS = [
+CASE_NUMBERS = [
     *metric_columns(empty=True),
     (ITERATIONS_TO_TOLERANCE, Numbers(0, 1e9, whole=True, empty=True)),
     (PEAK, Numbers(0, empty=True)),
     (DIVERGED, Numbers(0, 1, whole=True, empty=True)),
 ]
-
-
-def check_case_numbers(path: Path, numbers: Floats) -> None:
-    """Makes sure that the numbers of cases are such as cases have.
-
-    Args:
-        path: The file that they come from.
-        numbers: Shape (cases, columns), in the order of CASE_COLUMNS.
-
-    Raises:
-        UsageError: They are not.
-    """
-    check_columns(path, _CASE_COLUMNS, numbers)
+"""What the numbers of cases are like, in the order of CASE_COLUMNS."""
 
 
 def read_cases(
@@ -277,7 +250,7 @@ def read_cases(
                     raise damaged(path, f"{key} has no such value", line) from None
             yield [row[0], *row[first:]]
 
-    columns = [(CASE, Numbers(0, whole=True)), *_CASE_COLUMNS]
+    columns = [(CASE, Numbers(0, whole=True)), *CASE_NUMBERS]
     numbers = parse_numbers(path, columns, numbers_of_rows())
     check_counted(path, CASE, numbers[:, 0])
     if len(numbers) == 0:

@@ -29,7 +29,6 @@ from hilc_cli.sweeps.sweep_folder import (
     CASES,
     PARQUET,
     SWEEP_FOLDER,
-    check_sweep_folder,
     write_bands,
     write_cases,
     write_parquet,
@@ -122,10 +121,12 @@ class Sweep(SweepData):
                 "command": list(command),
             }
 
-        def check(there: Path) -> None:
-            check_sweep_folder(there, self.checksum, force=force)
-
-        SWEEP_FOLDER.write(Path(folder), fill, manifest, check)
+        SWEEP_FOLDER.write(
+            Path(folder),
+            fill,
+            manifest,
+            lambda there: _check(there, self.checksum, force=force),
+        )
 
 
 def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -> None:
@@ -136,9 +137,13 @@ def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -
         FileAccessError: Nothing can be written there, or the name is too long for what belongs to
             it while the sweep is under way.
     """
-    check_sweep_folder(Path(folder), plan.checksum(), force=force)
+    _check(Path(folder), plan.checksum(), force=force)
     with writing(Path(folder)):
         work_folder(folder).is_symlink()
+
+
+def _check(folder: Path, checksum: str, *, force: bool) -> None:
+    SWEEP_FOLDER.check(folder, lambda there: there.get("checksum") == checksum, force=force)
 
 
 def as_fields(data: SweepData) -> dict[str, Any]:
