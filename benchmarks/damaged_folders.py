@@ -128,7 +128,9 @@ def make_folders(place: Path) -> None:
     from hilc_cli.paper.names import REPRODUCTION_FOLDER
     from hilc_cli.paper.plan import plan_reproduction
     from hilc_cli.sweeps.compute import Execution
-    from hilc_cli.sweeps.sweeping import plan_sweep, sweep, sweep_shard
+    from hilc_cli.sweeps.planning import plan_sweep
+    from hilc_cli.sweeps.shards import sweep_shard
+    from hilc_cli.sweeps.sweeping import sweep
 
     for name, text in (("scenario.yaml", SCENARIO), ("path.yaml", TRAJECTORY),
                        ("input.csv", INPUT), ("board.yaml", BOARD)):  # fmt: skip

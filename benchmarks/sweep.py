@@ -27,7 +27,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import simulate_batch
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.workers.handing_out import available_cores
+from hilc_cli.workers.crews import available_cores
 
 FOLDER = Path(__file__).parent
 GAINS = ("0.1", "0.25", "0.25")

@@ -13,13 +13,15 @@ from hilc_cli.errors import HilcError as HilcError
 from hilc_cli.laws.law import Plan as Plan
 from hilc_cli.leaderboards.comparing import (
     LawComparison as LawComparison,
-    Leaderboard as Leaderboard,
     compare_laws as compare_laws,
-    load_leaderboard as load_leaderboard,
     plot_leaderboard as plot_leaderboard,
-    read_leaderboard as read_leaderboard,
 )
 from hilc_cli.leaderboards.contests import LeaderboardData as LeaderboardData
+from hilc_cli.leaderboards.folder import read_leaderboard as read_leaderboard
+from hilc_cli.leaderboards.plan import (
+    Leaderboard as Leaderboard,
+    load_leaderboard as load_leaderboard,
+)
 from hilc_cli.paper.plan import (
     ReproductionPlan as ReproductionPlan,
     plan_reproduction as plan_reproduction,
@@ -42,15 +44,17 @@ from hilc_cli.runs.running import (
 )
 from hilc_cli.sweeps.compute import Execution as Execution
 from hilc_cli.sweeps.data import SweepData as SweepData
-from hilc_cli.sweeps.folders import (
+from hilc_cli.sweeps.planning import plan_sweep as plan_sweep
+from hilc_cli.sweeps.shards import (
+    merge_shards as merge_shards,
+    sweep_shard as sweep_shard,
+)
+from hilc_cli.sweeps.sweep_folder import (
     plot_sweep as plot_sweep,
     read_sweep as read_sweep,
 )
 from hilc_cli.sweeps.sweeping import (
     Sweep as Sweep,
-    merge_shards as merge_shards,
-    plan_sweep as plan_sweep,
     sweep as sweep,
-    sweep_shard as sweep_shard,
 )
 from hilc_cli.version import __version__ as __version__

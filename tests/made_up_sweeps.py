@@ -8,8 +8,7 @@ import numpy as np
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED
 from hilc_cli.sweeps.data import Bands, SweepData
-from hilc_cli.variation.axes import Axis, Choices, Range, Value
-from hilc_cli.variation.cases import Cases, Sampling
+from hilc_cli.variation import Axis, Cases, Choices, Range, Sampling, Value
 
 L1, L2, L3 = (f"controller.gains.l{number}" for number in (1, 2, 3))
 HEADING, SPEED, SEED = "controller.gain_heading", "controller.b_w", "disturbance.seed"

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -30,6 +28,9 @@ from hilc_cli.reporting.terminal import print_json, print_text, progress, say
 if TYPE_CHECKING:
     from hilc_cli.comparisons.comparing import Comparison
     from hilc_cli.leaderboards.comparing import LawComparison
+
+    _Made = tuple[Comparison | LawComparison, Path, list[Path]]
+    """The result, its folder, and the files in it."""
 
 
 class TableKind(StrEnum):
@@ -108,51 +109,37 @@ def compare(
     if json and table is not None:
         raise UsageError("--json and --table both say what is printed; give one of them")
     writing = {"force": force, "formats": picture_formats(formats), "plots": not no_plots}
-    printing = _Printing(table or TableKind.TERMINAL, json=json, quiet=quiet, verbose=verbose)
     if laws is not None:
         if runs:
             raise UsageError(f"--laws runs what it compares; leave out {runs[0]}")
-        _compare_laws(laws, context.obj, out, workers, writing, printing, trust=trust)
+        made = _compare_laws(laws, context.obj, out, workers, writing, trust=trust, quiet=quiet)
+    else:
+        for option, is_given in {"--workers": workers is not None, "--trust": trust}.items():
+            if is_given:
+                raise UsageError(f"{option} is for --laws; nothing else is simulated")
+        if not runs:
+            raise UsageError(
+                "there is nothing to compare; give at least two run folders, or --laws"
+            )
+        made = _compare_runs(runs, out, writing)
+    result, folder, files = made
+    if json:
+        written = {"folder": str(folder), "files": [str(file) for file in files]}
+        print_json({**written, **result.document()})
+    elif quiet:
         return
-    for option, is_given in {"--workers": workers is not None, "--trust": trust}.items():
-        if is_given:
-            raise UsageError(f"{option} is for --laws; nothing else is simulated")
-    if not runs:
-        raise UsageError("there is nothing to compare; give at least two run folders, or --laws")
-    _compare_runs(runs, out, writing, printing)
+    elif table is None or table is TableKind.TERMINAL:
+        from hilc_cli.comparisons.formats import print_comparison
+
+        for each in result.printed(everything=verbose):
+            print_comparison(each)
+        print_text(f"Written to {folder}")
+    else:
+        print_text(result.text(table.value).rstrip("\n"))
+        say(f"written to {folder}")
 
 
-@dataclass(frozen=True, slots=True)
-class _Printing:
-    """What is printed of a comparison."""
-
-    kind: TableKind
-    json: bool
-    quiet: bool
-    verbose: bool
-
-    def __call__(
-        self, result: Comparison | LawComparison, folder: Path, files: Sequence[Path]
-    ) -> None:
-        from hilc_cli.comparisons.report import print_comparison
-
-        if self.json:
-            written = {"folder": str(folder), "files": [str(file) for file in files]}
-            print_json({**written, **result.document()})
-        elif self.quiet:
-            return
-        elif self.kind is TableKind.TERMINAL:
-            for table in result.printed(everything=self.verbose):
-                print_comparison(table)
-            print_text(f"Written to {folder}")
-        else:
-            print_text(result.text(self.kind.value).rstrip("\n"))
-            say(f"written to {folder}")
-
-
-def _compare_runs(
-    given: list[Path], out: Path | None, writing: dict[str, Any], printing: _Printing
-) -> None:
+def _compare_runs(given: list[Path], out: Path | None, writing: dict[str, Any]) -> _Made:
     """Compares runs that are there."""
     from hilc_cli.cli.default_folders import (
         check_shared_folder,
@@ -160,7 +147,7 @@ def _compare_runs(
         without_comparisons,
     )
     from hilc_cli.comparisons.comparing import compare
-    from hilc_cli.sweeps.folders import is_sweep
+    from hilc_cli.sweeps.sweep_folder import is_sweep
 
     runs = without_comparisons(given)
     if len(runs) < 2:
@@ -173,7 +160,7 @@ def _compare_runs(
     folder = out or shared_folder(runs)
     check_shared_folder(folder)
     result = compare(runs)
-    printing(result, folder, result.write(folder, **writing))
+    return result, folder, result.write(folder, **writing)
 
 
 def _compare_laws(
@@ -182,23 +169,20 @@ def _compare_laws(
     out: Path | None,
     workers: int | None,
     writing: dict[str, Any],
-    printing: _Printing,
     *,
     trust: bool,
-) -> None:
+    quiet: bool,
+) -> _Made:
     """Runs the laws of a leaderboard, and compares them."""
     from hilc_cli.drawing.save import check_format
-    from hilc_cli.leaderboards.comparing import (
-        check_leaderboard_output,
-        compare_laws,
-        load_leaderboard,
-    )
+    from hilc_cli.leaderboards.comparing import check_leaderboard_output, compare_laws
+    from hilc_cli.leaderboards.plan import load_leaderboard
 
     for name in writing["formats"]:
         check_format(name)
     valid = load_leaderboard(leaderboard, trust=trust)
     folder = Path("runs") / valid.name if out is None else out
     check_leaderboard_output(valid, folder, force=writing["force"])
-    with progress(valid.name, valid.size, quiet=printing.quiet) as advance:
+    with progress(valid.name, valid.size, quiet=quiet) as advance:
         result = compare_laws(valid, workers=workers, on_runs=advance, go_on=session.go_on)
-    printing(result, folder, result.write(folder, **writing, command=sys.argv))
+    return result, folder, result.write(folder, **writing, command=sys.argv)

@@ -146,7 +146,7 @@ def without_comparisons(folders: Sequence[Path]) -> list[Path]:
     """
     from hilc_cli.comparisons.formats import FILES
     from hilc_cli.files import is_there
-    from hilc_cli.leaderboards.comparing import is_leaderboard
+    from hilc_cli.leaderboards.folder import is_leaderboard
     from hilc_cli.reporting.terminal import say
     from hilc_cli.runs.run_folder import ITERATIONS
 

@@ -72,12 +72,9 @@ def plot(
       hilc plot runs/leaderboard --format svg --format pdf
     """
     from hilc_cli.cli.default_folders import RUNS, newest_results
-    from hilc_cli.leaderboards.comparing import (
-        is_leaderboard,
-        plot_leaderboard,
-        read_leaderboard,
-    )
-    from hilc_cli.sweeps.folders import is_sweep, plot_sweep, read_sweep
+    from hilc_cli.leaderboards.comparing import plot_leaderboard
+    from hilc_cli.leaderboards.folder import is_leaderboard, read_leaderboard
+    from hilc_cli.sweeps.sweep_folder import is_sweep, plot_sweep, read_sweep
 
     kinds = [choice.value for choice in kind or []]
     if not runs:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -198,172 +197,141 @@ def sweep(
           --minimise max_position_error_m
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
+    from hilc_cli.cli.default_folders import SWEEP, default_folder
+    from hilc_cli.runs.running import load_scenario
+    from hilc_cli.sweeps.compute import Execution, compile_for
+    from hilc_cli.sweeps.estimate import estimate
+    from hilc_cli.sweeps.planning import plan_sweep
     from hilc_cli.sweeps.report import SweepReport
+    from hilc_cli.sweeps.shards import check_shardable, shard_cases
+    from hilc_cli.workers.crews import available_cores
 
-    wanted = _Wanted(vary, sample, cases, seed, minimise, tolerance, bands, metric)
-    how = _How(workers, scheduler, shard, resume, fail_fast, dry_run)
+    session: Session = context.obj
+    wanted: dict[str, Any] = {
+        "sample": None if sample is None else sample.value,
+        "cases": cases,
+        "seed": seed,
+        "tolerance": tolerance,
+        "bands": bands or None,
+        "metric": metric,
+        "minimise": minimise,
+    }
+    chosen = [choice.value for choice in formats or [SweepFormat.PNG]]
+    if "parquet" in chosen:
+        from hilc_cli.sweeps.sweep_folder import require_parquet
+
+        require_parquet()
+    writing: dict[str, Any] = {
+        "force": force,
+        "formats": chosen,
+        "plots": not no_plots,
+        "command": sys.argv,
+        "go_on": session.go_on,
+    }
     report = SweepReport(json=json, quiet=quiet, verbose=verbose)
-    command = _Command(context.obj, report, set_, out, force, formats or [], not no_plots, trust)
     if merge:
-        command.merge(targets, wanted, how)
-    else:
-        command.compute(targets, wanted, how)
-
-
-class _Wanted(NamedTuple):
-    """The options that say which sweep it is; they go before the scenario's section."""
-
-    vary: list[str] | None
-    sample: Sample | None
-    cases: int | None
-    seed: int | None
-    minimise: str | None
-    tolerance: str | None
-    bands: bool
-    metric: str | None
-
-
-class _How(NamedTuple):
-    """The options that say how it is computed."""
-
-    workers: int | None
-    scheduler: str | None
-    shard: str | None
-    resume: bool
-    fail_fast: bool
-    dry_run: bool
-
-
-@dataclass(frozen=True, slots=True)
-class _Command:
-    """One call of the command: whom it tells, and what it writes where."""
-
-    session: Session
-    report: SweepReport
-    overrides: list[str] | None
-    out: Path | None
-    force: bool
-    formats: Sequence[SweepFormat]
-    plots: bool
-    trust: bool
-
-    def merge(self, targets: list[str], wanted: _Wanted, how: _How) -> None:
-        """Puts the shards in some folders together."""
-        from hilc_cli.cli.default_folders import folder_of_shards
-        from hilc_cli.sweeps.report import SHARDS_AGAIN
-        from hilc_cli.sweeps.sweeping import merge_shards
-
-        writing = self._writing()
-        if any(option not in (None, False) for option in (*wanted, *how, self.overrides)):
+        others = (
+            vary,
+            *wanted.values(),
+            workers,
+            scheduler,
+            shard,
+            resume,
+            fail_fast,
+            dry_run,
+            set_,
+        )
+        if any(option not in (None, False) for option in others):
             raise UsageError(
                 "--merge takes the folders of all shards and no scenario, so that only --out, "
                 "--force, --format, --no-plots, --json and -q go with it"
             )
-        folders = [Path(target) for target in targets]
-        result = merge_shards(folders, go_on=self.session.go_on)
-        folder = self.out or folder_of_shards(result.name, folders)
-        result.write(folder, **writing)
-        self.report.result(result, folder, SHARDS_AGAIN)
+        _merge(list(map(Path, targets)), out, writing, report)
+        return
+    if len(targets) > 1:
+        raise UsageError(f"give one scenario, got {len(targets)}; several folders need --merge")
+    part = None if shard is None else _parse_shard(shard)
+    plan = plan_sweep(load_scenario(targets[0], set_ or [], trust=trust), vary or [], **wanted)
+    if part is not None:
+        check_shardable(plan)
+    how = Execution(
+        *(workers, scheduler, fail_fast), on_compile=report.compiling, go_on=session.go_on
+    )
+    report.warnings(plan)
+    folder = out or default_folder(plan.name, set_, SWEEP)
+    if dry_run:
+        compile_for(plan, report.compiling)
+        count = len(plan.cases if part is None else shard_cases(len(plan.cases), *part))
+        report.estimate(plan, estimate(plan, workers or available_cores(), count))
+    elif part is not None:
+        _compute_shard(plan, part, folder, how, report, resume=resume, force=force)
+    else:
+        _compute(plan, folder, how, writing, report, resume=resume)
 
-    def compute(self, targets: list[str], wanted: _Wanted, how: _How) -> None:
-        """Computes a sweep, or a shard of it, or says what that would cost."""
-        from hilc_cli.cli.default_folders import SWEEP, default_folder
-        from hilc_cli.sweeps.compute import Execution, compile_for
-        from hilc_cli.sweeps.estimate import estimate
-        from hilc_cli.sweeps.shards import check_shardable, shard_cases
-        from hilc_cli.workers.handing_out import available_cores
 
-        writing, report = self._writing(), self.report
-        if len(targets) > 1:
-            raise UsageError(f"give one scenario, got {len(targets)}; several folders need --merge")
-        part = None if how.shard is None else _parse_shard(how.shard)
-        plan = self._plan(targets[0], wanted)
-        if part is not None:
-            check_shardable(plan)
-        execution = Execution(
-            *(how.workers, how.scheduler, how.fail_fast),
-            on_compile=report.compiling,
-            go_on=self.session.go_on,
-        )
-        report.warnings(plan)
-        folder = self.out or default_folder(plan.name, self.overrides, SWEEP)
-        if how.dry_run:
-            compile_for(plan, report.compiling)
-            cases = len(plan.cases if part is None else shard_cases(len(plan.cases), *part))
-            report.estimate(plan, estimate(plan, how.workers or available_cores(), cases))
-        elif part is not None:
-            self._shard(plan, part, folder, execution, resume=how.resume)
-        else:
-            self._whole(plan, folder, execution, writing, resume=how.resume)
+def _merge(
+    folders: list[Path], out: Path | None, writing: dict[str, Any], report: SweepReport
+) -> None:
+    """Puts the shards in some folders together."""
+    from hilc_cli.cli.default_folders import folder_of_shards
+    from hilc_cli.sweeps.report import SHARDS_AGAIN
+    from hilc_cli.sweeps.shards import merge_shards
 
-    def _plan(self, scenario: str, wanted: _Wanted) -> Plan:
-        from hilc_cli.runs.running import load_scenario
-        from hilc_cli.sweeps.sweeping import plan_sweep
+    result = merge_shards(folders, go_on=writing["go_on"])
+    folder = out or folder_of_shards(result.name, folders)
+    result.write(folder, **writing)
+    report.result(result, folder, SHARDS_AGAIN)
 
-        return plan_sweep(
-            load_scenario(scenario, self.overrides or [], trust=self.trust),
-            wanted.vary or [],
-            sample=None if wanted.sample is None else wanted.sample.value,
-            cases=wanted.cases,
-            seed=wanted.seed,
-            tolerance=wanted.tolerance,
-            bands=wanted.bands or None,
-            metric=wanted.metric,
-            minimise=wanted.minimise,
-        )
 
-    def _shard(
-        self, plan: Plan, part: tuple[int, int], folder: Path, how: Execution, *, resume: bool
-    ) -> None:
-        from hilc_cli.cli.default_folders import shard_folder
-        from hilc_cli.sweeps.sweeping import sweep_shard
+def _compute_shard(
+    plan: Plan,
+    part: tuple[int, int],
+    folder: Path,
+    how: Execution,
+    report: SweepReport,
+    *,
+    resume: bool,
+    force: bool,
+) -> None:
+    from hilc_cli.cli.default_folders import shard_folder
+    from hilc_cli.sweeps.shards import shard_cases, sweep_shard
 
-        place = shard_folder(folder, *part)
-        with _resumable(place), self.report.progress(plan, part) as on_cases:
+    place = shard_folder(folder, *part)
+    cases = len(shard_cases(len(plan.cases), *part))
+    with _resumable(place), report.progress(plan, cases) as on_cases:
+        how = how.telling(on_cases)
+        failures = sweep_shard(plan, part, place, how, resume=resume, force=force)
+    report.shard(plan, part, failures, place)
+
+
+def _compute(
+    plan: Plan,
+    folder: Path,
+    how: Execution,
+    writing: dict[str, Any],
+    report: SweepReport,
+    *,
+    resume: bool,
+) -> None:
+    from hilc_cli.sweeps.report import AGAIN
+    from hilc_cli.sweeps.store import discard_work, is_resumable, work_folder
+    from hilc_cli.sweeps.sweep_folder import is_complete
+    from hilc_cli.sweeps.sweeping import check_sweep_output, sweep
+
+    check_sweep_output(plan, folder, force=writing["force"])
+    work = work_folder(folder)
+    if resume and not is_resumable(work) and is_complete(plan.checksum(), folder):
+        discard_work(plan, work)
+        report.complete(folder)
+        return
+    with _resumable(work):
+        with report.progress(plan, len(plan.cases)) as on_cases:
             how = how.telling(on_cases)
-            failures = sweep_shard(plan, part, place, how, resume=resume, force=self.force)
-        self.report.shard(plan, part, failures, place)
-
-    def _whole(
-        self, plan: Plan, folder: Path, how: Execution, writing: dict[str, Any], *, resume: bool
-    ) -> None:
-        from hilc_cli.sweeps import folders
-        from hilc_cli.sweeps.report import AGAIN
-        from hilc_cli.sweeps.sweeping import sweep
-
-        folders.check_sweep_output(plan, folder, force=self.force)
-        work = folders.work_folder(folder)
-        if resume and not folders.is_resumable(work) and folders.is_complete(plan, folder):
-            folders.discard_work(plan, work)
-            self.report.complete(folder)
-            return
-        with _resumable(work):
-            with self.report.progress(plan) as on_cases:
-                how = how.telling(on_cases)
-                result = sweep(plan, how, work_folder=work, resume=resume, force=self.force)
-            result.write(folder, **writing)
-        if not result.failures:
-            folders.discard_work(plan, work)
-        self.report.result(result, folder, AGAIN)
-
-    def _writing(self) -> dict[str, Any]:
-        """How results are written.
-
-        Raises:
-            MissingPackageError: What writes a format is not installed.
-        """
-        chosen = [choice.value for choice in self.formats or [SweepFormat.PNG]]
-        if "parquet" in chosen:
-            from hilc_cli.sweeps.tables import require_parquet
-
-            require_parquet()
-        return {
-            "force": self.force,
-            "formats": chosen,
-            "plots": self.plots,
-            "command": sys.argv,
-            "go_on": self.session.go_on,
-        }
+            result = sweep(plan, how, work_folder=work, resume=resume, force=writing["force"])
+        result.write(folder, **writing)
+    if not result.failures:
+        discard_work(plan, work)
+    report.result(result, folder, AGAIN)
 
 
 def _parse_shard(text: str) -> tuple[int, int]:
@@ -380,7 +348,7 @@ def _resumable(work: Path) -> Iterator[None]:
         yield
     except BaseException as error:  # of any kind: a signal may end in another than its own
         from hilc_cli.reporting.terminal import say
-        from hilc_cli.sweeps.folders import is_resumable
+        from hilc_cli.sweeps.store import is_resumable
 
         useless = isinstance(error, ExistingResultsError | UsageError)
         if not useless and is_resumable(work):

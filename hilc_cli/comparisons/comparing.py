@@ -126,20 +126,13 @@ def compare_runs(runs: Sequence[RunData]) -> ComparisonTable:
 
 def _values(run: RunData, name: str) -> tuple[Value, ...]:
     summary = summarise(run)
-    final = summary.final
     values: dict[str, Value] = {
+        **summary.final,
         "run": name,
         **{column: run.settings.get(column) for column in _SETTINGS},
         "trajectory": summary.trajectory,
         "path_size_m": summary.path_size_m,
         "iterations": summary.iterations,
-        "max_position_error_m": final["max_position_error_m"],
-        "max_position_error_second_half_m": final["max_position_error_second_half_m"],
-        "mean_position_error_m": final["mean_position_error_m"],
-        "rms_position_error_m": final["rms_position_error_m"],
-        "final_position_error_m": final["final_position_error_m"],
-        "max_abs_error_heading_rad": final["max_abs_error_heading_rad"],
-        "max_wheel_speed_rad_s": final["max_wheel_speed_rad_s"],
         "speed_limit_rad_s": run.speed_limit,
         "iterations_to_1_percent": summary.settled_at["1 %"],
         "iterations_to_0_1_percent": summary.settled_at["0.1 %"],

@@ -14,25 +14,11 @@ from hilc_cli.comparisons.table import ComparisonTable, Value
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.files import merge_folder
 from hilc_cli.leaderboards.contests import Contests, LeaderboardData, compute_entries
-from hilc_cli.leaderboards.folder import (
-    LEADERBOARD_FOLDER,
-    TABLES,
-    check_leaderboard_folder,
-    read_leaderboard_folder,
-    write_leaderboard_folder,
-)
+from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
 from hilc_cli.results.manifest import COMPILED_WITH, origin
-from hilc_cli.workers.handing_out import available_cores
-
-__all__ = [
-    "LawComparison",
-    "Leaderboard",
-    "check_leaderboard_output",
-    "compare_laws",
-    "load_leaderboard",
-]
+from hilc_cli.workers.crews import available_cores
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -134,19 +120,29 @@ class LawComparison:
             UsageError: There is no such picture format.
         """
 
-        def draw(into: Path) -> None:
-            from hilc_cli.leaderboards.picture import save_leaderboard  # Matplotlib starts slowly
+        def fill(into: Path) -> None:
+            for kind, name in TABLES.items():
+                (into / name).write_text(self.text(kind), encoding="utf-8", newline="")
+            if plots:
+                from hilc_cli.leaderboards.picture import save_leaderboard  # it starts slowly
 
-            save_leaderboard(self.data, into, formats)
+                save_leaderboard(self.data, into, formats)
 
-        return write_leaderboard_folder(
+        def manifest() -> Mapping[str, Any]:
+            return {
+                "name": self.data.name,
+                "checksum": self.checksum,
+                "after": list(self.data.after),
+                "tolerance_m": self.data.tolerance,
+                **self.how,
+                "command": list(command),
+            }
+
+        return LEADERBOARD_FOLDER.write(
             Path(folder),
-            self.data,
-            {kind: self.text(kind) for kind in TABLES},
-            lambda: {**self.how, "command": list(command)},
-            checksum=self.checksum,
-            force=force,
-            draw=draw if plots else None,
+            fill,
+            manifest,
+            lambda there: _check(there, self.checksum, force=force),
         )
 
 
@@ -158,7 +154,11 @@ def check_leaderboard_output(
     Raises:
         ExistingResultsError: The folder holds another leaderboard, or is no leaderboard folder.
     """
-    check_leaderboard_folder(Path(folder), leaderboard.checksum(), force=force)
+    _check(Path(folder), leaderboard.checksum(), force=force)
+
+
+def _check(folder: Path, checksum: str, *, force: bool) -> None:
+    LEADERBOARD_FOLDER.check(folder, lambda there: there.get("checksum") == checksum, force=force)
 
 
 def compare_laws(
@@ -196,20 +196,6 @@ def compare_laws(
             "inputs_sha256": dict(leaderboard.checksums),
         },
     )
-
-
-def is_leaderboard(folder: str | Path) -> bool:
-    """Whether a folder holds the results of a leaderboard."""
-    return LEADERBOARD_FOLDER.is_at(folder)
-
-
-def read_leaderboard(folder: str | Path) -> LeaderboardData:
-    """The results in the folder of a leaderboard, from its table of all runs and its manifest.
-
-    Raises:
-        HilcError: There is no such folder, or a file is missing or damaged.
-    """
-    return read_leaderboard_folder(Path(folder))
 
 
 def plot_leaderboard(

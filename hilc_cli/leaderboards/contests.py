@@ -16,8 +16,7 @@ from hilc_cli.leaderboards.plan import Contest
 from hilc_cli.names import in_short, listed
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import first_within, settled_at, share_within
-from hilc_cli.workers.handing_out import Alone, Crew, hand_out
-from hilc_cli.workers.processes import Processes
+from hilc_cli.workers.crews import Alone, Crew, Processes, hand_out
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
-"""The folder of a leaderboard: what is in it, when it may be replaced, and how it is read back."""
+"""The folder of a leaderboard: what is in it, and how it is read back."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
@@ -66,15 +66,8 @@ _OTHERS = {
 """What stands in the columns behind the errors; whether the limit is kept follows from others."""
 
 
-def read_entries(path: Path, after: Sequence[int]) -> tuple[Entry, ...]:
-    """Reads ``leaderboard.csv``.
-
-    Args:
-        path: The file.
-        after: Numbers of iterations after which errors are told.
-
-    Returns:
-        The entries, at least one; each is as it was written.
+def _read_entries(path: Path, after: Sequence[int]) -> tuple[Entry, ...]:
+    """Returns the entries of ``leaderboard.csv``, at least one, each as it was written.
 
     Raises:
         UsageError: It is no such table, or damaged.
@@ -119,75 +112,17 @@ def _entry(names: Sequence[str], numbers: Sequence[float], counts: int) -> Entry
     return Entry(**found)
 
 
-def write_leaderboard_folder(
-    path: Path,
-    data: LeaderboardData,
-    texts: Mapping[str, str],
-    manifest: Callable[[], Mapping[str, Any]],
-    *,
-    checksum: str,
-    force: bool = False,
-    draw: Callable[[Path], None] | None = None,
-) -> list[Path]:
-    """Writes the folder of a leaderboard as a whole.
+def is_leaderboard(folder: str | Path) -> bool:
+    """Whether a folder holds the results of a leaderboard."""
+    return LEADERBOARD_FOLDER.is_at(folder)
 
-    Args:
-        path: The folder.
-        data: The results, of which the manifest tells what is in no row.
-        texts: The tables by kind: csv, markdown, latex.
-        manifest: Gives what else is to be known of the computation, asked last.
-        checksum: Of all that the results depend on.
-        force: Replace the folder of another leaderboard.
-        draw: Draws the picture into the folder that it is given.
 
-    Returns:
-        The files.
+def read_leaderboard(folder: str | Path) -> LeaderboardData:
+    """The results in the folder of a leaderboard, from its table of all runs and its manifest.
 
     Raises:
-        ExistingResultsError: The folder holds another leaderboard, or is no leaderboard folder.
-        FileAccessError: It cannot be written.
+        HilcError: There is no such folder, or a file is missing or damaged.
     """
-
-    def fill(folder: Path) -> None:
-        for kind, name in TABLES.items():
-            (folder / name).write_text(texts[kind], encoding="utf-8", newline="")
-        if draw is not None:
-            draw(folder)
-
-    return LEADERBOARD_FOLDER.write(
-        path,
-        fill,
-        lambda: {
-            "name": data.name,
-            "checksum": checksum,
-            "after": list(data.after),
-            "tolerance_m": data.tolerance,
-            **manifest(),
-        },
-        lambda folder: check_leaderboard_folder(folder, checksum, force=force),
-    )
-
-
-def check_leaderboard_folder(path: Path, checksum: str, *, force: bool = False) -> None:
-    """Makes sure that a leaderboard may be written to a folder; to be asked before it is run.
-
-    Args:
-        path: The folder.
-        checksum: Of the leaderboard.
-        force: Replace the folder of another leaderboard.
-
-    Raises:
-        ExistingResultsError: The folder holds another leaderboard, or is no leaderboard folder.
-    """
-    LEADERBOARD_FOLDER.check(path, lambda there: there.get("checksum") == checksum, force=force)
-
-
-def read_leaderboard_folder(path: Path) -> LeaderboardData:
-    """The results in the folder of a leaderboard, from its manifest and its table of all runs.
-
-    Raises:
-        HilcError: It is no such folder, or a file is missing or damaged.
-    """
-    manifest = LEADERBOARD_FOLDER.read(path, _Manifest)
-    entries = read_entries(path / TABLES["csv"], manifest.after)
+    manifest = LEADERBOARD_FOLDER.read(Path(folder), _Manifest)
+    entries = _read_entries(Path(folder) / TABLES["csv"], manifest.after)
     return LeaderboardData(manifest.name, manifest.after, manifest.tolerance_m, entries)

@@ -31,7 +31,7 @@ from hilc_cli.results.reading import (
     read_numbers,
 )
 from hilc_cli.results.trial import Trial
-from hilc_cli.variation.axes import Value
+from hilc_cli.variation import Value
 
 ITERATIONS_HEADER = ("iteration", *METRIC_NAMES)
 SAMPLES_HEADER = (

@@ -1,21 +1,161 @@
-"""What a scenario says of its sweep: which keys are varied, and how cases are made of them."""
+"""What a scenario says of its sweep: which keys are varied, and how cases are made of them.
+
+The values of a key as people write them are ``0.1,1,10`` or a YAML list: these values;
+``0.1:10:20``: 20 numbers from 0.1 to 10 in equal steps; ``0.1:10:20:log``: in equal ratios;
+``0.1:10`` and ``0.1:10:log``: a range to draw from; ``1..30``: whole numbers.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+import math
+import re
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Field
+from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
 from pydantic.types import StringConstraints
 
 from hilc_cli.results.metrics import CASE_METRICS, ITERATIONS_TO_TOLERANCE
-from hilc_cli.scenario.axis import AxisSpec, read_axis
-from hilc_cli.variation.axes import Choices
-from hilc_cli.variation.cases import Sampling
-from hilc_cli.yaml_input.model import Flag, Located, Model
+from hilc_cli.results.tables import value_text
+from hilc_cli.variation import (
+    MOST_KEYS,
+    MOST_VALUES,
+    Axis,
+    Choices,
+    Range,
+    Sampling,
+    Spacing,
+    Value,
+)
+from hilc_cli.yaml_input.expressions import ExpressionError, evaluate
+from hilc_cli.yaml_input.model import Flag, Located, Model, wrong
 from hilc_cli.yaml_input.quantities import CaseCount, PositiveLength, Seed, such_as
-from hilc_cli.yaml_input.tree import LONGEST_KEY
+from hilc_cli.yaml_input.tree import LONGEST_KEY, resolve_plain
 
-MOST_KEYS = 100
+_AnyAxis = TypeVar("_AnyAxis", Choices, Range)
+_WHOLE_NUMBERS = re.compile(r"\s*([-+]?[0-9]{1,20})\s*\.\.\s*([-+]?[0-9]{1,20})\s*")
+_SPACINGS: dict[str, Spacing] = {"log": "log", "linear": "linear"}
+_REMEDY = "give 0.1,1,10 or 0.1:10:20 or 0.1:10:20:log or 1..30"
+
+
+def read_axis(value: object) -> Axis:
+    """The values that a text, a list or a single value stands for.
+
+    Raises:
+        PydanticCustomError: It stands for none.
+    """
+    if isinstance(value, Choices | Range):
+        return value
+    if isinstance(value, str):
+        return _from_text(value)
+    if isinstance(value, list | tuple):
+        # Mappings are trajectories written out, which are named before they are used.
+        return _choices([item if isinstance(item, Mapping) else _scalar(item) for item in value])
+    return _choices([_scalar(value)])
+
+
+def axis_text(axis: Axis) -> str | list[Value]:
+    """An axis as it can be written in a scenario."""
+    if isinstance(axis, Choices):
+        return list(axis.values)
+    if axis.spacing == "integer":
+        return f"{int(axis.low)}..{int(axis.high)}"
+    count = "" if axis.values_asked is None else f":{axis.values_asked}"
+    return f"{axis.low!r}:{axis.high!r}{count}:{axis.spacing}"
+
+
+def shown_axis(axis: Axis) -> str:
+    """An axis as messages show it: as short as people write it."""
+    if isinstance(axis, Choices):
+        return ",".join(map(value_text, axis.values))
+    if axis.written is None:
+        return str(axis_text(axis))
+    low, high = axis.written
+    count = "" if axis.values_asked is None else f":{axis.values_asked}"
+    return f"{low}:{high}{count}{'' if axis.spacing == 'linear' else ':log'}"
+
+
+def _from_text(text: str) -> Axis:
+    whole = _WHOLE_NUMBERS.fullmatch(text)
+    if whole:
+        low, high = map(int, whole.groups())
+        if low > high:
+            raise wrong("must rise", "give the smaller number first, such as 1..30")
+        return _of_bearable_count(Range(low, high, "integer"))
+    if ":" in text and "," not in text and "example:" not in text:
+        return _range(text)
+    inner = re.fullmatch(r"\s*\[(.*)\]\s*", text)  # as in YAML, by habit from --set
+    words = [word.strip() for word in (inner[1] if inner else text).split(",")]
+    return _choices([_scalar(resolve_plain(word) if word else word) for word in words])
+
+
+def _range(text: str) -> Range:
+    parts = [part.strip() for part in text.split(":")]
+    spacing: Spacing = "linear"
+    if parts[-1] in _SPACINGS:
+        spacing = _SPACINGS[parts.pop()]
+    if len(parts) not in (2, 3):
+        raise wrong("is no range", _REMEDY)
+    low, high = _number(parts[0]), _number(parts[1])
+    if not math.isfinite(high - low):
+        raise wrong("must be finite", _REMEDY)
+    if not low < high:
+        raise wrong("must rise", "give the smaller number first, such as 0.1:10:20")
+    if spacing == "log" and low <= 0:
+        raise wrong("has no logarithm", "start above 0, such as 0.1:10:20:log")
+    if len(parts) == 2:
+        return Range(low, high, spacing, written=(parts[0], parts[1]))
+    if not re.fullmatch(r"[0-9]{1,18}", parts[2]) or int(parts[2]) < 2:
+        raise wrong("needs 2 or more values", "give their number last, such as 0.1:10:20")
+    asked = int(parts[2])
+    return _of_bearable_count(Range(low, high, spacing, asked, written=(parts[0], parts[1])))
+
+
+def _number(text: str) -> float:
+    try:
+        return float(evaluate(text).number.constant)
+    except ExpressionError as error:
+        problem = str(error).partition("; ")[0]
+        raise wrong(f"holds '{text}', which {problem}", _REMEDY) from None
+
+
+def _scalar(value: object) -> Value:
+    if value is None or isinstance(value, bool | int | float | str):
+        if value == "":
+            raise wrong("has an empty value", _REMEDY)
+        return value
+    if isinstance(value, Mapping):
+        remedy = "write keys with dots between them, such as controller.gains.l1"
+        raise wrong("must hold values, not keys", remedy)
+    raise wrong("must hold single values", _REMEDY)
+
+
+def _choices(values: list[Any]) -> Choices:
+    if not values:
+        raise wrong("has no values", _REMEDY)
+    return _of_bearable_count(Choices(tuple(values)))
+
+
+def _of_bearable_count(axis: _AnyAxis) -> _AnyAxis:
+    if (axis.count or 0) > MOST_VALUES:
+        raise wrong(f"has {axis.count} values", f"give at most {MOST_VALUES}, or draw from a range")
+    return axis
+
+
+AxisSpec = Annotated[
+    Axis,
+    PlainValidator(read_axis),
+    PlainSerializer(axis_text, return_type=Any),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "string", "description": "0.1,1,10 or 0.1:10:20[:log] or 1..30"},
+                {"type": "array", "minItems": 1},
+                {"type": "number"},
+            ]
+        }
+    ),
+]
 
 Key = Annotated[str, StringConstraints(pattern=r"^[^.\s=]+(\.[^.\s=]+)*$", max_length=LONGEST_KEY)]
 

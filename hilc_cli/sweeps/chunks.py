@@ -1,30 +1,17 @@
-"""Cases that one worker computes in one go, and a store that keeps in memory what comes of them."""
+"""Cases that are computed in one go, and stores that keep what comes of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
-from typing import Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.lanes.batch import BatchResult
-from hilc_cli.engine.lanes.lanes import LANES
-from hilc_cli.engine.lanes.packs import knows
-from hilc_cli.engine.many import simulate_many
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import CASE_COLUMNS, METRIC_NAMES
+from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.varied import CANNOT_BE_MADE
-from hilc_cli.variation.axes import Value
-
-_PACKS_AT_ONCE = 16
-"""The most packs of experiments that run together: enough to group them, few enough for little
-memory and for a worker that soon hears of a signal."""
-
-_SAMPLES_AT_ONCE = 1_000_000
-"""The most samples of the trajectories of experiments that run together: each may have its own."""
+from hilc_cli.variation import Value
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -62,6 +49,13 @@ class Failure:
     chunk: Chunk
     reason: str
 
+    def __str__(self) -> str:
+        return f"{self.chunk} failed: {self.reason}"
+
+    def to_data(self) -> dict[str, object]:
+        """Returns the same as plain data for a JSON document."""
+        return {"first": self.chunk.first, "last": self.chunk.last - 1, "reason": self.reason}
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChunkResult:
@@ -83,148 +77,79 @@ class ChunkResult:
     failures: tuple[Failure, ...] = ()
 
 
-def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None) -> ChunkResult:
-    """Computes the cases of a chunk.
+class Store(ABC):
+    """Keeps what is known of the cases of a range.
 
-    Args:
-        plan: The sweep.
-        chunk: Which of its cases.
-        go_on: Called now and then; may raise to stop.
+    Attributes:
+        cases: The cases.
     """
-    rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)
-    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.bands else None
-    failures: list[Failure] = []
-    samples = plan.varied.scenario.spec.trajectory.reference().samples
-    packs = max(1, min(_PACKS_AT_ONCE, _SAMPLES_AT_ONCE // (LANES * samples)))
-    at_once = LANES * packs if plan.in_lanes else 1
-    for first in range(chunk.first, chunk.last, at_once):
-        go_on()
-        last = min(first + at_once, chunk.last)
-        experiments, failed = _experiments(plan, chunk.part(first, last))
-        failures += failed
-        if not experiments:
-            continue
-        try:
-            result = simulate_many(list(experiments.values()))
-        except Exception:
-            failures += _left_out(experiments)
-            if not experiments:
-                continue
-            result = simulate_many(list(experiments.values()))
-        numbers = np.array(list(experiments)) - chunk.first
-        iterations = np.array([experiment.iterations for experiment in experiments.values()])
-        rows[numbers] = _rows(result, iterations, plan.spec.tolerance)
-        if errors is not None:
-            errors[numbers, : result.errors.shape[1]] = _with_divergence(result, iterations)
-    return ChunkResult(chunk, rows, errors, tuple(failures))
 
+    def __init__(self, cases: Chunk) -> None:
+        self.cases = cases
+        self._done: dict[Chunk, tuple[Failure, ...]] = {}
 
-def _experiments(plan: Plan, chunk: Chunk) -> tuple[dict[int, Experiment], list[Failure]]:
-    """The experiments by case, and those that cannot be made of their values."""
-    experiments: dict[int, Experiment] = {}
-    failures = []
-    for case, values in enumerate(_values(plan, chunk), chunk.first):
-        try:
-            experiments[case] = plan.varied.experiment(values)
-        except CANNOT_BE_MADE as error:
-            failures.append(Failure(Chunk(case, case + 1), str(error)))
-    return experiments, failures
+    @abstractmethod
+    def keep(self, result: ChunkResult) -> None:
+        """Remembers the results of a chunk."""
 
+    @abstractmethod
+    def rows(self) -> Floats:
+        """All rows, shape (cases, columns)."""
 
-def _values(plan: Plan, chunk: Chunk) -> list[dict[str, Value]]:
-    """What each key is in the cases of a chunk."""
-    if chunk.values is None:
-        return plan.cases.values(chunk.first, chunk.last)
-    return [dict(zip(plan.axes, values, strict=True)) for values in chunk.values]
-
-
-def _left_out(experiments: dict[int, Experiment]) -> list[Failure]:
-    """Takes out those that cannot be run, whatever the reason: the others are to go on."""
-    failures = []
-    for case, experiment in list(experiments.items()):
-        try:
-            # In lanes what fails does so at the start; other laws may fail at any time.
-            simulate_many([replace(experiment, iterations=0) if knows(experiment) else experiment])
-        except Exception as error:
-            failures.append(Failure(Chunk(case, case + 1), f"{type(error).__name__}: {error}"))
-            del experiments[case]
-    return failures
-
-
-def _rows(result: BatchResult, iterations: Floats, tolerance: float | None) -> Floats:
-    """The columns of each case: metrics, iterations to the tolerance, peak, diverged."""
-    diverged = result.diverged_at >= 0
-    number = np.arange(result.errors.shape[1])
-    ran = number <= iterations[:, np.newaxis]
-    completed = ran & np.isfinite(result.errors)
-    peak = np.where(completed, result.errors, -np.inf).max(axis=1)
-    rows = np.full((len(diverged), len(CASE_COLUMNS)), np.nan)
-    rows[:, : len(METRIC_NAMES)] = result.final
-    if tolerance is not None:
-        # The first iteration from which on the error stays within the tolerance.
-        above = ran & ~(result.errors <= tolerance)
-        settled = np.where(above, number + 1, 0).max(axis=1)
-        rows[:, -3] = np.where((settled <= iterations) & ~diverged, settled, np.nan)
-    rows[:, -2] = np.where(np.isfinite(peak), peak, np.nan)
-    rows[:, -1] = diverged
-    return rows
-
-
-def _with_divergence(result: BatchResult, iterations: Floats) -> Floats:
-    number = np.arange(result.errors.shape[1])
-    at = np.where(result.diverged_at >= 0, result.diverged_at, iterations + 1)[:, np.newaxis]
-    lost = (number >= at) & (number <= iterations[:, np.newaxis])
-    errors: Floats = np.where(lost, np.inf, result.errors)
-    return errors
-
-
-class Store(Protocol):
-    """Keeps what is known of the cases of a range."""
-
-    cases: Chunk
+    @abstractmethod
+    def errors(self) -> Iterator[Floats]:
+        """The maximum errors of all cases, iteration by iteration."""
 
     def missing(self) -> list[Chunk]:
         """The cases of which nothing is known yet, in order."""
-        ...
-
-    def forget_others(self, cases: Chunk) -> None:
-        """Takes cases of a chunk for missing that are known with other values."""
-        ...
-
-    def keep(self, result: ChunkResult) -> None:
-        """Remembers the results of a chunk."""
-        ...
+        found = []
+        position = self.cases.first
+        for chunk in sorted(self._done):
+            if chunk.first > position:
+                found.append(Chunk(position, chunk.first))
+            position = max(position, chunk.last)
+        if position < self.cases.last:
+            found.append(Chunk(position, self.cases.last))
+        return found
 
     def failures(self) -> list[Failure]:
         """Cases that have failed, in order."""
-        ...
+        found = [failure for failures in self._done.values() for failure in failures]
+        return sorted(found, key=lambda failure: failure.chunk)
 
-    def rows(self) -> Floats:
-        """All rows, shape (cases, columns)."""
-        ...
+    def forget_failures(self) -> None:
+        """Takes chunks with failed cases for missing, so that they are tried again."""
+        self._done = {chunk: failed for chunk, failed in self._done.items() if not failed}
 
-    def errors(self) -> Iterator[Floats]:
-        """The maximum errors of all cases, iteration by iteration."""
-        ...
+    def forget_others(self, cases: Chunk) -> None:
+        """Takes what is kept of some cases for missing if it is not of these values."""
+
+        def fits(kept: Chunk) -> bool:
+            if kept.first >= cases.last or cases.first >= kept.last:
+                return True  # none of these
+            inside = cases.first <= kept.first and kept.last <= cases.last
+            return inside and kept.values == cases.part(kept.first, kept.last).values
+
+        self._done = {chunk: failed for chunk, failed in self._done.items() if fits(chunk)}
+
+    def _count(self, chunk: Chunk, failures: tuple[Failure, ...]) -> None:
+        """Takes a chunk for done; one that has been tried again is what the last try made it."""
+        failed = [old for old, reasons in self._done.items() if reasons]
+        for old in failed:
+            if old.first < chunk.last and chunk.first < old.last:
+                del self._done[old]
+        self._done.pop(chunk, None)  # what is kept now may be of other values
+        self._done[chunk] = failures
 
 
-class MemoryStore:
-    """Keeps results in memory."""
+class MemoryStore(Store):
+    """Keeps the results of all cases in memory."""
 
     def __init__(self, plan: Plan) -> None:
-        self.cases = Chunk(0, len(plan.cases))
+        super().__init__(Chunk(0, len(plan.cases)))
         self._rows = np.full((len(self.cases), len(CASE_COLUMNS)), np.nan)
         shape = (plan.most_iterations + 1, len(self.cases))
         self._errors = np.full(shape, np.nan) if plan.bands else None
-        self._done: list[Chunk] = []
-        self._failures: list[Failure] = []
-
-    def missing(self) -> list[Chunk]:
-        """The cases of which nothing is known yet, in order."""
-        return gaps(self.cases, self._done)
-
-    def forget_others(self, cases: Chunk) -> None:
-        """It has none: it begins empty."""
 
     def keep(self, result: ChunkResult) -> None:
         """Remembers the results of a chunk."""
@@ -232,12 +157,7 @@ class MemoryStore:
         self._rows[cases] = result.rows
         if self._errors is not None and result.errors is not None:
             self._errors[:, cases] = result.errors.T
-        self._done.append(result.chunk)
-        self._failures += result.failures
-
-    def failures(self) -> list[Failure]:
-        """Cases that have failed, in order."""
-        return sorted(self._failures, key=lambda failure: failure.chunk)
+        self._count(result.chunk, result.failures)
 
     def rows(self) -> Floats:
         """All rows, shape (cases, columns)."""
@@ -246,16 +166,3 @@ class MemoryStore:
     def errors(self) -> Iterator[Floats]:
         """The maximum errors of all cases, iteration by iteration."""
         yield from () if self._errors is None else self._errors
-
-
-def gaps(cases: Chunk, done: Iterable[Chunk]) -> list[Chunk]:
-    """What of the cases is in none of the chunks."""
-    found = []
-    position = cases.first
-    for chunk in sorted(done):
-        if chunk.first > position:
-            found.append(Chunk(position, chunk.first))
-        position = max(position, chunk.last)
-    if position < cases.last:
-        found.append(Chunk(position, cases.last))
-    return found

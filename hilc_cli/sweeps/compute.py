@@ -1,4 +1,4 @@
-"""Computes what is missing of a sweep, with the workers that are asked for."""
+"""Computes what is missing of a sweep: what each worker does, and how many cases at a time."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ from functools import partial
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.lanes.batch import is_compiled, simulate_batch
-from hilc_cli.engine.lanes.packs import Kind
+from hilc_cli.engine.lanes.batch import BatchResult, is_compiled, simulate_batch
+from hilc_cli.engine.lanes.lanes import LANES
+from hilc_cli.engine.lanes.packs import Kind, knows
+from hilc_cli.engine.many import simulate_many
 from hilc_cli.errors import HilcError, UsageError
-from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store, run_chunk
-from hilc_cli.sweeps.estimate import cases_per_chunk, seconds_per_case
-from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.varied import CANNOT_BE_MADE, TRAJECTORY
-from hilc_cli.workers.handing_out import TRIES, Alone, Crew, Outcome, available_cores, hand_out
-from hilc_cli.workers.processes import Processes
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.metrics import CASE_COLUMNS, METRIC_NAMES
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
+from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan
+from hilc_cli.variation import Cases, Value
+from hilc_cli.workers.crews import TRIES, Alone, Crew, Processes, available_cores, hand_out
 
 _ALONE = 0.5
 """Seconds of work that this process does sooner than worker processes start."""
@@ -30,6 +31,23 @@ _ADDRESS = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9A-Fa-f:.]+\]):([0-9]{1,5}
 _LAST_PORT = 65535
 _LOOKED_AT, _MOST_VALUES = 16, 500
 """The most cases, and values of a key, that are looked at for code that must be compiled."""
+
+# Orders of magnitude, on one core of a machine of 2023 [s]; docs/performance.md has measured ones.
+_PER_SAMPLE = 4e-9
+_PER_DISTURBED_SAMPLE = 2e-8
+_PER_LOOPED_SAMPLE = 1.5e-6
+_PER_CASE = 1e-4
+
+_CHUNK = 1.0  # [s]
+_MOST_CASES = 4096
+_TRIAL_CASES = 1000
+
+_PACKS_AT_ONCE = 16
+"""The most packs of experiments that run together: enough to group them, few enough for little
+memory and for a worker that soon hears of a signal."""
+
+_SAMPLES_AT_ONCE = 1_000_000
+"""The most samples of the trajectories of experiments that run together: each may have its own."""
 
 
 class FailedCasesError(HilcError):
@@ -137,26 +155,15 @@ def compute_chunks(
     for outcome in hand_out(chunks, crew, how.go_on):
         if outcome.error is not None:  # in this process: no chunk's, but a fault of the program
             raise outcome.error
-        result = outcome.result or _given_up(plan, outcome)
+        result = outcome.result
+        if result is None:  # all its cases have failed
+            reason = outcome.reason if outcome.is_final else f"{outcome.reason}, {TRIES} times"
+            result = _nothing_known(plan, outcome.piece, Failure(outcome.piece, reason))
         store.keep(result)
         done += len(outcome.piece)
         if result.failures and how.fail_fast:
-            raise FailedCasesError(failure_text(result.failures[0]))
+            raise FailedCasesError(str(result.failures[0]))
         how.on_cases(done)
-
-
-def failure_text(failure: Failure) -> str:
-    """A failure as a message tells it."""
-    return f"{failure.chunk} failed: {failure.reason}"
-
-
-def _given_up(plan: Plan, outcome: Outcome[Chunk, ChunkResult]) -> ChunkResult:
-    """The result of a chunk of which nothing is known: all its cases have failed."""
-    chunk = outcome.piece
-    reason = outcome.reason if outcome.is_final else f"{outcome.reason}, {TRIES} times"
-    rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)
-    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.bands else None
-    return ChunkResult(chunk, rows, errors, (Failure(chunk, reason),))
 
 
 def crew_for(plan: Plan, cases: int, how: Execution) -> Crew[Chunk, ChunkResult]:
@@ -190,13 +197,158 @@ def _some_experiments(plan: Plan) -> list[Experiment]:
     last = len(cases) - 1
     numbers = sorted({last * number // (_LOOKED_AT - 1) for number in range(_LOOKED_AT)})
     looked_at = [values for case in numbers for values in cases.values(case, case + 1)]
-    for key, axis in plan.axes.items():
-        count = axis.count if cases.sampling == "grid" and not key.startswith(TRAJECTORY) else None
-        for index in range(min(count or 0, _MOST_VALUES)):
-            looked_at.append({**looked_at[0], key: axis.at(index)})
+    if cases.sampling == "grid":
+        for key, ladder in zip(plan.axes, cases.ladders, strict=True):
+            if not key.startswith(TRAJECTORY):
+                looked_at += [{**looked_at[0], key: value} for value in ladder[:_MOST_VALUES]]
     found: dict[tuple[object, ...], Experiment] = {}
     for values in looked_at:
         with suppress(*CANNOT_BE_MADE):  # told when the case is computed
-            experiment = plan.varied.experiment(values)
+            experiment = plan.experiment(values)
             found.setdefault(Kind.of(experiment), experiment)
     return list(found.values())
+
+
+def samples_per_case(plan: Plan) -> float:
+    """Samples of all iterations of a case, on average; of many cases estimated from some."""
+    keys = [key for key in plan.axes if key == "iterations" or key.split(".")[0] == TRAJECTORY]
+    cases = plan.cases
+    if cases.sampling == "grid":
+        # The other keys only repeat the combinations of these.
+        cases = Cases({key: plan.axes[key] for key in keys})
+    counts = []
+    for case in cases.values(0, min(len(cases), _TRIAL_CASES)) if keys else [{}]:
+        with suppress(HilcError):
+            spec = plan.case({key: case[key] for key in keys}).spec
+            counts.append((spec.iterations + 1) * spec.trajectory.reference().samples)
+    return float(np.mean(counts)) if counts else 0.0
+
+
+def seconds_per_case(plan: Plan) -> float:
+    """Seconds that a case takes on one core, roughly."""
+    disturbance = plan.scenario.spec.disturbance
+    disturbed = any(source.bounded().active for source in (disturbance.state, disturbance.output))
+    varied = any(key.startswith(("disturbance.state", "disturbance.output")) for key in plan.axes)
+    per_sample = _PER_DISTURBED_SAMPLE if disturbed or varied else _PER_SAMPLE
+    if not plan.in_lanes:
+        per_sample = _PER_LOOPED_SAMPLE
+    return _PER_CASE + per_sample * samples_per_case(plan)
+
+
+def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
+    """How many cases make about a second of work, and keep all workers busy to the end.
+
+    Args:
+        plan: The sweep.
+        cases: How many there are to compute.
+        workers: How many compute them.
+
+    Returns:
+        A multiple of the number of lanes, so that none is empty, if cases run in lanes.
+    """
+    fair = cases / (4 * workers)
+    pack = LANES if plan.in_lanes else 1
+    packs = min(_CHUNK / seconds_per_case(plan), fair, _MOST_CASES) / pack
+    return max(1, int(packs)) * pack
+
+
+def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None) -> ChunkResult:
+    """Computes the cases of a chunk.
+
+    Args:
+        plan: The sweep.
+        chunk: Which of its cases.
+        go_on: Called now and then; may raise to stop.
+    """
+    found = _nothing_known(plan, chunk)
+    failures: list[Failure] = []
+    samples = plan.scenario.spec.trajectory.reference().samples
+    packs = max(1, min(_PACKS_AT_ONCE, _SAMPLES_AT_ONCE // (LANES * samples)))
+    at_once = LANES * packs if plan.in_lanes else 1
+    for first in range(chunk.first, chunk.last, at_once):
+        go_on()
+        last = min(first + at_once, chunk.last)
+        experiments, failed = _experiments(plan, chunk.part(first, last))
+        failures += failed
+        if not experiments:
+            continue
+        try:
+            result = simulate_many(list(experiments.values()))
+        except Exception:
+            failures += _left_out(experiments)
+            if not experiments:
+                continue
+            result = simulate_many(list(experiments.values()))
+        numbers = np.array(list(experiments)) - chunk.first
+        iterations = np.array([experiment.iterations for experiment in experiments.values()])
+        found.rows[numbers] = _rows(result, iterations, plan.spec.tolerance)
+        if found.errors is not None:
+            errors = _with_divergence(result, iterations)
+            found.errors[numbers, : errors.shape[1]] = errors
+    return replace(found, failures=tuple(failures))
+
+
+def _experiments(plan: Plan, chunk: Chunk) -> tuple[dict[int, Experiment], list[Failure]]:
+    """The experiments by case, and those that cannot be made of their values."""
+    experiments: dict[int, Experiment] = {}
+    failures = []
+    for case, values in enumerate(_values(plan, chunk), chunk.first):
+        try:
+            experiments[case] = plan.experiment(values)
+        except CANNOT_BE_MADE as error:
+            failures.append(Failure(Chunk(case, case + 1), str(error)))
+    return experiments, failures
+
+
+def _values(plan: Plan, chunk: Chunk) -> list[dict[str, Value]]:
+    """What each key is in the cases of a chunk."""
+    if chunk.values is None:
+        return plan.cases.values(chunk.first, chunk.last)
+    return [dict(zip(plan.axes, values, strict=True)) for values in chunk.values]
+
+
+def _left_out(experiments: dict[int, Experiment]) -> list[Failure]:
+    """Takes out those that cannot be run, whatever the reason: the others are to go on."""
+    failures = []
+    for case, experiment in list(experiments.items()):
+        try:
+            # In lanes what fails does so at the start; other laws may fail at any time.
+            simulate_many([replace(experiment, iterations=0) if knows(experiment) else experiment])
+        except Exception as error:
+            failures.append(Failure(Chunk(case, case + 1), f"{type(error).__name__}: {error}"))
+            del experiments[case]
+    return failures
+
+
+def _rows(result: BatchResult, iterations: Floats, tolerance: float | None) -> Floats:
+    """The columns of each case: metrics, iterations to the tolerance, peak, diverged."""
+    diverged = result.diverged_at >= 0
+    number = np.arange(result.errors.shape[1])
+    ran = number <= iterations[:, np.newaxis]
+    completed = ran & np.isfinite(result.errors)
+    peak = np.where(completed, result.errors, -np.inf).max(axis=1)
+    rows = np.full((len(diverged), len(CASE_COLUMNS)), np.nan)
+    rows[:, : len(METRIC_NAMES)] = result.final
+    if tolerance is not None:
+        # The first iteration from which on the error stays within the tolerance.
+        above = ran & ~(result.errors <= tolerance)
+        settled = np.where(above, number + 1, 0).max(axis=1)
+        rows[:, -3] = np.where((settled <= iterations) & ~diverged, settled, np.nan)
+    rows[:, -2] = np.where(np.isfinite(peak), peak, np.nan)
+    rows[:, -1] = diverged
+    return rows
+
+
+def _with_divergence(result: BatchResult, iterations: Floats) -> Floats:
+    number = np.arange(result.errors.shape[1])
+    at = np.where(result.diverged_at >= 0, result.diverged_at, iterations + 1)[:, np.newaxis]
+    lost = (number >= at) & (number <= iterations[:, np.newaxis])
+    errors: Floats = np.where(lost, np.inf, result.errors)
+    return errors
+
+
+def _nothing_known(plan: Plan, chunk: Chunk, *failures: Failure) -> ChunkResult:
+    """Results without any number, to be filled in, or of cases that have failed."""
+    rows = np.full((len(chunk), len(CASE_COLUMNS)), np.nan)
+    errors = np.full((len(chunk), plan.most_iterations + 1), np.nan) if plan.bands else None
+    return ChunkResult(chunk, rows, errors, failures)

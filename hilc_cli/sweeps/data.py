@@ -1,4 +1,4 @@
-"""What is known of each case of a sweep and of all together, and how that is made of a store."""
+"""What is known of each case of a sweep and of all together: values, metrics, bands, summary."""
 
 from __future__ import annotations
 
@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from hilc_cli.names import in_short, listed, named
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED
-from hilc_cli.variation.axes import Axis, Value, is_value
-from hilc_cli.variation.cases import Cases, ListedCases
+from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE
+from hilc_cli.variation import Axis, Cases, ListedCases, Value, is_value
 
 BEST = "best.yaml"
 """The scenario of the best case, in the folder of a sweep that was a search."""
@@ -228,3 +227,99 @@ def _quantile(ordered: Floats, fraction: float) -> float:
     if part == 0 or math.isinf(low):
         return low
     return low + part * (float(ordered[below + 1]) - low)
+
+
+_SAME = 1e-6
+"""Relative difference of a metric below which two values look the same in a table."""
+
+
+@dataclass(frozen=True, slots=True)
+class BestCase:
+    """A case, by what it is and how well it did.
+
+    Attributes:
+        case: Its number.
+        values: What each varied key is in it.
+        metric: What it is ranked by.
+    """
+
+    case: int
+    values: dict[str, Value]
+    metric: float
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class SweepSummary:
+    """How a sweep went.
+
+    Attributes:
+        name: The scenario's name.
+        cases: Number of cases.
+        diverged: Of which so many left the finite numbers.
+        failed: And so many could not be simulated.
+        metric: What the cases are ranked by.
+        ranked: So many cases have it: they completed, and reached what it counts to.
+        tied: So many of these share its smallest value, to the digits that are shown.
+        median: Its median over these; None if there are none.
+        worst: Its largest value over these.
+        tolerance: Bound of the maximum error [m], if one was given.
+        within_tolerance: Cases that settled within it, if one was given.
+        best: The best cases, best first.
+    """
+
+    name: str
+    cases: int
+    diverged: int
+    failed: int
+    metric: str
+    ranked: int
+    tied: int
+    median: float | None
+    worst: float | None
+    tolerance: float | None
+    within_tolerance: int | None
+    best: list[BestCase]
+
+    def __repr__(self) -> str:
+        counts = f"{self.cases} cases, {self.diverged} diverged, {self.failed} failed"
+        lines = [f"{self.metric} = {best.metric:.6g} in case {best.case}" for best in self.best[:1]]
+        return in_short(f"Summary of {self.name!r}: {counts}", *lines)
+
+
+def summarise_sweep(data: SweepData, best: int = 5) -> SweepSummary:
+    """The few figures that tell how a sweep went.
+
+    Args:
+        data: The results.
+        best: How many of the best cases to name.
+    """
+    order = data.ranked()
+    column = data.columns[data.metric]
+    within = int(np.isfinite(data.columns[ITERATIONS_TO_TOLERANCE]).sum())
+    return SweepSummary(
+        name=data.name,
+        cases=len(data),
+        diverged=int(data.diverged.sum()),
+        failed=int(data.failed.sum()),
+        metric=data.metric,
+        ranked=len(order),
+        tied=len(tied(data)),
+        median=float(np.median(column[order])) if order else None,
+        worst=float(column[order[-1]]) if order else None,
+        tolerance=data.tolerance,
+        within_tolerance=None if data.tolerance is None else within,
+        best=[BestCase(case, data.case(case), float(column[case])) for case in order[:best]],
+    )
+
+
+def tied(data: SweepData) -> NDArray[np.int64]:
+    """Numbers of the cases that share the smallest metric, in order; none if none has it.
+
+    Values count as the same if they are so to six digits, which is what tables show.
+    """
+    column = np.where(data.diverged, np.nan, data.columns[data.metric])
+    column[np.isinf(column)] = np.nan
+    if np.isnan(column).all():
+        return np.empty(0, dtype=np.int64)
+    smallest = np.nanmin(column)
+    return np.flatnonzero(column <= smallest + _SAME * abs(smallest))

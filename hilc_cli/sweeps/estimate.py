@@ -1,4 +1,4 @@
-"""How much work the cases of a sweep are: how many make a chunk, and what all will cost."""
+"""What the cases of a sweep will cost: time, memory and disk."""
 
 from __future__ import annotations
 
@@ -7,71 +7,13 @@ import time
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.engine.many import simulate_many
-from hilc_cli.errors import HilcError
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sampler import batches
-from hilc_cli.sweeps.varied import CANNOT_BE_MADE, TRAJECTORY
-from hilc_cli.variation.cases import Cases
-
-# Orders of magnitude, on one core of a machine of 2023 [s]; docs/performance.md has measured ones.
-_PER_SAMPLE = 4e-9
-_PER_DISTURBED_SAMPLE = 2e-8
-_PER_LOOPED_SAMPLE = 1.5e-6
-_PER_CASE = 1e-4
-
-_CHUNK = 1.0  # [s]
-_MOST_CASES = 4096
-_TRIAL_CASES = 1000
-
-
-def samples_per_case(plan: Plan) -> float:
-    """Samples of all iterations of a case, on average; of many cases estimated from some."""
-    keys = [key for key in plan.axes if key == "iterations" or key.split(".")[0] == TRAJECTORY]
-    cases = plan.cases
-    if cases.sampling == "grid":
-        # The other keys only repeat the combinations of these.
-        cases = Cases({key: plan.axes[key] for key in keys})
-    counts = []
-    for case in cases.values(0, min(len(cases), _TRIAL_CASES)) if keys else [{}]:
-        with suppress(HilcError):
-            spec = plan.varied.case({key: case[key] for key in keys}).spec
-            counts.append((spec.iterations + 1) * spec.trajectory.reference().samples)
-    return float(np.mean(counts)) if counts else 0.0
-
-
-def seconds_per_case(plan: Plan) -> float:
-    """Seconds that a case takes on one core, roughly."""
-    disturbance = plan.varied.scenario.spec.disturbance
-    disturbed = any(source.bounded().active for source in (disturbance.state, disturbance.output))
-    varied = any(key.startswith(("disturbance.state", "disturbance.output")) for key in plan.axes)
-    per_sample = _PER_DISTURBED_SAMPLE if disturbed or varied else _PER_SAMPLE
-    if not plan.in_lanes:
-        per_sample = _PER_LOOPED_SAMPLE
-    return _PER_CASE + per_sample * samples_per_case(plan)
-
-
-def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
-    """How many cases make about a second of work, and keep all workers busy to the end.
-
-    Args:
-        plan: The sweep.
-        cases: How many there are to compute.
-        workers: How many compute them.
-
-    Returns:
-        A multiple of the number of lanes, so that none is empty, if cases run in lanes.
-    """
-    fair = cases / (4 * workers)
-    pack = LANES if plan.in_lanes else 1
-    packs = min(_CHUNK / seconds_per_case(plan), fair, _MOST_CASES) / pack
-    return max(1, int(packs)) * pack
-
+from hilc_cli.sweeps.compute import cases_per_chunk, samples_per_case
+from hilc_cli.sweeps.plan import CANNOT_BE_MADE, Plan
+from hilc_cli.sweeps.search import batches
 
 _BASE_MEMORY = 250e6  # [bytes] Python with its libraries, pictures included
 _BYTES_PER_VALUE = 8
@@ -141,7 +83,7 @@ def _seconds_per_sample(plan: Plan) -> float:
     made: list[Experiment] = []
     for case in plan.cases.values(0, min(LANES, len(plan.cases))):
         with suppress(*CANNOT_BE_MADE):
-            made.append(plan.varied.experiment(case))
+            made.append(plan.experiment(case))
     if not made:
         return 0.0
     side_by_side = LANES if plan.in_lanes else 1

@@ -1,28 +1,62 @@
-"""What a sweep is to compute, in full: any worker can do its part of it."""
+"""What a sweep is to compute, in full: any worker can do its part of it.
+
+A value is validated like one in a file before anything runs, which takes about a millisecond. A
+case of a sweep then only puts validated values in their place, which takes some microseconds.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel, ValidationError
+
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.names import in_short, listed
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
-from hilc_cli.scenario.axis import axis_text
 from hilc_cli.scenario.experiment import Scenario
-from hilc_cli.scenario.sweep_section import SweepSpec
+from hilc_cli.scenario.scenario import ScenarioSpec
+from hilc_cli.scenario.sweep_section import SweepSpec, axis_text
+from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.data import SEED_KEY
-from hilc_cli.sweeps.varied import TRAJECTORY, WITHOUT_EFFECT, Varied, root
-from hilc_cli.variation.axes import Axis, axis_to_data
-from hilc_cli.variation.cases import Cases
+from hilc_cli.variation import Axis, Cases, Value, axis_to_data
 from hilc_cli.version import __version__
+from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, Place, Source, from_data, to_data
+from hilc_cli.yaml_input.problems import problems_of
+from hilc_cli.yaml_input.reading import apply_override
 from hilc_cli.yaml_input.tree import to_yaml
+
+TRAJECTORY = "trajectory"
+WITHOUT_EFFECT = (
+    "name",
+    "description",
+    "record",
+    "sweep",
+    "robot.gravity_center",
+    "robot.friction",
+    "trajectory.name",
+    "trajectory.description",
+    "trajectory.closed",
+    "trajectory.corners",
+)
+"""Keys on which the results of a case do not depend."""
+
+CANNOT_BE_MADE = (HilcError, ValueError, ArithmeticError)
+"""What making the experiment of a case raises if its values do not fit together."""
+_MOST_SAMPLES = 1_000_000
+"""The most samples of all trajectories that are kept for the cases to come."""
+
+_KeyTree = dict[str | int, Any]
+"""A tree of keys: for each part the whole key, or what lies below it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,12 +64,19 @@ class Plan:
     """A sweep, every value validated.
 
     Attributes:
-        varied: The scenario and the keys that vary.
-        spec: How cases are made of the keys, and what is wanted of them.
+        scenario: With the values that are not varied.
+        spec: What each key takes, whole numbers and units resolved, how cases are made of the
+            keys, and what is wanted of them.
+        trajectories: Of axis ``trajectory``, by name.
     """
 
-    varied: Varied
+    scenario: Scenario
     spec: SweepSpec
+    trajectories: Mapping[str, TrajectorySpec] = field(default_factory=dict)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What a worker needs; what is kept for later cases is left behind."""
+        return type(self), (self.scenario, self.spec, self.trajectories)
 
     def __repr__(self) -> str:
         what = "search" if self.searches else "sweep"
@@ -45,17 +86,17 @@ class Plan:
     @property
     def name(self) -> str:
         """The scenario's name."""
-        return self.varied.scenario.name
+        return self.scenario.name
 
     @property
     def axes(self) -> Mapping[str, Axis]:
         """Values by key."""
-        return self.varied.axes
+        return self.spec.vary
 
     @property
     def in_lanes(self) -> bool:
         """Whether the batch engine does it; if not, cases run one by one and take longer."""
-        spec = self.varied.scenario.spec
+        spec = self.scenario.spec
         return spec.controller.in_lanes and spec.robot.in_lanes and not DISABLED
 
     @cached_property
@@ -74,7 +115,7 @@ class Plan:
         """The largest number of iterations of any case."""
         axis = self.axes.get("iterations")
         if axis is None:
-            return self.varied.scenario.spec.iterations
+            return self.scenario.spec.iterations
         return max(int(end) for end in axis.ends if end is not None)
 
     @property
@@ -82,9 +123,80 @@ class Plan:
         """Whether each case follows from the results of those before it."""
         return self.spec.minimise is not None
 
+    def case(self, values: Mapping[str, Value]) -> Scenario:
+        """The scenario with these values.
+
+        Raises:
+            InvalidInputError: They do not fit together.
+        """
+        spec = self.scenario.spec
+        of_path = {key: value for key, value in values.items() if root(key) == TRAJECTORY}
+        if of_path:
+            spec = spec.model_copy(update={TRAJECTORY: self._trajectory(of_path)})
+        spec = _with_values(spec, self._tree, values)
+        given = None if "initial_input" in values else self.scenario.initial_input
+        return replace(self.scenario, spec=spec, initial_input=given)
+
+    def experiment(self, values: Mapping[str, Value]) -> Experiment:
+        """The experiment with these values.
+
+        Raises:
+            InvalidInputError: They do not fit together.
+            ValueError: An entry of the gain matrix is not finite.
+        """
+        scenario = self.case(values)
+        reference, given = scenario.spec.trajectory.reference(), scenario.initial_input
+        samples = reference.samples
+        for at, problem, remedy in scenario.spec.controller.misfits_on(reference):
+            path = ".".join(map(str, ("controller", *at)))
+            raise InvalidInputError([Problem("", path, f"{problem}; {remedy}")])
+        if given is not None and len(given[0]) != samples:
+            message = f"has {len(given[0])} samples, but the trajectory has {samples}"
+            raise InvalidInputError([Problem("", "initial_input", message)])
+        return scenario.experiment()
+
+    def _trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:
+        given = tuple(values.values())
+        if given not in self._paths:
+            kept = sum(path.reference().samples for path in self._paths.values())
+            if kept > _MOST_SAMPLES:
+                self._paths.clear()
+            self._paths[given] = self._new_trajectory(values)
+        return self._paths[given]
+
+    def _new_trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:
+        spec = self.scenario.spec
+        name = values.get(TRAJECTORY)
+        if name is not None:
+            spec = spec.model_copy(update={TRAJECTORY: self.trajectories[str(name)]})
+        changes = [(key, value) for key, value in values.items() if key != TRAJECTORY]
+        if not changes:
+            return spec.trajectory
+        place = Place(Source("the trajectory", Path(), has_lines=False))
+        return validated(spec, [(key, value, place) for key, value in changes]).trajectory
+
+    @cached_property
+    def _tree(self) -> _KeyTree:
+        """The keys outside the trajectory as a tree: what they share is then gone through once."""
+        tree: _KeyTree = {}
+        for key in (key for key in self.axes if root(key) != TRAJECTORY):
+            branch = tree
+            *above, last = parts(key)
+            for part in above:
+                below = branch.setdefault(part, {})
+                assert isinstance(below, dict)  # no key leads into the value of another one
+                branch = below
+            branch[last] = key
+        return tree
+
+    @cached_property
+    def _paths(self) -> dict[tuple[Value, ...], TrajectorySpec]:
+        """Trajectories of cases by what they are made of, kept for the cases to come."""
+        return {}
+
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        scenario, fullest = self.varied.scenario, self._fullest()
+        scenario, fullest = self.scenario, self._fullest()
         # Of a law that does not learn it is warned if there is nothing to see in any case.
         found = (scenario if scenario.spec.controller.learns else fullest).warnings()
         if SEED_KEY in self.axes and not fullest.spec.disturbance.active:
@@ -93,7 +205,7 @@ class Plan:
             found.append(
                 "disturbance.seed varies: the search will find lucky disturbances, not good values"
             )
-        return found + hidden_by_initial_error(self.varied, self.spec)
+        return found + _hidden_by_initial_error(self)
 
     def _fullest(self) -> Scenario:
         """The scenario with the most iterations and the largest disturbances of any case."""
@@ -102,7 +214,7 @@ class Plan:
             for key, axis in self.axes.items()
             if key == "iterations" or (key.startswith("disturbance.") and ".bound." in key)
         }
-        return self.varied.case(largest)
+        return self.case(largest)
 
     def resolved(self) -> dict[str, Any]:
         """The scenario with its sweep and its files as plain data.
@@ -110,15 +222,15 @@ class Plan:
         Values that follow from others, such as the model's from the robot's, are not filled in:
         they vary with those.
         """
-        data = self.varied.scenario.inlined()
+        data = self.scenario.inlined()
         # A search has no sampling, and ranks by what it minimises.
         without = {"vary", "sample", "metric"} if self.searches else {"vary"}
         sweep = self.spec.model_dump(mode="json", exclude=without, exclude_none=True)
         sweep["vary"] = {key: axis_text(axis) for key, axis in self.axes.items()}
-        if self.varied.trajectories:
+        if self.trajectories:
             sweep["vary"][TRAJECTORY] = [
                 path.model_dump(mode="json", exclude_none=True)
-                for path in self.varied.trajectories.values()
+                for path in self.trajectories.values()
             ]
         return {**data, "sweep": sweep}
 
@@ -137,7 +249,7 @@ class Plan:
             part.pop(last, None)
         # In order: which values a case has depends on it.
         data["axes"] = [[key, axis_to_data(axis)] for key, axis in self.axes.items()]
-        data["paths"] = [path.model_dump(mode="json") for path in self.varied.trajectories.values()]
+        data["paths"] = [path.model_dump(mode="json") for path in self.trajectories.values()]
         data["bands"], data["tolerance"] = self.bands, self.spec.tolerance
         if self.searches:
             data["searched"] = [self.spec.minimise, self.spec.cases, self.spec.seed]
@@ -145,9 +257,23 @@ class Plan:
         elif self.spec.sample != "grid":
             data["drawn"] = [self.spec.sample, self.spec.cases, self.spec.seed]
         digest = hashlib.sha256(f"{__version__}\n{json.dumps(data, sort_keys=True)}".encode())
-        for wheel in self.varied.scenario.initial_input or ():
+        for wheel in self.scenario.initial_input or ():
             digest.update(wheel.tobytes())
         return digest.hexdigest()
+
+
+def _with_values(part: Any, tree: _KeyTree, values: Mapping[str, Value]) -> Any:
+    """The part with validated values in their places, all else as it was."""
+    changes: dict[Any, Any] = {}
+    for at, below in tree.items():
+        if isinstance(below, str):
+            if below in values:
+                changes[at] = values[below]
+        else:
+            changes[at] = _with_values(value_at(part, (at,)), below, values)
+    if isinstance(part, BaseModel):
+        return part.model_copy(update=changes)
+    return tuple(changes.get(index, old) for index, old in enumerate(part))
 
 
 _START = ("initial_pose", TRAJECTORY)
@@ -155,23 +281,23 @@ _BOUND = "disturbance.initial_pose"
 _NONE = 1e-9  # [m]; less is rounding
 
 
-def least_initial_error(varied: Varied) -> float:
+def least_initial_error(plan: Plan) -> float:
     """What the position error of the first sample is at least, in all iterations of all cases.
 
     Returns:
         Distance of the initial pose from the trajectory's start, less what its disturbance may
         take away [m]; 0 if cases may start from different poses.
     """
-    if any(root(key) in _START or key.startswith(_BOUND) for key in varied.axes):
+    if any(root(key) in _START or key.startswith(_BOUND) for key in plan.axes):
         return 0.0
-    spec = varied.scenario.spec
+    spec = plan.scenario.spec
     offset, bound = spec.initial_error[:2], spec.disturbance.initial_pose.bound[:2]
     return math.hypot(*(max(0.0, abs(o) - b) for o, b in zip(offset, bound, strict=True)))
 
 
-def hidden_by_initial_error(varied: Varied, spec: SweepSpec) -> list[str]:
+def _hidden_by_initial_error(plan: Plan) -> list[str]:
     """Warnings of a metric or a tolerance that the initial error alone decides."""
-    least = least_initial_error(varied)
+    least, spec = least_initial_error(plan), plan.spec
     if least <= _NONE:
         return []
     option = "--metric" if spec.minimise is None else "--minimise"
@@ -188,3 +314,67 @@ def hidden_by_initial_error(varied: Varied, spec: SweepSpec) -> list[str]:
             f"good it is; {option} {MAX_ERROR_SECOND_HALF} tells cases apart"
         )
     return found
+
+
+Change = tuple[str, Value, Place]
+"""A key, its value, and where that stands."""
+
+
+def validated(spec: ScenarioSpec, changes: Sequence[Change]) -> ScenarioSpec:
+    """The scenario with values put in.
+
+    What no change leads into is not validated again: to build a long path takes its time.
+
+    Raises:
+        InvalidInputError: They are not valid there; names every problem.
+    """
+    changed = {root(key) for key, _, _ in changes} | {"controller"}  # whose law looks at the others
+    kept = {key: part for key, part in spec if isinstance(part, BaseModel) and key not in changed}
+    return scenario_of(with_changes(spec, changes), kept)
+
+
+def with_changes(spec: ScenarioSpec, changes: Sequence[Change]) -> MapNode:
+    """The scenario as a tree, with values put in."""
+    place = changes[0][2] if changes else Place(Source("", Path(), has_lines=False))
+    tree: Node = from_data(spec.model_dump(mode="json", exclude_none=True), place)
+    assert isinstance(tree, MapNode)  # of a model
+    for key, value, where in changes:
+        tree = apply_override(
+            tree, tuple(key.split(".")), from_data(value, where), lambda same: same
+        )
+    return tree
+
+
+def scenario_of(tree: MapNode, kept: Mapping[str, BaseModel] | None = None) -> ScenarioSpec:
+    """The scenario of a tree, if it is valid.
+
+    Args:
+        tree: The scenario.
+        kept: Parts that are valid already, in the place of those in the tree.
+
+    Raises:
+        InvalidInputError: It is not; names every problem.
+    """
+    data = to_data(tree)
+    assert isinstance(data, dict)  # of a mapping
+    try:
+        return ScenarioSpec.model_validate({**data, **(kept or {})})
+    except ValidationError as error:
+        raise InvalidInputError(problems_of(error, tree, ScenarioSpec)) from None
+
+
+def root(key: str) -> str:
+    """The first part of a dotted key."""
+    return key.partition(".")[0]
+
+
+def parts(key: str) -> PathKeys:
+    """The parts of a dotted key; numbers are places in a list."""
+    return tuple(int(part) if part.isdecimal() else part for part in key.split("."))
+
+
+def value_at(part: Any, keys: PathKeys) -> Any:
+    """What stands at a path in a valid scenario."""
+    for key in keys:
+        part = getattr(part, str(key)) if isinstance(part, BaseModel) else part[key]
+    return part

@@ -14,25 +14,25 @@ from pydantic import ValidationError
 
 from hilc_cli.errors import MOST_PROBLEMS, InvalidInputError, Problem, UsageError
 from hilc_cli.results.tables import value_text
-from hilc_cli.scenario.axis import read_axis, shown_axis
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
+from hilc_cli.scenario.loading import ScenarioSource, as_scenario
 from hilc_cli.scenario.scenario import RecordSpec, ScenarioSpec
-from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec
+from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec, read_axis, shown_axis
 from hilc_cli.scenario.trajectory import TrajectorySpec
-from hilc_cli.sweeps.varied import (
+from hilc_cli.sweeps.plan import (
     TRAJECTORY,
     WITHOUT_EFFECT,
     Change,
-    Varied,
-    as_scenario,
+    Plan,
     parts,
     root,
+    scenario_of,
     validated,
     value_at,
     with_changes,
 )
-from hilc_cli.variation.axes import Axis, Choices, Range, Value
-from hilc_cli.variation.cases import Cases
+from hilc_cli.sweeps.search import require_optuna
+from hilc_cli.variation import Axis, Choices, Range, Value
 from hilc_cli.yaml_input.nodes import (
     MapNode,
     Node,
@@ -49,9 +49,181 @@ from hilc_cli.yaml_input.reading import Inputs, parts_of_key
 
 _LAW = "controller.law"
 _MOST_CORNERS = 64
+_MOST_TRIED = 10_000
+"""Cases of a search: the time that it takes to think of the next one grows with their number."""
+_REPLACES = {"minimise": ("sample", "metric"), "sample": ("minimise",)}
+"""Keys of the section that make way for one that is given."""
 
 
-def vary(scenario: Scenario, axes: Mapping[str, Axis], places: Mapping[str, Place]) -> Varied:
+def plan_sweep(
+    scenario: ScenarioSource,
+    vary: Mapping[str, object] | Sequence[str] = (),
+    *,
+    sample: str | None = None,
+    cases: int | None = None,
+    seed: int | None = None,
+    tolerance: float | str | None = None,
+    bands: bool | None = None,
+    metric: str | None = None,
+    minimise: str | None = None,
+) -> Plan:
+    """Validates a sweep; what is not given is as the scenario's section ``sweep`` says.
+
+    Args:
+        scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
+        vary: Values by dotted key: a list, or a text such as ``0.1:10:20:log``; or texts
+            ``KEY=VALUES`` as on the command line. They replace those of the same key in the
+            scenario, and are added to the others.
+        sample: grid (default), random or sobol.
+        cases: How many points random and sobol draw, or a search tries.
+        seed: Of the drawing, or of the search.
+        tolerance: Maximum error for iterations_to_tolerance [m].
+        bands: Whether to keep quantiles of the error, iteration by iteration.
+        metric: By which the cases are ranked and drawn.
+        minimise: Search the ranges for the case in which this metric is smallest.
+
+    Raises:
+        InvalidInputError: A key or value is not valid; names every problem.
+        UsageError: Nothing is varied, or the package for a search is not installed.
+    """
+    options = {
+        "sample": sample,
+        "cases": cases,
+        "seed": seed,
+        "tolerance": tolerance,
+        "bands": bands,
+        "metric": metric,
+        "minimise": minimise,
+    }
+    loaded = as_scenario(scenario)
+    tree = _tree(
+        loaded, _nodes(vary), {k: value for k, value in options.items() if value is not None}
+    )
+    # Which samples a run records has no effect on a sweep, and is not to limit its iterations.
+    spec = loaded.spec.model_copy(update={"record": RecordSpec(), "sweep": None})
+    base = replace(loaded, spec=spec)
+    try:
+        asked = CompleteSweepSpec.model_validate(to_data(tree))
+    except ValidationError as error:
+        problems = [_told(problem) for problem in problems_of(error, tree, SweepSpec)]
+        unread = {details["loc"] for details in error.errors()}
+        raise InvalidInputError([*problems, *_others(base, tree, unread)]) from None
+    if not asked.vary:
+        raise UsageError(
+            "nothing is varied; give --vary KEY=VALUES, such as --vary controller.gains.l1=0:1:11, "
+            "or a section 'sweep:' in the scenario"
+        )
+    axes, trajectories = _checked(base, asked.vary, _places(tree))
+    changes = {"vary": axes, "metric": asked.minimise or asked.metric}
+    plan = Plan(base, asked.model_copy(update=changes), trajectories)
+    _check_size(plan)
+    if plan.searches:
+        require_optuna()
+    return plan
+
+
+def _told(problem: Problem) -> Problem:
+    """The problem by the key that its author has written: in the file it is below ``sweep``."""
+    if problem.where.startswith(("--", "vary ")):
+        return replace(problem, path=problem.path.removeprefix("vary."))
+    return replace(problem, path=f"sweep.{problem.path}")
+
+
+def _check_size(plan: Plan) -> None:
+    if plan.searches and len(plan.cases) > _MOST_TRIED:
+        raise UsageError(
+            f"the search has {len(plan.cases):,} cases, of which at most {_MOST_TRIED:,} can be "
+            "tried; give fewer, or draw them with --sample and --cases"
+        )
+    # More cases than there may be are too many for `len`.
+    cases = math.prod(plan.cases.shape) if plan.cases.sampling == "grid" else 0
+    if cases > MOST_CASES:
+        raise UsageError(
+            f"the grid has {cases:,} cases, of which at most {MOST_CASES:,} can be run; "
+            "give fewer values, or draw some with --sample and --cases"
+        )
+
+
+def _others(scenario: Scenario, tree: MapNode, unread: Collection[PathKeys]) -> list[Problem]:
+    """What is wrong with the values of keys that can be read, beside those that cannot."""
+    axes = {}
+    for key, node in _axis_nodes(tree).items():
+        with suppress(ValueError):
+            if ("vary", key) not in unread:
+                axes[key] = read_axis(to_data(node))
+    try:
+        _checked(scenario, axes, _places(tree))
+    except InvalidInputError as error:
+        return list(error.problems)
+    return []
+
+
+def _axis_nodes(tree: MapNode) -> Mapping[str, Node]:
+    keys = tree.entries["vary"]
+    assert isinstance(keys, MapNode)  # made so below
+    return keys.entries
+
+
+def _places(tree: MapNode) -> dict[str, Place]:
+    return {key: node.place for key, node in _axis_nodes(tree).items()}
+
+
+def _tree(
+    scenario: Scenario, variations: Mapping[str, Node], given: Mapping[str, object]
+) -> MapNode:
+    """Both together as the tree of one section."""
+    own: dict[str, Any] = {}
+    section = scenario.spec.sweep
+    if section is not None:
+        replaced = [key for chosen, keys in _REPLACES.items() if chosen in given for key in keys]
+        if given.get("sample") == "grid":
+            replaced.append("cases")  # it belongs to the sampling that has been replaced
+        # What the section leaves out is not there to contradict what is given.
+        written = [key for key in SweepSpec.model_fields if key in section.model_fields_set]
+        own = {key: getattr(section, key) for key in written if key not in replaced}
+    here = _place("the scenario's sweep")
+    axes: dict[str, Node] = {
+        # The values have been read before: they stand in for their text.
+        key: Scalar(scenario.sweep_places.get(("vary", key), here), axis, shown_axis(axis))
+        for key, axis in own.pop("vary", {}).items()
+    }
+    axes.update(variations)
+    nodes: dict[str, Node] = {"vary": MapNode(here, axes, {k: n.place for k, n in axes.items()})}
+    for key, value in own.items():
+        nodes[key] = from_data(value, scenario.sweep_places.get(("sweep", key), here))
+    for key, value in given.items():
+        nodes[key] = from_data(value, _place(f"--{key} {value}"))
+    return MapNode(here, nodes, {key: node.place for key, node in nodes.items()})
+
+
+def _nodes(variations: Mapping[str, object] | Sequence[str]) -> dict[str, Node]:
+    if isinstance(variations, Mapping):
+        for key in variations:
+            parts_of_key(key, "vary")
+        return {key: from_data(value, _place(f"vary {key}")) for key, value in variations.items()}
+    nodes: dict[str, Node] = {}
+    problems = []
+    for text in [variations] if isinstance(variations, str) else variations:
+        key, equals, values = text.partition("=")
+        key, place = key.strip(), _place(f"--vary {text}")
+        if not all(parts_of_key(key, "--vary")) or not equals or not values.strip():
+            message = "must read KEY=VALUES, such as controller.gains.l1=0:1:11"
+            problems.append(Problem(str(place), "", message))
+        elif key in nodes:
+            problems.append(Problem(str(place), key, "is varied more than once; give it once"))
+        nodes[key] = Scalar(place, values.strip(), values.strip())
+    if problems:
+        raise InvalidInputError(problems)
+    return nodes
+
+
+def _place(label: str) -> Place:
+    return Place(Source(label, Path(), has_lines=False))
+
+
+def _checked(
+    scenario: Scenario, axes: Mapping[str, Axis], places: Mapping[str, Place]
+) -> tuple[dict[str, Axis], dict[str, TrajectorySpec]]:
     """Checks the values that a sweep puts into a scenario.
 
     Every value of a list and both ends of a range are validated beside the first values of the
@@ -63,19 +235,19 @@ def vary(scenario: Scenario, axes: Mapping[str, Axis], places: Mapping[str, Plac
         axes: Values by dotted key.
         places: Where the values of each key stand, for messages and relative paths.
 
+    Returns:
+        The values with whole numbers and units resolved, and the trajectories among them by name.
+
     Raises:
         InvalidInputError: A key is unknown, or a value not valid.
     """
-    # Which samples a run records has no effect on a sweep, and is not to limit its iterations.
-    spec = scenario.spec.model_copy(update={"record": RecordSpec(), "sweep": None})
-    base = replace(scenario, spec=spec)
-    given = None if "initial_input" in axes or base.initial_input is None else base.initial_input[0]
-    checked = _Checked(spec, places, None if given is None else len(given))
+    given = None if "initial_input" in axes else scenario.initial_input
+    checked = _Checked(scenario.spec, places, None if given is None else len(given[0]))
     checked.add_all(axes)
     checked.corners()
     if checked.problems:
         raise InvalidInputError(dict.fromkeys(checked.problems))
-    return Varied(base, {key: checked.axes[key] for key in axes}, checked.trajectories)
+    return {key: checked.axes[key] for key in axes}, checked.trajectories
 
 
 class _Checked:
@@ -212,7 +384,7 @@ class _Checked:
                     message = "must be a list of trajectory files; give their paths"
                     raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])
                 tree = inputs.with_trajectory(with_changes(self.spec, [(TRAJECTORY, value, place)]))
-                path = as_scenario(tree).trajectory
+                path = scenario_of(tree).trajectory
                 if path.name in self.trajectories:
                     message = f"has two trajectories named {path.name}; give them different names"
                     raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])
@@ -228,149 +400,3 @@ class _Checked:
 def _written_ends(axis: Axis) -> Sequence[Value]:
     """First and last value, or all words, as their author wrote them."""
     return axis.ends if isinstance(axis, Choices) else axis.written or axis.ends
-
-
-Variations = Mapping[str, object] | Sequence[str]
-
-_MOST_TRIED = 10_000
-"""Cases of a search: the time that it takes to think of the next one grows with their number."""
-_REPLACES = {"minimise": ("sample", "metric"), "sample": ("minimise",)}
-"""Keys of the section that make way for one that is given."""
-
-
-def plan_of(
-    scenario: Scenario, variations: Variations = (), options: Mapping[str, object] | None = None
-) -> tuple[Varied, SweepSpec]:
-    """What is varied and how, with every value validated.
-
-    Args:
-        scenario: May have a section ``sweep`` of its own.
-        variations: Values by dotted key, or texts ``KEY=VALUES`` as on the command line; they
-            replace those of the same key in the scenario, and are added to the others.
-        options: Other keys of the section ``sweep``; None stands for what the scenario says.
-
-    Raises:
-        InvalidInputError: A value is not valid; names every problem.
-        UsageError: Nothing is varied.
-    """
-    given = {key: value for key, value in (options or {}).items() if value is not None}
-    tree = _tree(scenario, _nodes(variations), given)
-    try:
-        spec = CompleteSweepSpec.model_validate(to_data(tree))
-    except ValidationError as error:
-        problems = [_told(problem) for problem in problems_of(error, tree, SweepSpec)]
-        unread = {details["loc"] for details in error.errors()}
-        raise InvalidInputError([*problems, *_others(scenario, tree, unread)]) from None
-    if not spec.vary:
-        raise UsageError(
-            "nothing is varied; give --vary KEY=VALUES, such as --vary controller.gains.l1=0:1:11, "
-            "or a section 'sweep:' in the scenario"
-        )
-    varied = vary(scenario, spec.vary, _places(tree))
-    if spec.minimise is not None:
-        _check_budget(spec.cases or 0)
-        return varied, spec.model_copy(update={"metric": spec.minimise})
-    if spec.sample == "grid":
-        _check_size(Cases(varied.axes))
-    return varied, spec
-
-
-def _told(problem: Problem) -> Problem:
-    """The problem by the key that its author has written: in the file it is below ``sweep``."""
-    if problem.where.startswith(("--", "vary ")):
-        return replace(problem, path=problem.path.removeprefix("vary."))
-    return replace(problem, path=f"sweep.{problem.path}")
-
-
-def _check_size(grid: Cases) -> None:
-    cases = math.prod(grid.shape)
-    if cases > MOST_CASES:
-        raise UsageError(
-            f"the grid has {cases:,} cases, of which at most {MOST_CASES:,} can be run; "
-            "give fewer values, or draw some with --sample and --cases"
-        )
-
-
-def _check_budget(cases: int) -> None:
-    if cases > _MOST_TRIED:
-        raise UsageError(
-            f"the search has {cases:,} cases, of which at most {_MOST_TRIED:,} can be tried; "
-            "give fewer, or draw them with --sample and --cases"
-        )
-
-
-def _others(scenario: Scenario, tree: MapNode, unread: Collection[PathKeys]) -> list[Problem]:
-    """What is wrong with the values of keys that can be read, beside those that cannot."""
-    axes = {}
-    for key, node in _axis_nodes(tree).items():
-        with suppress(ValueError):
-            if ("vary", key) not in unread:
-                axes[key] = read_axis(to_data(node))
-    try:
-        vary(scenario, axes, _places(tree))
-    except InvalidInputError as error:
-        return list(error.problems)
-    return []
-
-
-def _axis_nodes(tree: MapNode) -> Mapping[str, Node]:
-    keys = tree.entries["vary"]
-    assert isinstance(keys, MapNode)  # made so below
-    return keys.entries
-
-
-def _places(tree: MapNode) -> dict[str, Place]:
-    return {key: node.place for key, node in _axis_nodes(tree).items()}
-
-
-def _tree(
-    scenario: Scenario, variations: Mapping[str, Node], given: Mapping[str, object]
-) -> MapNode:
-    """Both together as the tree of one section."""
-    own: dict[str, Any] = {}
-    section = scenario.spec.sweep
-    if section is not None:
-        replaced = [key for chosen, keys in _REPLACES.items() if chosen in given for key in keys]
-        if given.get("sample") == "grid":
-            replaced.append("cases")  # it belongs to the sampling that has been replaced
-        # What the section leaves out is not there to contradict what is given.
-        written = [key for key in SweepSpec.model_fields if key in section.model_fields_set]
-        own = {key: getattr(section, key) for key in written if key not in replaced}
-    here = _place("the scenario's sweep")
-    axes: dict[str, Node] = {
-        # The values have been read before: they stand in for their text.
-        key: Scalar(scenario.sweep_places.get(("vary", key), here), axis, shown_axis(axis))
-        for key, axis in own.pop("vary", {}).items()
-    }
-    axes.update(variations)
-    nodes: dict[str, Node] = {"vary": MapNode(here, axes, {k: n.place for k, n in axes.items()})}
-    for key, value in own.items():
-        nodes[key] = from_data(value, scenario.sweep_places.get(("sweep", key), here))
-    for key, value in given.items():
-        nodes[key] = from_data(value, _place(f"--{key} {value}"))
-    return MapNode(here, nodes, {key: node.place for key, node in nodes.items()})
-
-
-def _nodes(variations: Variations) -> dict[str, Node]:
-    if isinstance(variations, Mapping):
-        for key in variations:
-            parts_of_key(key, "vary")
-        return {key: from_data(value, _place(f"vary {key}")) for key, value in variations.items()}
-    nodes: dict[str, Node] = {}
-    problems = []
-    for text in [variations] if isinstance(variations, str) else variations:
-        key, equals, values = text.partition("=")
-        key, place = key.strip(), _place(f"--vary {text}")
-        if not all(parts_of_key(key, "--vary")) or not equals or not values.strip():
-            message = "must read KEY=VALUES, such as controller.gains.l1=0:1:11"
-            problems.append(Problem(str(place), "", message))
-        elif key in nodes:
-            problems.append(Problem(str(place), key, "is varied more than once; give it once"))
-        nodes[key] = Scalar(place, values.strip(), values.strip())
-    if problems:
-        raise InvalidInputError(problems)
-    return nodes
-
-
-def _place(label: str) -> Place:
-    return Place(Source(label, Path(), has_lines=False))

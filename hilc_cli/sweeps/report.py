@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import typer
 
 from hilc_cli.errors import printable
@@ -20,17 +21,17 @@ from hilc_cli.reporting.terminal import (
     say,
     two_columns,
 )
-from hilc_cli.sweeps.data import BEST
-from hilc_cli.sweeps.summary import found_better, summarise_sweep, sweep_notes
+from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
+from hilc_cli.sweeps.data import BEST, summarise_sweep, tied
+from hilc_cli.variation import Range
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from hilc_cli.sweeps.chunks import Failure
-    from hilc_cli.sweeps.data import OwnValues, SweepData
+    from hilc_cli.sweeps.data import BestCase, OwnValues, SweepData, SweepSummary
     from hilc_cli.sweeps.estimate import Estimate
     from hilc_cli.sweeps.plan import Plan
-    from hilc_cli.sweeps.summary import BestCase, SweepSummary
     from hilc_cli.sweeps.sweeping import Sweep
 
 
@@ -122,14 +123,9 @@ class SweepReport:
         for warning in plan.warnings():
             self.say(f"warning: {warning}")
 
-    def progress(
-        self, plan: Plan, part: tuple[int, int] | None = None
-    ) -> AbstractContextManager[Callable[[int], None]]:
-        """Shows a progress bar over the cases."""
-        from hilc_cli.sweeps.shards import shard_cases
-
-        total = len(plan.cases) if part is None else len(shard_cases(len(plan.cases), *part))
-        return progress(plan.name, total, quiet=self.quiet)
+    def progress(self, plan: Plan, cases: int) -> AbstractContextManager[Callable[[int], None]]:
+        """Shows a progress bar over so many cases."""
+        return progress(plan.name, cases, quiet=self.quiet)
 
     def estimate(self, plan: Plan, estimate: Estimate) -> None:
         """Tells what a sweep would cost."""
@@ -171,7 +167,7 @@ class SweepReport:
         Raises:
             typer.Exit: It was a search that has found nothing.
         """
-        from hilc_cli.sweeps.folders import read_sweep
+        from hilc_cli.sweeps.sweep_folder import read_sweep
 
         self.say(f"nothing to resume: {folder} is complete")
         data = read_sweep(folder)
@@ -181,7 +177,11 @@ class SweepReport:
     def _summary(self, data: SweepData, failures: Sequence[Failure], folder: Path) -> None:
         summary, as_it_is = summarise_sweep(data), data.as_it_is
         if self.json:
-            document = {"folder": str(folder), **asdict(summary), "failures": _json(failures)}
+            document = {
+                "folder": str(folder),
+                **asdict(summary),
+                "failures": [failure.to_data() for failure in failures],
+            }
             if as_it_is is not None:
                 document["search"] = search_document(summary, as_it_is, folder)
             print_json(document)
@@ -207,7 +207,11 @@ class SweepReport:
         number, shards = part
         if self.json:
             print_json(
-                {"folder": str(folder), "shard": [number, shards], "failures": _json(failures)}
+                {
+                    "folder": str(folder),
+                    "shard": [number, shards],
+                    "failures": [failure.to_data() for failure in failures],
+                }
             )
         elif not self.quiet:
             print_text(f"Shard {number} of {shards} of {plan.name} is in {folder}")
@@ -215,7 +219,7 @@ class SweepReport:
 
     def _failures(self, failures: Sequence[Failure], again: str) -> None:
         for failure in failures[:_MOST_FAILURES]:
-            say(f"{failure.chunk} failed: {failure.reason}")
+            say(str(failure))
         if len(failures) > _MOST_FAILURES:
             say(f"... and {len(failures) - _MOST_FAILURES} more")
         if failures:
@@ -246,12 +250,6 @@ def _rows(summary: SweepSummary) -> list[tuple[str, str]]:
     return rows
 
 
-def _json(failures: Sequence[Failure]) -> list[dict[str, object]]:
-    return [
-        {"first": f.chunk.first, "last": f.chunk.last - 1, "reason": f.reason} for f in failures
-    ]
-
-
 def _duration(seconds: float) -> str:
     if seconds < 100:
         return f"{seconds:.2g} s"
@@ -266,3 +264,63 @@ def _workers(count: int) -> str:
 
 def _size(size: float) -> str:
     return f"{size / 1e6:.0f} MB" if size < 1e9 else f"{size / 1e9:.1f} GB"
+
+
+_HIDING = (MAX_ERROR, PEAK, ITERATIONS_TO_TOLERANCE)
+"""Metrics that an initial error may decide alone."""
+_NEAR = 0.01  # of the range
+
+
+def sweep_notes(data: SweepData, summary: SweepSummary) -> list[str]:
+    """Ties for the best case; and of a search how good its best case is."""
+    best = summary.best[0].case if summary.best else None
+    notes = [] if best is None or summary.tied < 2 else [_tie(data, best)]
+    if data.as_it_is is None:
+        return notes
+    if best is None:
+        return [f"no case has a value of {data.metric}, so there is no {BEST}"]
+    if not found_better(data):
+        return [*notes, "no case is better than the scenario as it is"]
+    # Of several best cases it says nothing where one of them lies.
+    return notes or _at_ends(data, best)
+
+
+def found_better(data: SweepData) -> bool:
+    """Whether the best case of a search is better than the scenario as it is."""
+    best = next(iter(data.ranked()), None)
+    if best is None or data.as_it_is is None:
+        return False
+    # What has no metric is no better than anything.
+    return not data.columns[data.metric][best] >= data.as_it_is.metric
+
+
+def _tie(data: SweepData, best: int) -> str:
+    """Says that there are several best cases, and what would tell them apart."""
+    cases = tied(data)
+    value = f"{data.columns[data.metric][best]:.6g}"
+    where = "" if data.as_it_is is None else f", and the one in {BEST}"
+    note = f"{len(cases):,} of {len(data):,} cases share the best {data.metric}, {value}; "
+    note += f"case {best} is only one of them{where}"
+    later = data.columns[MAX_ERROR_SECOND_HALF][cases]
+    if data.metric in _HIDING and not np.allclose(later, later[0], rtol=0.01, equal_nan=True):
+        option = "--metric" if data.as_it_is is None else "--minimise"
+        note += f": {option} {MAX_ERROR_SECOND_HALF} tells them apart"
+    return note
+
+
+def _at_ends(data: SweepData, best: int) -> list[str]:
+    values = data.case(best)
+    return [
+        f"{key} of the best case is at the end of its range: a wider one may hold a better value"
+        for key, axis in data.axes.items()
+        if isinstance(axis, Range) and _is_at_end(axis, values[key])
+    ]
+
+
+def _is_at_end(axis: Range, value: object) -> bool:
+    """Whether a value is hardly farther from an end of the range than a search can tell."""
+    assert isinstance(value, int | float)  # of a range
+    low, number, high = axis.low, float(value), axis.high
+    if axis.spacing == "log":
+        low, number, high = math.log(low), math.log(number), math.log(high)
+    return min(number - low, high - number) < _NEAR * (high - low)

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack, closing
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 
 from hilc_cli.errors import MissingFileError, UsageError
-from hilc_cli.files import read_file
+from hilc_cli.files import folder_to_read, read_file
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO
+from hilc_cli.results.manifest import COMPILED_WITH, origin
 from hilc_cli.results.reading import damaged
 from hilc_cli.results.tables import read_stored_input
 from hilc_cli.sweeps.chunks import Chunk, Failure
+from hilc_cli.sweeps.compute import Execution, compute
+from hilc_cli.sweeps.data import collect
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.store import FolderStore
-from hilc_cli.sweeps.work_folder import WORK_FOLDER
+from hilc_cli.sweeps.store import WORK_FOLDER, FolderStore
+from hilc_cli.sweeps.sweeping import DEFAULT, Sweep, as_fields, opened_store
 
 _MOST_SCENARIO_BYTES = 1_000_000_000  # a million values of a key are in it
 
@@ -54,44 +59,98 @@ def check_shardable(plan: Plan) -> None:
         )
 
 
-class Merged:
-    """The stores of all shards of a sweep as one.
-
-    Attributes:
-        header: What they say of the sweep.
-        cases: The cases of the sweep.
-    """
-
-    def __init__(self, stores: Sequence[FolderStore]) -> None:
-        self._stores = sorted(stores, key=lambda store: store.cases)
-        self.header = stores[0].header
-        try:
-            self.cases = self.header.of_all
-        except ValueError as error:
-            raise damaged(stores[0].folder / WORK_FOLDER.manifest, f"axes: {error}") from None
-
-    def rows(self) -> Floats:
-        """All rows, shape (cases, columns)."""
-        return np.concatenate([store.rows() for store in self._stores])
-
-    def errors(self) -> Iterator[Floats]:
-        """The maximum errors of all cases, iteration by iteration."""
-        for parts in zip(*(store.errors() for store in self._stores), strict=True):
-            yield np.concatenate(parts)
-
-    def failures(self) -> list[Failure]:
-        """Cases that have failed, in order."""
-        return [failure for store in self._stores for failure in store.failures()]
-
-
-def merge(stores: Sequence[FolderStore]) -> Merged:
-    """The shards of a sweep as one.
+def sweep_shard(
+    plan: Plan,
+    shard: tuple[int, int],
+    folder: str | Path,
+    how: Execution = DEFAULT,
+    *,
+    resume: bool = False,
+    force: bool = False,
+) -> list[Failure]:
+    """Runs one of several parts of a sweep, for `merge_shards`.
 
     Args:
-        stores: Of all shards, in any order.
+        plan: From `plan_sweep`, the same for all parts.
+        shard: ``(K, N)``: the K-th of N parts, counted from 1.
+        folder: Where its results stay.
+        how: As for `sweep`.
+        resume: As for `sweep`.
+        force: As for `sweep`.
+
+    Returns:
+        The cases that have failed.
 
     Raises:
-        UsageError: They are not all the shards of one sweep, or one is not finished.
+        UsageError: There is no such part.
+        HilcError: As for `sweep`.
+    """
+    check_shardable(plan)
+    cases = shard_cases(len(plan.cases), *shard)
+    name = f"{shard[0]}/{shard[1]}"
+    with opened_store(plan, folder, cases, name, resume=resume, force=force) as store:
+        compute(plan, store, how)
+        return store.failures()
+
+
+def merge_shards(
+    folders: Sequence[str | Path], *, go_on: Callable[[], None] = lambda: None
+) -> Sweep:
+    """The results of a sweep from those of its shards.
+
+    Args:
+        folders: Of all shards, in any order.
+        go_on: Called now and then; may raise to stop.
+
+    Raises:
+        UsageError: They are not all the shards of one sweep, or not finished.
+        HilcError: One cannot be read.
+    """
+    started = datetime.now(UTC)
+    places = [folder_to_read(Path(folder)) for folder in folders]
+    twice = next(
+        (folder for folder, n in zip(folders, places, strict=True) if places.count(n) > 1), None
+    )
+    if twice is not None:
+        raise UsageError(f"{twice}: is given more than once; give each shard once")
+    with ExitStack() as stack:
+        stores = [
+            stack.enter_context(closing(FolderStore(Path(folder), read_only=True)))
+            for folder in folders
+        ]
+        _check_whole(stores)
+        header = stores[0].header
+        try:
+            cases = header.of_all
+        except ValueError as error:
+            raise damaged(stores[0].folder / WORK_FOLDER.manifest, f"axes: {error}") from None
+        stores.sort(key=lambda store: store.cases)
+        errors = zip(*(store.errors() for store in stores), strict=True)
+        data = collect(
+            header.name,
+            cases,
+            np.concatenate([store.rows() for store in stores]),
+            map(np.concatenate, errors) if header.bands else None,
+            header.tolerance_m,
+            header.metric,
+            go_on,
+        )
+        initial_input = _read_initial_input(Path(folders[0]))
+        return Sweep(
+            **as_fields(data),
+            failures=tuple(failure for store in stores for failure in store.failures()),
+            checksum=header.checksum,
+            scenario_yaml=_read_scenario(Path(folders[0])),
+            initial_input=initial_input,
+            how={**origin(started, COMPILED_WITH), "shards": len(stores)},
+        )
+
+
+def _check_whole(stores: Sequence[FolderStore]) -> None:
+    """Makes sure that some stores are all the shards of a sweep, and finished.
+
+    Raises:
+        UsageError: They are not.
     """
     first = stores[0]
     position = 0
@@ -115,10 +174,9 @@ def merge(stores: Sequence[FolderStore]) -> Merged:
     if position < first.header.cases:
         missing = Chunk(position, first.header.cases)
         raise UsageError(f"no shard holds {missing}; give all shards of the sweep")
-    return Merged(stores)
 
 
-def read_scenario(folder: Path) -> str:
+def _read_scenario(folder: Path) -> str:
     """The resolved scenario of a shard, with its sweep, as text.
 
     Raises:
@@ -130,7 +188,7 @@ def read_scenario(folder: Path) -> str:
         raise damaged(folder / SCENARIO, "it is no UTF-8 text") from None
 
 
-def read_initial_input(folder: Path) -> tuple[float, Floats, Floats] | None:
+def _read_initial_input(folder: Path) -> tuple[float, Floats, Floats] | None:
     """Sample time, left and right wheel speeds of a shard's input file, if it has one."""
     try:
         return read_stored_input(folder / INITIAL_INPUT)

@@ -1,42 +1,152 @@
-"""The results of a sweep while it is under way, in a folder that survives a crash."""
+"""The work folder of a sweep: its results while it is under way, so that they survive a crash."""
 
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import closing, suppress
 from pathlib import Path
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
-from hilc_cli.errors import ExistingResultsError, FileAccessError, UsageError
+from hilc_cli.errors import ExistingResultsError, FileAccessError, HilcError, UsageError
 from hilc_cli.files import open_to_read, open_to_write, sync, writing
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.results.reading import damaged
+from hilc_cli.results.reading import Document, Length, Name, check_columns, damaged
 from hilc_cli.results.tables import write_input
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, gaps
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
+from hilc_cli.sweeps.journal import Entry, Journal
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.tables import check_case_numbers
-from hilc_cli.sweeps.work_folder import (
-    ERRORS,
-    JOURNAL,
-    ROWS,
-    WORK_FOLDER,
-    Entry,
-    Header,
-    locked_journal,
-    read_header,
-    remove,
-)
-from hilc_cli.variation.axes import axis_to_data
+from hilc_cli.sweeps.sweep_folder import CASE_NUMBERS, Axes, CaseMetric
+from hilc_cli.variation import Cases, axis_to_data
+from hilc_cli.yaml_input.quantities import MOST_CASES
 
 _COLUMNS = len(CASE_COLUMNS)
+JOURNAL = "journal"
+ROWS = "results.bin"
+ERRORS = "errors.bin"
+
+WORK_FOLDER = ResultFolder(
+    what="sweep in progress",
+    kind="hilc sweep in progress",
+    other="another sweep",
+    files=frozenset({JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT}),
+    manifest="plan.json",
+)
 
 
-class FolderStore:
+CaseNumber = Annotated[int, Field(ge=0, le=MOST_CASES)]
+
+
+class Header(Document):
+    """What the folder of a sweep under way says of it: the manifest."""
+
+    kind: str
+    name: Name
+    checksum: str
+    first: CaseNumber
+    last: CaseNumber
+    shard: str | None
+    iterations: Annotated[int, Field(ge=0, le=10_000_000)]
+    bands: bool
+    axes: Axes
+    sample: Literal["grid", "random", "sobol"]
+    cases: CaseNumber
+    seed: Annotated[int, Field(ge=0, lt=2**64)]
+    tolerance_m: Length | None
+    metric: CaseMetric
+    minimise: CaseMetric | None
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if not self.first < self.last <= self.cases:
+            raise ValueError("its cases are none of the sweep")
+        return self
+
+    @property
+    def of_all(self) -> Cases:
+        """All cases of the sweep.
+
+        Raises:
+            ValueError: The axes make others.
+        """
+        cases = Cases(self.axes, self.sample, self.cases, self.seed)
+        if len(cases) != self.cases:
+            raise ValueError("its axes do not fit")
+        return cases
+
+
+def _is_empty(folder: Path) -> bool:
+    """Whether a folder is there with nothing in it, as one is whose removal was cut short."""
+    return not folder.is_symlink() and folder.is_dir() and not any(folder.iterdir())
+
+
+def _remove(folder: Path) -> None:
+    """Removes a folder of a sweep in progress, but nothing that somebody else has put there."""
+    # Without its journal the folder holds no results, without its header it is nobody's:
+    # at whatever moment this is stopped, it can be resumed or replaced.
+    for name in (JOURNAL, *sorted(WORK_FOLDER.files - {JOURNAL}), WORK_FOLDER.manifest):
+        with writing(folder / name):
+            (folder / name).unlink(missing_ok=True)
+    with writing(folder):
+        if not any(folder.iterdir()):
+            folder.rmdir()
+
+
+def _locked_journal(folder: Path, header: Mapping[str, Any], *, read_only: bool = False) -> Journal:
+    """The journal, with which nobody else can have the folder open, unless all only read it.
+
+    Args:
+        folder: The folder.
+        header: What it says of the sweep in it.
+        read_only: Whether nothing is to be written.
+
+    Raises:
+        ExistingResultsError: Somebody has, or has replaced it since its header was read.
+        UsageError: The folder or the journal is a link, or none of the kind.
+        FileAccessError: It cannot be read or written.
+    """
+    if folder.is_symlink() and not read_only:
+        raise UsageError(
+            f"{folder}: is a link, and nothing is written through links; name what it leads to"
+        )
+    journal = Journal(folder / JOURNAL, read_only=read_only)
+    try:
+        lock = fcntl.LOCK_SH if read_only else fcntl.LOCK_EX
+        fcntl.flock(journal.descriptor, lock | fcntl.LOCK_NB)
+        here = os.path.samestat(os.fstat(journal.descriptor), (folder / JOURNAL).stat())
+        free = here and WORK_FOLDER.look(folder) == header
+    except OSError:
+        free = False
+    if not free:
+        journal.close()
+        raise ExistingResultsError(
+            f"{folder}: another program is at work on this sweep; wait until it has ended"
+        )
+    return journal
+
+
+def work_folder(folder: str | Path) -> Path:
+    """Where the command keeps the results of a sweep that is to be written to a folder."""
+    return Path(folder).with_name(f"{Path(folder).name}.part")
+
+
+def is_resumable(folder: str | Path) -> bool:
+    """Whether a folder holds an unfinished sweep, or a shard, that can be read."""
+    try:
+        return WORK_FOLDER.is_at(folder)
+    except HilcError:
+        return False
+
+
+class FolderStore(Store):
     """Keeps results in a folder: numbers in binary files, and a journal of what is in them.
 
     Results are on the disk before the journal says so. Only one program at a time may have a
@@ -61,15 +171,14 @@ class FolderStore:
             FileAccessError: It cannot be read or written.
         """
         self.folder = folder
-        seen = read_header(folder)
+        seen = WORK_FOLDER.look(folder)
         if not seen:
             raise UsageError(f"{folder}: is no folder of a sweep in progress, and no shard")
         self.header = WORK_FOLDER.read(folder, Header)
-        self.cases = Chunk(self.header.first, self.header.last)
+        super().__init__(Chunk(self.header.first, self.header.last))
         self._iterations, self._bands = self.header.iterations, self.header.bands
-        self._journal = locked_journal(folder, seen, read_only=read_only)
+        self._journal = _locked_journal(folder, seen, read_only=read_only)
         self._files: dict[str, int] = {}
-        self._done: dict[Chunk, tuple[Failure, ...]] = {}
         opened = open_to_read if read_only else open_to_write
         try:
             for name in (ROWS, ERRORS) if self._bands else (ROWS,):
@@ -116,7 +225,7 @@ class FolderStore:
 
         def fill(draft: Path) -> None:
             (draft / SCENARIO).write_text(plan.resolved_yaml(), encoding="utf-8")
-            scenario = plan.varied.scenario
+            scenario = plan.scenario
             if scenario.initial_input is not None:
                 sample_time = scenario.spec.trajectory.sample_time
                 write_input(draft / INITIAL_INPUT, sample_time, *scenario.initial_input)
@@ -129,25 +238,6 @@ class FolderStore:
         # again, and of two that start at once only one has its header there.
         WORK_FOLDER.write(folder, fill, lambda: header, check)
         return cls(folder)
-
-    def missing(self) -> list[Chunk]:
-        """The cases of which nothing is known yet, in order."""
-        return gaps(self.cases, self._done)
-
-    def forget_failures(self) -> None:
-        """Takes chunks with failed cases for missing, so that they are tried again."""
-        self._done = {chunk: failed for chunk, failed in self._done.items() if not failed}
-
-    def forget_others(self, cases: Chunk) -> None:
-        """Takes what is kept of some cases for missing if it is not of these values."""
-
-        def fits(kept: Chunk) -> bool:
-            if kept.first >= cases.last or cases.first >= kept.last:
-                return True  # none of these
-            inside = cases.first <= kept.first and kept.last <= cases.last
-            return inside and kept.values == cases.part(kept.first, kept.last).values
-
-        self._done = {chunk: failed for chunk, failed in self._done.items() if fits(chunk)}
 
     def keep(self, result: ChunkResult) -> None:
         """Puts the results of a chunk on the disk, then notes that they are there.
@@ -177,15 +267,10 @@ class FolderStore:
         )
         self._count(result.chunk, result.failures)
 
-    def failures(self) -> list[Failure]:
-        """Cases that have failed, in order."""
-        found = [failure for failures in self._done.values() for failure in failures]
-        return sorted(found, key=lambda failure: failure.chunk)
-
     def rows(self) -> Floats:
         """All rows, shape (cases, columns)."""
         rows = self._read(ROWS, 0, len(self.cases) * _COLUMNS).reshape(-1, _COLUMNS)
-        check_case_numbers(self.folder / ROWS, rows)
+        check_columns(self.folder / ROWS, CASE_NUMBERS, rows)
         return rows
 
     def errors(self) -> Iterator[Floats]:
@@ -204,7 +289,7 @@ class FolderStore:
         """
         # The journal decides: a signal may come between its line and what is noted of it here.
         if self._journal.is_empty():
-            remove(self.folder)
+            _remove(self.folder)
 
     def close(self) -> None:
         """Closes the folder, for others to open."""
@@ -244,15 +329,6 @@ class FolderStore:
             checksum = zlib.crc32(errors.tobytes(), checksum)
         return checksum
 
-    def _count(self, chunk: Chunk, failures: tuple[Failure, ...]) -> None:
-        """Takes a chunk for done; one that has been tried again is what the last try made it."""
-        failed = [old for old, reasons in self._done.items() if reasons]
-        for old in failed:
-            if old.first < chunk.last and chunk.first < old.last:
-                del self._done[old]
-        self._done.pop(chunk, None)  # what is kept now may be of other values
-        self._done[chunk] = failures
-
     def _write(self, name: str, numbers: Floats, offset: int) -> None:
         content = np.ascontiguousarray(numbers).data.cast("B")
         position = 8 * offset
@@ -275,3 +351,60 @@ class FolderStore:
         except OSError as error:
             raise FileAccessError(f"{self.folder / name}: cannot be read: {error}") from error
         return numbers
+
+
+def open_store(
+    folder: Path, plan: Plan, cases: Chunk, shard: str | None, *, resume: bool, force: bool
+) -> FolderStore:
+    """Opens the folder of a sweep under way, or makes it.
+
+    Args:
+        folder: The folder.
+        plan: The sweep.
+        cases: The cases that belong into it.
+        shard: ``K/N``, for a shard.
+        resume: Go on with what is there; cases that have failed are tried again.
+        force: Replace what is there of another sweep, or of this one if it is not resumed.
+
+    Raises:
+        ExistingResultsError: Something is there that may neither be resumed nor replaced.
+        FileAccessError: It cannot be read or written.
+    """
+    with writing(folder):
+        is_there = folder.is_symlink() or (folder.exists() and not _is_empty(folder))
+    if is_there:
+        header = WORK_FOLDER.look(folder)
+        if not header:
+            raise ExistingResultsError(
+                f"{folder}: exists and holds no sweep in progress, so it is left as it is; "
+                "choose another folder with --out"
+            )
+        same = header.get("checksum") == plan.checksum() and header.get("shard") == shard
+        if same and resume:
+            store = FolderStore(folder)
+            store.forget_failures()
+            return store
+        with closing(_locked_journal(folder, header)) as journal:
+            # One that was killed before it had any results is in nobody's way.
+            if not force and not journal.is_empty():
+                what = "this sweep" if same else "another sweep or version of hilc"
+                go_on = "go on with --resume, or " if same else ""
+                raise ExistingResultsError(
+                    f"{folder}: holds results of {what}; {go_on}start anew with --force"
+                )
+            _remove(folder)
+    return FolderStore.create(folder, plan, cases, shard)
+
+
+def discard_work(plan: Plan, folder: Path) -> None:
+    """Removes the work folder of a sweep; another program's, and what it works on, stay.
+
+    Raises:
+        FileAccessError: It cannot be removed.
+    """
+    header = WORK_FOLDER.look(folder)
+    if header.get("checksum") == plan.checksum():
+        with suppress(ExistingResultsError), closing(_locked_journal(folder, header)):
+            _remove(folder)
+    elif not header and _is_empty(folder):
+        _remove(folder)

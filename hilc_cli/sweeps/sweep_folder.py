@@ -1,21 +1,50 @@
-"""The folder of a sweep: what is in it, when it may be replaced, and how it is read back."""
+"""The folder of a sweep: its tables, when it may be replaced, and how it is read back."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import PlainValidator
 
+from hilc_cli.errors import MissingPackageError, UsageError
+from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, SWEEP_PICTURE_KINDS, ResultFolder
-from hilc_cli.results.metrics import CASE_METRICS
-from hilc_cli.results.reading import Document, Length, Name, damaged, one_of
-from hilc_cli.results.tables import write_input
-from hilc_cli.sweeps.data import BEST, OwnValues, SweepData
-from hilc_cli.sweeps.tables import read_bands, read_cases, write_bands, write_cases
-from hilc_cli.variation.axes import Axis, axes_from_data, axis_to_data
+from hilc_cli.results.metrics import (
+    CASE_COLUMNS,
+    CASE_METRICS,
+    DIVERGED,
+    ITERATIONS_TO_TOLERANCE,
+    PEAK,
+    WHOLE_COLUMNS,
+)
+from hilc_cli.results.reading import (
+    Document,
+    Length,
+    Name,
+    Numbers,
+    check_counted,
+    damaged,
+    one_of,
+    parse_numbers,
+    read_numbers,
+    table_rows,
+)
+from hilc_cli.results.tables import metric_columns, text_cell, unrun, value_text
+from hilc_cli.sweeps.data import (
+    BEST,
+    QUANTILES,
+    Bands,
+    Numbers as NumberArray,
+    OwnValues,
+    SweepData,
+    as_numbers,
+)
+from hilc_cli.variation import Axis, Cases, Choices, Range, Value, axes_from_data
 
 CASES = "cases.csv"
 BANDS = "bands.csv"
@@ -46,95 +75,24 @@ class _Manifest(Document):
     as_it_is: Annotated[OwnValues, PlainValidator(OwnValues.from_data)] | None = None
 
 
-def write_sweep_folder(
-    path: Path,
-    data: SweepData,
-    manifest: Callable[[], Mapping[str, Any]],
-    *,
-    checksum: str,
-    scenario_yaml: str,
-    initial_input: tuple[float, Floats, Floats] | None = None,
-    best_yaml: str | None = None,
-    force: bool = False,
-    draw: Callable[[Path], None] | None = None,
-    parquet: bool = False,
-    go_on: Callable[[], None] = lambda: None,
-) -> None:
-    """Writes a sweep folder as a whole.
+def is_complete(checksum: str, folder: str | Path) -> bool:
+    """Whether a folder holds the results of this very sweep, none of whose cases has failed."""
+    manifest = SWEEP_FOLDER.look(Path(folder))
+    return manifest.get("checksum") == checksum and not manifest.get("failed")
 
-    Args:
-        path: The folder.
-        data: The results.
-        manifest: Gives what else is to be known of the sweep, asked last.
-        checksum: Of all that the results depend on.
-        scenario_yaml: The resolved scenario with its sweep.
-        initial_input: Sample time, left and right wheel speeds of the input file, if there is one.
-        best_yaml: The scenario of the best case, if one was searched for and found.
-        force: Replace the folder of another sweep.
-        draw: Draws the pictures into the folder that it is given.
-        parquet: Write the cases as Parquet as well.
-        go_on: Called now and then; may raise to stop.
+
+def is_sweep(folder: str | Path) -> bool:
+    """Whether a folder holds the results of a sweep."""
+    return SWEEP_FOLDER.is_at(folder)
+
+
+def read_sweep(folder: str | Path) -> SweepData:
+    """The results in a sweep folder, from its tables alone.
 
     Raises:
-        ExistingResultsError: The folder holds another sweep, or is no sweep folder.
-        UsageError: Parquet is asked for, but what writes it is not installed.
-        FileAccessError: It cannot be written.
+        HilcError: There is no such folder, or a table is missing or damaged.
     """
-
-    def fill(folder: Path) -> None:
-        (folder / SCENARIO).write_text(scenario_yaml, encoding="utf-8")
-        if initial_input is not None:
-            write_input(folder / INITIAL_INPUT, *initial_input)
-        if best_yaml is not None:
-            (folder / BEST).write_text(best_yaml, encoding="utf-8")
-        write_cases(folder / CASES, data.values, data.columns, go_on)
-        if data.bands is not None:
-            write_bands(folder / BANDS, data.bands)
-        if parquet:
-            from hilc_cli.sweeps.tables import write_parquet
-
-            write_parquet(folder / PARQUET, data, go_on)
-        if draw is not None:
-            draw(folder)
-        go_on()
-
-    SWEEP_FOLDER.write(
-        path,
-        fill,
-        lambda: {
-            "name": data.name,
-            "checksum": checksum,
-            "axes": {key: axis_to_data(axis) for key, axis in data.axes.items()},
-            "grid": data.is_grid,
-            "tolerance_m": data.tolerance,
-            "metric": data.metric,
-            **({} if data.as_it_is is None else {"as_it_is": data.as_it_is.to_data()}),
-            **manifest(),
-        },
-        lambda folder: check_sweep_folder(folder, checksum, force=force),
-    )
-
-
-def check_sweep_folder(path: Path, checksum: str, *, force: bool = False) -> None:
-    """Makes sure that a sweep may be written to a folder; to be asked before it is computed.
-
-    Args:
-        path: The folder.
-        checksum: Of the sweep.
-        force: Replace the folder of another sweep.
-
-    Raises:
-        ExistingResultsError: The folder holds another sweep, or is no sweep folder.
-    """
-    SWEEP_FOLDER.check(path, lambda there: there.get("checksum") == checksum, force=force)
-
-
-def read_sweep_folder(path: Path) -> SweepData:
-    """The results in a sweep folder.
-
-    Raises:
-        HilcError: It is no such folder, or a file is missing or damaged.
-    """
+    path = Path(folder)
     manifest = SWEEP_FOLDER.read(path, _Manifest)
     axes, beside = manifest.axes, manifest.as_it_is
     if manifest.grid and any(axis.count is None for axis in axes.values()):
@@ -154,3 +112,264 @@ def read_sweep_folder(path: Path) -> SweepData:
         bands,
         beside,
     )
+
+
+def plot_sweep(
+    data: SweepData,
+    folder: str | Path,
+    *,
+    kinds: Sequence[str] = (),
+    formats: Sequence[str] = ("png",),
+    dpi: int = 150,
+    may_replace: Callable[[Path], bool] = lambda file: False,
+) -> list[Path]:
+    """Draws pictures of a sweep.
+
+    Args:
+        data: From `read_sweep` or `sweep`.
+        folder: Where to put KIND.FORMAT; made if it is not there.
+        kinds: curve, map, effects, best, bands; by default those that fit.
+        formats: png, svg, pdf.
+        dpi: Resolution of png.
+        may_replace: Whether a picture of the same name that stands there may be replaced.
+
+    Returns:
+        The pictures written.
+
+    Raises:
+        UsageError: There is no such kind or format, or the kind does not fit the sweep.
+        ExistingResultsError: A picture stands there that may not be replaced.
+        FileAccessError: They cannot be written.
+    """
+    # Matplotlib starts slowly.
+    from hilc_cli.sweeps.pictures.catalogue import save_sweep_figures
+
+    return merge_folder(
+        Path(folder),
+        lambda into: save_sweep_figures(data, into, kinds=kinds, formats=formats, dpi=dpi),
+        may_replace,
+    )
+
+
+CASE = "case"
+BANDS_HEADER = (
+    "iteration",
+    "cases",
+    *(f"max_position_error_m_p{round(100 * quantile):02d}" for quantile in QUANTILES),
+)
+_BLOCK = 10_000
+"""Rows that are put into words at a time, so that a million cases need little memory."""
+
+
+def write_cases(
+    path: Path,
+    values: Mapping[str, NumberArray | Sequence[Value]],
+    columns: Mapping[str, Floats],
+    go_on: Callable[[], None] = lambda: None,
+) -> None:
+    """Writes ``cases.csv``: a row per case, in case order.
+
+    Args:
+        path: The file.
+        values: What each varied key is in each case.
+        columns: By names in CASE_COLUMNS, shape (cases,); not-a-number leaves the cell empty.
+        go_on: Called between blocks of rows; may raise to stop.
+    """
+    cases = len(columns[DIVERGED])
+    with path.open("w", encoding="utf-8", newline="") as file:
+        file.write(",".join([CASE, *map(text_cell, values), *columns]) + "\n")
+        for first in range(0, cases, _BLOCK):
+            last = min(first + _BLOCK, cases)
+            cells: list[Sequence[str]] = [list(map(str, range(first, last)))]
+            cells += [_words(column, first, last) for column in values.values()]
+            for name, column in columns.items():
+                block: list[float] = column[first:last].tolist()
+                cells.append(_whole_cells(block) if name in WHOLE_COLUMNS else _cells(block))
+            file.writelines(f"{','.join(row)}\n" for row in zip(*cells, strict=True))
+            go_on()
+
+
+def _cells(numbers: list[float]) -> list[str]:
+    return ["" if number != number else repr(number) for number in numbers]
+
+
+def _whole_cells(numbers: list[float]) -> list[str]:
+    return ["" if number != number else str(int(number)) for number in numbers]
+
+
+def _words(column: NumberArray | Sequence[Value], first: int, last: int) -> list[str]:
+    if isinstance(column, np.ndarray):
+        return list(map(repr, column[first:last].tolist()))
+    known: dict[Value, str] = {}
+    return [known.setdefault(value, _cell(value)) for value in column[first:last]]
+
+
+def _cell(value: Value) -> str:
+    return text_cell(value) if isinstance(value, str) else value_text(value)
+
+
+CASE_NUMBERS = [
+    *metric_columns(empty=True),
+    (ITERATIONS_TO_TOLERANCE, Numbers(0, 1e9, whole=True, empty=True)),
+    (PEAK, Numbers(0, empty=True)),
+    (DIVERGED, Numbers(0, 1, whole=True, empty=True)),
+]
+"""What the numbers of cases are like, in the order of CASE_COLUMNS."""
+
+
+def read_cases(
+    path: Path, axes: Mapping[str, Axis], *, is_grid: bool = False
+) -> tuple[dict[str, NumberArray | list[Value]], dict[str, Floats]]:
+    """Reads ``cases.csv``.
+
+    Args:
+        path: The file.
+        axes: What each varied key takes, which tells words from numbers.
+        is_grid: Whether the cases are those of a grid, and so must have its values.
+
+    Returns:
+        The values by key and the columns by name.
+
+    Raises:
+        UsageError: It is no such table, or damaged.
+    """
+    rows = table_rows(path)
+    keys, first = list(axes), 1 + len(axes)
+    header = next(rows)
+    if header != [CASE, *map(unrun, keys), *CASE_COLUMNS]:
+        raise UsageError(f"{path}: is no table of these cases; its first line does not fit")
+    raw: list[list[Value]] = [[] for _ in keys]
+    readers = list(zip(raw, map(_reader, axes.values()), keys, strict=True))
+
+    def numbers_of_rows() -> Iterator[list[str]]:
+        for line, row in enumerate(rows, 2):
+            for (store, read, key), cell in zip(readers, row[1:first], strict=True):
+                try:
+                    store.append(read(cell))
+                except (ValueError, KeyError):
+                    raise damaged(path, f"{key} has no such value", line) from None
+            yield [row[0], *row[first:]]
+
+    columns = [(CASE, Numbers(0, whole=True)), *CASE_NUMBERS]
+    numbers = parse_numbers(path, columns, numbers_of_rows())
+    check_counted(path, CASE, numbers[:, 0])
+    if len(numbers) == 0:
+        raise damaged(path, "it has no cases")
+    if is_grid:
+        _check_grid(path, axes, raw)
+    values = {key: as_numbers(store) for key, store in zip(keys, raw, strict=True)}
+    return values, {name: numbers[:, 1 + i].copy() for i, name in enumerate(CASE_COLUMNS)}
+
+
+def _check_grid(path: Path, axes: Mapping[str, Axis], raw: Sequence[list[Value]]) -> None:
+    cases = Cases(axes)
+    if len(cases) != len(raw[0]):
+        raise damaged(path, f"it has {len(raw[0])} cases, of {len(cases)} that the keys make")
+    for key, found in zip(axes, raw, strict=True):
+        if found != cases.column(key):
+            raise damaged(path, f"{key} has not the values of the grid")
+
+
+def _reader(axis: Axis) -> Callable[[str], Value]:
+    """What makes a value of a cell.
+
+    A cell that holds no value of the axis is a ValueError or a KeyError.
+    """
+    if isinstance(axis, Choices) and axis.is_numeric:
+        numbers = {value: value for value in axis.values}
+        return lambda cell: numbers[_number(cell)]
+    if isinstance(axis, Choices):
+        known = {value_text(value): value for value in axis.values}
+        # The cell of a text comes without the quotes that the table needs.
+        known |= {unrun(value): value for value in axis.values if isinstance(value, str)}
+        return lambda cell: known[cell]
+    return partial(_number_within, axis)
+
+
+def _number_within(axis: Range, cell: str) -> float:
+    number = _number(cell)
+    if not axis.low <= number <= axis.high:
+        raise ValueError
+    return number
+
+
+def _number(cell: str) -> float:
+    return int(cell) if cell.lstrip("-").isdecimal() else float(cell)
+
+
+def write_bands(path: Path, bands: Bands) -> None:
+    """Writes ``bands.csv``: a row per iteration."""
+    with path.open("w", encoding="ascii", newline="") as file:
+        file.write(",".join(BANDS_HEADER) + "\n")
+        for iteration, (cases, row) in enumerate(
+            zip(bands.cases.tolist(), bands.quantiles.tolist(), strict=True)
+        ):
+            file.write(f"{iteration},{int(cases)},{','.join(_cells(row))}\n")
+
+
+_BANDS_COLUMNS = [
+    *((name, Numbers(0, 1e9, whole=True)) for name in BANDS_HEADER[:2]),
+    *((name, Numbers(0, empty=True, infinite=True)) for name in BANDS_HEADER[2:]),
+]
+
+
+def read_bands(path: Path) -> Bands:
+    """Reads ``bands.csv``.
+
+    Raises:
+        UsageError: It is no such table, or damaged.
+    """
+    numbers = read_numbers(path, _BANDS_COLUMNS)
+    check_counted(path, "iteration", numbers[:, 0])
+    return Bands(numbers[:, 1].copy(), numbers[:, 2:].copy())
+
+
+_ROW_GROUP = 100_000
+
+
+def write_parquet(path: Path, data: SweepData, go_on: Callable[[], None]) -> None:
+    """Writes the columns of ``cases.csv``, block by block; empty cells are null.
+
+    Args:
+        path: The file.
+        data: The results.
+        go_on: Called between blocks; may raise to stop.
+
+    Raises:
+        MissingPackageError: The package for that is not installed.
+    """
+    pyarrow, parquet = require_parquet()
+    writer = None
+    try:
+        for first in range(0, len(data), _ROW_GROUP):
+            go_on()
+            block = slice(first, min(first + _ROW_GROUP, len(data)))
+            columns = {CASE: pyarrow.array(np.arange(block.start, block.stop))}
+            for key, values in data.values.items():
+                part = values[block]
+                # Numbers beside words, or beside nothing, are words: a column has one type.
+                words = None if isinstance(part, np.ndarray) else [value_text(v) for v in part]
+                columns[key] = pyarrow.array(part if words is None else words)
+            for name, column in data.columns.items():
+                numbers = pyarrow.array(column[block], from_pandas=True)  # nan becomes null
+                columns[name] = numbers.cast(pyarrow.int64()) if name in WHOLE_COLUMNS else numbers
+            table = pyarrow.table(columns)
+            writer = writer or parquet.ParquetWriter(path, table.schema)
+            writer.write_table(table)
+    finally:
+        if writer is not None:
+            writer.close()
+
+
+def require_parquet() -> tuple[Any, Any]:
+    """The package that writes Parquet.
+
+    Raises:
+        MissingPackageError: It is not installed.
+    """
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise MissingPackageError("--format parquet", "pyarrow", "parquet") from None
+    return pyarrow, parquet

@@ -1,37 +1,39 @@
-"""Sweeps: many runs of one scenario, on one machine or a cluster, whole or in shards."""
+"""Sweeps: many runs of one scenario, on one machine or a cluster."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, fields
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.errors import HilcError, UsageError
-from hilc_cli.files import folder_to_read
+from hilc_cli.errors import HilcError
+from hilc_cli.files import writing
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO
 from hilc_cli.results.manifest import COMPILED_WITH, origin
-from hilc_cli.scenario.loading import ScenarioSource, as_scenario
+from hilc_cli.results.tables import write_input
+from hilc_cli.scenario.loading import ScenarioSource
 from hilc_cli.sweeps.chunks import Chunk, Failure, MemoryStore, Store
 from hilc_cli.sweeps.compute import Execution, compute
-from hilc_cli.sweeps.data import SweepData, collect
-from hilc_cli.sweeps.folders import open_store
+from hilc_cli.sweeps.data import BEST, SweepData, SweepSummary, collect, summarise_sweep
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.planning import plan_of
+from hilc_cli.sweeps.planning import plan_sweep
 from hilc_cli.sweeps.search import beside_cases, how_searched, search
-from hilc_cli.sweeps.shards import (
-    check_shardable,
-    merge,
-    read_initial_input,
-    read_scenario,
-    shard_cases,
+from hilc_cli.sweeps.store import open_store, work_folder
+from hilc_cli.sweeps.sweep_folder import (
+    BANDS,
+    CASES,
+    PARQUET,
+    SWEEP_FOLDER,
+    write_bands,
+    write_cases,
+    write_parquet,
 )
-from hilc_cli.sweeps.store import FolderStore
-from hilc_cli.sweeps.summary import SweepSummary, summarise_sweep
-from hilc_cli.sweeps.sweep_folder import write_sweep_folder
+from hilc_cli.variation import axis_to_data
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -83,39 +85,65 @@ class Sweep(SweepData):
             FileAccessError: It cannot be written.
             UsageError: There is no such format, or what writes it is not installed.
         """
-        pictures = [name for name in formats if name != "parquet"]
 
-        def draw(into: Path) -> None:
-            # Matplotlib starts slowly.
-            from hilc_cli.sweeps.pictures.catalogue import save_sweep_figures
+        def fill(into: Path) -> None:
+            (into / SCENARIO).write_text(self.scenario_yaml, encoding="utf-8")
+            if self.initial_input is not None:
+                write_input(into / INITIAL_INPUT, *self.initial_input)
+            if self.best_yaml is not None:
+                (into / BEST).write_text(self.best_yaml, encoding="utf-8")
+            write_cases(into / CASES, self.values, self.columns, go_on)
+            if self.bands is not None:
+                write_bands(into / BANDS, self.bands)
+            if "parquet" in formats:
+                write_parquet(into / PARQUET, self, go_on)
+            if plots:
+                # Matplotlib starts slowly.
+                from hilc_cli.sweeps.pictures.catalogue import save_sweep_figures
 
-            save_sweep_figures(self, into, formats=pictures or ["png"])
+                pictures = [name for name in formats if name != "parquet"]
+                save_sweep_figures(self, into, formats=pictures or ["png"])
+            go_on()
 
         def manifest() -> Mapping[str, Any]:
             return {
+                "name": self.name,
+                "checksum": self.checksum,
+                "axes": {key: axis_to_data(axis) for key, axis in self.axes.items()},
+                "grid": self.is_grid,
+                "tolerance_m": self.tolerance,
+                "metric": self.metric,
+                **({} if self.as_it_is is None else {"as_it_is": self.as_it_is.to_data()}),
                 **self.how,
                 "cases": len(self),
                 "diverged": int(self.diverged.sum()),
-                "failed": [
-                    {"first": f.chunk.first, "last": f.chunk.last - 1, "reason": f.reason}
-                    for f in self.failures
-                ],
+                "failed": [failure.to_data() for failure in self.failures],
                 "command": list(command),
             }
 
-        write_sweep_folder(
+        SWEEP_FOLDER.write(
             Path(folder),
-            self,
+            fill,
             manifest,
-            checksum=self.checksum,
-            scenario_yaml=self.scenario_yaml,
-            initial_input=self.initial_input,
-            best_yaml=self.best_yaml,
-            force=force,
-            draw=draw if plots else None,
-            parquet="parquet" in formats,
-            go_on=go_on,
+            lambda there: _check(there, self.checksum, force=force),
         )
+
+
+def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -> None:
+    """Whether the results of a sweep may be written to a folder, before it is computed.
+
+    Raises:
+        ExistingResultsError: The folder holds another sweep, or is no sweep folder.
+        FileAccessError: Nothing can be written there, or the name is too long for what belongs to
+            it while the sweep is under way.
+    """
+    _check(Path(folder), plan.checksum(), force=force)
+    with writing(Path(folder)):
+        work_folder(folder).is_symlink()
+
+
+def _check(folder: Path, checksum: str, *, force: bool) -> None:
+    SWEEP_FOLDER.check(folder, lambda there: there.get("checksum") == checksum, force=force)
 
 
 def as_fields(data: SweepData) -> dict[str, Any]:
@@ -123,59 +151,12 @@ def as_fields(data: SweepData) -> dict[str, Any]:
     return {f.name: getattr(data, f.name) for f in fields(data)}
 
 
-_DEFAULT = Execution()
-
-
-def plan_sweep(
-    scenario: ScenarioSource,
-    vary: Mapping[str, object] | Sequence[str] = (),
-    *,
-    sample: str | None = None,
-    cases: int | None = None,
-    seed: int | None = None,
-    tolerance: float | str | None = None,
-    bands: bool | None = None,
-    metric: str | None = None,
-    minimise: str | None = None,
-) -> Plan:
-    """Validates a sweep; what is not given is as the scenario's section ``sweep`` says.
-
-    Args:
-        scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
-        vary: Values by dotted key: a list, or a text such as ``0.1:10:20:log``; or texts
-            ``KEY=VALUES`` as on the command line.
-        sample: grid (default), random or sobol.
-        cases: How many points random and sobol draw, or a search tries.
-        seed: Of the drawing, or of the search.
-        tolerance: Maximum error for iterations_to_tolerance [m].
-        bands: Whether to keep quantiles of the error, iteration by iteration.
-        metric: By which the cases are ranked and drawn.
-        minimise: Search the ranges for the case in which this metric is smallest.
-
-    Raises:
-        InvalidInputError: A key or value is not valid; names every problem.
-        UsageError: Nothing is varied, or the package for a search is not installed.
-    """
-    options = {
-        "sample": sample,
-        "cases": cases,
-        "seed": seed,
-        "tolerance": tolerance,
-        "bands": bands,
-        "metric": metric,
-        "minimise": minimise,
-    }
-    plan = Plan(*plan_of(as_scenario(scenario), vary, options))
-    if plan.searches:
-        from hilc_cli.sweeps.sampler import require_optuna  # an extra
-
-        require_optuna()
-    return plan
+DEFAULT = Execution()
 
 
 def sweep(
     plan: Plan | ScenarioSource,
-    how: Execution = _DEFAULT,
+    how: Execution = DEFAULT,
     *,
     work_folder: str | Path | None = None,
     resume: bool = False,
@@ -201,7 +182,7 @@ def sweep(
     plan = plan if isinstance(plan, Plan) else plan_sweep(plan)
     started, clock = datetime.now(UTC), time.perf_counter()
     every = Chunk(0, len(plan.cases))
-    with _store(plan, work_folder, every, None, resume=resume, force=force) as store:
+    with opened_store(plan, work_folder, every, None, resume=resume, force=force) as store:
         found = search(plan, store, how) if plan.searches else None
         if found is None:
             compute(plan, store, how)
@@ -215,7 +196,7 @@ def sweep(
             how.go_on,
         )
         failures = tuple(store.failures())
-    scenario = plan.varied.scenario
+    scenario = plan.scenario
     given = scenario.initial_input
     beside = {} if found is None else beside_cases(plan, data, found.as_it_is)
     return Sweep(
@@ -233,89 +214,8 @@ def sweep(
     )
 
 
-def sweep_shard(
-    plan: Plan,
-    shard: tuple[int, int],
-    folder: str | Path,
-    how: Execution = _DEFAULT,
-    *,
-    resume: bool = False,
-    force: bool = False,
-) -> list[Failure]:
-    """Runs one of several parts of a sweep, for `merge_shards`.
-
-    Args:
-        plan: From `plan_sweep`, the same for all parts.
-        shard: ``(K, N)``: the K-th of N parts, counted from 1.
-        folder: Where its results stay.
-        how: As for `sweep`.
-        resume: As for `sweep`.
-        force: As for `sweep`.
-
-    Returns:
-        The cases that have failed.
-
-    Raises:
-        UsageError: There is no such part.
-        HilcError: As for `sweep`.
-    """
-    check_shardable(plan)
-    cases = shard_cases(len(plan.cases), *shard)
-    name = f"{shard[0]}/{shard[1]}"
-    with _store(plan, folder, cases, name, resume=resume, force=force) as store:
-        compute(plan, store, how)
-        return store.failures()
-
-
-def merge_shards(
-    folders: Sequence[str | Path], *, go_on: Callable[[], None] = lambda: None
-) -> Sweep:
-    """The results of a sweep from those of its shards.
-
-    Args:
-        folders: Of all shards, in any order.
-        go_on: Called now and then; may raise to stop.
-
-    Raises:
-        UsageError: They are not all the shards of one sweep, or not finished.
-        HilcError: One cannot be read.
-    """
-    started = datetime.now(UTC)
-    places = [folder_to_read(Path(folder)) for folder in folders]
-    twice = next(
-        (folder for folder, n in zip(folders, places, strict=True) if places.count(n) > 1), None
-    )
-    if twice is not None:
-        raise UsageError(f"{twice}: is given more than once; give each shard once")
-    with ExitStack() as stack:
-        stores = [
-            stack.enter_context(closing(FolderStore(Path(folder), read_only=True)))
-            for folder in folders
-        ]
-        merged = merge(stores)
-        header = merged.header
-        data = collect(
-            header.name,
-            merged.cases,
-            merged.rows(),
-            merged.errors() if header.bands else None,
-            header.tolerance_m,
-            header.metric,
-            go_on,
-        )
-        initial_input = read_initial_input(Path(folders[0]))
-        return Sweep(
-            **as_fields(data),
-            failures=tuple(merged.failures()),
-            checksum=header.checksum,
-            scenario_yaml=read_scenario(Path(folders[0])),
-            initial_input=initial_input,
-            how={**origin(started, COMPILED_WITH), "shards": len(stores)},
-        )
-
-
 @contextmanager
-def _store(
+def opened_store(
     plan: Plan,
     folder: str | Path | None,
     cases: Chunk,
@@ -324,6 +224,7 @@ def _store(
     resume: bool,
     force: bool,
 ) -> Iterator[Store]:
+    """The work folder of a sweep or a shard; without one results are kept in memory."""
     if folder is None:
         yield MemoryStore(plan)
         return

@@ -23,7 +23,7 @@ from urllib.parse import urlsplit
 from hilc_cli.errors import HilcError, MissingPackageError, UsageError
 from hilc_cli.files import reason
 from hilc_cli.version import __version__
-from hilc_cli.workers.handing_out import PATIENCE, Outcome, Piece, Result
+from hilc_cli.workers.crews import PATIENCE, Outcome, Piece, Result
 
 _CONNECT = 5  # [s]
 _SILENCE = 60  # [s], of a scheduler that may have much to do

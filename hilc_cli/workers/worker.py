@@ -1,4 +1,4 @@
-"""A worker process; started by `hilc_cli.workers.processes`, by nobody else."""
+"""A worker process; started by `hilc_cli.workers.crews`, by nobody else."""
 
 from __future__ import annotations
 

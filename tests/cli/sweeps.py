@@ -17,7 +17,8 @@ from tempfile import TemporaryDirectory
 import pytest
 
 import hilc_cli as hilc
-from hilc_cli.sweeps.sweeping import plan_sweep, sweep
+from hilc_cli.sweeps.planning import plan_sweep
+from hilc_cli.sweeps.sweeping import sweep
 from tests.cli import processes
 from tests.conftest import Outcome
 
@@ -53,10 +54,10 @@ MARK = "HILC_TEST_SWEEP"
 
 # With two worker processes, and in chunks, even where a sweep would be over before they started.
 FORCED = """\
-import hilc_cli.sweeps.compute, hilc_cli.sweeps.estimate
+import hilc_cli.sweeps.compute
 hilc_cli.sweeps.compute._ALONE = 0
 hilc_cli.sweeps.compute.available_cores = lambda: 2
-hilc_cli.sweeps.estimate._MOST_CASES = 24
+hilc_cli.sweeps.compute._MOST_CASES = 24
 from hilc_cli.cli.main import main
 main()
 """

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.comparisons import report
+from hilc_cli.comparisons import formats
 from hilc_cli.reporting import terminal
 from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY, listing
 from tests.cli.processes import run_hilc
@@ -133,7 +133,7 @@ def test_many_runs_stand_below_each_other(hilc: Hilc, four: list[str]) -> None:
 def test_narrow_terminal_gets_parts_that_fit(
     hilc: Hilc, four: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for module in (terminal, report):
+    for module in (terminal, formats):
         monkeypatch.setattr(module, "is_decorated", lambda stream: True)
     monkeypatch.setenv("COLUMNS", "80")
     out = hilc("compare", *four, "--no-plots", "--out", "out").out

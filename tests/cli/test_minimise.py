@@ -12,8 +12,8 @@ import pytest
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.sweeps.varied import Varied
-from hilc_cli.variation.axes import Value
+from hilc_cli.sweeps.plan import Plan
+from hilc_cli.variation import Value
 from tests.cli import sweeps
 from tests.cli.inputs import listing
 from tests.cli.processes import outcome_of
@@ -272,16 +272,16 @@ def test_killed_search_goes_on(tmp_path: Path, hilc: Hilc) -> None:
 
 
 def test_cases_that_fail_are_the_worst(hilc: Hilc) -> None:
-    experiment = Varied.experiment
+    experiment = Plan.experiment
 
-    def fails(self: Varied, values: Mapping[str, Value]) -> Experiment:
+    def fails(self: Plan, values: Mapping[str, Value]) -> Experiment:
         gain = values.get(L1, 0)
         if isinstance(gain, float) and gain > 12:
             raise UsageError("no such gain")
         return experiment(self, values)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Varied, "experiment", fails)
+        patch.setattr(Plan, "experiment", fails)
         outcome = hilc(*SEARCH)
         assert outcome.code == 3
         assert outcome.err.endswith("--resume tries these cases again\n")

@@ -19,8 +19,10 @@ from types import FrameType
 import pytest
 
 import hilc_cli as hilc_api
+from hilc_cli.sweeps.planning import plan_sweep
+from hilc_cli.sweeps.shards import sweep_shard
 from hilc_cli.sweeps.store import FolderStore
-from hilc_cli.sweeps.sweeping import plan_sweep, sweep, sweep_shard
+from hilc_cli.sweeps.sweeping import sweep
 from tests.cli.inputs import INPUT_CSV, SCENARIO, TRAJECTORY, listing, plus
 from tests.conftest import Hilc, Outcome
 from tests.leaderboards.test_leaderboard_folder import DATA, write as write_leaderboard

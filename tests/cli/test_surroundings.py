@@ -153,7 +153,7 @@ def test_working_folder_that_is_gone_is_named(
     def fail(*_: object, **__: object) -> None:
         os.getcwd()  # noqa: PTH109  # as a library does that is loaded
 
-    monkeypatch.setattr("hilc_cli.sweeps.sweeping.merge_shards", fail)
+    monkeypatch.setattr("hilc_cli.sweeps.shards.merge_shards", fail)
     folder.rmdir()
     message = "hilc: the working folder: the system refused: No such file or directory\n"
     assert hilc("sweep", "--merge", "../x") == Outcome(1, "", message)

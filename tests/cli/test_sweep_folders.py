@@ -11,17 +11,16 @@ import pytest
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.sweeps.folders import is_resumable
-from hilc_cli.sweeps.store import FolderStore
-from hilc_cli.sweeps.sweeping import plan_sweep
-from hilc_cli.sweeps.varied import Varied
-from hilc_cli.variation.axes import Value
-from hilc_cli.workers.handing_out import TRIES
+from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.planning import plan_sweep
+from hilc_cli.sweeps.store import FolderStore, is_resumable
+from hilc_cli.variation import Value
+from hilc_cli.workers.crews import TRIES
 from tests.cli import sweeps
 from tests.cli.inputs import listing
 from tests.cli.processes import outcome_of
 from tests.conftest import Hilc, Outcome, Write
-from tests.sweeps.deadly import deadly
+from tests.sweeps.plans import deadly
 
 KEY = "controller.gains.l1"
 VARY = f"{KEY}=0.1:0.8:8"
@@ -43,16 +42,16 @@ OTHER_PART = (
 def failing(write: Write) -> Iterator[pytest.MonkeyPatch]:
     """Cases with a gain between 0.25 and 0.45 fail, which are cases 2 and 3, until it is undone."""
     write()
-    whole = Varied.experiment
+    whole = Plan.experiment
 
-    def experiment(self: Varied, values: Mapping[str, Value]) -> Experiment:
+    def experiment(self: Plan, values: Mapping[str, Value]) -> Experiment:
         gain = values[KEY]
         if isinstance(gain, float) and 0.25 < gain < 0.45:
             raise UsageError(f"no such gain: {gain:.1f}")
         return whole(self, values)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Varied, "experiment", experiment)
+        patch.setattr(Plan, "experiment", experiment)
         yield patch
 
 
@@ -358,10 +357,10 @@ def test_cases_that_kill_their_worker(
     sixty = ("sweep", "scenario.yaml", "--vary", f"{KEY}=0.01:0.60:60", "--no-plots", "-q")
     assert hilc(*sixty, "--out", "whole") == DONE
     monkeypatch.setattr("hilc_cli.sweeps.compute._ALONE", 0)
-    monkeypatch.setattr("hilc_cli.sweeps.estimate._MOST_CASES", 24)
+    monkeypatch.setattr("hilc_cli.sweeps.compute._MOST_CASES", 24)
     with monkeypatch.context() as patch:
         patch.setattr(
-            "hilc_cli.sweeps.sweeping.plan_sweep", lambda *a, **b: deadly(plan_sweep(*a, **b))
+            "hilc_cli.sweeps.planning.plan_sweep", lambda *a, **b: deadly(plan_sweep(*a, **b))
         )
         outcome = hilc(*sixty, "--workers", "2")
     assert outcome == Outcome(

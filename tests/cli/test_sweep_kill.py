@@ -24,10 +24,10 @@ CHUNKS = sweeps.CASES // sweeps.CHUNK
 GONE_WITHIN = 10.0  # [s] a loaded machine is given time; half a second is what a worker needs
 CHILDREN = """\
 import json, os, sys
-import hilc_cli, hilc_cli.sweeps.estimate, hilc_cli.sweeps.compute
+import hilc_cli, hilc_cli.sweeps.compute
 import hilc_cli.cli.app, hilc_cli.sweeps.report
 from hilc_cli.cli.main import main
-hilc_cli.sweeps.estimate._MOST_CASES = 24
+hilc_cli.sweeps.compute._MOST_CASES = 24
 hilc_cli.sweeps.compute.available_cores = lambda: 2
 scenario = hilc_cli.load_scenario("sweep.yaml")
 hilc_cli.sweep(hilc_cli.plan_sweep(scenario, ["disturbance.seed=1..2"]))

@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from hilc_cli.comparisons import report
-from hilc_cli.comparisons.report import print_comparison
+from hilc_cli.comparisons import formats
+from hilc_cli.comparisons.formats import print_comparison
 from hilc_cli.comparisons.table import Column, ComparisonTable, Row
 from hilc_cli.leaderboards.contests import Entry, LeaderboardData
 from hilc_cli.leaderboards.tables import entries_table, laws_table
@@ -45,7 +45,7 @@ def leaderboard() -> LeaderboardData:
 
 @pytest.fixture
 def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (terminal, report):
+    for module in (terminal, formats):
         monkeypatch.setattr(module, "is_decorated", lambda stream: True)
 
 

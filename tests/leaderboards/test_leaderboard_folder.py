@@ -11,20 +11,18 @@ from tempfile import TemporaryDirectory
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from hilc_cli.comparisons.formats import csv_text
 from hilc_cli.errors import HilcError
+from hilc_cli.leaderboards.comparing import LawComparison
 from hilc_cli.leaderboards.contests import Entry, LeaderboardData
-from hilc_cli.leaderboards.folder import read_leaderboard_folder, write_leaderboard_folder
-from hilc_cli.leaderboards.tables import entries_table
-from tests.leaderboards.test_entries import ENTRY, FAST
+from hilc_cli.leaderboards.folder import read_leaderboard
+from tests.leaderboards.test_contests import ENTRY, FAST
 
 LOST = replace(FAST, law="lost", max_m=(0.1, math.inf), peak_m=math.inf, diverged_at=3)
 DATA = LeaderboardData("test", (1, 8), 0.01, (ENTRY, FAST, LOST))
 
 
 def write(folder: Path, data: LeaderboardData) -> None:
-    texts = {"csv": csv_text(entries_table(data)), "markdown": "", "latex": ""}
-    write_leaderboard_folder(folder, data, texts, lambda: {}, checksum="")
+    LawComparison(data, "", {}).write(folder, plots=False)
 
 
 numbers = st.floats(0, 1e140)
@@ -47,7 +45,7 @@ def test_any_entries_are_read_back_as_they_were(found: list[Entry]) -> None:
     with TemporaryDirectory() as place:
         folder = Path(place) / "board"
         write(folder, LeaderboardData("any", (2, 3), 0.1, tuple(found)))
-        read = read_leaderboard_folder(folder)
+        read = read_leaderboard(folder)
     assert (read.name, read.after, read.tolerance) == ("any", (2, 3), 0.1)
     assert list(read.entries) == found
 
@@ -70,7 +68,7 @@ def test_damaged_table(tmp_path: Path, old: str, new: str, message: str) -> None
     assert old in text
     table.write_text(text.replace(old, new))
     with pytest.raises(HilcError, match=message):
-        read_leaderboard_folder(tmp_path / "board")
+        read_leaderboard(tmp_path / "board")
 
 
 def test_table_without_runs_and_without_anything(tmp_path: Path) -> None:
@@ -78,10 +76,10 @@ def test_table_without_runs_and_without_anything(tmp_path: Path) -> None:
     table = tmp_path / "board/leaderboard.csv"
     table.write_text(table.read_text().splitlines()[0] + "\n")
     with pytest.raises(HilcError, match="has no runs"):
-        read_leaderboard_folder(tmp_path / "board")
+        read_leaderboard(tmp_path / "board")
     table.unlink()
     with pytest.raises(HilcError, match=r"leaderboard\.csv: there is no such file"):
-        read_leaderboard_folder(tmp_path / "board")
+        read_leaderboard(tmp_path / "board")
 
 
 @pytest.mark.parametrize(
@@ -104,4 +102,4 @@ def test_damaged_manifest(tmp_path: Path, key: str, value: object, message: str)
         document[key] = value
     manifest.write_text(json.dumps(document))
     with pytest.raises(HilcError, match=message):
-        read_leaderboard_folder(tmp_path / "board")
+        read_leaderboard(tmp_path / "board")

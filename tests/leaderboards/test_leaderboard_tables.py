@@ -8,7 +8,7 @@ from dataclasses import replace
 from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
 from hilc_cli.leaderboards.contests import Entry, LeaderboardData
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
-from tests.leaderboards.test_entries import ENTRY, FAST
+from tests.leaderboards.test_contests import ENTRY, FAST
 
 
 def data(*entries: Entry) -> LeaderboardData:

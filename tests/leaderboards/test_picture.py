@@ -12,7 +12,7 @@ import pytest
 from hilc_cli.errors import UsageError
 from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.picture import leaderboard_figure, save_leaderboard
-from tests.leaderboards.test_entries import ENTRY, FAST
+from tests.leaderboards.test_contests import ENTRY, FAST
 
 NOISY = [replace(entry, disturbance="noise") for entry in (ENTRY, FAST)]
 OTHER = replace(ENTRY, case="line", max_m=(1.0, 0.25))

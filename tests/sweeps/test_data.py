@@ -1,4 +1,4 @@
-"""Quantiles over the cases, with cases that diverged and cases of different length."""
+"""What is known of all cases: quantiles, of any length and diverged, and who shares the best."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from hypothesis.extra import numpy as npst
 
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.sweeps.data import QUANTILES, bands, collect
-from hilc_cli.variation.axes import Choices
-from hilc_cli.variation.cases import Cases
+from hilc_cli.sweeps.data import QUANTILES, bands, collect, summarise_sweep, tied
+from hilc_cli.variation import Cases, Choices, Range
+from tests.made_up_sweeps import FAILED, L1, sweep
 
 
 @given(npst.arrays(np.float64, st.integers(1, 40), elements=st.floats(0, 1e9)))
@@ -60,3 +60,22 @@ def test_results_stand_beside_the_values_of_their_cases() -> None:
     assert data.case(2) == {"a": 2, "b": "x"}
     for index, column in enumerate(CASE_COLUMNS):
         assert data.columns[column].tolist() == rows[:, index].tolist()
+
+
+@pytest.mark.parametrize(
+    ("metric", "cases"),
+    [
+        ([3.0, 1, 2], [1]),
+        ([3.0, 1, 2, 1], [1, 3]),
+        ([1 + 9e-7, 1, 1 + 2e-6], [0, 1]),
+        ([0.0, 1e-9, 0.0], [0, 2]),
+        ([math.inf, 2, FAILED, 2, math.nan], [1, 3]),
+        ([math.inf, math.nan], []),
+    ],
+)
+def test_cases_that_share_the_best_metric(metric: list[float], cases: list[int]) -> None:
+    data = sweep({L1: Range(0.0, 1.0, "linear", len(metric))}, np.array(metric))
+    assert tied(data).tolist() == cases
+    summary = summarise_sweep(data)
+    assert summary.tied == len(cases)
+    assert [best.case in cases for best in summary.best[: len(cases)]] == [True] * len(cases)

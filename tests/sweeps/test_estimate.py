@@ -8,7 +8,8 @@ import pytest
 
 import hilc_cli as hilc_api
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.sweeps.estimate import estimate, samples_per_case
+from hilc_cli.sweeps.compute import samples_per_case
+from hilc_cli.sweeps.estimate import estimate
 from tests.conftest import Write
 
 

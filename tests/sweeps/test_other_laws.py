@@ -12,8 +12,9 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.law import Figures, Iteration, LastIteration, Learner, Task
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.scenario.experiment import Scenario
-from hilc_cli.sweeps.chunks import Chunk, run_chunk
-from hilc_cli.sweeps.estimate import cases_per_chunk, estimate
+from hilc_cli.sweeps.chunks import Chunk
+from hilc_cli.sweeps.compute import cases_per_chunk, run_chunk
+from hilc_cli.sweeps.estimate import estimate
 from hilc_cli.sweeps.plan import Plan
 from tests.conftest import Write
 
@@ -32,7 +33,7 @@ def plan(write: Write) -> Plan:
 def test_rows_are_those_of_single_runs(plan: Plan) -> None:
     result = run_chunk(plan, Chunk(0, 6))
     for case, values in enumerate(plan.cases.values(0, 6)):
-        found = hilc_api.run(plan.varied.case(values))
+        found = hilc_api.run(plan.case(values))
         row = dict(zip(CASE_COLUMNS, result.rows[case], strict=True))
         for name, number in found.metrics.row(-1).items():
             assert row[name] == number

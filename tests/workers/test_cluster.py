@@ -18,8 +18,8 @@ import distributed
 import pytest
 
 from hilc_cli.errors import UsageError
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, MemoryStore, run_chunk
-from hilc_cli.sweeps.compute import Execution, compute_chunks, missing_chunks
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, MemoryStore
+from hilc_cli.sweeps.compute import Execution, compute_chunks, missing_chunks, run_chunk
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.workers import cluster
 from hilc_cli.workers.cluster import ClusterError, DaskCrew

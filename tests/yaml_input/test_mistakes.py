@@ -9,7 +9,7 @@ import pytest
 
 from hilc_cli.errors import InvalidInputError
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.sweeps.planning import plan_of
+from hilc_cli.sweeps.planning import plan_sweep
 from tests.cli.inputs import SCENARIO, TRAJECTORY, plus, scenario, trajectory
 from tests.conftest import Write
 
@@ -194,7 +194,7 @@ def test_keys_of_another_law_are_told_with_it(write: Write, key: str, hint: str)
         load_scenario(HERE, [f"{key}=1"])
     assert str(error.value) == f"--set {told}"
     with pytest.raises(InvalidInputError) as error:
-        plan_of(load_scenario(HERE), [f"{key}=1"])
+        plan_sweep(load_scenario(HERE), [f"{key}=1"])
     assert str(error.value) == f"--vary {told}"
 
 
@@ -443,7 +443,7 @@ def test_absurd_keys_end_in_a_short_line(write: Write, key: str) -> None:
     scenario = load_scenario(HERE)
     for varied in ([f"{key}=1,2"], {key: [1, 2]}):
         with pytest.raises(InvalidInputError, match=f"has a key of {len(key)} char") as error:
-            plan_of(scenario, varied)
+            plan_sweep(scenario, varied)
         assert len(str(error.value)) < 200
     for content in (f"? {key}\n: 1\n", f"sweep:\n  vary:\n    ? {key}\n    : 1,2\n"):
         (line,) = told(plus(content), write=write)

@@ -16,7 +16,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, PEAK
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.picking import Integers, distinct
-from hilc_cli.variation.axes import Choices, Value
+from hilc_cli.variation import Choices, Value
 
 LONGEST_KEY = 60
 LONGEST_NAME = 32

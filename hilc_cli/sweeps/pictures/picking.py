@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.sweeps.data import QUANTILES, SEED_KEY, SweepData
-from hilc_cli.variation.axes import Axis, Choices
+from hilc_cli.variation import Axis, Choices
 
 Integers = NDArray[np.int64]
 

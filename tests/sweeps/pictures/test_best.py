@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep
-from hilc_cli.variation.axes import Range
+from hilc_cli.variation import Range
 from tests.drawing.reading import line, texts
 from tests.made_up_sweeps import (
     HEADING,

@@ -14,7 +14,7 @@ from hilc_cli.drawing.save import FORMATS, render
 from hilc_cli.errors import UsageError
 from hilc_cli.sweeps.data import Bands, SweepData
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for, save_sweep_figures
-from hilc_cli.variation.axes import Axis, Choices, Range, Value
+from hilc_cli.variation import Axis, Choices, Range, Value
 from tests.drawing.reading import overlaps
 from tests.made_up_runs import USERS_SETTINGS
 from tests.made_up_sweeps import (

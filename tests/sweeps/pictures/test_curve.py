@@ -10,7 +10,7 @@ from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep
 from hilc_cli.sweeps.pictures.metric_axis import ZERO_LABEL
-from hilc_cli.variation.axes import Choices, Range
+from hilc_cli.variation import Choices, Range
 from tests.drawing.reading import legend, line, lines, texts
 from tests.made_up_sweeps import (
     FAILED,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep
-from hilc_cli.variation.axes import Axis, Range
+from hilc_cli.variation import Axis, Range
 from tests.drawing.reading import line, lines, texts
 from tests.made_up_sweeps import HEADING, L1, L2, L3, SEED, SEEDS, STEPS, WORDS, bowl, number, sweep
 

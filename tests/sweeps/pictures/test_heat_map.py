@@ -10,7 +10,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep
-from hilc_cli.variation.axes import Axis, Range
+from hilc_cli.variation import Axis, Range
 from tests.drawing.reading import legend, line, texts
 from tests.made_up_sweeps import (
     FAILED,

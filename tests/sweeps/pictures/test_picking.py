@@ -19,7 +19,7 @@ from hilc_cli.sweeps.pictures.picking import (
     varied_keys,
     varies_seed,
 )
-from hilc_cli.variation.axes import Choices
+from hilc_cli.variation import Choices
 from tests.made_up_sweeps import (
     FAILED,
     HEADING,

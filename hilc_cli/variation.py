@@ -1,16 +1,29 @@
-"""The values that one key of a sweep takes: listed one by one, or spread over a range."""
+"""What each key of a sweep takes, and the numbered cases that are made of it.
+
+The values of a key are listed one by one, or spread over a range; cases are a grid of them, or
+points drawn from the ranges. The values of a case follow from its number alone, so that any worker
+can make them.
+"""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.disturbance.streams import open_unit_interval, philox
 
 Value = float | int | str | bool | None
 Spacing = Literal["linear", "log", "integer"]
+Sampling = Literal["grid", "random", "sobol"]
 
 _KEY = re.compile(r"\w[\w-]*(\.\w[\w-]*)*")
 _LONGEST_KEY, _LONGEST_TEXT = 200, 10_000
@@ -60,10 +73,6 @@ class Choices:
         """All values of a grid in order."""
         return list(self.values)
 
-    def at(self, index: int) -> Value:
-        """Value number ``index`` of a grid."""
-        return self.values[index]
-
     def drawn(self, unit: float) -> Value:
         """The value at a fraction, 0 < unit < 1, of the way through."""
         return self.values[min(int(unit * len(self.values)), len(self.values) - 1)]
@@ -96,7 +105,7 @@ class Range:
         if self.spacing == "integer":
             return int(self.high) - int(self.low) + 1
         if self.whole and self.values_asked is not None:
-            return len(self._whole_values())
+            return len(self.ladder())
         return self.values_asked
 
     @property
@@ -120,23 +129,12 @@ class Range:
         Raises:
             ValueError: The range has no count.
         """
-        if self.whole and self.spacing != "integer" and self.values_asked is not None:
-            return list(self._whole_values())
-        if self.count is None:
-            raise ValueError("a range without a count has no numbered values")
-        return [self.at(index) for index in range(self.count)]
-
-    def at(self, index: int) -> Value:
-        """Value number ``index`` of a grid; the ends are exactly as given.
-
-        Raises:
-            ValueError: The range has no count.
-        """
         if self.spacing == "integer":
-            return int(self.low) + index
+            return list(range(int(self.low), int(self.high) + 1))
         if self.values_asked is None:
             raise ValueError("a range without a count has no numbered values")
-        return self._whole_values()[index] if self.whole else self._spread(index)
+        numbers = (self._spread(index, self.values_asked - 1) for index in range(self.values_asked))
+        return list(dict.fromkeys(map(round, numbers))) if self.whole else list(numbers)
 
     def drawn(self, unit: float) -> Value:
         """The value at a fraction, 0 < unit < 1, of the way through."""
@@ -150,9 +148,8 @@ class Range:
             number = self.low + (self.high - self.low) * unit
         return self._rounded(min(max(number, self.low), self.high))
 
-    def _spread(self, index: int) -> float:
-        assert self.values_asked is not None  # asked by callers
-        last = self.values_asked - 1
+    def _spread(self, index: int, last: int) -> float:
+        """Number ``index`` of those from 0 to ``last``; the ends are exactly as given."""
         if index == 0:
             return self.low
         if index == last:
@@ -165,11 +162,6 @@ class Range:
         # With the decimals that people write, rounded once: 0.05:1:20 gives 0.1 and 0.15.
         start, end = Fraction(repr(self.low)), Fraction(repr(self.high))
         return float((start * (last - index) + end * index) / last)
-
-    def _whole_values(self) -> list[int]:
-        assert self.values_asked is not None  # asked by callers
-        rounded = (round(self._spread(index)) for index in range(self.values_asked))
-        return list(dict.fromkeys(rounded))
 
     def _rounded(self, number: float) -> float:
         return round(number) if self.whole or self.spacing == "integer" else number
@@ -248,3 +240,119 @@ def is_value(value: object) -> bool:
 def _is_number(value: object) -> bool:
     # Whole numbers of any length would be too large for arithmetic with others.
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e150
+
+
+# Beside the streams of disturbances, so that no case is drawn from the words of a disturbance.
+_STREAM = 3
+_WORDS = 4
+_SMALLEST = 2.0**-33
+"""Points of Sobol's sequence may be 0; random ones keep this distance from both ends."""
+
+
+@dataclass(frozen=True)
+class Cases:
+    """All cases of a sweep.
+
+    Attributes:
+        axes: What each key takes, in the order in which they were given.
+        sampling: Every combination, the last key changing fastest; or that many points drawn.
+        drawn: How many points are drawn; not used by a grid.
+        seed: Of the drawing, 0 .. 2**64 - 1.
+    """
+
+    axes: Mapping[str, Axis]
+    sampling: Sampling = "grid"
+    drawn: int = 0
+    seed: int = 0
+
+    def __len__(self) -> int:
+        return math.prod(self.shape) if self.sampling == "grid" else self.drawn
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each key of a grid.
+
+        Raises:
+            ValueError: A range has no count.
+        """
+        counts = [axis.count for axis in self.axes.values()]
+        if None in counts:
+            raise ValueError("a grid needs the number of values of each range")
+        return tuple(count for count in counts if count is not None)
+
+    def values(self, first: int, last: int) -> list[dict[str, Value]]:
+        """What each key is in cases ``first`` to ``last - 1``."""
+        if self.sampling == "grid":
+            columns = [self._of_grid(number, first, last) for number in range(len(self.axes))]
+        else:
+            points = self._points(first, last)
+            columns = [
+                [axis.drawn(unit) for unit in points[:, number].tolist()]
+                for number, axis in enumerate(self.axes.values())
+            ]
+        return [dict(zip(self.axes, row, strict=True)) for row in zip(*columns, strict=True)]
+
+    def column(self, key: str) -> list[Value]:
+        """What one key is in all cases."""
+        number = list(self.axes).index(key)
+        if self.sampling == "grid":
+            return self._of_grid(number, 0, len(self))
+        points = self._points(0, len(self))
+        return [self.axes[key].drawn(unit) for unit in points[:, number].tolist()]
+
+    def _of_grid(self, number: int, first: int, last: int) -> list[Value]:
+        ladder, inner = self.ladders[number], math.prod(self.shape[number + 1 :])
+        return [ladder[case // inner % len(ladder)] for case in range(first, last)]
+
+    @cached_property
+    def ladders(self) -> list[list[Value]]:
+        """The values of each key of a grid in order."""
+        return [axis.ladder() for axis in self.axes.values()]
+
+    def _points(self, first: int, last: int) -> NDArray[np.float64]:
+        """Where on each axis the cases lie, strictly between 0 and 1, shape (cases, axes)."""
+        return self._random(first, last) if self.sampling == "random" else self._sobol(first, last)
+
+    def _random(self, first: int, last: int) -> NDArray[np.float64]:
+        case = np.arange(first, last, dtype=np.uint64)
+        low, high = case & np.uint64(0xFFFFFFFF), case >> np.uint64(32)
+        columns: list[NDArray[np.float64]] = []
+        for block in range(math.ceil(len(self.axes) / _WORDS)):
+            counter = (low, high, np.full_like(case, _STREAM), np.full_like(case, block))
+            columns += [open_unit_interval(word) for word in philox(counter, self.seed)]
+        return np.stack(columns[: len(self.axes)], axis=1)
+
+    def _sobol(self, first: int, last: int) -> NDArray[np.float64]:
+        from scipy.stats import qmc  # starts slowly
+
+        sequence = qmc.Sobol(len(self.axes), scramble=True, rng=np.random.default_rng(self.seed))
+        if first:
+            sequence.fast_forward(first)
+        with warnings.catch_warnings():
+            # It warns of a number of points that is no power of 2, which a chunk need not have.
+            warnings.simplefilter("ignore", UserWarning)
+            points: NDArray[np.float64] = sequence.random(last - first)
+        return points.clip(_SMALLEST, 1 - _SMALLEST)
+
+
+@dataclass(frozen=True, slots=True)
+class ListedCases:
+    """All cases of a search.
+
+    Attributes:
+        axes: What each key takes, in the order in which they were given.
+        rows: What each key is in each case.
+    """
+
+    axes: Mapping[str, Axis]
+    rows: Sequence[tuple[Value, ...]]
+
+    sampling = "listed"
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def column(self, key: str) -> list[Value]:
+        """What one key is in all cases."""
+        number = list(self.axes).index(key)
+        return [row[number] for row in self.rows]

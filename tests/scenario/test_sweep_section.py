@@ -8,10 +8,8 @@ import math
 import pytest
 from hypothesis import given, strategies as st
 
-from hilc_cli.scenario.axis import axis_text, read_axis, shown_axis
-from hilc_cli.scenario.experiment import Scenario
-from hilc_cli.sweeps.planning import plan_of
-from hilc_cli.variation.axes import Axis, Choices, Range, Spacing, axis_from_data, axis_to_data
+from hilc_cli.scenario.sweep_section import axis_text, read_axis, shown_axis
+from hilc_cli.variation import Axis, Choices, Range, Spacing, axis_from_data, axis_to_data
 
 
 @pytest.mark.parametrize(
@@ -114,33 +112,3 @@ def test_text_of_an_axis_reads_back(axis: Axis) -> None:
 )
 def test_messages_show_values_as_they_are_written(written: str) -> None:
     assert shown_axis(read_axis(written)) == written
-
-
-@pytest.mark.parametrize(
-    ("key", "written", "values"),
-    [
-        ("controller.h", "1:3:3", [1, 2, 3]),
-        ("iterations", "1:1000:4:log", [1, 10, 100, 1000]),
-        ("iterations", "1:4:9", [1, 2, 3, 4]),
-        ("iterations", "1:9:6:log", [1, 2, 4, 6, 9]),
-        ("iterations", "5,3,4", [5, 3, 4]),
-        ("controller.b_w", "180,null", [180.0, None]),
-        ("controller.b_w", "60 rpm,1700 rpm", [2 * math.pi, 1700 * 2 * math.pi / 60]),
-        ("controller.gain_heading", "measured,reference", ["measured", "reference"]),
-        ("robot.wheel_radius", "20 cm:50 cm:4", [0.2, 0.3, 0.4, 0.5]),
-        ("robot.wheel_radius", "200 mm,1/4", [0.2, 0.25]),
-        ("initial_pose.heading", "-pi:pi:3", [-math.pi, 0.0, math.pi]),
-        ("initial_pose.heading", "80 deg:100 deg:3", [math.radians(a) for a in (80, 90, 100)]),
-        ("disturbance.output.repeat", "true,false", [True, False]),
-        ("disturbance.seed", [2**64 - 1, 0], [2**64 - 1, 0]),
-        ("controller.gains.l1", "1..3", [1, 2, 3]),
-        ("trajectory.segments.0.line.length", "1 m,20 cm", [1.0, 0.2]),
-    ],
-)
-def test_values_are_those_of_the_key(
-    scenario: Scenario, key: str, written: object, values: list[object]
-) -> None:
-    varied, _ = plan_of(scenario, {key: written})
-    ladder = varied.axes[key].ladder()
-    assert ladder == [pytest.approx(v, rel=1e-15) if isinstance(v, float) else v for v in values]
-    assert list(map(type, ladder)) == list(map(type, values))
