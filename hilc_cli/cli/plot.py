@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from hilc_cli.cli.completion import complete_results
+from hilc_cli.cli.completion import complete_picture, complete_results
 from hilc_cli.cli.options import (
     Force,
     Formats,
@@ -24,6 +24,7 @@ from hilc_cli.cli.options import (
 )
 from hilc_cli.errors import UsageError, printable
 from hilc_cli.reporting.terminal import print_json, print_text, say
+from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 
 Runs = Annotated[
     list[Path] | None,
@@ -40,9 +41,9 @@ Kinds = Annotated[
     typer.Option(
         "--kind",
         metavar="KIND",
-        help="What to draw; repeatable. Of runs: path-change, final-path, error, wheel-speeds, "
-        "summary, learning; of a sweep: curve, map, effects, best, bands, search; a "
-        "leaderboard has one picture. [default: all there are]",
+        autocompletion=complete_picture,
+        help=f"What to draw; repeatable. Of runs: {', '.join(RUN_PICTURES)}; of a sweep: "
+        f"{', '.join(SWEEP_PICTURES)}; a leaderboard has one picture. [default: all there are]",
     ),
 ]
 Iterations = Annotated[
@@ -87,7 +88,7 @@ def plot(
     from hilc_cli.leaderboards.comparing import is_leaderboard
     from hilc_cli.sweeps.folders import is_sweep
 
-    kinds = [choice.value for choice in kind or []]
+    kinds = [str(name) for name in kind or []]
     if not runs:
         runs = [newest_results(RUNS, kinds)]
         if not quiet:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation, Transform
 
 from hilc_cli.drawing.labels import spare_room
-from hilc_cli.drawing.style import HEADING_SIZE
+from hilc_cli.drawing.style import HEADING_SIZE, applied
 
 # Room around a panel for its labels [inch].
 LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.3, 0.56, 0.5
@@ -193,6 +193,29 @@ def resize_sheet(figure: Figure, *, bottom: float, top: float = 0.0) -> None:
 def finish(figure: Figure, axes: Axes, width: float) -> None:
     """Gives a figure of one panel its legend, and the height that it needs."""
     resize_sheet(figure, bottom=legend_below(axes, width), top=-spare_room([axes]))
+
+
+def panel_figure(
+    heading: str,
+    draw: Callable[[Axes], object],
+    width: float,
+    height: float = 3.6,
+    extra_right: float = 0.0,
+) -> Figure:
+    """A figure of one panel, drawn in the style of all pictures, with its legend.
+
+    Args:
+        heading: Above all.
+        draw: Draws into the axes.
+        width: Of the axes [inch].
+        height: Likewise.
+        extra_right: Room for what stands to the right of them [inch].
+    """
+    with applied():
+        figure, axes = single_panel(heading, width, height, extra_right)
+        draw(axes)
+        finish(figure, axes, width)
+        return figure
 
 
 def single_panel(

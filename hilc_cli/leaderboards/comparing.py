@@ -23,7 +23,7 @@ from hilc_cli.leaderboards.folder import (
 )
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
-from hilc_cli.results.manifest import COMPILED_WITH, origin
+from hilc_cli.results.folder import COMPILED_WITH, origin
 from hilc_cli.workers.handing_out import available_cores
 
 __all__ = [

@@ -16,7 +16,7 @@ from hilc_cli.paper.contents import FIGURES
 from hilc_cli.paper.folder import check_reproduction_folder, write_reproduction_folder
 from hilc_cli.paper.names import with_shown
 from hilc_cli.paper.plan import ReproductionPlan
-from hilc_cli.results.manifest import DRAWN_WITH, origin, versions
+from hilc_cli.results.folder import DRAWN_WITH, origin, versions
 from hilc_cli.runs.running import Run, run
 
 DPI = 300

@@ -16,6 +16,7 @@ from hilc_cli.laws.law import Plan
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.learning import read_learning, write_learning
+from hilc_cli.results.picture_kinds import RUN_PICTURES
 from hilc_cli.results.reading import Count, Document, Name, Pair, damaged
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
@@ -36,7 +37,6 @@ INPUT = "input.csv"
 PLAN = "plan.csv"
 GRAVITY_CENTER = "gravity-center.csv"
 LEARNING = "learning.csv"
-PICTURE_KINDS = ("path-change", "final-path", "error", "wheel-speeds", "summary", "learning")
 
 RUN_FOLDER = ResultFolder(
     what="run",
@@ -45,7 +45,7 @@ RUN_FOLDER = ResultFolder(
     tables=frozenset(
         {SCENARIO, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
     ),
-    pictures=PICTURE_KINDS,
+    pictures=tuple(RUN_PICTURES),
     files=frozenset({PLAN}),
 )
 _MAX_SCENARIO_BYTES = 10_000_000

@@ -13,12 +13,12 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.learning import Learning
-from hilc_cli.engine.measuring import MeasuredTrials
+from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.laws.law import Plan
+from hilc_cli.results.folder import DRAWN_WITH, origin
 from hilc_cli.results.learning import LearningTable
-from hilc_cli.results.manifest import DRAWN_WITH, origin
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import Summary, summarise

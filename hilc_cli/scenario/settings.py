@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from hilc_cli.laws.norm_optimal.law import RATIO
-from hilc_cli.results.quantities import BELIEVED, TRUE
+from hilc_cli.results.learning import BELIEVED, TRUE
 from hilc_cli.scenario.experiment import Scenario
 
 # Shown elsewhere: the speed limit is a figure of its own, the switch has a text of its own.

@@ -9,8 +9,9 @@ from typing import Annotated, Any
 from pydantic import PlainValidator
 
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, SWEEP_PICTURE_KINDS, ResultFolder
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.metrics import CASE_METRICS
+from hilc_cli.results.picture_kinds import SWEEP_PICTURES
 from hilc_cli.results.reading import Document, Length, Name, damaged, one_of
 from hilc_cli.results.tables import write_input
 from hilc_cli.sweeps.data import BEST, OwnValues, SweepData
@@ -26,7 +27,7 @@ SWEEP_FOLDER = ResultFolder(
     kind="hilc sweep",
     other="another sweep",
     tables=frozenset({CASES, BANDS, SCENARIO, INITIAL_INPUT, BEST}),
-    pictures=SWEEP_PICTURE_KINDS,
+    pictures=tuple(SWEEP_PICTURES),
     files=frozenset({PARQUET}),
     manifest="sweep.json",
 )

@@ -13,7 +13,7 @@ from typing import Any
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.files import folder_to_read
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.manifest import COMPILED_WITH, origin
+from hilc_cli.results.folder import COMPILED_WITH, origin
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
 from hilc_cli.sweeps.chunks import Chunk, Failure, MemoryStore, Store
 from hilc_cli.sweeps.compute import Execution, compute

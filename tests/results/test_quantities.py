@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hilc_cli.results.quantities import Quantity, Series, quantities
+from hilc_cli.results.learning import Quantity, Series, quantities
 
 
 def test_estimates_alone_and_of_the_model_are_one_quantity() -> None:

@@ -17,6 +17,7 @@ from hilc_cli.engine.lanes.lanes import (
     HISTORY_FIELDS,
     LANES,
     NOISE_ROWS,
+    SUM_ROWS,
     WORD_ROWS,
     Field,
     History,
@@ -27,7 +28,6 @@ from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.metrics import METRIC_NAMES
 
 NEVER = -1
 _ROUNDING = 2.0**-50
@@ -122,7 +122,7 @@ class Pack:
         words: See `Words`.
         noise: See `lanes.Noise`.
         history: See `History`.
-        final: Metrics of each lane's last iteration, in the order of METRIC_NAMES.
+        sums: What metrics are made of in each lane's last iteration, in the order of `Sums`.
         last: Each lane's last iteration, shape (LANES,).
         diverged_at: The iteration that left the finite numbers, NEVER if none, shape (LANES,).
     """
@@ -135,7 +135,7 @@ class Pack:
         self.words = aligned(WORD_ROWS * LANES, np.uint64)
         self.noise = aligned(NOISE_ROWS * LANES, np.float64)
         self.history = aligned((reference.samples + 2) * HISTORY_FIELDS * LANES, np.float64)
-        self.final = np.empty(len(METRIC_NAMES) * LANES)
+        self.sums = np.empty(SUM_ROWS * LANES)
         self.last = np.empty(LANES, dtype=np.int64)
         self.diverged_at = np.empty(LANES, dtype=np.int64)
         self.decay = np.exp(-reference.times[:-1]) if kind.compensation else None
@@ -161,7 +161,7 @@ class Pack:
     def restart(self, experiments: Sequence[Experiment]) -> None:
         """Sets the history to before iteration 0, and forgets what has been found out."""
         self.history[:] = 0.0
-        self.final[:] = np.nan
+        self.sums[:] = np.nan
         self.diverged_at[:] = NEVER
         inputs = self.history.reshape(-1, HISTORY_FIELDS, LANES)[1:-1]
         known: dict[tuple[int, int], tuple[Floats, Floats] | None] = {}

@@ -14,6 +14,7 @@ from hilc_cli.drawing import labels, layout, logarithmic, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import MAX_ERROR_SECOND_HALF
 from hilc_cli.results.run import RunData
+from hilc_cli.runs.pictures.catalogue import RunPicture
 
 LineStyle = str | tuple[int, tuple[float, ...]]
 
@@ -236,9 +237,8 @@ def _gap_notes(runs: Sequence[RunData]) -> list[str]:
 
 def error_figure(runs: Sequence[RunData]) -> Figure:
     """The position error of one or several runs against the iteration."""
-    with style.applied():
-        width = 5.8
-        figure, axes = layout.single_panel(layout.heading_of(labels.run_labels(runs)), width)
-        draw_error(axes, runs)
-        layout.finish(figure, axes, width)
-        return figure
+    heading = layout.heading_of(labels.run_labels(runs))
+    return layout.panel_figure(heading, lambda axes: draw_error(axes, runs), 5.8)
+
+
+PICTURE = RunPicture(lambda runs, iterations: error_figure(runs))

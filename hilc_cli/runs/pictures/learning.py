@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.quantities import BELIEVED, TRUE, Quantity, quantities, says_more
+from hilc_cli.results.learning import BELIEVED, TRUE, Quantity, quantities, says_more
 from hilc_cli.results.run import RunData
+from hilc_cli.runs.pictures.catalogue import RunPicture
 from hilc_cli.runs.pictures.error import MARKED_UP_TO, MOST_DETAILED, scale_iterations
 
 BARS = 2
@@ -329,3 +330,8 @@ def _draw_never(axes: Axes, iterations: NDArray[Any], color: str, label: str) ->
         markerfacecolor="white",
         label=label,
     )
+
+
+PICTURE = RunPicture(
+    lambda runs, iterations: learning_figure(runs), lambda runs: bool(quantities_to_draw(runs))
+)

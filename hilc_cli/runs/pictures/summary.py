@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures import path_change
+from hilc_cli.runs.pictures.catalogue import RunPicture
 from hilc_cli.runs.pictures.error import draw_error
 from hilc_cli.runs.pictures.final_path import draw_final_path
 from hilc_cli.runs.pictures.wheel_speeds import draw_wheel_speeds
@@ -26,11 +27,7 @@ def summary_figure(runs: Sequence[RunData], iterations: Collection[int] | None =
     Args:
         runs: At least one.
         iterations: The iterations whose paths are shown; None for all that are recorded.
-
-    Raises:
-        UsageError: An iteration is recorded in none of the runs.
     """
-    path_change.check_iterations(runs, iterations)
     with style.applied():
         if len(runs) == 1:
             return _summary_of_one(runs, iterations)
@@ -87,3 +84,6 @@ def _summary_of_several(runs: Sequence[RunData], iterations: Collection[int] | N
     )
     layout.resize_sheet(figure, bottom=own + shared)
     return figure
+
+
+PICTURE = RunPicture(summary_figure)

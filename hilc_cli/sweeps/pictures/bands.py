@@ -9,6 +9,7 @@ from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.sweeps.data import Bands, SweepData
+from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.metric_axis import draw_zeros, metric_scale, show_metric
 from hilc_cli.sweeps.pictures.picking import MEDIAN
 from hilc_cli.sweeps.pictures.shared import BANDS, heading_of, within
@@ -115,3 +116,11 @@ def _draw_counts(axes: Axes, above: Axes, bands: Bands) -> None:
     axes.set_xlabel("Iteration")
     axes.set_ylabel("Cases", labelpad=2)
     axes.grid(visible=True)
+
+
+PICTURE = SweepPicture(
+    bands_figure,
+    fits=lambda data: data.bands is not None,
+    needs="the error over the iterations; set 'sweep.bands: true'",
+    place=2,
+)

@@ -1,8 +1,9 @@
-"""The axis of the metric, with room at its edges for cases that have no place on it."""
+"""The axis of the metric: its name and scale, and room for cases that have no place on it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import textwrap
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +12,9 @@ from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.drawing import labels, logarithmic, style
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.sweeps.pictures.key_axis import KeyAxis
+from hilc_cli.results.metrics import CASE_COLUMNS, ITERATIONS_TO_TOLERANCE
+from hilc_cli.sweeps.data import SweepData
+from hilc_cli.sweeps.pictures.key_axis import KeyAxis, with_unit
 from hilc_cli.sweeps.pictures.picking import Integers, Outcome
 
 ZERO_LABEL = "Exactly zero"
@@ -44,6 +47,7 @@ class MetricScale:
         zeros: How many values a logarithmic scale has no place for.
         beyond: How many finite values are larger than high.
         is_empty: Whether there are no values at all.
+        unit: Of the values, as it is written.
     """
 
     low: float
@@ -52,13 +56,15 @@ class MetricScale:
     zeros: int = 0
     beyond: int = 0
     is_empty: bool = False
+    unit: str = ""
 
-    def notes(self, unit: str) -> list[str]:
+    def notes(self) -> list[str]:
         """What the reader must be told: values that are not drawn where they are."""
         if not self.beyond:
             return []
         what = "value is" if self.beyond == 1 else "values are"
-        return [f"{self.beyond} {what} above {labels.number_text(self.high, 2)} {unit}".rstrip()]
+        high = labels.number_text(self.high, 2)
+        return [f"{self.beyond} {what} above {high} {self.unit}".rstrip()]
 
     def in_place(self, values: Floats) -> Floats:
         """Values with gaps for those that have no place on the scale."""
@@ -103,6 +109,38 @@ def _is_crowded(values: Floats, low: float, high: float) -> bool:
     if low <= 0 or high / low < _CROWDED_FROM:
         return False
     return float(np.median(values)) - low < _CROWDED * (high - low)
+
+
+def scale_of(data: SweepData, values: Floats) -> MetricScale:
+    """The scale that shows values of a sweep's metric best."""
+    metric = CASE_COLUMNS[data.metric]
+    return replace(metric_scale(values, whole=metric.whole), unit=metric.unit)
+
+
+def metric_name(data: SweepData) -> str:
+    """The metric in words, without a unit."""
+    metric = CASE_COLUMNS[data.metric]
+    when = metric.when
+    if data.metric == ITERATIONS_TO_TOLERANCE:
+        when = "the tolerance" if data.tolerance is None else _with_metres(data.tolerance)
+    return f"{metric.words} {when}"
+
+
+def metric_label(data: SweepData, height: float, prefix: str = "") -> str:
+    """The metric with its unit, as an axis of so many inches names it."""
+    text = with_unit(prefix + metric_name(data), CASE_COLUMNS[data.metric].unit)
+    return textwrap.fill(text[0].upper() + text[1:], max(20, int(height / 0.068)))
+
+
+def metric_text(data: SweepData, value: float) -> str:
+    """A value of the metric with its unit."""
+    if data.metric == ITERATIONS_TO_TOLERANCE:
+        return f"{labels.number_text(value)} iterations"
+    return f"{labels.number_text(value, 4)} {CASE_COLUMNS[data.metric].unit}".rstrip()
+
+
+def _with_metres(length: float) -> str:
+    return f"{labels.number_text(length, 4)} m"
 
 
 def show_metric(axes: Axes, scale: MetricScale, rows: int, height: float) -> None:

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.sweeps.pictures.key_axis import key_label, key_labels_in_lines, short_names, unit_of
+from hilc_cli.scenario.keys import unit_of
+from hilc_cli.sweeps.pictures.key_axis import key_label, key_labels_in_lines, short_names
 from tests.made_up_sweeps import HEADING, L1, LONG_KEY
 
 PAGES = Path(__file__).parents[3] / "docs" / "laws"

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from hilc_cli.results.metrics import CASE_METRICS, ITERATIONS_TO_TOLERANCE
-from hilc_cli.sweeps.pictures.key_axis import metric_label, metric_text, shortened_words, value_text
+from hilc_cli.sweeps.pictures.key_axis import shortened_words, value_text
+from hilc_cli.sweeps.pictures.metric_axis import metric_label, metric_text
 from hilc_cli.variation.axes import Value
 from tests.made_up_sweeps import L1, RATES, bowl, sweep
 
