@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.textpath import TextPath
 
-from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing import labels, layout, style
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
@@ -160,7 +160,7 @@ def _scale(axes: Axes, runs: Sequence[RunData]) -> None:
     low, high = (float(values.min()), float(values.max())) if len(values) else (-1.0, 0.0)
     beside = max(0.0, _LEAST_SPREAD - (high - low)) / 2
     beside += _MARGIN * (high - low + 2 * beside)
-    logarithmic.set_scale(axes.xaxis, 10.0 ** (low - beside), 10.0 ** (high + beside), 9, least=4)
+    labels.set_logarithmic(axes.xaxis, 10.0 ** (low - beside), 10.0 ** (high + beside), 9, least=4)
 
 
 NAME = "comparison"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -99,8 +99,8 @@ class CaseColumn:
 
     name: str
     words: str
-    when: str = ""
-    whole: bool = False
+    when: str
+    whole: bool = field(default=False, kw_only=True)
 
     @property
     def unit(self) -> str:
@@ -108,7 +108,7 @@ class CaseColumn:
         return stem_and_unit(self.name)[1]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Metric(CaseColumn):
     """What is told of each iteration, and of each case by its last one.
 
@@ -155,103 +155,79 @@ METRICS: Mapping[str, Metric] = {
     metric.name: metric
     for metric in (
         Metric(
-            name="max_position_error_m",
-            words="maximum position error",
-            when=_AFTER,
-            of_motion=lambda motion: motion.position_error.max(),
-            of_sums=lambda sums: np.sqrt(sums.largest_square),
+            "max_position_error_m", "maximum position error", _AFTER,
+            lambda motion: motion.position_error.max(),
+            lambda sums: np.sqrt(sums.largest_square),
             heading="Max. error",
         ),
         Metric(
-            name="mean_position_error_m",
-            words="mean position error",
-            when=_AFTER,
-            of_motion=lambda motion: _mean(motion.position_error),
-            of_sums=lambda sums: sums.errors * (1 / (sums.samples + 1)),
+            "mean_position_error_m", "mean position error", _AFTER,
+            lambda motion: _mean(motion.position_error),
+            lambda sums: sums.errors * (1 / (sums.samples + 1)),
             heading="Mean error",
         ),
         Metric(
-            name="rms_position_error_m",
-            words="RMS position error",
-            when=_AFTER,
-            of_motion=lambda motion: _rms(motion.position_error),
-            of_sums=lambda sums: np.sqrt(sums.squares * (1 / (sums.samples + 1))),
+            "rms_position_error_m", "RMS position error", _AFTER,
+            lambda motion: _rms(motion.position_error),
+            lambda sums: np.sqrt(sums.squares * (1 / (sums.samples + 1))),
             heading="RMS error",
         ),
         Metric(
-            name="final_position_error_m",
-            words="position error at the end",
-            when=_OF,
-            of_motion=lambda motion: motion.position_error[-1],
-            of_sums=lambda sums: sums.final_error,
+            "final_position_error_m", "position error at the end", _OF,
+            lambda motion: motion.position_error[-1],
+            lambda sums: sums.final_error,
             heading="End error",
         ),
         Metric(
-            name="max_abs_error_x_m",
-            words="maximum error in x",
-            when=_AFTER,
-            of_motion=lambda motion: motion.error_x.max(),
-            of_sums=lambda sums: sums.largest_x,
+            "max_abs_error_x_m", "maximum error in x", _AFTER,
+            lambda motion: motion.error_x.max(),
+            lambda sums: sums.largest_x,
         ),
         Metric(
-            name="max_abs_error_y_m",
-            words="maximum error in y",
-            when=_AFTER,
-            of_motion=lambda motion: motion.error_y.max(),
-            of_sums=lambda sums: sums.largest_y,
+            "max_abs_error_y_m", "maximum error in y", _AFTER,
+            lambda motion: motion.error_y.max(),
+            lambda sums: sums.largest_y,
         ),
         Metric(
-            name="max_abs_error_heading_rad",
-            words="maximum heading error",
-            when=_AFTER,
-            of_motion=lambda motion: motion.error_heading.max(),
-            of_sums=lambda sums: sums.largest_heading,
+            "max_abs_error_heading_rad", "maximum heading error", _AFTER,
+            lambda motion: motion.error_heading.max(),
+            lambda sums: sums.largest_heading,
             heading="Heading error",
         ),
         Metric(
-            name="max_wheel_speed_rad_s",
-            words="maximum wheel speed",
-            when=_IN,
-            of_motion=lambda motion: max(
-                np.abs(motion.trial.left).max(), np.abs(motion.trial.right).max()
-            ),
-            of_sums=lambda sums: sums.fastest_wheel,
+            "max_wheel_speed_rad_s", "maximum wheel speed", _IN,
+            lambda motion: max(np.abs(motion.trial.left).max(), np.abs(motion.trial.right).max()),
+            lambda sums: sums.fastest_wheel,
             title="Fastest wheel",
         ),
         Metric(
-            name="saturated_samples",
-            words="samples at the speed limit",
-            when=_IN,
+            "saturated_samples", "samples at the speed limit", _IN,
+            lambda motion: motion.trial.saturated_samples,
+            lambda sums: sums.saturated,
             whole=True,
-            of_motion=lambda motion: motion.trial.saturated_samples,
-            of_sums=lambda sums: sums.saturated,
         ),
         Metric(
-            name="input_change_rms_rad_s",
-            words="RMS input change",
-            when=_IN,
-            of_motion=lambda motion: _input_change(motion.trial, motion.before),
-            of_sums=lambda sums: np.sqrt(sums.change_squares * (1 / (2 * sums.samples))),
+            "input_change_rms_rad_s", "RMS input change", _IN,
+            lambda motion: _input_change(motion.trial, motion.before),
+            lambda sums: np.sqrt(sums.change_squares * (1 / (2 * sums.samples))),
         ),
         Metric(
-            name="max_position_error_second_half_m",
-            words="maximum position error of the second half",
-            when=_AFTER,
-            of_motion=lambda motion: motion.second_half.max(),
-            of_sums=lambda sums: np.sqrt(sums.later_largest_square),
-            title="Maximum position error, second half",
-            heading="Max. 2nd half",
+            "max_position_error_second_half_m", "maximum position error of the second half", _AFTER,
+            lambda motion: motion.second_half.max(),
+            lambda sums: np.sqrt(sums.later_largest_square),
+            title="Maximum position error, second half", heading="Max. 2nd half",
         ),
         Metric(
-            name="mean_position_error_second_half_m",
-            words="mean position error of the second half",
-            when=_AFTER,
-            of_motion=lambda motion: _mean(motion.second_half),
-            of_sums=lambda sums: sums.later_errors * (1 / (sums.samples // 2 + 1)),
+            "mean_position_error_second_half_m", "mean position error of the second half", _AFTER,
+            lambda motion: _mean(motion.second_half),
+            lambda sums: sums.later_errors * (1 / (sums.samples // 2 + 1)),
         ),
     )
-}
-"""The metrics by their columns of ``iterations.csv``, in order."""
+}  # fmt: skip
+"""The metrics by their columns of ``iterations.csv``, in order.
+
+Means of sums are products with a reciprocal: other last digits would be other files.
+"""
 
 MAX_ERROR, MAX_ERROR_SECOND_HALF = "max_position_error_m", "max_position_error_second_half_m"
 ITERATIONS_TO_TOLERANCE = "iterations_to_tolerance"
@@ -261,9 +237,11 @@ DIVERGED = "diverged"
 CASE_COLUMNS: Mapping[str, CaseColumn] = METRICS | {
     column.name: column
     for column in (
-        CaseColumn(ITERATIONS_TO_TOLERANCE, "iterations until the error stays below", whole=True),
+        CaseColumn(
+            ITERATIONS_TO_TOLERANCE, "iterations until the error stays below", "", whole=True
+        ),
         CaseColumn(PEAK, "largest position error", "of all iterations"),
-        CaseColumn(DIVERGED, "whether it diverged", whole=True),
+        CaseColumn(DIVERGED, "whether it diverged", "", whole=True),
     )
 }
 """The columns of ``cases.csv`` behind the varied keys, in order."""

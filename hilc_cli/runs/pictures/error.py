@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import MAX_ERROR_SECOND_HALF
 from hilc_cli.results.run import RunData
@@ -187,7 +187,7 @@ def _scale_errors(axes: Axes, lines: Sequence[Floats], strips: float) -> None:
     per_height = (top - bottom) / (1 - floor - _HEADROOM)
     bottom, top = bottom - floor * per_height, top + _HEADROOM * per_height
     axes.set_yscale("log")
-    major, texts, minor = logarithmic.ticks(bottom + strips * per_height, top)
+    major, texts, minor = labels.logarithmic_ticks(bottom + strips * per_height, top)
     # Fixed ticks in plain characters are set many times faster than those of LogFormatter.
     axes.set_yticks(major, texts)
     axes.set_yticks(minor, [""] * len(minor), minor=True)

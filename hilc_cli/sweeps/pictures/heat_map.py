@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.catalogue import SweepPicture
@@ -244,7 +244,7 @@ def _add_color_bar(axes: Axes, scale: MetricScale, norm: Normalize, label: str) 
     assert norm.vmin is not None
     assert norm.vmax is not None
     if scale.is_logarithmic:
-        major, texts, minor = logarithmic.narrow_ticks(norm.vmin, norm.vmax, 10, 3)
+        major, texts, minor = labels.narrow_ticks(norm.vmin, norm.vmax, 10, 3)
         drawn.set_ticks(major, labels=texts)
         drawn.set_ticks(minor, labels=[""] * len(minor), minor=True)
     elif scale.low == scale.high:

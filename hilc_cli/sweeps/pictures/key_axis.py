@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from hilc_cli.drawing import labels, logarithmic
+from hilc_cli.drawing import labels
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.scenario.keys import unit_of
 from hilc_cli.sweeps.data import SweepData
@@ -203,7 +203,7 @@ class KeyAxis:
         axis = axes.xaxis if which == "x" else axes.yaxis
         most = max(3, int(length / (0.6 if which == "x" else 0.4)))
         if self.is_logarithmic:
-            logarithmic.set_scale(axis, *limits, most=most)
+            labels.set_logarithmic(axis, *limits, most=most)
         else:
             (axes.set_xlim if which == "x" else axes.set_ylim)(limits)
             axis.set_major_locator(MaxNLocator(nbins=min(8, most), steps=[1, 2, 5, 10]))

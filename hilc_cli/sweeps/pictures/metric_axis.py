@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from hilc_cli.drawing import labels, logarithmic, style
+from hilc_cli.drawing import labels, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, ITERATIONS_TO_TOLERANCE
 from hilc_cli.sweeps.data import SweepData
@@ -168,7 +168,7 @@ def show_metric(axes: Axes, scale: MetricScale, rows: int, height: float) -> Non
     if scale.low >= 0 and not scale.is_logarithmic:
         bottom = max(bottom, -below * per_height)
     if scale.is_logarithmic:
-        logarithmic.set_scale(axes.yaxis, 10.0**bottom, 10.0**top, most=max(3, int(height / 0.35)))
+        labels.set_logarithmic(axes.yaxis, 10.0**bottom, 10.0**top, most=max(3, int(height / 0.35)))
     else:
         axes.set_ylim(bottom, top)
         axes.yaxis.set_major_locator(
