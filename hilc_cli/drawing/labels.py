@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
 from matplotlib.ticker import Formatter, MaxNLocator
+from numpy.typing import NDArray
 
-from hilc_cli.drawing.style import NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
+from hilc_cli.drawing.style import MARKER_SIZE, NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
 from hilc_cli.errors import printable
 from hilc_cli.results.run import RunData, distinct_names
 
@@ -178,6 +181,41 @@ def set_logarithmic(
     major, texts, minor = narrow_ticks(low, high, most, least)
     axis.set_ticks(major, labels=texts)
     axis.set_ticks(minor, labels=[""] * len(minor), minor=True)
+
+
+def draw_marks(
+    axes: Axes,
+    x: NDArray[Any],
+    height: float,
+    marker: str,
+    color: str,
+    label: str,
+    *,
+    size: float = MARKER_SIZE,
+    zorder: float = 2.0,
+) -> None:
+    """Draws open marks at a height of the panel, 0 to 1, of what has no place on its axis."""
+    axes.plot(
+        *(x, np.full(len(x), height)),
+        transform=axes.get_xaxis_transform(),
+        color=color,
+        linestyle="none",
+        marker=marker,
+        markersize=size,
+        markerfacecolor="white",
+        zorder=zorder,
+        label=label,
+    )
+
+
+def set_iterations(axes: Axes, last: int) -> None:
+    """Makes the x axis one of iterations, from 0 to the last."""
+    border = max(0.5, 0.02 * last)
+    axes.set_xlim(-border, last + border)
+    axes.xaxis.set_major_locator(
+        MaxNLocator(nbins=8, steps=[1, 2, 5, 10], integer=True, min_n_ticks=1)
+    )
+    axes.set_xlabel("Iteration")
 
 
 def set_title(axes: Axes, title: str, notes: Iterable[str] = ()) -> None:

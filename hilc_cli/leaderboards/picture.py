@@ -50,7 +50,7 @@ def leaderboard_figure(data: LeaderboardData) -> Figure:
                 axes.set_ylabel("Largest error of the second half [m]")
             drawn.append(axes)
         room = panels * _WIDTH + (panels - 1) * _GAP
-        legend = layout.legend_below(drawn[0], room)
+        legend = layout.legend_below(drawn[:1], room)
         layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(drawn))
         return figure
 

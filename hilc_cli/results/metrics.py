@@ -234,15 +234,13 @@ ITERATIONS_TO_TOLERANCE = "iterations_to_tolerance"
 PEAK = "peak_max_position_error_m"
 DIVERGED = "diverged"
 
-CASE_COLUMNS: Mapping[str, CaseColumn] = METRICS | {
-    column.name: column
-    for column in (
-        CaseColumn(
-            ITERATIONS_TO_TOLERANCE, "iterations until the error stays below", "", whole=True
-        ),
-        CaseColumn(PEAK, "largest position error", "of all iterations"),
-        CaseColumn(DIVERGED, "whether it diverged", "", whole=True),
-    )
+CASE_COLUMNS: Mapping[str, CaseColumn] = {
+    **METRICS,
+    ITERATIONS_TO_TOLERANCE: CaseColumn(
+        ITERATIONS_TO_TOLERANCE, "iterations until the error stays below", "", whole=True
+    ),
+    PEAK: CaseColumn(PEAK, "largest position error", "of all iterations"),
+    DIVERGED: CaseColumn(DIVERGED, "whether it diverged", "", whole=True),
 }
 """The columns of ``cases.csv`` behind the varied keys, in order."""
 
@@ -280,10 +278,10 @@ class MetricsTable:
     """Metrics of iterations 0, 1, ...: a column of eight-byte numbers each, nothing else."""
 
     def __init__(self) -> None:
-        self._columns = Named(
-            "metric",
-            {name: array("q" if metric.whole else "d") for name, metric in METRICS.items()},
-        )
+        columns: dict[str, array[float]] = {
+            name: array("q" if metric.whole else "d") for name, metric in METRICS.items()
+        }
+        self._columns = Named("metric", columns)
 
     def append(self, metrics: Mapping[str, float]) -> None:
         """Adds the next iteration, all metrics by name."""

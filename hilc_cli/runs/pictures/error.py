@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
@@ -117,17 +116,8 @@ def draw_error(
         at_zero = np.flatnonzero(run.metrics["max_position_error_m"] < _SMALLEST)
         if len(at_zero):
             zeros = True
-            axes.plot(
-                at_zero,
-                np.full(len(at_zero), strips + _HEADROOM / 2),
-                transform=axes.get_xaxis_transform(),
-                color=color if several else style.BLUE,
-                linestyle="none",
-                marker="v",
-                markersize=style.MARKER_SIZE,
-                markerfacecolor="white",
-                label="_zero",
-            )
+            mark_color = color if several else style.BLUE
+            labels.draw_marks(axes, at_zero, strips + _HEADROOM / 2, "v", mark_color, "_zero")
         if run.diverged_at is not None:
             axes.axvline(
                 run.diverged_at,
@@ -151,15 +141,7 @@ def _legend_proxies(axes: Axes, lines: Mapping[str, LineStyle], *, zeros: bool) 
         width = style.THIN if place else style.PATH_WIDTH
         axes.plot([], [], color="black", linewidth=width, linestyle=line_style, label=label)
     if zeros:
-        axes.plot(
-            *([], []),
-            color="black",
-            linestyle="none",
-            marker="v",
-            markersize=style.MARKER_SIZE,
-            markerfacecolor="white",
-            label=ZERO_LABEL,
-        )
+        labels.draw_marks(axes, np.empty(0), 0.0, "v", "black", ZERO_LABEL)
 
 
 def scale_iterations(axes: Axes, runs: Sequence[RunData]) -> None:
@@ -167,12 +149,7 @@ def scale_iterations(axes: Axes, runs: Sequence[RunData]) -> None:
     last = max(
         max(len(run.metrics) - 1, 0 if run.diverged_at is None else run.diverged_at) for run in runs
     )
-    border = max(0.5, 0.02 * last)
-    axes.set_xlim(-border, last + border)
-    axes.xaxis.set_major_locator(
-        MaxNLocator(nbins=8, steps=[1, 2, 5, 10], integer=True, min_n_ticks=1)
-    )
-    axes.set_xlabel("Iteration")
+    labels.set_iterations(axes, last)
 
 
 def _scale_errors(axes: Axes, lines: Sequence[Floats], strips: float) -> None:

@@ -228,7 +228,7 @@ def learning_figure(runs: Sequence[RunData]) -> Figure:
             _draw_quantity(axes, quantity, telling, notes if axes is panels[0] else [])
             if axes is not panels[-1]:
                 axes.set_xlabel("")
-        legend = layout.legend_below_all(panels, _WIDTH, first=names)
+        legend = layout.legend_below(panels, _WIDTH, first=names)
         layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(panels[:1]))
         return figure
 
@@ -320,16 +320,7 @@ def _draw_plain(
 
 
 def _draw_never(axes: Axes, iterations: NDArray[Any], color: str, label: str) -> None:
-    axes.plot(
-        *(iterations, np.full(len(iterations), 1 - _HEADROOM / 3)),
-        transform=axes.get_xaxis_transform(),
-        color=color,
-        linestyle="none",
-        marker="^",
-        markersize=style.MARKER_SIZE,
-        markerfacecolor="white",
-        label=label,
-    )
+    labels.draw_marks(axes, iterations, 1 - _HEADROOM / 3, "^", color, label)
 
 
 PICTURE = RunPicture(

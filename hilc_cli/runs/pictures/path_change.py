@@ -219,7 +219,7 @@ def draw_grid(
         panels.append(axes)
     add_color_bar(panels[min(len(panels), COLUMNS) - 1], scale)
     first_of_last_row = panels[(len(panels) - 1) // COLUMNS * COLUMNS]
-    return layout.legend_below(first_of_last_row, side)
+    return layout.legend_below([first_of_last_row], side)
 
 
 PICTURE = RunPicture(path_change_figure)

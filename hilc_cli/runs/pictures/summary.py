@@ -55,7 +55,7 @@ def _summary_of_one(runs: Sequence[RunData], iterations: Collection[int] | None)
     draw_final_path(panels[1], runs)
     draw_error(panels[2], runs)
     draw_wheel_speeds(panels[3], runs)
-    legends = [layout.legend_below(panel, width) for panel in panels]
+    legends = [layout.legend_below([panel], width) for panel in panels]
     layout.resize_sheet(figure, bottom=max(legends[2:]), top=-labels.spare_room(panels[:2]))
     return figure
 
@@ -78,7 +78,7 @@ def _summary_of_several(runs: Sequence[RunData], iterations: Collection[int] | N
     draw_final_path(panels[0], runs)
     draw_error(panels[1], runs)
     draw_wheel_speeds(panels[2], runs)
-    own = max(layout.legend_below(panel, width, without=names) for panel in panels)
+    own = max(layout.legend_below([panel], width, without=names) for panel in panels)
     shared = layout.shared_legend(
         panels[1], names, layout.LEFT, height_above + own, sheet - 2 * layout.LEFT
     )

@@ -188,7 +188,7 @@ def edge_rows(outcomes: Integers) -> list[Outcome]:
 
 
 def draw_edge_marks(
-    axes: Axes, where: KeyAxis, outcomes: Integers, cases: Integers, size: float | None = None
+    axes: Axes, where: KeyAxis, outcomes: Integers, cases: Integers, size: float = style.MARKER_SIZE
 ) -> None:
     """Marks the cases without a metric along the upper edge, a row for each reason.
 
@@ -207,17 +207,15 @@ def draw_edge_marks(
     for row, outcome in enumerate(rows):
         there = cases[outcomes[cases] == outcome]
         places = _apart(np.unique(where.flat[there]))
-        axes.plot(
+        labels.draw_marks(
+            axes,
             where.bent(places),
-            np.full(len(places), 1 - ROW * (row + 0.5)),
-            transform=axes.get_xaxis_transform(),
-            linestyle="none",
-            marker=_MARKERS[outcome],
-            markersize=style.MARKER_SIZE if size is None else size,
-            color=_COLORS[outcome],
-            markerfacecolor="white",
+            1 - ROW * (row + 0.5),
+            _MARKERS[outcome],
+            _COLORS[outcome],
+            outcome_label(outcome, len(there)),
+            size=size,
             zorder=4,
-            label=outcome_label(outcome, len(there)),
         )
 
 
@@ -228,18 +226,7 @@ def draw_zeros(axes: Axes, positions: Floats, values: Floats, scale: MetricScale
     at = np.unique(positions[values < _SMALLEST])
     if len(at):
         at = at[:: -(-len(at) // _MOST_MARKS)]
-        axes.plot(
-            at,
-            np.full(len(at), ZERO_HEIGHT),
-            transform=axes.get_xaxis_transform(),
-            linestyle="none",
-            marker="v",
-            markersize=style.MARKER_SIZE,
-            color="black",
-            markerfacecolor="white",
-            zorder=4,
-            label=ZERO_LABEL,
-        )
+        labels.draw_marks(axes, at, ZERO_HEIGHT, "v", "black", ZERO_LABEL, zorder=4)
 
 
 def outcome_label(outcome: Outcome, count: int, what: str = "case") -> str:

@@ -195,7 +195,7 @@ def test_lane_at_the_limit_does_not_see_a_neighbour_beyond_it() -> None:
 
     still = [case(0.0, 20.0 + number) for number in range(8)]
     together = simulate_batch([*still, case(0.5, 5.0), case(5.0, 60.0)])
-    assert together.final[-2:, METRICS.index("saturated_samples")].min() > 0
+    assert together.final[-2:, list(METRICS).index("saturated_samples")].min() > 0
     for number, experiment in enumerate(still):
         alone = simulate_batch([experiment])
         assert together.final[number].tobytes() == alone.final[0].tobytes()

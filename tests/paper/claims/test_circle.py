@@ -86,5 +86,5 @@ def test_closed_form_is_where_the_engine_comes_to_rest() -> None:
         abs(sideways_error_after_compensation(*offset, SPEED, YAW_RATE, COMPENSATED))
         for offset in OFFSETS.values()
     ]
-    found = result.final[:, METRICS.index("final_position_error_m")]
+    found = result.final[:, list(METRICS).index("final_position_error_m")]
     np.testing.assert_allclose(found, expected, rtol=0.02)
