@@ -125,7 +125,7 @@ TEXTS = ("", " ", "x", "null", "None", "True", "0x10", "1_0", '"', "'", "=1+1", 
 def make_folders(place: Path) -> None:
     """Makes one folder of each kind in the working folder, which is the place."""
     import hilc_cli as hilc
-    from hilc_cli.paper.names import REPRODUCTION_FOLDER
+    from hilc_cli.paper.contents import REPRODUCTION_FOLDER
     from hilc_cli.paper.plan import plan_reproduction
     from hilc_cli.sweeps.compute import Execution
     from hilc_cli.sweeps.planning import plan_sweep

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from hilc_cli.cli.app import app
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import METRICS
 from hilc_cli.results.tables import INPUT_HEADER, SAMPLES_HEADER
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
@@ -127,7 +127,7 @@ def test_each_column_is_on_its_page() -> None:
     page = (DOCS / "files.md").read_text(encoding="utf-8")
     parts = dict(re.findall(r"^## (\S+)\n(.*?)(?=^## )", page, re.MULTILINE | re.DOTALL))
     rows = re.findall(r"^\| `(\w+)`", parts["iterations.csv"], re.MULTILINE)
-    assert rows == ["iteration", *METRIC_NAMES]
+    assert rows == ["iteration", *METRICS]
     for file, header in (("samples.csv", SAMPLES_HEADER), ("input.csv", INPUT_HEADER)):
         told = re.findall(r"`(\w+)`", parts[file])
         assert told[: len(header)] == list(header)

@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
@@ -163,7 +163,7 @@ def _draw_shares(axes: Axes, path_size_m: float) -> None:
 def _scale_errors(axes: Axes, low: float, high: float) -> None:
     axes.set_ylim(low, high)  # first: Matplotlib would look for limits, and may overflow
     axes.set_yscale("log")
-    major, texts, minor = logarithmic.ticks(math.log10(low), math.log10(high))
+    major, texts, minor = labels.logarithmic_ticks(math.log10(low), math.log10(high))
     axes.set_yticks(major, texts)
     axes.set_yticks(minor, [""] * len(minor), minor=True)
     axes.set_ylabel("Maximum position error [m]", labelpad=2)

@@ -10,7 +10,7 @@ from itertools import chain
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.measuring import MeasuredTrials
+from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.summary import summarise

@@ -10,6 +10,7 @@ from contextlib import redirect_stdout, suppress
 from pathlib import Path
 
 from hilc_cli.cli.default_folders import RUNS
+from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX, examples
 
 REQUEST = "_HILC_COMPLETE"
@@ -123,9 +124,9 @@ def complete_varied_key(incomplete: str) -> list[str]:
 
 def complete_metric(incomplete: str) -> list[str]:
     """Metrics of an iteration."""
-    from hilc_cli.results.metrics import METRIC_NAMES
+    from hilc_cli.results.metrics import METRICS
 
-    return _begun(METRIC_NAMES, incomplete)
+    return _begun(METRICS, incomplete)
 
 
 def complete_case_metric(incomplete: str) -> list[str]:
@@ -133,6 +134,12 @@ def complete_case_metric(incomplete: str) -> list[str]:
     from hilc_cli.results.metrics import CASE_METRICS
 
     return _begun(CASE_METRICS, incomplete)
+
+
+def complete_picture(incomplete: str) -> list[tuple[str, str]]:
+    """Kinds of pictures, each with what it shows."""
+    kinds = {**RUN_PICTURES, **SWEEP_PICTURES}
+    return [(name, kinds[name].shows) for name in _begun(kinds, incomplete)]
 
 
 def complete_results(incomplete: str) -> list[str]:

@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from hilc_cli.errors import UsageError, printable
+from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 
 RUNS = Path("runs")
 SWEEP = "-sweep"
@@ -119,11 +120,7 @@ def newest_results(folder: Path, kinds: Sequence[str] = ()) -> Path:
     Raises:
         UsageError: There is none.
     """
-    # What reads tables takes long to import for the completion of names, which needs none of it.
-    from hilc_cli.results.folder import SWEEP_PICTURE_KINDS
-    from hilc_cli.runs.run_folder import PICTURE_KINDS
-
-    drawn = {_OF_RUNS: PICTURE_KINDS, _OF_SWEEPS: SWEEP_PICTURE_KINDS}
+    drawn = {_OF_RUNS: RUN_PICTURES, _OF_SWEEPS: SWEEP_PICTURES}
     tables = [table for table in _TABLES if set(kinds) <= set(drawn.get(table, ()))]
     fitting = (
         (written, place)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from hilc_cli.cli.completion import complete_key, complete_scenario
 from hilc_cli.errors import UsageError
+from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.version import __version__
 
 
@@ -32,21 +33,10 @@ _FILE_ENDINGS = frozenset(
 """Names that end like that are those of files, whatever kinds hilc writes."""
 
 
-class PictureKind(StrEnum):
-    """Kinds of pictures, of runs and then of sweeps."""
-
-    PATH_CHANGE = "path-change"
-    FINAL_PATH = "final-path"
-    ERROR = "error"
-    WHEEL_SPEEDS = "wheel-speeds"
-    SUMMARY = "summary"
-    LEARNING = "learning"
-    CURVE = "curve"
-    MAP = "map"
-    EFFECTS = "effects"
-    BEST = "best"
-    BANDS = "bands"
-    SEARCH = "search"
+if TYPE_CHECKING:
+    PictureKind = str
+else:
+    PictureKind = StrEnum("PictureKind", {name: name for name in (*RUN_PICTURES, *SWEEP_PICTURES)})
 
 
 def _show_version(wanted: bool) -> None:

@@ -10,9 +10,10 @@ from typing import Annotated, Any
 import typer
 
 from hilc_cli.cli import options
-from hilc_cli.cli.completion import complete_results
+from hilc_cli.cli.completion import complete_picture, complete_results
 from hilc_cli.errors import UsageError, printable
 from hilc_cli.reporting.terminal import print_json, print_text, say
+from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 
 Runs = Annotated[
     list[Path] | None,
@@ -29,9 +30,9 @@ Kinds = Annotated[
     typer.Option(
         "--kind",
         metavar="KIND",
-        help="What to draw; repeatable. Of runs: path-change, final-path, error, wheel-speeds, "
-        "summary, learning; of a sweep: curve, map, effects, best, bands, search; a "
-        "leaderboard has one picture. [default: all there are]",
+        autocompletion=complete_picture,
+        help=f"What to draw; repeatable. Of runs: {', '.join(RUN_PICTURES)}; of a sweep: "
+        f"{', '.join(SWEEP_PICTURES)}; a leaderboard has one picture. [default: all there are]",
     ),
 ]
 Iterations = Annotated[
@@ -76,7 +77,7 @@ def plot(
     from hilc_cli.leaderboards.folder import is_leaderboard, read_leaderboard
     from hilc_cli.sweeps.sweep_folder import is_sweep, plot_sweep, read_sweep
 
-    kinds = [choice.value for choice in kind or []]
+    kinds = [str(name) for name in kind or []]
     if not runs:
         runs = [newest_results(RUNS, kinds)]
         if not quiet:

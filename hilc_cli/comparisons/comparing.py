@@ -15,12 +15,22 @@ from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.files import merge_folder
 from hilc_cli.names import listed
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRICS
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.results.summary import summarise
 from hilc_cli.runs.running import RunSource, as_runs
 
 SETTINGS = "Settings"
 ERRORS, LEARNING = "Errors of the last iteration", "Wheel speeds and learning"
+
+
+def _of_metric(name: str, section: str, *, is_ranked: bool = False) -> Column:
+    """The column of a metric of the last iteration."""
+    metric = METRICS[name]
+    return Column(
+        name, metric.title, metric.heading, metric.unit, section=section, is_ranked=is_ranked
+    )
+
 
 RUN_COLUMNS = (
     Column("run", "Run", "Run"),
@@ -31,34 +41,18 @@ RUN_COLUMNS = (
     Column("trajectory", "Trajectory", "Trajectory", section=ERRORS),
     Column("path_size_m", "Path size", "Size", "m", section=ERRORS),
     Column("iterations", "Iterations", "Iterations", section=LEARNING),
-    Column(
-        "max_position_error_m", "Maximum position error", "Max. error", "m",
-        section=ERRORS, is_ranked=True,
+    *(
+        _of_metric(name, ERRORS, is_ranked=True)
+        for name in (
+            MAX_ERROR,
+            MAX_ERROR_SECOND_HALF,
+            "mean_position_error_m",
+            "rms_position_error_m",
+            "final_position_error_m",
+            "max_abs_error_heading_rad",
+        )
     ),
-    Column(
-        "max_position_error_second_half_m", "Maximum position error, second half",
-        "Max. 2nd half", "m", section=ERRORS, is_ranked=True,
-    ),
-    Column(
-        "mean_position_error_m", "Mean position error", "Mean error", "m",
-        section=ERRORS, is_ranked=True,
-    ),
-    Column(
-        "rms_position_error_m", "RMS position error", "RMS error", "m",
-        section=ERRORS, is_ranked=True,
-    ),
-    Column(
-        "final_position_error_m", "Position error at the end", "End error", "m",
-        section=ERRORS, is_ranked=True,
-    ),
-    Column(
-        "max_abs_error_heading_rad", "Maximum heading error", "Heading error", "rad",
-        section=ERRORS, is_ranked=True,
-    ),
-    Column(
-        "max_wheel_speed_rad_s", "Fastest wheel", "Fastest wheel", "rad/s",
-        section=LEARNING,
-    ),
+    _of_metric("max_wheel_speed_rad_s", LEARNING),
     Column(
         "speed_limit_rad_s", "Speed limit", "Speed limit", "rad/s",
         absent="none", section=LEARNING,

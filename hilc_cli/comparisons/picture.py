@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.textpath import TextPath
 
-from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing import labels, layout, style
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
@@ -160,7 +160,7 @@ def _scale(axes: Axes, runs: Sequence[RunData]) -> None:
     low, high = (float(values.min()), float(values.max())) if len(values) else (-1.0, 0.0)
     beside = max(0.0, _LEAST_SPREAD - (high - low)) / 2
     beside += _MARGIN * (high - low + 2 * beside)
-    logarithmic.set_scale(axes.xaxis, 10.0 ** (low - beside), 10.0 ** (high + beside), 9, least=4)
+    labels.set_logarithmic(axes.xaxis, 10.0 ** (low - beside), 10.0 ** (high + beside), 9, least=4)
 
 
 NAME = "comparison"
@@ -209,7 +209,7 @@ def comparison_figure(runs: Sequence[RunData]) -> Figure:
         below = layout.add_panel(figure, left, above + layout.TOP, right - left, height)
         draw_last_errors(below, rows, lines)
         _note_what_is_left_out(below, len(runs), len(rows), len(lines), len(groups))
-        legend = layout.legend_below(below, right - left)
+        legend = layout.legend_below([below], right - left)
         beside = first if len(groups) == 1 else first[:1]  # what stands at the upper edge
         layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(beside))
         return figure
@@ -225,8 +225,8 @@ def _draw_side_by_side(figure: Figure, runs: Sequence[RunData]) -> float:
     draw_error(error, runs)
     draw_final_path(path, runs)
     legend = max(
-        layout.legend_below(error, _ERROR_WIDTH, without=names),
-        layout.legend_below(path, _PATH_WIDTH, without=names),
+        layout.legend_below([error], _ERROR_WIDTH, without=names),
+        layout.legend_below([path], _PATH_WIDTH, without=names),
     )
     layout.resize_sheet(figure, bottom=legend)
     return top + _HEIGHT + layout.BOTTOM + legend
@@ -241,7 +241,7 @@ def _draw_paths_below(
     layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
     error = layout.add_panel(figure, layout.LEFT, top, width, _HEIGHT)
     draw_error(error, runs)
-    legend = layout.legend_below(error, width, without=names)
+    legend = layout.legend_below([error], width, without=names)
     top += _HEIGHT + layout.BOTTOM + legend + layout.TOP
     width = _SHEET / len(shown) - layout.LEFT - layout.RIGHT
     height = min(width, _HEIGHT)
@@ -253,7 +253,7 @@ def _draw_paths_below(
 
         draw_final_path(axes, group, _title_for(group[0].reference.name, width), among=runs)
         paths.append(axes)
-    legend = layout.legend_below(paths[0], _SHEET, without=names)
+    legend = layout.legend_below(paths[:1], _SHEET, without=names)
     layout.resize_sheet(figure, bottom=legend)
     return top + height + layout.BOTTOM + legend
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation, Transform
 
 from hilc_cli.drawing.labels import spare_room
-from hilc_cli.drawing.style import HEADING_SIZE
+from hilc_cli.drawing.style import HEADING_SIZE, applied
 
 # Room around a panel for its labels [inch].
 LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.3, 0.56, 0.5
@@ -64,47 +64,39 @@ def panel_size(axes: Axes) -> tuple[float, float]:
 
 
 def legend_below(
-    axes: Axes, width: float, without: Collection[str] = (), below: Axes | None = None
+    panels: Sequence[Axes],
+    width: float,
+    *,
+    without: Collection[str] = (),
+    first: Collection[str] = (),
+    below: Axes | None = None,
 ) -> float:
-    """Puts the legend of axes below their label, in as many columns as there is room for.
+    """Puts one legend of panels, each label once, below the last of them.
+
+    It has as many columns as there is room for.
 
     Args:
-        axes: The axes; nothing happens if none of their artists is to be named.
+        panels: From top to bottom; nothing happens if none of their artists is to be named.
         width: Room for the legend [inch].
         without: Labels that are shown elsewhere.
-        below: Axes that the legend is to stand below, if not these.
-
-    Returns:
-        Height of the legend [inch].
-    """
-    entries = _entries(axes, without=without)
-    if not entries:
-        return 0.0
-    columns = _columns(entries, width + RIGHT)
-    offset = ScaledTranslation(0, -BOTTOM, root_figure(axes).dpi_scale_trans)
-    corner = (axes if below is None else below).transAxes + offset
-    _draw_legend(axes, entries, (0, 0), corner, columns)
-    return _height(entries, columns)
-
-
-def legend_below_all(panels: Sequence[Axes], width: float, first: Collection[str] = ()) -> float:
-    """Puts one legend of all panels, each label once, below the last of them.
-
-    Args:
-        panels: From top to bottom.
-        width: Room for the legend [inch].
         first: Labels that come before all others.
+        below: Axes that the legend is to stand below, if not the last of the panels.
 
     Returns:
         Height of the legend [inch].
     """
-    found = {label: handle for axes in panels for label, handle in _entries(axes).items()}
+    found = {
+        label: handle
+        for axes in panels
+        for label, handle in _entries(axes, without=without).items()
+    }
     if not found:
         return 0.0
     entries = {label: found[label] for label in sorted(found, key=lambda name: name not in first)}
     columns = _columns(entries, width + RIGHT)
     offset = ScaledTranslation(0, -BOTTOM, root_figure(panels[-1]).dpi_scale_trans)
-    _draw_legend(panels[-1], entries, (0, 0), panels[-1].transAxes + offset, columns)
+    corner = (panels[-1] if below is None else below).transAxes + offset
+    _draw_legend(panels[-1], entries, (0, 0), corner, columns)
     return _height(entries, columns)
 
 
@@ -192,7 +184,30 @@ def resize_sheet(figure: Figure, *, bottom: float, top: float = 0.0) -> None:
 
 def finish(figure: Figure, axes: Axes, width: float) -> None:
     """Gives a figure of one panel its legend, and the height that it needs."""
-    resize_sheet(figure, bottom=legend_below(axes, width), top=-spare_room([axes]))
+    resize_sheet(figure, bottom=legend_below([axes], width), top=-spare_room([axes]))
+
+
+def panel_figure(
+    heading: str,
+    draw: Callable[[Axes], object],
+    width: float,
+    height: float = 3.6,
+    extra_right: float = 0.0,
+) -> Figure:
+    """A figure of one panel, drawn in the style of all pictures, with its legend.
+
+    Args:
+        heading: Above all.
+        draw: Draws into the axes.
+        width: Of the axes [inch].
+        height: Likewise.
+        extra_right: Room for what stands to the right of them [inch].
+    """
+    with applied():
+        figure, axes = single_panel(heading, width, height, extra_right)
+        draw(axes)
+        finish(figure, axes, width)
+        return figure
 
 
 def single_panel(

@@ -13,8 +13,8 @@ from hilc_cli.engine.learning import Learning
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import WheelController
 from hilc_cli.plants.kinematic import limit_wheel_speeds
-from hilc_cli.results.metrics import is_finite
-from hilc_cli.results.trial import Trial
+from hilc_cli.results.metrics import measure
+from hilc_cli.results.trial import Trial, is_finite
 
 
 def simulate(experiment: Experiment, learning: Learning | None = None) -> Iterator[Trial]:
@@ -128,3 +128,29 @@ def _run_iteration(
         y=trial.y + alpha[:, 1],
         heading=trial.heading + alpha[:, 2],
     )
+
+
+class MeasuredTrials:
+    """The completed iterations of an experiment with their metrics; a divergence ends them.
+
+    Only the last iteration is remembered: whoever goes through them keeps what is wanted.
+
+    Attributes:
+        last: The last iteration that has been completed; None if none has.
+        diverged_at: The iteration that left the finite numbers; None if none has.
+    """
+
+    def __init__(self, experiment: Experiment, learning: Learning | None = None) -> None:
+        """With an experiment, and its learning if that is to be asked for plans, see `simulate`."""
+        self._experiment, self._learning = experiment, learning
+        self.last: Trial | None = None
+        self.diverged_at: int | None = None
+
+    def __iter__(self) -> Iterator[tuple[Trial, dict[str, float]]]:
+        try:
+            for trial in simulate(self._experiment, self._learning):
+                metrics = measure(trial, self._experiment.reference, self.last)
+                self.last = trial
+                yield trial, metrics
+        except DivergedError as error:
+            self.diverged_at = error.iteration

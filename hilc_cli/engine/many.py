@@ -9,8 +9,8 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import NEVER, BatchResult, simulate_batch
 from hilc_cli.engine.lanes.packs import knows
-from hilc_cli.engine.measuring import MeasuredTrials
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.engine.loop import MeasuredTrials
+from hilc_cli.results.metrics import MAX_ERROR, METRICS
 
 
 def simulate_many(experiments: Sequence[Experiment]) -> BatchResult:
@@ -24,7 +24,7 @@ def simulate_many(experiments: Sequence[Experiment]) -> BatchResult:
     cases = len(experiments)
     most = max(experiment.iterations for experiment in experiments)
     result = BatchResult(
-        np.full((cases, len(METRIC_NAMES)), np.nan),
+        np.full((cases, len(METRICS)), np.nan),
         np.full((cases, most + 1), np.nan),
         np.full(cases, NEVER, dtype=np.int64),
     )
@@ -43,7 +43,7 @@ def _one(experiment: Experiment, result: BatchResult, number: int) -> None:
     """Runs one in the loop engine and notes it like the batch engine."""
     trials = MeasuredTrials(experiment)
     for trial, metrics in trials:
-        result.errors[number, trial.iteration] = metrics.max_position_error_m
-        result.final[number] = [getattr(metrics, name) for name in METRIC_NAMES]
+        result.errors[number, trial.iteration] = metrics[MAX_ERROR]
+        result.final[number] = list(metrics.values())
     if trials.diverged_at is not None:
         result.diverged_at[number] = trials.diverged_at

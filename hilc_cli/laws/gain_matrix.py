@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
@@ -261,6 +261,22 @@ def per_component(formula: Callable[[Floats], Floats], previous: Iteration) -> P
 
 
 GainHeading = Literal["measured", "previous", "reference"]
+
+
+class LaneParameters(NamedTuple):
+    """What a law may offer to be run in lanes by the batch engine: Eq. 17 or Eq. 21.
+
+    Attributes:
+        gains: l1, l2, l3 >= 0 of the errors e_i(k+1), e_{i+1}(k) and e_{i+1}(k-1).
+        matrix: The 2x3 gain matrix.
+        gain_heading: Heading at which the matrix is taken.
+        compensation: Length of the compensation of Eq. 21 in samples; None for Eq. 17.
+    """
+
+    gains: tuple[float, float, float]
+    matrix: GainMatrix
+    gain_heading: GainHeading
+    compensation: int | None
 
 
 def corrected_plan(

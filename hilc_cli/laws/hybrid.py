@@ -20,6 +20,7 @@ from hilc_cli.laws.gain_matrix import (
     matrix_misfits,
     per_component,
     wheel_correction,
+    LaneParameters,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
 from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
@@ -130,6 +131,15 @@ class HybridLaw:
     gain_heading: GainHeading
     compensation: bool
     h: int
+
+    def lane_parameters(self) -> LaneParameters:
+        """Returns what the batch engine runs: all that there is of the law."""
+        return LaneParameters(
+            (self.l1, self.l2, self.l3),
+            self.matrix,
+            self.gain_heading,
+            self.h if self.compensation else None,
+        )
 
     def learner(self, task: Task) -> Learner:
         """The law at the start of an experiment."""

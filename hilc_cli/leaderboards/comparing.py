@@ -17,7 +17,7 @@ from hilc_cli.leaderboards.contests import Contests, LeaderboardData, compute_en
 from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
-from hilc_cli.results.manifest import COMPILED_WITH, origin
+from hilc_cli.results.folder import COMPILED_WITH, origin
 from hilc_cli.workers.crews import available_cores
 
 

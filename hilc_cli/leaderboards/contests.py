@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.measuring import MeasuredTrials
+from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.errors import DivergedError, HilcError
 from hilc_cli.leaderboards.plan import Contest
 from hilc_cli.names import in_short, listed
@@ -245,10 +245,10 @@ def _errors(experiment: Experiment) -> _Errors:
     trials = MeasuredTrials(experiment)
     found = _Errors([], [], [])
     for _, metrics in trials:
-        found.max_m.append(metrics.max_position_error_second_half_m)
-        found.mean_m.append(metrics.mean_position_error_second_half_m)
-        found.whole_m.append(metrics.max_position_error_m)
-        found.fastest = max(found.fastest, metrics.max_wheel_speed_rad_s)
+        found.max_m.append(metrics["max_position_error_second_half_m"])
+        found.mean_m.append(metrics["mean_position_error_second_half_m"])
+        found.whole_m.append(metrics["max_position_error_m"])
+        found.fastest = max(found.fastest, metrics["max_wheel_speed_rad_s"])
     found.diverged_at = trials.diverged_at
     return found
 

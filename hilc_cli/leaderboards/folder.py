@@ -14,7 +14,6 @@ from hilc_cli.leaderboards.contests import Entry, LeaderboardData
 from hilc_cli.leaderboards.tables import ERRORS, NAMES, OTHERS, error_name
 from hilc_cli.names import check_name
 from hilc_cli.results.folder import ResultFolder
-from hilc_cli.results.metrics import LARGEST
 from hilc_cli.results.reading import (
     Document,
     Length,
@@ -24,6 +23,7 @@ from hilc_cli.results.reading import (
     parse_numbers,
     table_rows,
 )
+from hilc_cli.results.trial import LARGEST
 
 TABLES = {"csv": "leaderboard.csv", "markdown": "leaderboard.md", "latex": "leaderboard.tex"}
 """The file that holds a kind of table."""

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing import labels, layout, style
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.folder import LEADERBOARD_PICTURE
@@ -50,7 +50,7 @@ def leaderboard_figure(data: LeaderboardData) -> Figure:
                 axes.set_ylabel("Largest error of the second half [m]")
             drawn.append(axes)
         room = panels * _WIDTH + (panels - 1) * _GAP
-        legend = layout.legend_below(drawn[0], room)
+        legend = layout.legend_below(drawn[:1], room)
         layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(drawn))
         return figure
 
@@ -96,7 +96,7 @@ def _draw(axes: Axes, data: LeaderboardData, disturbance: str, low: float, high:
     axes.set_xlim(-0.5, len(places) - 0.5)
     for edge in places[1:] - 0.5:
         axes.axvline(edge, color="0.88", linewidth=0.5)
-    logarithmic.set_scale(axes.yaxis, low, high, 9)
+    labels.set_logarithmic(axes.yaxis, low, high, 9)
     axes.axhline(data.tolerance, color=style.LIMIT_COLOR, linewidth=style.THIN,
                  linestyle=style.DASHED, label=f"{data.tolerance:g} m")  # fmt: skip
     axes.grid(visible=True, axis="y")

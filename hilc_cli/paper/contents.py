@@ -1,4 +1,4 @@
-"""What stands where: figures 3 to 8, their panels, and the situations that these show."""
+"""What stands where: figures 3 to 8, their panels, the situations that these show, and files."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from hilc_cli.errors import UsageError, suggestion
 from hilc_cli.paper.panel import PanelKind
+from hilc_cli.results.folder import ResultFolder
 
 MOTOR_LIMIT = 180.0
 """u_max [rad/s] of the platform's motors, Eq. 44."""
@@ -229,3 +230,36 @@ def figures_named(names: Sequence[str]) -> tuple[PaperFigure, ...]:
             raise UsageError(f"{name}: is no figure of the paper's results; {known}")
         wanted.add(full)
     return tuple(figure for figure in FIGURES if not wanted or figure.name in wanted)
+
+
+INDEX = "index.md"
+CLAIMS_CSV = "claims.csv"
+CLAIMS_MD = "claims.md"
+DATA = "data"
+
+
+def picture_name(figure: PaperFigure, suffix: str) -> str:
+    """The picture of a figure in one format."""
+    return f"{figure.name}.{suffix}"
+
+
+def with_shown(formats: Sequence[str]) -> tuple[str, ...]:
+    """The formats of the pictures, with one that browsers show for the page of all figures."""
+    chosen = tuple(dict.fromkeys(formats))
+    return chosen if set(chosen) - {"pdf"} else (*chosen, "png")
+
+
+def data_name(panel: PaperPanel) -> str:
+    """The table of a panel."""
+    return f"{DATA}/{panel.name}.csv"
+
+
+REPRODUCTION_FOLDER = ResultFolder(
+    what="reproduction",
+    kind="hilc reproduce",
+    other="other figures or scenarios",
+    pictures=tuple(FIGURE_NAMES),
+    files=frozenset({INDEX, CLAIMS_CSV, CLAIMS_MD, DATA}),
+)
+
+OWN_DATA = frozenset(data_name(panel) for figure in FIGURES for panel in figure.panels)

@@ -51,7 +51,7 @@ def document(result: Reproduction, folder: Path, formats: Sequence[str]) -> dict
 
 
 def _figure(figure: PaperFigure, formats: Sequence[str]) -> dict[str, Any]:
-    from hilc_cli.paper.names import data_name, picture_name, with_shown
+    from hilc_cli.paper.contents import data_name, picture_name, with_shown
 
     return {
         "name": figure.name,

@@ -9,15 +9,37 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.errors import UsageError
+from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.names import in_short, listed
 from hilc_cli.paper.claim import Claim, Finding
-from hilc_cli.paper.contents import FIGURES
-from hilc_cli.paper.folder import check_reproduction_folder, write_reproduction_folder
-from hilc_cli.paper.names import with_shown
+from hilc_cli.paper.contents import (
+    CLAIMS_CSV,
+    CLAIMS_MD,
+    DATA,
+    FIGURES,
+    INDEX,
+    MOTOR_LIMIT,
+    OWN_DATA,
+    REPRODUCTION_FOLDER,
+    PaperPanel,
+    data_name,
+    picture_name,
+    with_shown,
+)
+from hilc_cli.paper.panel import Panel, PanelRow, write_panel
 from hilc_cli.paper.plan import ReproductionPlan
-from hilc_cli.results.manifest import DRAWN_WITH, origin, versions
+from hilc_cli.paper.texts import (
+    claims_text,
+    gains_text,
+    group_text,
+    index_text,
+    situation_text,
+    write_claims_csv,
+)
+from hilc_cli.results.folder import DRAWN_WITH, origin, versions
+from hilc_cli.results.run import RunData
 from hilc_cli.runs.running import Run, run
+from hilc_cli.scenario.experiment import Scenario
 
 DPI = 300
 """Resolution of pictures in print [dots per inch]."""
@@ -76,7 +98,8 @@ class Reproduction:
             FileAccessError: It cannot be written.
             UsageError: There is no such picture format or resolution.
         """
-        from hilc_cli.drawing.save import check_format  # Matplotlib starts slowly
+        from hilc_cli.drawing.save import check_format, save_figure
+        from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
 
         for name in formats:
             check_format(name)
@@ -84,28 +107,39 @@ class Reproduction:
             raise UsageError(f"dpi must be from 1 to 10000, got {dpi}")
         clock = time.perf_counter()
         timings: dict[str, float] = {}
+        chosen = tuple(dict.fromkeys(formats))
+        plan, runs, judged, shown = self.plan, self.runs, self.judged, with_shown(chosen)
+
+        def fill(into: Path) -> None:
+            (into / DATA).mkdir()
+            for figure in plan.figures:
+                rows = [_row(panels, runs, plan.scenarios) for panels in figure.rows]
+                sheet = sheet_figure(f"Figure {figure.number}. {figure.title}", rows)
+                for suffix in shown:
+                    save_figure(sheet, into / picture_name(figure, suffix), dpi)
+                drawn = [panel for row in rows for panel in row.panels]
+                for panel, content in zip(figure.panels, drawn, strict=True):
+                    write_panel(into / data_name(panel), content)
+                on_step()
+            if judged:
+                write_claims_csv(into / CLAIMS_CSV, judged)
+                _write(into / CLAIMS_MD, claims_text(judged))
+            again, made_with = _command(plan, chosen, dpi), versions(DRAWN_WITH)
+            _write(into / INDEX, index_text(plan, runs, judged, shown, again, made_with))
 
         def manifest() -> Mapping[str, Any]:
             timings["figures and tables"] = time.perf_counter() - clock
             return {
+                "figures": [figure.name for figure in plan.figures],
+                "checksum": plan.checksum(),
+                "scenarios_sha256": plan.checksums(),
                 **origin(self.started, DRAWN_WITH),
                 "command": list(command),
                 "timings_s": {**self.timings, **timings},
             }
 
-        chosen = tuple(dict.fromkeys(formats))
-        write_reproduction_folder(
-            Path(folder),
-            self.plan,
-            self.runs,
-            self.judged,
-            manifest,
-            formats=with_shown(chosen),
-            dpi=dpi,
-            command=_command(self.plan, chosen, dpi),
-            versions=versions(DRAWN_WITH),
-            force=force,
-            on_figure=on_step,
+        REPRODUCTION_FOLDER.write(
+            Path(folder), fill, manifest, lambda there: check_reproduction(plan, there, force=force)
         )
         return timings
 
@@ -136,10 +170,72 @@ def reproduce(
 def check_reproduction(plan: ReproductionPlan, folder: str | Path, *, force: bool = False) -> None:
     """Whether a reproduction may be written to a folder, before it is simulated.
 
+    One of fewer figures may be completed: all of them are drawn again, from the same scenarios.
+
+    Args:
+        plan: What is to be written.
+        folder: Where.
+        force: Replace the folder of other figures or scenarios.
+
     Raises:
-        ExistingResultsError: The folder holds something else.
+        ExistingResultsError: The folder holds something else, or somebody's own files stand
+            among the data.
     """
-    check_reproduction_folder(Path(folder), plan, force=force)
+    path = Path(folder)
+    REPRODUCTION_FOLDER.check(path, lambda there: _is_among(there, plan), force=force)
+    for name in sorted(f"{DATA}/{entry.name}" for entry in (path / DATA).glob("*")):
+        if name not in OWN_DATA:
+            raise ExistingResultsError(
+                f"{path / name}: is no file of a reproduction, which would be replaced; "
+                "move it elsewhere"
+            )
+
+
+def _is_among(manifest: Mapping[str, Any], plan: ReproductionPlan) -> bool:
+    """Whether a plan has all figures and scenarios of the reproduction in a folder."""
+    if manifest.get("checksum") == plan.checksum():
+        return True
+    figures, scenarios = manifest.get("figures"), manifest.get("scenarios_sha256")
+    if not isinstance(figures, list) or not isinstance(scenarios, dict) or not scenarios:
+        return False
+    named, checksums = [figure.name for figure in plan.figures], plan.checksums()
+    return all(name in named for name in figures) and all(
+        checksums.get(name) == checksum for name, checksum in scenarios.items()
+    )
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _row(
+    panels: tuple[PaperPanel, ...],
+    runs: Mapping[str, RunData],
+    scenarios: Mapping[str, Scenario],
+) -> PanelRow:
+    """What a row of a figure shows."""
+    first = panels[0]
+    scenario = scenarios[first.situation.scenario]
+    together = all(panel.situation == first.situation for panel in panels)
+    if together:
+        heading = f"({first.letter[0]}) {situation_text(first.situation, scenario)}"
+    else:
+        heading = group_text(first.situation, scenario)
+    return PanelRow(
+        heading,
+        tuple(
+            Panel(
+                panel.letter,
+                panel.kind,
+                panel.kind.capitalize()
+                if together
+                else gains_text(scenarios[panel.situation.scenario]),
+                runs[panel.situation.scenario],
+                MOTOR_LIMIT,
+            )
+            for panel in panels
+        ),
+    )
 
 
 def _command(plan: ReproductionPlan, formats: Sequence[str], dpi: int) -> str:

@@ -12,8 +12,17 @@ from hilc_cli.drawing.labels import number_text
 from hilc_cli.laws.hybrid import HybridController
 from hilc_cli.laws.parameters import default_length
 from hilc_cli.paper.claim import Claim, Figure, Finding, Verdict
-from hilc_cli.paper.contents import FIGURE_NAMES, PaperFigure, PaperPanel, Situation
-from hilc_cli.paper.names import CLAIMS_CSV, CLAIMS_MD, DATA, data_name, picture_name
+from hilc_cli.paper.contents import (
+    CLAIMS_CSV,
+    CLAIMS_MD,
+    DATA,
+    FIGURE_NAMES,
+    PaperFigure,
+    PaperPanel,
+    Situation,
+    data_name,
+    picture_name,
+)
 from hilc_cli.paper.panel import SHOWN_ITERATIONS
 from hilc_cli.paper.plan import ReproductionPlan
 from hilc_cli.results.run import RunData

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import filecmp
 import json
+import platform
 import shutil
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from datetime import datetime
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
 from hilc_cli.errors import ExistingResultsError, MissingFileError, UsageError
 from hilc_cli.files import is_there, output_place, read_file, resolved, write_folder, writing
 from hilc_cli.results.reading import MAX_JSON_BYTES, Document, read_document
+from hilc_cli.version import __version__
 
 _MAX_PICTURE_BYTES = 100_000_000
 
 PICTURE_FORMATS = ("png", "svg", "pdf")
-
-SWEEP_PICTURE_KINDS = ("curve", "map", "effects", "best", "bands", "search")
 
 SCENARIO = "scenario.yaml"
 INITIAL_INPUT = "initial-input.csv"
@@ -206,3 +209,37 @@ def _is_same(one: Path, other: Path) -> bool:
     if not one.exists() and not other.exists():
         return True
     return one.is_file() and other.is_file() and filecmp.cmp(one, other, shallow=False)
+
+
+DRAWN_WITH = ("matplotlib", "numpy", "pydantic", "pyyaml")
+"""Packages that take part in a run and its pictures."""
+
+COMPILED_WITH = ("numba", "numpy", "pydantic", "pyyaml", "scipy")
+"""Packages that take part where many experiments are computed."""
+
+
+def origin(
+    started: datetime, libraries: Sequence[str], plug_ins: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Returns what a manifest tells of when and where results were computed: time and versions.
+
+    Args:
+        started: When the computation began, in UTC.
+        libraries: Names of the packages that took part.
+        plug_ins: Package and version of what is not hilc's own, by name.
+    """
+    return {
+        "versions": versions(libraries),
+        **({"plug_ins": plug_ins} if plug_ins else {}),
+        "platform": f"{sys.platform} {platform.machine()}",
+        "started": started.isoformat(timespec="seconds"),
+    }
+
+
+def versions(libraries: Sequence[str]) -> dict[str, str]:
+    """Versions of this program, of Python and of some packages, by name."""
+    return {
+        "hilc": __version__,
+        "python": platform.python_version(),
+        **{library: version(library) for library in libraries},
+    }

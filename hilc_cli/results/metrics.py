@@ -1,11 +1,16 @@
-"""How well an iteration tracked, and the table of that over all iterations."""
+"""The metrics of an iteration: what each is, how it is computed, and the table of all iterations.
+
+`METRICS` is the one list of them: columns, their order and units, labels of axes, headings of
+tables, completion and what both engines compute follow from it.
+"""
 
 from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,109 +18,115 @@ from hilc_cli.names import Named, in_short, listed
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 
-LARGEST = 1e140
-"""Positions [m] and headings [rad] beyond this count as not finite: squares of what moves a robot
-there in a few steps, wheel speeds, are hardly finite any more."""
+_UNITS = {"_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad", "_m": "m", "_s": "s", "_percent": "%"}
 
 
-def is_finite(largest_position_error: float, x: float, y: float, heading: float) -> bool:
-    """Whether an iteration has stayed within the finite numbers.
+def stem_and_unit(column: str) -> tuple[str, str]:
+    """The name of a column without the unit at its end, and the unit as it is written, if any."""
+    for ending, unit in _UNITS.items():
+        if column.endswith(ending):
+            return column.removesuffix(ending), unit
+    return column, ""
 
-    Args:
-        largest_position_error: Of the iteration [m].
-        x: Where it ended [m].
-        y: Likewise.
-        heading: Likewise [rad].
+
+class Motion(NamedTuple):
+    """An iteration as metrics in the loop engine see it.
+
+    Attributes:
+        trial: The iteration.
+        before: The iteration before it; None for the first.
+        error_x: Absolute error in x [m], shape (n + 1,).
+        error_y: Absolute error in y [m], likewise.
+        error_heading: Absolute error of the heading, which is not wrapped [rad], likewise.
+        position_error: Distance of the true wheel midpoint from the reference [m], likewise.
+        second_half: The same at samples k >= n / 2, where an initial error should be gone.
     """
-    return (
-        abs(largest_position_error) <= LARGEST
-        and abs(x) <= LARGEST
-        and abs(y) <= LARGEST
-        and abs(heading) <= LARGEST
-    )
+
+    trial: Trial
+    before: Trial | None
+    error_x: Floats
+    error_y: Floats
+    error_heading: Floats
+    position_error: Floats
+    second_half: Floats
+
+
+class Sums(NamedTuple):
+    """Iterations as metrics in the batch engine see them: an iteration of each case.
+
+    Attributes:
+        samples: n, the same for all cases.
+        largest_square: Largest squared position error [m^2], shape (cases,), as all others.
+        errors: Sum of the position errors at samples 0..n [m].
+        squares: Sum of their squares [m^2].
+        largest_x: Largest absolute error in x [m].
+        largest_y: Largest absolute error in y [m].
+        largest_heading: Largest absolute error of the heading [rad].
+        fastest_wheel: Largest absolute speed of a wheel [rad/s].
+        saturated: Number of samples at which the speed limit acted.
+        change_squares: Sum, over samples and wheels, of the squared change of its speed
+            from the iteration before [rad^2/s^2].
+        later_largest_square: As `largest_square`, at samples k >= n / 2.
+        later_errors: As `errors`, likewise.
+        final_error: Position error at sample n [m].
+    """
+
+    samples: int
+    largest_square: Floats
+    errors: Floats
+    squares: Floats
+    largest_x: Floats
+    largest_y: Floats
+    largest_heading: Floats
+    fastest_wheel: Floats
+    saturated: Floats
+    change_squares: Floats
+    later_largest_square: Floats
+    later_errors: Floats
+    final_error: Floats
 
 
 @dataclass(frozen=True, slots=True)
-class IterationMetrics:
-    """The row of one iteration; the fields carry the column names of ``iterations.csv``.
+class CaseColumn:
+    """What is told of each case of a sweep.
 
-    Position errors are Euclidean distances of the true wheel midpoint from the reference; mean,
-    RMS and maximum run over samples 0..n; those of the second half, in which an initial error
-    should be gone, over samples k >= n / 2. The heading error is not wrapped.
+    Attributes:
+        name: Of the column; a unit is its end.
+        words: What it is, without a unit.
+        when: Of which iterations, behind the words.
+        whole: Whether it is a whole number.
     """
 
-    max_position_error_m: float
-    mean_position_error_m: float
-    rms_position_error_m: float
-    final_position_error_m: float
-    max_abs_error_x_m: float
-    max_abs_error_y_m: float
-    max_abs_error_heading_rad: float
-    max_wheel_speed_rad_s: float
-    saturated_samples: int
-    input_change_rms_rad_s: float
-    max_position_error_second_half_m: float
-    mean_position_error_second_half_m: float
+    name: str
+    words: str
+    when: str
+    whole: bool = field(default=False, kw_only=True)
+
+    @property
+    def unit(self) -> str:
+        """The unit as it is written; empty for none."""
+        return stem_and_unit(self.name)[1]
 
 
-MAX_ERROR, MAX_ERROR_SECOND_HALF = "max_position_error_m", "max_position_error_second_half_m"
-METRIC_NAMES: tuple[str, ...] = tuple(IterationMetrics.__dataclass_fields__)
-INTEGER_METRICS = frozenset({"saturated_samples"})
+@dataclass(frozen=True, slots=True)
+class Metric(CaseColumn):
+    """What is told of each iteration, and of each case by its last one.
 
-ITERATIONS_TO_TOLERANCE = "iterations_to_tolerance"
-
-
-PEAK = "peak_max_position_error_m"
-
-
-DIVERGED = "diverged"
-
-
-CASE_METRICS = (*METRIC_NAMES, ITERATIONS_TO_TOLERANCE, PEAK)
-
-
-CASE_COLUMNS = (*CASE_METRICS, DIVERGED)
-"""Columns of ``cases.csv`` behind the varied keys."""
-
-
-WHOLE_COLUMNS = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE, DIVERGED}
-"""Columns of whole numbers."""
-
-
-def measure(trial: Trial, reference: Reference, before: Trial | None) -> IterationMetrics:
-    """The metrics of one iteration.
-
-    Args:
-        trial: The iteration.
-        reference: The trajectory that it was to follow, of the same number of samples.
-        before: The iteration before it, for the change of the input; None for the first.
+    Attributes:
+        of_motion: Computes it in the loop engine.
+        of_sums: Computes it in the batch engine, shape (cases,).
+        title: What it is called where runs are compared; the words by default.
+        heading: The same in a narrow column; the title by default.
     """
-    # Errors of a run that is about to diverge may overflow: their metrics are then infinite.
-    with np.errstate(over="ignore", invalid="ignore"):
-        error_x = np.abs(reference.x - trial.x)
-        error_y = np.abs(reference.y - trial.y)
-        error_heading = np.abs(reference.heading - trial.heading)
-        position_error = np.hypot(error_x, error_y)
-        change = (
-            0.0
-            if before is None
-            else _rms(np.concatenate([trial.left - before.left, trial.right - before.right]))
-        )
-        second_half = position_error[reference.samples - reference.samples // 2 :]
-        return IterationMetrics(
-            max_position_error_m=float(position_error.max()),
-            mean_position_error_m=_mean(position_error),
-            rms_position_error_m=_rms(position_error),
-            final_position_error_m=float(position_error[-1]),
-            max_abs_error_x_m=float(error_x.max()),
-            max_abs_error_y_m=float(error_y.max()),
-            max_abs_error_heading_rad=float(error_heading.max()),
-            max_wheel_speed_rad_s=float(max(np.abs(trial.left).max(), np.abs(trial.right).max())),
-            saturated_samples=trial.saturated_samples,
-            input_change_rms_rad_s=change,
-            max_position_error_second_half_m=float(second_half.max()),
-            mean_position_error_second_half_m=_mean(second_half),
-        )
+
+    of_motion: Callable[[Motion], float]
+    of_sums: Callable[[Sums], Floats]
+    title: str = ""
+    heading: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "title", self.title or self.words[0].upper() + self.words[1:])
+        object.__setattr__(self, "heading", self.heading or self.title)
 
 
 def _mean(values: Floats) -> float:
@@ -131,22 +142,154 @@ def _rms(values: Floats) -> float:
     return largest * float(np.sqrt(np.mean((values / largest) ** 2)))
 
 
+def _input_change(trial: Trial, before: Trial | None) -> float:
+    """RMS, over samples and both wheels, of the change of the input; 0 in the first iteration."""
+    if before is None:
+        return 0.0
+    return _rms(np.concatenate([trial.left - before.left, trial.right - before.right]))
+
+
+_AFTER, _IN, _OF = "after the last iteration", "in the last iteration", "of the last iteration"
+
+METRICS: Mapping[str, Metric] = {
+    metric.name: metric
+    for metric in (
+        Metric(
+            "max_position_error_m", "maximum position error", _AFTER,
+            lambda motion: motion.position_error.max(),
+            lambda sums: np.sqrt(sums.largest_square),
+            heading="Max. error",
+        ),
+        Metric(
+            "mean_position_error_m", "mean position error", _AFTER,
+            lambda motion: _mean(motion.position_error),
+            lambda sums: sums.errors * (1 / (sums.samples + 1)),
+            heading="Mean error",
+        ),
+        Metric(
+            "rms_position_error_m", "RMS position error", _AFTER,
+            lambda motion: _rms(motion.position_error),
+            lambda sums: np.sqrt(sums.squares * (1 / (sums.samples + 1))),
+            heading="RMS error",
+        ),
+        Metric(
+            "final_position_error_m", "position error at the end", _OF,
+            lambda motion: motion.position_error[-1],
+            lambda sums: sums.final_error,
+            heading="End error",
+        ),
+        Metric(
+            "max_abs_error_x_m", "maximum error in x", _AFTER,
+            lambda motion: motion.error_x.max(),
+            lambda sums: sums.largest_x,
+        ),
+        Metric(
+            "max_abs_error_y_m", "maximum error in y", _AFTER,
+            lambda motion: motion.error_y.max(),
+            lambda sums: sums.largest_y,
+        ),
+        Metric(
+            "max_abs_error_heading_rad", "maximum heading error", _AFTER,
+            lambda motion: motion.error_heading.max(),
+            lambda sums: sums.largest_heading,
+            heading="Heading error",
+        ),
+        Metric(
+            "max_wheel_speed_rad_s", "maximum wheel speed", _IN,
+            lambda motion: max(np.abs(motion.trial.left).max(), np.abs(motion.trial.right).max()),
+            lambda sums: sums.fastest_wheel,
+            title="Fastest wheel",
+        ),
+        Metric(
+            "saturated_samples", "samples at the speed limit", _IN,
+            lambda motion: motion.trial.saturated_samples,
+            lambda sums: sums.saturated,
+            whole=True,
+        ),
+        Metric(
+            "input_change_rms_rad_s", "RMS input change", _IN,
+            lambda motion: _input_change(motion.trial, motion.before),
+            lambda sums: np.sqrt(sums.change_squares * (1 / (2 * sums.samples))),
+        ),
+        Metric(
+            "max_position_error_second_half_m", "maximum position error of the second half", _AFTER,
+            lambda motion: motion.second_half.max(),
+            lambda sums: np.sqrt(sums.later_largest_square),
+            title="Maximum position error, second half", heading="Max. 2nd half",
+        ),
+        Metric(
+            "mean_position_error_second_half_m", "mean position error of the second half", _AFTER,
+            lambda motion: _mean(motion.second_half),
+            lambda sums: sums.later_errors * (1 / (sums.samples // 2 + 1)),
+        ),
+    )
+}  # fmt: skip
+"""The metrics by their columns of ``iterations.csv``, in order.
+
+Means of sums are products with a reciprocal: other last digits would be other files.
+"""
+
+MAX_ERROR, MAX_ERROR_SECOND_HALF = "max_position_error_m", "max_position_error_second_half_m"
+ITERATIONS_TO_TOLERANCE = "iterations_to_tolerance"
+PEAK = "peak_max_position_error_m"
+DIVERGED = "diverged"
+
+CASE_COLUMNS: Mapping[str, CaseColumn] = {
+    **METRICS,
+    ITERATIONS_TO_TOLERANCE: CaseColumn(
+        ITERATIONS_TO_TOLERANCE, "iterations until the error stays below", "", whole=True
+    ),
+    PEAK: CaseColumn(PEAK, "largest position error", "of all iterations"),
+    DIVERGED: CaseColumn(DIVERGED, "whether it diverged", "", whole=True),
+}
+"""The columns of ``cases.csv`` behind the varied keys, in order."""
+
+CASE_METRICS = tuple(name for name in CASE_COLUMNS if name != DIVERGED)
+"""What cases may be ranked by."""
+
+
+def measure(trial: Trial, reference: Reference, before: Trial | None) -> dict[str, float]:
+    """The metrics of one iteration by name, in the order of `METRICS`.
+
+    Args:
+        trial: The iteration.
+        reference: The trajectory that it was to follow, of the same number of samples.
+        before: The iteration before it, for the change of the input; None for the first.
+    """
+    # Errors of a run that is about to diverge may overflow: their metrics are then infinite.
+    with np.errstate(over="ignore", invalid="ignore"):
+        error_x, error_y = np.abs(reference.x - trial.x), np.abs(reference.y - trial.y)
+        error_heading = np.abs(reference.heading - trial.heading)
+        position_error = np.hypot(error_x, error_y)
+        second_half = position_error[reference.samples - reference.samples // 2 :]
+        motion = Motion(trial, before, error_x, error_y, error_heading, position_error, second_half)
+        return {
+            name: (int if metric.whole else float)(metric.of_motion(motion))
+            for name, metric in METRICS.items()
+        }
+
+
+def metrics_of_sums(sums: Sums) -> Floats:
+    """The metrics of each case, shape (cases, metrics), in the order of `METRICS`."""
+    return np.stack([metric.of_sums(sums) for metric in METRICS.values()], axis=1)
+
+
 class MetricsTable:
     """Metrics of iterations 0, 1, ...: a column of eight-byte numbers each, nothing else."""
 
     def __init__(self) -> None:
-        self._columns = Named(
-            "metric",
-            {name: array("q" if name in INTEGER_METRICS else "d") for name in METRIC_NAMES},
-        )
+        columns: dict[str, array[float]] = {
+            name: array("q" if metric.whole else "d") for name, metric in METRICS.items()
+        }
+        self._columns = Named("metric", columns)
 
-    def append(self, metrics: IterationMetrics) -> None:
-        """Adds the next iteration."""
+    def append(self, metrics: Mapping[str, float]) -> None:
+        """Adds the next iteration, all metrics by name."""
         for name, column in self._columns.items():
-            column.append(getattr(metrics, name))
+            column.append(metrics[name])
 
     def __len__(self) -> int:
-        return len(self._columns[METRIC_NAMES[0]])
+        return len(self._columns[MAX_ERROR])
 
     def __getitem__(self, name: str) -> Floats:
         """A column, shape (iterations,).
@@ -157,7 +300,7 @@ class MetricsTable:
         return np.array(self._columns[name], dtype=np.float64)
 
     def __repr__(self) -> str:
-        return in_short(f"Metrics of {len(self)} iterations", listed(METRIC_NAMES, most=3))
+        return in_short(f"Metrics of {len(self)} iterations", listed(METRICS, most=3))
 
     def row(self, iteration: int) -> dict[str, float]:
         """All metrics of one iteration by name; -1 is the last."""
@@ -176,7 +319,7 @@ class MetricsTable:
         Returns:
             The iteration, or None if the last iteration is still above the bound.
         """
-        return settled_at(self["max_position_error_m"], tolerance)
+        return settled_at(self[MAX_ERROR], tolerance)
 
 
 def settled_at(errors: Floats, tolerance: float) -> int | None:

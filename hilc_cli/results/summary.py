@@ -142,8 +142,7 @@ def summarise(run: RunData) -> Summary:
         on_path=_on_path(run),
         final=run.metrics.row(-1),
         settled_at={
-            label: run.metrics.settled_at(share * size)
-            for label, share in RELATIVE_TOLERANCES.items()
+            label: settled_at(errors, share * size) for label, share in RELATIVE_TOLERANCES.items()
         },
         settled_second_half_at={
             label: settled_at(second_half, share * size)

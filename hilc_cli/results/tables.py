@@ -14,13 +14,7 @@ from hilc_cli.errors import UsageError, printable
 from hilc_cli.files import read_file
 from hilc_cli.laws.law import Plan
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.metrics import (
-    INTEGER_METRICS,
-    LARGEST,
-    METRIC_NAMES,
-    IterationMetrics,
-    MetricsTable,
-)
+from hilc_cli.results.metrics import METRICS, MetricsTable
 from hilc_cli.results.reading import (
     MAX_CSV_BYTES,
     Numbers,
@@ -30,10 +24,10 @@ from hilc_cli.results.reading import (
     no_such_table,
     read_numbers,
 )
-from hilc_cli.results.trial import Trial
+from hilc_cli.results.trial import LARGEST, Trial
 from hilc_cli.variation import Value
 
-ITERATIONS_HEADER = ("iteration", *METRIC_NAMES)
+ITERATIONS_HEADER = ("iteration", *METRICS)
 SAMPLES_HEADER = (
     "iteration", "sample", "t_s",
     "reference_x_m", "reference_y_m", "reference_heading_rad",
@@ -152,12 +146,12 @@ def metric_columns(*, empty: bool = False) -> list[tuple[str, Numbers]]:
             name,
             Numbers(
                 0,
-                1e9 if name in INTEGER_METRICS else FASTEST if "rad_s" in name else _FAR,
-                whole=name in INTEGER_METRICS,
+                1e9 if metric.whole else FASTEST if metric.unit == "rad/s" else _FAR,
+                whole=metric.whole,
                 empty=empty,
             ),
         )
-        for name in METRIC_NAMES
+        for name, metric in METRICS.items()
     ]
 
 
@@ -171,9 +165,8 @@ def read_iterations(path: Path) -> MetricsTable:
     check_counted(path, "iteration", numbers[:, 0])
     table = MetricsTable()
     for row in numbers[:, 1:].tolist():
-        values = dict(zip(METRIC_NAMES, row, strict=True))
-        values |= {name: int(values[name]) for name in INTEGER_METRICS}
-        table.append(IterationMetrics(**values))
+        pairs = zip(METRICS.values(), row, strict=True)
+        table.append({each.name: int(value) if each.whole else value for each, value in pairs})
     return table
 
 

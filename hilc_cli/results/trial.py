@@ -7,6 +7,27 @@ from dataclasses import dataclass, field
 
 from hilc_cli.reference.sampled import Floats
 
+LARGEST = 1e140
+"""Positions [m] and headings [rad] beyond this count as not finite: squares of what moves a robot
+there in a few steps, wheel speeds, are hardly finite any more."""
+
+
+def is_finite(largest_position_error: float, x: float, y: float, heading: float) -> bool:
+    """Whether an iteration has stayed within the finite numbers.
+
+    Args:
+        largest_position_error: Of the iteration [m].
+        x: Where it ended [m].
+        y: Likewise.
+        heading: Likewise [rad].
+    """
+    return (
+        abs(largest_position_error) <= LARGEST
+        and abs(x) <= LARGEST
+        and abs(y) <= LARGEST
+        and abs(heading) <= LARGEST
+    )
+
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trial:

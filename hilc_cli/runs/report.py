@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from hilc_cli.errors import printable
 from hilc_cli.reporting.terminal import two_columns
+from hilc_cli.results.learning import quantities, says_more
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF
-from hilc_cli.results.quantities import quantities, says_more
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

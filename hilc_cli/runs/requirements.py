@@ -9,8 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from hilc_cli.errors import UsageError, suggestion
-from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRIC_NAMES
-from hilc_cli.yaml_input.expressions import PLAIN, ExpressionError, Unit, evaluate
+from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRICS, stem_and_unit
+from hilc_cli.yaml_input.expressions import PLAIN, ExpressionError, evaluate
 
 _RELATIONS: Mapping[str, Callable[[float, float], bool]] = {
     "<=": operator.le,
@@ -21,13 +21,6 @@ _RELATIONS: Mapping[str, Callable[[float, float], bool]] = {
 _IN_WORDS = {"le": "<=", "ge": ">=", "lt": "<", "gt": ">"}
 """Relations by the words of the shell's own comparisons."""
 _FORM = re.compile(r"\s*(\w+)\s*(<=|>=|<|>|:(?:le|ge|lt|gt):)\s*([^<>=:\s].*)")
-_UNITS = {
-    "_rad_s": Unit(angle=1, time=-1),
-    "_rad": Unit(angle=1),
-    "_m": Unit(length=1),
-    "_s": Unit(time=1),
-}
-"""Units of metrics by the ending of their names; other metrics are plain numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +58,7 @@ def parse_requirements(texts: Sequence[str], figures: Sequence[str] = ()) -> lis
     Raises:
         UsageError: One has another form, an unknown metric, or a bound that is no number.
     """
-    return [_parse(text, (*METRIC_NAMES, *figures)) for text in texts]
+    return [_parse(text, (*METRICS, *figures)) for text in texts]
 
 
 def _parse(text: str, known: Sequence[str]) -> Requirement:
@@ -87,8 +80,7 @@ def _parse(text: str, known: Sequence[str]) -> Requirement:
         remedy = remedy or "give a number such as 0.01"
         raise UsageError(f"{label}: the bound {problem}; {remedy}") from None
     bound = result.number.constant
-    unit = next((unit for ending, unit in _UNITS.items() if metric.endswith(ending)), PLAIN)
-    if result.unit not in (PLAIN, unit):
+    if result.unit != PLAIN and result.unit.text != stem_and_unit(metric)[1]:
         raise UsageError(f"{label}: the bound has the wrong unit; give a number such as 0.01")
     if not math.isfinite(bound):
         raise UsageError(f"{label}: the bound must be finite; give a number such as 0.01")

@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
 from hilc_cli.errors import UsageError, printable
 from hilc_cli.files import folder_to_read, is_there, read_file
-from hilc_cli.laws.law import Plan
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
-from hilc_cli.results.learning import read_learning, write_learning
+from hilc_cli.results.learning import read_learning
+from hilc_cli.results.picture_kinds import RUN_PICTURES
 from hilc_cli.results.reading import Count, Document, Name, Pair, damaged
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
     read_iterations,
     read_samples,
     read_stored_input,
-    write_gravity_center,
-    write_input,
-    write_iterations,
-    write_plan,
-    write_samples,
 )
 
 MANIFEST = "manifest.json"
@@ -36,7 +30,6 @@ INPUT = "input.csv"
 PLAN = "plan.csv"
 GRAVITY_CENTER = "gravity-center.csv"
 LEARNING = "learning.csv"
-PICTURE_KINDS = ("path-change", "final-path", "error", "wheel-speeds", "summary", "learning")
 
 RUN_FOLDER = ResultFolder(
     what="run",
@@ -45,7 +38,7 @@ RUN_FOLDER = ResultFolder(
     tables=frozenset(
         {SCENARIO, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
     ),
-    pictures=PICTURE_KINDS,
+    pictures=tuple(RUN_PICTURES),
     files=frozenset({PLAN}),
 )
 _MAX_SCENARIO_BYTES = 10_000_000
@@ -66,83 +59,7 @@ class _Manifest(Document):
     warnings: list[str]
 
 
-def write_run_folder(
-    path: Path,
-    run: RunData,
-    scenario_yaml: str,
-    manifest: Callable[[], Mapping[str, Any]],
-    *,
-    plan: Plan | None = None,
-    initial_input: tuple[Floats, Floats] | None = None,
-    gravity_center: bool = False,
-    force: bool = False,
-    draw: Callable[[Path], None] | None = None,
-) -> None:
-    """Writes a run folder as a whole.
-
-    Args:
-        path: The folder.
-        run: The results.
-        scenario_yaml: The resolved scenario.
-        manifest: Gives what else is to be known of the run, asked last; the file names are added.
-        plan: The plan of the iteration after the last one; None if there is none.
-        initial_input: Left and right wheel speeds of the input file that the scenario names.
-        gravity_center: Whether to write the path of the gravity centre.
-        force: Replace the folder of another run.
-        draw: Draws the pictures into the folder that it is given.
-
-    Raises:
-        ExistingResultsError: The folder holds another run, or is no run folder.
-        FileAccessError: It cannot be written.
-    """
-
-    def fill(folder: Path) -> None:
-        (folder / SCENARIO).write_text(scenario_yaml, encoding="utf-8")
-        write_iterations(folder / ITERATIONS, run.metrics)
-        write_samples(folder / SAMPLES, run.reference, run.trials.values())
-        write_input(folder / INPUT, run.reference.sample_time, *run.learned_input)
-        if plan is not None:
-            write_plan(folder / PLAN, run.reference.sample_time, plan)
-        if initial_input is not None:
-            write_input(folder / INITIAL_INPUT, run.reference.sample_time, *initial_input)
-        if run.learning.names:
-            write_learning(folder / LEARNING, run.learning)
-        if gravity_center:
-            paths = {number: run.gravity_center_path(number) for number in run.trials}
-            write_gravity_center(folder / GRAVITY_CENTER, run.reference.times, paths)
-        if draw is not None:
-            draw(folder)
-
-    def check(folder: Path) -> None:
-        check_output_folder(folder, scenario_yaml, initial_input, force=force)
-
-    RUN_FOLDER.write(path, fill, manifest, check)
-
-
-def check_output_folder(
-    path: Path,
-    scenario_yaml: str,
-    initial_input: tuple[Floats, Floats] | None = None,
-    *,
-    force: bool = False,
-) -> None:
-    """Makes sure that a run may be written to a folder; to be asked before a long simulation.
-
-    Args:
-        path: The folder.
-        scenario_yaml: The resolved scenario of the run.
-        initial_input: Left and right wheel speeds of the input file that the scenario names.
-        force: Replace the folder of another run.
-
-    Raises:
-        ExistingResultsError: The folder holds another run, or is no run folder.
-    """
-    RUN_FOLDER.check(
-        path, lambda manifest: _same_scenario(path, scenario_yaml, initial_input), force=force
-    )
-
-
-def read_run_folder(path: Path) -> RunData:
+def read_run(folder: str | Path) -> RunData:
     """The results in a run folder, from its tables.
 
     The manifest adds the names, the speed limit, the noise, the settings and the yardsticks, if it
@@ -151,6 +68,7 @@ def read_run_folder(path: Path) -> RunData:
     Raises:
         HilcError: There is no such folder, or a file is missing or damaged.
     """
+    path = Path(folder)
     if not is_there(path) or not is_there(path / ITERATIONS):
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
     manifest = RUN_FOLDER.read(path, _Manifest) if is_there(path / MANIFEST) else None
@@ -193,9 +111,16 @@ def read_run_folder(path: Path) -> RunData:
     )
 
 
-def _same_scenario(
+def holds_scenario(
     path: Path, scenario_yaml: str, initial_input: tuple[Floats, Floats] | None
 ) -> bool:
+    """Whether the run in a folder is one of a resolved scenario.
+
+    Args:
+        path: The folder.
+        scenario_yaml: The scenario.
+        initial_input: Left and right wheel speeds of the input file that it names, if it does.
+    """
     try:
         text = read_file(path / SCENARIO, _MAX_SCENARIO_BYTES).decode("utf-8")
     except (UsageError, UnicodeDecodeError):

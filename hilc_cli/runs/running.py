@@ -13,17 +13,34 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.learning import Learning
-from hilc_cli.engine.measuring import MeasuredTrials
+from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError, printable
 from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.laws.law import Plan
-from hilc_cli.results.learning import LearningTable
-from hilc_cli.results.manifest import DRAWN_WITH, origin
+from hilc_cli.results.folder import DRAWN_WITH, INITIAL_INPUT, SCENARIO, origin
+from hilc_cli.results.learning import LearningTable, write_learning
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import Summary, summarise
+from hilc_cli.results.tables import (
+    write_gravity_center,
+    write_input,
+    write_iterations,
+    write_plan,
+    write_samples,
+)
 from hilc_cli.results.trial import Trial
-from hilc_cli.runs.run_folder import check_output_folder, read_run_folder, write_run_folder
+from hilc_cli.runs.run_folder import (
+    GRAVITY_CENTER,
+    INPUT,
+    ITERATIONS,
+    LEARNING,
+    PLAN,
+    RUN_FOLDER,
+    SAMPLES,
+    holds_scenario,
+    read_run,
+)
 from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
@@ -99,31 +116,38 @@ class Run(RunData):
             FileAccessError: It cannot be written.
             UsageError: There is no such picture format.
         """
+        timings: dict[str, float] = {}
+        clock = time.perf_counter()
+        scenario, sample_time = self.scenario, self.reference.sample_time
+        text = scenario.resolved_yaml()
 
-        def draw(into: Path) -> None:
-            from hilc_cli.runs.pictures.catalogue import save_figures  # Matplotlib starts slowly
+        def fill(into: Path) -> None:
+            (into / SCENARIO).write_text(text, encoding="utf-8")
+            write_iterations(into / ITERATIONS, self.metrics)
+            write_samples(into / SAMPLES, self.reference, self.trials.values())
+            write_input(into / INPUT, sample_time, *self.learned_input)
+            if self.plan is not None:
+                write_plan(into / PLAN, sample_time, self.plan)
+            if scenario.initial_input is not None:
+                write_input(into / INITIAL_INPUT, sample_time, *scenario.initial_input)
+            if self.learning.names:
+                write_learning(into / LEARNING, self.learning)
+            if scenario.spec.record.gravity_center:
+                paths = {number: self.gravity_center_path(number) for number in self.trials}
+                write_gravity_center(into / GRAVITY_CENTER, self.reference.times, paths)
+            if plots:
+                from hilc_cli.runs.pictures.catalogue import save_figures  # starts slowly
 
-            start = time.perf_counter()
-            save_figures([self], into, formats=formats)
-            timings["pictures"] = time.perf_counter() - start
+                start = time.perf_counter()
+                save_figures([self], into, formats=formats)
+                timings["pictures"] = time.perf_counter() - start
 
         def manifest() -> Mapping[str, Any]:
             timings["tables"] = time.perf_counter() - clock - timings.get("pictures", 0.0)
             return self._manifest(command, timings)
 
-        timings: dict[str, float] = {}
-        clock = time.perf_counter()
-
-        write_run_folder(
-            Path(folder),
-            self,
-            self.scenario.resolved_yaml(),
-            manifest,
-            plan=self.plan,
-            initial_input=self.scenario.initial_input,
-            gravity_center=self.scenario.spec.record.gravity_center,
-            force=force,
-            draw=draw if plots else None,
+        RUN_FOLDER.write(
+            Path(folder), fill, manifest, lambda there: _check(there, scenario, text, force=force)
         )
         return timings
 
@@ -207,15 +231,6 @@ def _finite(plan: Plan) -> Plan | None:
     return plan if np.isfinite([*plan.left, *plan.right, *plan.poses.ravel()]).all() else None
 
 
-def read_run(folder: str | Path) -> RunData:
-    """The results in a run folder, from its tables alone.
-
-    Raises:
-        HilcError: There is no such folder, or a table is missing or damaged.
-    """
-    return read_run_folder(Path(folder))
-
-
 RunSource = RunData | str | Path
 """A run, or its folder."""
 
@@ -293,7 +308,13 @@ def check_folder(scenario: ScenarioSource, folder: str | Path, *, force: bool = 
         ExistingResultsError: The folder holds another scenario's run, or is no run folder.
     """
     scenario = as_scenario(scenario)
-    check_output_folder(Path(folder), scenario.resolved_yaml(), scenario.initial_input, force=force)
+    _check(Path(folder), scenario, scenario.resolved_yaml(), force=force)
+
+
+def _check(folder: Path, scenario: Scenario, text: str, *, force: bool) -> None:
+    """Does what `check_folder` does, with the resolved scenario as a text."""
+    given = scenario.initial_input
+    RUN_FOLDER.check(folder, lambda there: holds_scenario(folder, text, given), force=force)
 
 
 def warnings_before(scenario: ScenarioSource) -> list[str]:

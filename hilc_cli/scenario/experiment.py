@@ -21,7 +21,7 @@ from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.parameters import DEFAULT_PLANT
 from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.quantities import BELIEVED, TRUE
+from hilc_cli.results.learning import BELIEVED, TRUE
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits

@@ -18,7 +18,7 @@ from hilc_cli.engine.lanes.packs import Kind, knows
 from hilc_cli.engine.many import simulate_many
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import CASE_COLUMNS, METRIC_NAMES
+from hilc_cli.results.metrics import CASE_COLUMNS, METRICS
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
 from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan
 from hilc_cli.variation import Cases, Value
@@ -328,7 +328,7 @@ def _rows(result: BatchResult, iterations: Floats, tolerance: float | None) -> F
     completed = ran & np.isfinite(result.errors)
     peak = np.where(completed, result.errors, -np.inf).max(axis=1)
     rows = np.full((len(diverged), len(CASE_COLUMNS)), np.nan)
-    rows[:, : len(METRIC_NAMES)] = result.final
+    rows[:, : len(METRICS)] = result.final
     if tolerance is not None:
         # The first iteration from which on the error stays within the tolerance.
         above = ran & ~(result.errors <= tolerance)

@@ -18,7 +18,7 @@ import numpy as np
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import MissingPackageError
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, METRIC_NAMES
+from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, MAX_ERROR
 from hilc_cli.sweeps.chunks import Chunk, Store
 from hilc_cli.sweeps.compute import (
     Execution,
@@ -54,6 +54,7 @@ _FIRST = 12
 """Cases that are drawn before there is anything to learn from."""
 _LEAST, _SHARE = 4, 4
 """Size of a batch: at least so many, at most a quarter of what is known; a quarter is drawn."""
+_COLUMNS = list(CASE_COLUMNS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,17 +114,17 @@ def costs(plan: Plan, rows: Floats) -> Floats:
     """
     found = _metric(plan, rows)
     if plan.spec.metric == ITERATIONS_TO_TOLERANCE:
-        error = rows[:, METRIC_NAMES.index("max_position_error_m")]
+        error = rows[:, _COLUMNS.index(MAX_ERROR)]
         never = plan.most_iterations + 1 + error / (1 + error)
-        finished = rows[:, CASE_COLUMNS.index(DIVERGED)] == 0
+        finished = rows[:, _COLUMNS.index(DIVERGED)] == 0
         found = np.where(np.isnan(found) & finished, never, found)
     return np.where(np.isfinite(found), found, np.inf)
 
 
 def _metric(plan: Plan, rows: Floats) -> Floats:
     """What is minimised, not-a-number for cases that diverged, failed or have no such number."""
-    finished = rows[:, CASE_COLUMNS.index(DIVERGED)] == 0
-    return np.where(finished, rows[:, CASE_COLUMNS.index(plan.spec.metric)], np.nan)
+    finished = rows[:, _COLUMNS.index(DIVERGED)] == 0
+    return np.where(finished, rows[:, _COLUMNS.index(plan.spec.metric)], np.nan)
 
 
 def _missing(plan: Plan, store: Store, batch: Chunk, workers: int) -> list[Chunk]:

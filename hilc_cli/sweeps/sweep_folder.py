@@ -13,15 +13,15 @@ from pydantic import PlainValidator
 from hilc_cli.errors import MissingPackageError, UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, SWEEP_PICTURE_KINDS, ResultFolder
+from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.metrics import (
     CASE_COLUMNS,
     CASE_METRICS,
     DIVERGED,
     ITERATIONS_TO_TOLERANCE,
     PEAK,
-    WHOLE_COLUMNS,
 )
+from hilc_cli.results.picture_kinds import SWEEP_PICTURES
 from hilc_cli.results.reading import (
     Document,
     Length,
@@ -55,7 +55,7 @@ SWEEP_FOLDER = ResultFolder(
     kind="hilc sweep",
     other="another sweep",
     tables=frozenset({CASES, BANDS, SCENARIO, INITIAL_INPUT, BEST}),
-    pictures=SWEEP_PICTURE_KINDS,
+    pictures=tuple(SWEEP_PICTURES),
     files=frozenset({PARQUET}),
     manifest="sweep.json",
 )
@@ -184,7 +184,7 @@ def write_cases(
             cells += [_words(column, first, last) for column in values.values()]
             for name, column in columns.items():
                 block: list[float] = column[first:last].tolist()
-                cells.append(_whole_cells(block) if name in WHOLE_COLUMNS else _cells(block))
+                cells.append(_whole_cells(block) if CASE_COLUMNS[name].whole else _cells(block))
             file.writelines(f"{','.join(row)}\n" for row in zip(*cells, strict=True))
             go_on()
 
@@ -352,7 +352,8 @@ def write_parquet(path: Path, data: SweepData, go_on: Callable[[], None]) -> Non
                 columns[key] = pyarrow.array(part if words is None else words)
             for name, column in data.columns.items():
                 numbers = pyarrow.array(column[block], from_pandas=True)  # nan becomes null
-                columns[name] = numbers.cast(pyarrow.int64()) if name in WHOLE_COLUMNS else numbers
+                whole = CASE_COLUMNS[name].whole
+                columns[name] = numbers.cast(pyarrow.int64()) if whole else numbers
             table = pyarrow.table(columns)
             writer = writer or parquet.ParquetWriter(path, table.schema)
             writer.write_table(table)

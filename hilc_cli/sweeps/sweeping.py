@@ -13,8 +13,7 @@ from typing import Any
 from hilc_cli.errors import HilcError
 from hilc_cli.files import writing
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO
-from hilc_cli.results.manifest import COMPILED_WITH, origin
+from hilc_cli.results.folder import COMPILED_WITH, INITIAL_INPUT, SCENARIO, origin
 from hilc_cli.results.tables import write_input
 from hilc_cli.scenario.loading import ScenarioSource
 from hilc_cli.sweeps.chunks import Chunk, Failure, MemoryStore, Store

@@ -54,6 +54,17 @@ class Unit(NamedTuple):
     time: int = 0
     angle: int = 0
 
+    @property
+    def text(self) -> str:
+        """The unit as people write it, such as ``rad/m²``; empty for none."""
+        powers = (("rad", self.angle), ("m", self.length), ("s", self.time))
+        above = "·".join(name + _SUPERSCRIPTS[power] for name, power in powers if power > 0)
+        below = "·".join(name + _SUPERSCRIPTS[-power] for name, power in powers if power < 0)
+        return f"{above or 1}/{below}" if below else above
+
+
+_SUPERSCRIPTS = {1: "", 2: "²", 3: "³", 4: "⁴"}
+
 
 PLAIN = Unit()
 

@@ -8,7 +8,7 @@ import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
@@ -141,6 +141,7 @@ class Quantity:
         most: Inclusive upper bound.
         smallest: What is nearer to 0 and not 0 is nothing real.
         whole: Only whole numbers, as int.
+        told_in: What it is told in, where its unit does not say that, such as ``samples``.
     """
 
     unit: Unit
@@ -150,6 +151,7 @@ class Quantity:
     most: float | None = None
     smallest: float | None = None
     whole: bool = False
+    told_in: str = ""
 
     def __call__(self, value: object) -> float:
         """The number in SI units.
@@ -268,16 +270,23 @@ class Quantity:
         }
 
 
-def such_as(kind: Any, example: str) -> Quantity:
+def such_as(kind: Any, example: str, told_in: str = "") -> Quantity:
     """A kind of quantity for a key to which another example fits.
 
     Args:
         kind: The annotated type, such as `PositiveLength`.
         example: What to write.
+        told_in: As in `Quantity`; as the kind has it by default.
     """
     (quantity,) = kind.__metadata__
     assert isinstance(quantity, Quantity)
-    return replace(quantity, example=example)
+    return replace(quantity, example=example, told_in=told_in or quantity.told_in)
+
+
+def quantities_in(annotation: Any) -> list[Quantity]:
+    """The quantities that values of a kind hold: one of a number, one for each of a tuple."""
+    own = [part for part in getattr(annotation, "__metadata__", ()) if isinstance(part, Quantity)]
+    return own or [each for part in get_args(annotation) for each in quantities_in(part)]
 
 
 def _shown(bound: float) -> str:
@@ -335,7 +344,8 @@ Duration = Annotated[
     float, Quantity(_TIME, "0.5 or 500 ms", least=0, smallest=_SMALLEST, most=_LARGEST)
 ]
 Frequency = Annotated[
-    float, Quantity(Unit(time=-1), "20 or 20 Hz", above=0, smallest=1e-9, most=_LARGEST)
+    float,
+    Quantity(Unit(time=-1), "20 or 20 Hz", above=0, smallest=1e-9, most=_LARGEST, told_in="Hz"),
 ]
 Share = Annotated[float, Quantity(PLAIN, "0.1", least=0, most=1)]
 LateralGain = Annotated[
@@ -344,8 +354,12 @@ LateralGain = Annotated[
         Unit(angle=1, length=-1), "0.3 or 0.3 rad/m", least=0, smallest=_SMALLEST, most=_LARGEST
     ),
 ]
-Tolerance = Annotated[float, Quantity(PLAIN, "1e-9, in m and rad", least=0, most=_LARGEST)]
+Tolerance = Annotated[
+    float, Quantity(PLAIN, "1e-9, in m and rad", least=0, most=_LARGEST, told_in="m and rad")
+]
 Iterations = Annotated[int, Quantity(PLAIN, "100", least=0, most=10_000_000, whole=True)]
-Samples = Annotated[int, Quantity(PLAIN, "200", least=1, most=1_000_000, whole=True)]
+Samples = Annotated[
+    int, Quantity(PLAIN, "200", least=1, most=1_000_000, whole=True, told_in="samples")
+]
 CaseCount = Annotated[int, Quantity(PLAIN, "1000", least=1, most=MOST_CASES, whole=True)]
 Seed = Annotated[int, Quantity(PLAIN, "0", least=0, most=2**64 - 1, whole=True)]

@@ -55,7 +55,7 @@ def runs(made: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     def simulate(experiment: object) -> None:
         raise AssertionError("hilc compare has simulated")
 
-    monkeypatch.setattr("hilc_cli.engine.measuring.simulate", simulate)
+    monkeypatch.setattr("hilc_cli.engine.loop.simulate", simulate)
     return folder / "runs"
 
 

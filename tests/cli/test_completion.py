@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from hilc_cli.cli.completion import join_split_words
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import METRICS
 from tests.conftest import Hilc
 
 BIN = Path(sys.executable).parent
@@ -54,7 +54,7 @@ def complete(hilc: Hilc, monkeypatch: pytest.MonkeyPatch) -> Complete:
         ("hilc|sweep|x|--vary|record.g", []),
         ("hilc|sweep|x|--minimise|peak", ["peak_max_position_error_m"]),
         ("hilc|sweep|x|--metric|iterations", ["iterations_to_tolerance"]),
-        ("hilc|run|x|--require|", list(METRIC_NAMES)),
+        ("hilc|run|x|--require|", list(METRICS)),
         ("hilc|run|x|--set|controller.gains.l1|=", []),
         ("hilc|plot|runs/b", ["runs/b"]),
         ("hilc|compare|runs/a+h|=|", ["runs/a+h=1", "runs/a+h=2", "runs/b"]),

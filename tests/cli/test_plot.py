@@ -31,7 +31,7 @@ def runs(hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
     def simulate(experiment: object) -> None:
         raise AssertionError("hilc plot has simulated")
 
-    monkeypatch.setattr("hilc_cli.engine.measuring.simulate", simulate)
+    monkeypatch.setattr("hilc_cli.engine.loop.simulate", simulate)
     return folder / "runs"
 
 

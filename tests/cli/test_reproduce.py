@@ -20,7 +20,7 @@ import pytest
 from hilc_cli.cli.main import main
 from hilc_cli.cli.reproduce import _stage
 from hilc_cli.cli.session import STOPPED
-from hilc_cli.paper import folder as paper_folder
+from hilc_cli.paper import reproducing
 from hilc_cli.paper.claim import Claim, Evidence, Figure, Finding, Verdict
 from hilc_cli.paper.contents import FIGURES
 from hilc_cli.paper.plan import ReproductionPlan, plan_reproduction
@@ -330,7 +330,7 @@ def test_signal_while_it_is_written(
     def stopped(*arguments: object) -> None:
         stop()
 
-    monkeypatch.setattr(paper_folder, "write_panel", stopped)
+    monkeypatch.setattr(reproducing, "write_panel", stopped)
     outcome = hilc("reproduce", "fig4", "--dpi", "20")
     assert (outcome.code, outcome.out, outcome.err.count("\n")) == (code, "", 1)
     assert [entry.name for entry in folder.iterdir()] == ["runs"]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import METRICS
 from tests.conftest import Hilc, Outcome, Write
 
 RUN = ("run", "scenario.yaml", "--no-plots", "-q")
@@ -48,7 +48,7 @@ def test_relation_in_words_takes_units_and_needs_no_quotes(hilc: Hilc, write: Wr
     assert outcome.code == 3 and outcome.err.startswith(f"hilc: not met: {text}, got ")
 
 
-@pytest.mark.parametrize("name", METRIC_NAMES)
+@pytest.mark.parametrize("name", METRICS)
 def test_every_column_is_a_metric(hilc: Hilc, write: Write, name: str) -> None:
     write()
     assert hilc(*RUN, "--require", f"{name}<=1e9").code == 0

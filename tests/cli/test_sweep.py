@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import hilc_cli as hilc_api
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import METRICS
 from hilc_cli.shipped_files import examples
 from tests.cli.inputs import TRAJECTORY, plus, replaced, scenario
 from tests.conftest import Hilc, Outcome, Write
@@ -38,7 +38,7 @@ def test_case_has_the_numbers_of_a_run(number: int, name: str) -> None:
     tolerance = float(np.sort(errors)[len(errors) // 2]) * (1 + 1e-6)
     plan = hilc_api.plan_sweep(loaded, {"iterations": [iterations]}, tolerance=tolerance)
     sweep = hilc_api.sweep(plan)
-    for metric in METRIC_NAMES:
+    for metric in METRICS:
         expected = run.metrics.row(-1)[metric]
         assert sweep.columns[metric][0] == pytest.approx(expected, rel=1e-9, abs=1e-11), metric
     assert sweep.columns["peak_max_position_error_m"][0] == pytest.approx(max(errors), rel=1e-9)
@@ -74,7 +74,7 @@ def test_seeds_are_separate_runs(write: Write) -> None:
         ).metrics.row(-1)
         for seed in range(20)
     ]
-    for metric in METRIC_NAMES:
+    for metric in METRICS:
         numbers = [row[metric] for row in expected]
         np.testing.assert_allclose(sweep.columns[metric], numbers, rtol=1e-9, atol=1e-12)
     assert len(set(sweep.columns["max_position_error_m"])) == 20

@@ -8,7 +8,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Sequence
-from dataclasses import asdict, fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -26,12 +26,12 @@ from hilc_cli.comparisons.table import (
 )
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.results.metrics import IterationMetrics, MetricsTable
+from hilc_cli.results.metrics import METRICS, MetricsTable
 from hilc_cli.results.run import RunData
 
 # A path of 8 m in 4 samples: 1 % of it are 0.08 m, 0.1 % are 0.008 m.
 LINE = Reference("line", 0.5, np.array([0.0, 2, 4, 6, 8]), np.zeros(5), np.zeros(5))
-ZERO = IterationMetrics(**{field.name: 0 for field in fields(IterationMetrics)})
+ZERO = dict.fromkeys(METRICS, 0.0)
 
 
 def a_run(
@@ -46,11 +46,11 @@ def a_run(
     """A run of given maximum errors, with given other metrics of its last iteration."""
     metrics = MetricsTable()
     for iteration, error in enumerate(errors):
-        row = {**asdict(ZERO), "max_position_error_m": error}
+        row = {**ZERO, "max_position_error_m": error}
         row["saturated_samples"] = saturated[iteration] if saturated else 0
         if iteration == len(errors) - 1:
             row |= last
-        metrics.append(IterationMetrics(**row))
+        metrics.append(row)
     return RunData(name, reference, metrics, {}, limit, (0.0, 0.0), diverged_at)
 
 

@@ -12,14 +12,15 @@ from PIL import Image
 
 from hilc_cli.drawing.save import FORMATS, encode_png, render, save_figure
 from hilc_cli.errors import UsageError
-from hilc_cli.runs.pictures.catalogue import KINDS, draw
+from hilc_cli.results.picture_kinds import RUN_PICTURES
+from hilc_cli.runs.pictures.catalogue import draw
 from tests.made_up_runs import USERS_SETTINGS, MakeRun
 
 
 # Fonts take long to put into a file: there the sheet stands for the four kinds that are on it.
 @pytest.mark.parametrize(
     ("kind", "picture_format"),
-    [*((kind, "png") for kind in KINDS), *product(("summary",), ("svg", "pdf"))],
+    [*((kind, "png") for kind in RUN_PICTURES), *product(("summary",), ("svg", "pdf"))],
 )
 def test_same_data_same_bytes(make_run: MakeRun, kind: str, picture_format: str) -> None:
     first = render(draw(kind, [make_run(saturated=3)]), picture_format, 50)

@@ -51,7 +51,7 @@ def test_divergence_names_its_iteration_and_leaves_those_before(
 
 def test_iterations_before_a_divergence_can_be_measured() -> None:
     trials, _ = run(experiment_of(LINE, law_of(1e46), iterations=10))
-    errors = [measure(trial, LINE, None).rms_position_error_m for trial in trials]
+    errors = [measure(trial, LINE, None)["rms_position_error_m"] for trial in trials]
     assert all(math.isfinite(error) for error in errors)
     assert errors == sorted(errors)
 

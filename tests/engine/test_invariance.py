@@ -17,7 +17,7 @@ from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.results.metrics import METRIC_NAMES, MetricsTable, measure
+from hilc_cli.results.metrics import METRICS, MetricsTable, measure
 from hilc_cli.results.trial import Trial
 from tests.engine.experiments import (
     LIMIT,
@@ -123,7 +123,7 @@ def test_rigid_motion_moves_the_result_and_changes_no_error(
         np.testing.assert_allclose(after.x + 1j * after.y, path, rtol=0, atol=1e-8)
         np.testing.assert_allclose(after.heading, before.heading + turn, rtol=0, atol=1e-8)
     metrics_here, metrics_there = metrics_of(here), metrics_of(there)
-    for name in METRIC_NAMES:
+    for name in METRICS:
         if name not in PER_AXIS:
             np.testing.assert_allclose(metrics_there[name], metrics_here[name], rtol=1e-9)
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from hilc_cli.engine.lanes.batch import NEVER, simulate_batch
 from hilc_cli.engine.many import simulate_many
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import METRICS
 from hilc_cli.runs.running import load_scenario, run
 
 PID = {"law": "pid", "gains": {"kp": 0.5, "kd": 0.2}, "b_w": 180}
@@ -32,7 +32,7 @@ def test_each_experiment_gets_what_it_gets_alone() -> None:
             found = run(scenario)
             count = len(found.metrics)
             row = found.metrics.row(-1)
-            assert result.final[case].tolist() == [row[name] for name in METRIC_NAMES]
+            assert result.final[case].tolist() == [row[name] for name in METRICS]
             errors = found.metrics["max_position_error_m"]
             np.testing.assert_array_equal(result.errors[case, :count], errors)
             never = NEVER if found.diverged_at is None else found.diverged_at

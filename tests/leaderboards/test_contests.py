@@ -116,7 +116,7 @@ def made_up(monkeypatch: pytest.MonkeyPatch) -> Contest:
             x = reference.x + off
             yield Trial(iteration, x, reference.y, reference.heading, wheels, wheels)
 
-    monkeypatch.setattr("hilc_cli.engine.measuring.simulate", simulate)
+    monkeypatch.setattr("hilc_cli.engine.loop.simulate", simulate)
     return replace(found, scenario=type(scenario)(spec))
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.metrics import IterationMetrics, MetricsTable
+from hilc_cli.results.metrics import METRICS, MetricsTable
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 
@@ -41,11 +41,11 @@ def run_of(
     reference, metrics = line(), MetricsTable()
     wheel = np.full(STEPS, left) if isinstance(left, float) else left
     for error in errors:
-        of_iteration = dict.fromkeys(IterationMetrics.__dataclass_fields__, 0.0)
+        of_iteration = dict.fromkeys(METRICS, 0.0)
         of_iteration["max_position_error_m"] = error * SIZE
         of_iteration["max_wheel_speed_rad_s"] = float(np.abs(wheel).max())
         of_iteration["saturated_samples"] = saturated
-        metrics.append(IterationMetrics(**of_iteration))  # type: ignore[arg-type]
+        metrics.append(of_iteration)
     beside = np.full(STEPS + 1, offset) if isinstance(offset, float) else offset
     headings = np.full(STEPS + 1, heading)
     last = len(errors) - 1

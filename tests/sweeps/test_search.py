@@ -44,7 +44,7 @@ def rows(*cases: dict[str, float]) -> Floats:
     found = np.full((len(cases), len(CASE_COLUMNS)), math.nan)
     for row, case in zip(found, cases, strict=True):
         for name, number in case.items():
-            row[CASE_COLUMNS.index(name)] = number
+            row[list(CASE_COLUMNS).index(name)] = number
     return found
 
 

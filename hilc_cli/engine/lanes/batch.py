@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from hilc_cli.compiling import is_at_hand
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.iterations import run_iterations
-from hilc_cli.engine.lanes.lanes import LANES
+from hilc_cli.engine.lanes.lanes import LANES, SUM_ROWS
 from hilc_cli.engine.lanes.packs import NEVER as NEVER, Kind, Pack
 from hilc_cli.numba_loading import typeof
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import METRICS, Sums, metrics_of_sums
 
 Integers = NDArray[np.int64]
 
@@ -27,7 +27,7 @@ class BatchResult:
 
     Attributes:
         final: Metrics of the last completed iteration, shape (cases, metrics), in the order of
-            METRIC_NAMES; not-a-number if not even iteration 0 stayed within the finite numbers.
+            `METRICS`; not-a-number if not even iteration 0 stayed within the finite numbers.
         errors: Largest position error [m] of each iteration, shape (cases, iterations + 1);
             not-a-number where an experiment has no such iteration.
         diverged_at: The iteration that left the finite numbers, shape (cases,); NEVER if none.
@@ -53,19 +53,22 @@ def simulate_batch(experiments: Sequence[Experiment]) -> BatchResult:
     """
     cases = len(experiments)
     most = max(experiment.iterations for experiment in experiments)
-    final = np.empty((cases, len(METRIC_NAMES)))
+    final = np.empty((cases, len(METRICS)))
     errors = np.empty((cases, most + 1))
     diverged_at = np.empty(cases, dtype=np.int64)
     for kind, members in groups(experiments):
-        pack = Pack(experiments[members[0]].reference, kind)
+        reference = experiments[members[0]].reference
+        pack = Pack(reference, kind)
+        sums = np.empty((SUM_ROWS, len(members)))
         noted = np.empty((most + 1, LANES))
         for first in range(0, len(members), LANES):
             numbers = members[first : first + LANES]
             used = len(numbers)
             _run(pack, [experiments[number] for number in numbers], noted)
-            final[numbers] = pack.final.reshape(-1, LANES)[:, :used].T
+            sums[:, first : first + used] = pack.sums.reshape(-1, LANES)[:, :used]
             errors[numbers] = noted[:, :used].T
             diverged_at[numbers] = pack.diverged_at[:used]
+        final[members] = metrics_of_sums(Sums(reference.samples, *sums))
     return BatchResult(final, errors, diverged_at)
 
 
@@ -86,12 +89,12 @@ def _run(pack: Pack, experiments: Sequence[Experiment], errors: Floats) -> None:
     run_iterations(*arguments(pack, errors))
     gone = pack.diverged_at != NEVER
     if gone.any():
-        final, diverged_at = pack.final.reshape(-1, LANES).copy(), pack.diverged_at.copy()
+        sums, diverged_at = pack.sums.reshape(-1, LANES).copy(), pack.diverged_at.copy()
         pack.restart(experiments)
         pack.last[:] = np.where(gone, diverged_at - 1, NEVER)
         run_iterations(*arguments(pack, errors))
-        again = pack.final.reshape(-1, LANES)
-        again[:, ~gone] = final[:, ~gone]
+        again = pack.sums.reshape(-1, LANES)
+        again[:, ~gone] = sums[:, ~gone]
         pack.diverged_at[:] = diverged_at
 
 
@@ -104,7 +107,7 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
         pack.noise,
         pack.history,
         errors.ravel(),
-        pack.final,
+        pack.sums,
         pack.last,
         pack.diverged_at,
         *pack.desired,

@@ -36,47 +36,19 @@ from hilc_cli.engine.lanes.kernel import (
     _reduced,
     follow,
 )
-from hilc_cli.engine.lanes.lanes import Field, Noise, Words
+from hilc_cli.engine.lanes.lanes import SUM_ROWS, Field, Noise, Words
 from hilc_cli.engine.lanes.machine_code import cached, compiled, source
 from hilc_cli.engine.lanes.noise import FORMULAS as NOISE_FORMULAS, draw_output, draw_pose
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import METRIC_NAMES, IterationMetrics, is_finite
+from hilc_cli.results.trial import is_finite
 
 Integers = NDArray[np.int64]
 
 L1, POSE = int(Field.L1) * W, int(Field.POSE_X) * W
 FREQUENCY, PASS = int(Words.FREQUENCY) * W, int(Words.PASS) * W
 POSE_NOISE = int(Noise.POSE) * W
-(
-    MAX_ERROR,
-    MEAN_ERROR,
-    RMS_ERROR,
-    FINAL_ERROR,
-    MAX_X,
-    MAX_Y,
-    MAX_HEADING,
-    MAX_WHEEL,
-    SATURATED_SAMPLES,
-    INPUT_CHANGE,
-    LATER_MAX_ERROR,
-    LATER_MEAN_ERROR,
-) = [
-    METRIC_NAMES.index(name) * W
-    for name in (
-        "max_position_error_m",
-        "mean_position_error_m",
-        "rms_position_error_m",
-        "final_position_error_m",
-        "max_abs_error_x_m",
-        "max_abs_error_y_m",
-        "max_abs_error_heading_rad",
-        "max_wheel_speed_rad_s",
-        "saturated_samples",
-        "input_change_rms_rad_s",
-        "max_position_error_second_half_m",
-        "mean_position_error_second_half_m",
-    )
-]
+SUMS = int(Field.LARGEST_SQUARE) * W
+FINAL_ERROR = int(Field.FINAL_ERROR) * W
 
 
 def _begin(
@@ -144,7 +116,7 @@ def _begin(
 def _note(
     lanes: Floats,
     errors: Floats,
-    final: Floats,
+    sums: Floats,
     last: Integers,
     diverged_at: Integers,
     x_desired: float,
@@ -157,7 +129,7 @@ def _note(
     Args:
         lanes: The lane array.
         errors: Largest position error of each iteration, row by row.
-        final: Metrics of each lane's last iteration, in the order of METRIC_NAMES.
+        sums: What metrics are made of in each lane's last iteration, in the order of `Sums`.
         last: Each lane's last iteration.
         diverged_at: The iteration that left the finite numbers, -1 so far.
         x_desired: Last sample of the reference [m].
@@ -178,19 +150,13 @@ def _note(
         if iteration < last[j]:
             goes_on = True
             continue
-        change = lanes[CHANGE_SQUARES + j] if iteration > 0 else 0.0
-        final[MAX_ERROR + j] = largest
-        final[MEAN_ERROR + j] = lanes[ERROR_SUM + j] / (samples + 1)
-        final[RMS_ERROR + j] = math.sqrt(lanes[SQUARE_SUM + j] / (samples + 1))
-        final[FINAL_ERROR + j] = math.hypot(x_desired - x, y_desired - y)
-        final[MAX_X + j] = lanes[LARGEST + j]
-        final[MAX_Y + j] = lanes[LARGEST + W + j]
-        final[MAX_HEADING + j] = lanes[LARGEST + 2 * W + j]
-        final[MAX_WHEEL + j] = min(lanes[FASTEST_WHEEL + j], lanes[LIMIT + j])
-        final[SATURATED_SAMPLES + j] = lanes[SATURATED + j]
-        final[INPUT_CHANGE + j] = math.sqrt(change / (2 * samples))
-        final[LATER_MAX_ERROR + j] = math.sqrt(lanes[LATER_SQUARE + j])
-        final[LATER_MEAN_ERROR + j] = lanes[LATER_SUM + j] / (samples // 2 + 1)
+        if iteration == 0:
+            lanes[CHANGE_SQUARES + j] = 0.0
+        # What the mean and half a difference are made of may be beyond the limit by a hair.
+        lanes[FASTEST_WHEEL + j] = min(lanes[FASTEST_WHEEL + j], lanes[LIMIT + j])
+        lanes[FINAL_ERROR + j] = math.hypot(x_desired - x, y_desired - y)
+        for row in range(SUM_ROWS):
+            sums[row * W + j] = lanes[SUMS + row * W + j]
     return goes_on
 
 
@@ -204,7 +170,7 @@ def _run_iterations(
     noise: Floats,
     history: Floats,
     errors: Floats,
-    final: Floats,
+    sums: Floats,
     last: Integers,
     diverged_at: Integers,
     x_desired: Floats,
@@ -248,11 +214,11 @@ def _run_iterations(
                 None, state_kind, output_kind,
             )  # fmt: skip
         goes_on = _compiled_note(
-            lanes, errors, final, last, diverged_at, x_desired[n], y_desired[n], n, iteration
+            lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], n, iteration
         )
         iteration += 1
 
 
 _PARTS = (*KERNEL_FORMULAS, *NOISE_FORMULAS, source(follow), source(draw_pose))
-_CONSTANTS = (Field, Stream, IterationMetrics, is_finite)
+_CONSTANTS = (Field, Stream, is_finite)
 run_iterations = cached(_run_iterations, (*_PARTS, *_CONSTANTS))

@@ -42,7 +42,7 @@ class Field(IntEnum):
     SIN = 80
     PAST_MEAN = 81  # (left + right) / 2 in the iteration before
     PAST_HALF_DIFFERENCE = 82  # (left - right) / 2, likewise
-    # Metrics of the running iteration.
+    # What metrics of the running iteration are made of, in the order of `Sums`.
     LARGEST_SQUARE = 83
     ERROR_SUM = 84
     SQUARE_SUM = 85
@@ -52,12 +52,14 @@ class Field(IntEnum):
     CHANGE_SQUARES = 91
     LATER_LARGEST_SQUARE = 92  # of the second half
     LATER_ERROR_SUM = 93
+    FINAL_ERROR = 94
     # The heading, reduced for the cosine; second rows: that of the gain matrix.
-    REST = 94
-    SHIFTED = 96
+    REST = 95
+    SHIFTED = 97
 
 
 FIELDS = Field.SHIFTED + 2
+SUM_ROWS = Field.REST - Field.LARGEST_SQUARE
 
 
 class NoiseField(IntEnum):

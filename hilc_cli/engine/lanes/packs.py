@@ -16,17 +16,16 @@ from hilc_cli.engine.lanes.lanes import (
     HISTORY_FIELDS,
     LANES,
     NOISE_ROWS,
+    SUM_ROWS,
     WORD_ROWS,
     Field,
     History,
 )
 from hilc_cli.engine.lanes.noise import NONE, NORMAL, UNIFORM
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.gain_matrix import GainHeading
-from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.gain_matrix import GainHeading, LaneParameters
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.metrics import METRIC_NAMES
 
 NEVER = -1
 _ROUNDING = 2.0**-50
@@ -41,7 +40,7 @@ class Kind(NamedTuple):
 
     Attributes:
         compensation: Whether they run Eq. 21, not Eq. 17.
-        gain_heading: As in `HybridLaw`.
+        gain_heading: As in `LaneParameters`.
         full_matrix: Whether the gain matrix has another form than that of Eq. 45.
         learn_in_first: As in `Experiment`.
         state: NONE, UNIFORM or NORMAL: the distribution of the state's disturbance.
@@ -64,9 +63,9 @@ class Kind(NamedTuple):
         Raises:
             UsageError: It has a law that the batch engine does not know.
         """
-        law, disturbance = hybrid_law(experiment), experiment.disturbance
+        law, disturbance = _known_parameters(experiment), experiment.disturbance
         return cls(
-            law.compensation,
+            law.compensation is not None,
             law.gain_heading,
             not law.matrix.is_kinematic,
             experiment.learn_in_first,
@@ -83,8 +82,8 @@ class Kind(NamedTuple):
 
 def knows(experiment: Experiment) -> bool:
     """Whether the batch engine runs here, and knows the experiment's law and plant."""
-    known = isinstance(experiment.law, HybridLaw) and _lane_gains(experiment) is not None
-    return known and not DISABLED
+    offered = _lane_parameters(experiment) is not None and _lane_gains(experiment) is not None
+    return offered and not DISABLED
 
 
 def _lane_gains(experiment: Experiment) -> tuple[float, float] | None:
@@ -92,15 +91,22 @@ def _lane_gains(experiment: Experiment) -> tuple[float, float] | None:
     return experiment.plant.lane_gains(experiment.reference.sample_time)
 
 
-def hybrid_law(experiment: Experiment) -> HybridLaw:
-    """The experiment's law.
+def _lane_parameters(experiment: Experiment) -> LaneParameters | None:
+    """Returns what the experiment's law offers to be run here; None if it offers nothing."""
+    offer = getattr(experiment.law, "lane_parameters", None)
+    return None if offer is None else offer()
+
+
+def _known_parameters(experiment: Experiment) -> LaneParameters:
+    """Returns the same of a law that offers something.
 
     Raises:
         UsageError: It is another one than the hybrid law.
     """
-    if not isinstance(experiment.law, HybridLaw):
+    parameters = _lane_parameters(experiment)
+    if parameters is None:
         raise UsageError("the batch engine knows the hybrid law only")
-    return experiment.law
+    return parameters
 
 
 def _distribution(source: Bounded) -> int:
@@ -121,7 +127,7 @@ class Pack:
         words: See `Words`.
         noise: See `lanes.Noise`.
         history: See `History`.
-        final: Metrics of each lane's last iteration, in the order of METRIC_NAMES.
+        sums: What metrics are made of in each lane's last iteration, in the order of `Sums`.
         last: Each lane's last iteration, shape (LANES,).
         diverged_at: The iteration that left the finite numbers, NEVER if none, shape (LANES,).
     """
@@ -134,7 +140,7 @@ class Pack:
         self.words = aligned(WORD_ROWS * LANES, np.uint64)
         self.noise = aligned(NOISE_ROWS * LANES, np.float64)
         self.history = aligned((reference.samples + 2) * HISTORY_FIELDS * LANES, np.float64)
-        self.final = np.empty(len(METRIC_NAMES) * LANES)
+        self.sums = np.empty(SUM_ROWS * LANES)
         self.last = np.empty(LANES, dtype=np.int64)
         self.diverged_at = np.empty(LANES, dtype=np.int64)
         self.decay = np.exp(-reference.times[:-1]) if kind.compensation else None
@@ -160,7 +166,7 @@ class Pack:
     def restart(self, experiments: Sequence[Experiment]) -> None:
         """Sets the history to before iteration 0, and forgets what has been found out."""
         self.history[:] = 0.0
-        self.final[:] = np.nan
+        self.sums[:] = np.nan
         self.diverged_at[:] = NEVER
         inputs = self.history.reshape(-1, HISTORY_FIELDS, LANES)[1:-1]
         known: dict[tuple[int, int], tuple[Floats, Floats] | None] = {}
@@ -177,15 +183,16 @@ class Pack:
 
     def _parameters(self, experiment: Experiment) -> list[float]:
         """The rows of the lane array up to Field.POSITION_GAINS; the matrix still by wheels."""
-        law, gains = hybrid_law(experiment), _lane_gains(experiment)
+        law, gains = _known_parameters(experiment), _lane_gains(experiment)
         if gains is None:
             raise UsageError("the batch engine does not know the plant")
         distance_gain, turn_gain = gains
         sample_time, limit = self.sample_time, experiment.speed_limit
-        peak = 2 / (sample_time * law.h)
+        length = law.compensation or 1  # which Eq. 17 does not look at
+        peak = 2 / (sample_time * length)
         parameters = [
-            law.l1, law.l2, law.l3, limit, limit * (1 + _ROUNDING),
-            2 * distance_gain, 2 * turn_gain, law.h, peak, peak / law.h,
+            *law.gains, limit, limit * (1 + _ROUNDING),
+            2 * distance_gain, 2 * turn_gain, length, peak, peak / length,
             *experiment.initial_pose, *law.matrix.coefficients,
         ]  # fmt: skip
         if self.kind.disturbed or self.kind.pose != NONE:

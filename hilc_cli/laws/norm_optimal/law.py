@@ -180,7 +180,7 @@ class NormOptimalController(Controller):
         None,
         description="samples until an initial error shall be gone, 1 to n; default 200, or n / 4",
     )
-    memory: Annotated[int, such_as(Samples, "4")] = Field(
+    memory: Annotated[int, such_as(Samples, "4", told_in="iterations")] = Field(
         4, description="iterations over which motion that the model does not explain is averaged"
     )
     b_w: SpeedLimit = None

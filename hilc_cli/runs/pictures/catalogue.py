@@ -1,8 +1,9 @@
-"""The kinds of picture by name."""
+"""Draws and saves the pictures of runs by the names of their kinds."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -10,40 +11,33 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError, suggestion
-from hilc_cli.results.folder import SWEEP_PICTURE_KINDS
+from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.results.run import RunData
-from hilc_cli.runs.pictures.error import error_figure
-from hilc_cli.runs.pictures.final_path import final_path_figure
-from hilc_cli.runs.pictures.learning import learning_figure, quantities_to_draw
-from hilc_cli.runs.pictures.path_change import check_iterations, path_change_figure
-from hilc_cli.runs.pictures.summary import summary_figure
-from hilc_cli.runs.pictures.wheel_speeds import wheel_speeds_figure
-from hilc_cli.runs.run_folder import PICTURE_KINDS
 
-Drawer = Callable[[Sequence[RunData], Collection[int] | None], Figure]
 
-_DRAWERS: Mapping[str, Drawer] = {
-    "path-change": path_change_figure,
-    "final-path": lambda runs, iterations: final_path_figure(runs),
-    "error": lambda runs, iterations: error_figure(runs),
-    "wheel-speeds": lambda runs, iterations: wheel_speeds_figure(runs),
-    "summary": summary_figure,
-    "learning": lambda runs, iterations: learning_figure(runs),
-}
-KINDS = PICTURE_KINDS
-assert set(KINDS) == set(_DRAWERS)
+@dataclass(frozen=True, slots=True)
+class RunPicture:
+    """How a kind of picture of runs is drawn.
+
+    Attributes:
+        draw: Draws one or several runs; of the paths, those of some iterations or of all.
+        is_of: Whether there is such a picture of runs; of any by default.
+    """
+
+    draw: Callable[[Sequence[RunData], Collection[int] | None], Figure]
+    is_of: Callable[[Sequence[RunData]], bool] = lambda runs: True
 
 
 def kinds_of(runs: Sequence[RunData]) -> list[str]:
     """The kinds of picture that there are of runs: one of learning only if a law tells of it."""
-    return [kind for kind in KINDS if kind != "learning" or quantities_to_draw(runs)]
+    return [name for name, kind in RUN_PICTURES.items() if kind.load().is_of(runs)]
 
 
 def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None = None) -> Figure:
     """Draws one kind of picture.
 
     Args:
-        kind: One of ``KINDS``.
+        kind: One of ``RUN_PICTURES``.
         runs: The run, or several to lay over each other.
         iterations: The iterations whose paths are shown; None for all that are recorded.
 
@@ -52,7 +46,8 @@ def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None 
             there is no such picture of these runs.
     """
     _check(runs, [kind], iterations)
-    return _DRAWERS[kind](runs, iterations)
+    picture: RunPicture = RUN_PICTURES[kind].load()
+    return picture.draw(runs, iterations)
 
 
 def save_figures(
@@ -68,7 +63,7 @@ def save_figures(
     Args:
         runs: The run, or several to lay over each other.
         folder: Where the files go; it must exist.
-        kinds: Some of ``KINDS``; all that there are of these runs by default.
+        kinds: Some of ``RUN_PICTURES``; all that there are of these runs by default.
         formats: Some of ``FORMATS``.
         dpi: Dots per inch of PNG files.
         iterations: The iterations whose paths are shown; None for all that are recorded.
@@ -92,10 +87,19 @@ def _check(
     if not runs:
         raise UsageError("there is no run to draw; give at least one")
     for kind in kinds:
-        if kind in SWEEP_PICTURE_KINDS:
+        if kind in SWEEP_PICTURES:
             raise UsageError(
-                f"picture '{kind}' is one of sweeps; those of runs: {', '.join(KINDS)}"
+                f"picture '{kind}' is one of sweeps; those of runs: {', '.join(RUN_PICTURES)}"
             )
-        if kind not in KINDS:
-            raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, KINDS)}")
-    check_iterations(runs, iterations)
+        if kind not in RUN_PICTURES:
+            raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, RUN_PICTURES)}")
+    if iterations is None:
+        return
+    recorded = sorted({iteration for run in runs for iteration in run.trials})
+    known = f"recorded: {', '.join(map(str, recorded)) or 'none'}"
+    missing = sorted(set(iterations) - set(recorded))
+    if missing:
+        what = "iterations" if len(missing) > 1 else "iteration"
+        raise UsageError(f"{what} {', '.join(map(str, missing))} not recorded; {known}")
+    if not iterations:
+        raise UsageError(f"no iterations to draw; {known}")

@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.ticker import MaxNLocator
 
-from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import MAX_ERROR_SECOND_HALF
 from hilc_cli.results.run import RunData
+from hilc_cli.runs.pictures.catalogue import RunPicture
 
 LineStyle = str | tuple[int, tuple[float, ...]]
 
@@ -116,17 +116,8 @@ def draw_error(
         at_zero = np.flatnonzero(run.metrics["max_position_error_m"] < _SMALLEST)
         if len(at_zero):
             zeros = True
-            axes.plot(
-                at_zero,
-                np.full(len(at_zero), strips + _HEADROOM / 2),
-                transform=axes.get_xaxis_transform(),
-                color=color if several else style.BLUE,
-                linestyle="none",
-                marker="v",
-                markersize=style.MARKER_SIZE,
-                markerfacecolor="white",
-                label="_zero",
-            )
+            mark_color = color if several else style.BLUE
+            labels.draw_marks(axes, at_zero, strips + _HEADROOM / 2, "v", mark_color, "_zero")
         if run.diverged_at is not None:
             axes.axvline(
                 run.diverged_at,
@@ -150,15 +141,7 @@ def _legend_proxies(axes: Axes, lines: Mapping[str, LineStyle], *, zeros: bool) 
         width = style.THIN if place else style.PATH_WIDTH
         axes.plot([], [], color="black", linewidth=width, linestyle=line_style, label=label)
     if zeros:
-        axes.plot(
-            *([], []),
-            color="black",
-            linestyle="none",
-            marker="v",
-            markersize=style.MARKER_SIZE,
-            markerfacecolor="white",
-            label=ZERO_LABEL,
-        )
+        labels.draw_marks(axes, np.empty(0), 0.0, "v", "black", ZERO_LABEL)
 
 
 def scale_iterations(axes: Axes, runs: Sequence[RunData]) -> None:
@@ -166,12 +149,7 @@ def scale_iterations(axes: Axes, runs: Sequence[RunData]) -> None:
     last = max(
         max(len(run.metrics) - 1, 0 if run.diverged_at is None else run.diverged_at) for run in runs
     )
-    border = max(0.5, 0.02 * last)
-    axes.set_xlim(-border, last + border)
-    axes.xaxis.set_major_locator(
-        MaxNLocator(nbins=8, steps=[1, 2, 5, 10], integer=True, min_n_ticks=1)
-    )
-    axes.set_xlabel("Iteration")
+    labels.set_iterations(axes, last)
 
 
 def _scale_errors(axes: Axes, lines: Sequence[Floats], strips: float) -> None:
@@ -186,7 +164,7 @@ def _scale_errors(axes: Axes, lines: Sequence[Floats], strips: float) -> None:
     per_height = (top - bottom) / (1 - floor - _HEADROOM)
     bottom, top = bottom - floor * per_height, top + _HEADROOM * per_height
     axes.set_yscale("log")
-    major, texts, minor = logarithmic.ticks(bottom + strips * per_height, top)
+    major, texts, minor = labels.logarithmic_ticks(bottom + strips * per_height, top)
     # Fixed ticks in plain characters are set many times faster than those of LogFormatter.
     axes.set_yticks(major, texts)
     axes.set_yticks(minor, [""] * len(minor), minor=True)
@@ -236,9 +214,8 @@ def _gap_notes(runs: Sequence[RunData]) -> list[str]:
 
 def error_figure(runs: Sequence[RunData]) -> Figure:
     """The position error of one or several runs against the iteration."""
-    with style.applied():
-        width = 5.8
-        figure, axes = layout.single_panel(layout.heading_of(labels.run_labels(runs)), width)
-        draw_error(axes, runs)
-        layout.finish(figure, axes, width)
-        return figure
+    heading = layout.heading_of(labels.run_labels(runs))
+    return layout.panel_figure(heading, lambda axes: draw_error(axes, runs), 5.8)
+
+
+PICTURE = RunPicture(lambda runs, iterations: error_figure(runs))

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from hilc_cli.drawing import labels, layout, style, view
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.run import RunData
+from hilc_cli.runs.pictures.catalogue import RunPicture
 
 
 def same_path(references: Sequence[Reference]) -> bool:
@@ -83,13 +84,12 @@ def draw_final_path(
 
 def final_path_figure(runs: Sequence[RunData]) -> Figure:
     """The last recorded paths of one or several runs against the reference."""
-    with style.applied():
-        trials = [run.last for run in runs if run.trials]
-        shape = view.shape_of(view.view_of([run.reference for run in runs], trials))
-        width, height = 5.4, max(2.4, 5.4 * shape)
-        figure, axes = layout.single_panel(
-            layout.heading_of(labels.run_labels(runs)), width, height
-        )
-        draw_final_path(axes, runs)
-        layout.finish(figure, axes, width)
-        return figure
+    trials = [run.last for run in runs if run.trials]
+    shape = view.shape_of(view.view_of([run.reference for run in runs], trials))
+    heading = layout.heading_of(labels.run_labels(runs))
+    return layout.panel_figure(
+        heading, lambda axes: draw_final_path(axes, runs), 5.4, max(2.4, 5.4 * shape)
+    )
+
+
+PICTURE = RunPicture(lambda runs, iterations: final_path_figure(runs))

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.quantities import BELIEVED, TRUE, Quantity, quantities, says_more
+from hilc_cli.results.learning import BELIEVED, TRUE, Quantity, quantities, says_more
 from hilc_cli.results.run import RunData
+from hilc_cli.runs.pictures.catalogue import RunPicture
 from hilc_cli.runs.pictures.error import MARKED_UP_TO, MOST_DETAILED, scale_iterations
 
 BARS = 2
@@ -227,7 +228,7 @@ def learning_figure(runs: Sequence[RunData]) -> Figure:
             _draw_quantity(axes, quantity, telling, notes if axes is panels[0] else [])
             if axes is not panels[-1]:
                 axes.set_xlabel("")
-        legend = layout.legend_below_all(panels, _WIDTH, first=names)
+        legend = layout.legend_below(panels, _WIDTH, first=names)
         layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(panels[:1]))
         return figure
 
@@ -319,13 +320,9 @@ def _draw_plain(
 
 
 def _draw_never(axes: Axes, iterations: NDArray[Any], color: str, label: str) -> None:
-    axes.plot(
-        *(iterations, np.full(len(iterations), 1 - _HEADROOM / 3)),
-        transform=axes.get_xaxis_transform(),
-        color=color,
-        linestyle="none",
-        marker="^",
-        markersize=style.MARKER_SIZE,
-        markerfacecolor="white",
-        label=label,
-    )
+    labels.draw_marks(axes, iterations, 1 - _HEADROOM / 3, "^", color, label)
+
+
+PICTURE = RunPicture(
+    lambda runs, iterations: learning_figure(runs), lambda runs: bool(quantities_to_draw(runs))
+)

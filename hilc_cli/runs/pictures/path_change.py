@@ -11,10 +11,10 @@ from matplotlib.colors import FuncNorm, Normalize
 from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style, view
-from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
+from hilc_cli.runs.pictures.catalogue import RunPicture
 
 COLUMNS = 4  # of panels, where several runs are compared
 _BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.12, 0.14, 0.75  # [inch]
@@ -27,24 +27,6 @@ def chosen_trials(run: RunData, iterations: Collection[int] | None = None) -> li
         for iteration, trial in sorted(run.trials.items())
         if iterations is None or iteration in iterations
     ]
-
-
-def check_iterations(runs: Sequence[RunData], iterations: Collection[int] | None) -> None:
-    """Makes sure that there is a path for each iteration asked for.
-
-    Raises:
-        UsageError: An iteration is recorded in none of the runs; names those that are.
-    """
-    if iterations is None:
-        return
-    recorded = sorted({iteration for run in runs for iteration in run.trials})
-    known = f"recorded: {', '.join(map(str, recorded)) or 'none'}"
-    missing = sorted(set(iterations) - set(recorded))
-    if missing:
-        what = "iterations" if len(missing) > 1 else "iteration"
-        raise UsageError(f"{what} {', '.join(map(str, missing))} not recorded; {known}")
-    if not iterations:
-        raise UsageError(f"no iterations to draw; {known}")
 
 
 def iteration_scale(
@@ -157,11 +139,7 @@ def path_change_figure(
     Args:
         runs: At least one.
         iterations: The iterations to show; None for all that are recorded.
-
-    Raises:
-        UsageError: An iteration is recorded in none of the runs.
     """
-    check_iterations(runs, iterations)
     with style.applied():
         if len(runs) == 1:
             return _single_figure(runs[0], iterations)
@@ -241,4 +219,7 @@ def draw_grid(
         panels.append(axes)
     add_color_bar(panels[min(len(panels), COLUMNS) - 1], scale)
     first_of_last_row = panels[(len(panels) - 1) // COLUMNS * COLUMNS]
-    return layout.legend_below(first_of_last_row, side)
+    return layout.legend_below([first_of_last_row], side)
+
+
+PICTURE = RunPicture(path_change_figure)

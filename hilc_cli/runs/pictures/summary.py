@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures import path_change
+from hilc_cli.runs.pictures.catalogue import RunPicture
 from hilc_cli.runs.pictures.error import draw_error
 from hilc_cli.runs.pictures.final_path import draw_final_path
 from hilc_cli.runs.pictures.wheel_speeds import draw_wheel_speeds
@@ -26,11 +27,7 @@ def summary_figure(runs: Sequence[RunData], iterations: Collection[int] | None =
     Args:
         runs: At least one.
         iterations: The iterations whose paths are shown; None for all that are recorded.
-
-    Raises:
-        UsageError: An iteration is recorded in none of the runs.
     """
-    path_change.check_iterations(runs, iterations)
     with style.applied():
         if len(runs) == 1:
             return _summary_of_one(runs, iterations)
@@ -58,7 +55,7 @@ def _summary_of_one(runs: Sequence[RunData], iterations: Collection[int] | None)
     draw_final_path(panels[1], runs)
     draw_error(panels[2], runs)
     draw_wheel_speeds(panels[3], runs)
-    legends = [layout.legend_below(panel, width) for panel in panels]
+    legends = [layout.legend_below([panel], width) for panel in panels]
     layout.resize_sheet(figure, bottom=max(legends[2:]), top=-labels.spare_room(panels[:2]))
     return figure
 
@@ -81,9 +78,12 @@ def _summary_of_several(runs: Sequence[RunData], iterations: Collection[int] | N
     draw_final_path(panels[0], runs)
     draw_error(panels[1], runs)
     draw_wheel_speeds(panels[2], runs)
-    own = max(layout.legend_below(panel, width, without=names) for panel in panels)
+    own = max(layout.legend_below([panel], width, without=names) for panel in panels)
     shared = layout.shared_legend(
         panels[1], names, layout.LEFT, height_above + own, sheet - 2 * layout.LEFT
     )
     layout.resize_sheet(figure, bottom=own + shared)
     return figure
+
+
+PICTURE = RunPicture(summary_figure)

@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
+from hilc_cli.runs.pictures.catalogue import RunPicture
 
 LIMIT_LABEL = "Speed limit"
 LIMIT_ROOM = 0.4  # for the values of the limits, to the right of the panel [inch]
@@ -144,11 +145,10 @@ def _draw_limits(axes: Axes, limits: Sequence[float], lowest: float, highest: fl
 
 def wheel_speeds_figure(runs: Sequence[RunData]) -> Figure:
     """The wheel speeds of the last recorded iteration of one or several runs."""
-    with style.applied():
-        width = 5.8
-        figure, axes = layout.single_panel(
-            layout.heading_of(labels.run_labels(runs)), width, extra_right=LIMIT_ROOM - 0.1
-        )
-        draw_wheel_speeds(axes, runs)
-        layout.finish(figure, axes, width)
-        return figure
+    heading, room = layout.heading_of(labels.run_labels(runs)), LIMIT_ROOM - 0.1
+    return layout.panel_figure(
+        heading, lambda axes: draw_wheel_speeds(axes, runs), 5.8, extra_right=room
+    )
+
+
+PICTURE = RunPicture(lambda runs, iterations: wheel_speeds_figure(runs))

@@ -9,6 +9,7 @@ from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.sweeps.data import Bands, SweepData
+from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.metric_axis import draw_zeros, metric_scale, show_metric
 from hilc_cli.sweeps.pictures.picking import MEDIAN
 from hilc_cli.sweeps.pictures.shared import BANDS, heading_of, within
@@ -30,11 +31,11 @@ def bands_figure(data: SweepData) -> Figure:
             layout.resize_sheet(figure, bottom=_COUNT_HEIGHT + _COUNT_GAP)
             top = layout.HEADING + layout.TOP + _HEIGHT + _COUNT_GAP
             below = layout.add_panel(figure, layout.LEFT, top, _WIDTH, _COUNT_HEIGHT)
-            _draw_counts(below, axes, bands)
+            _draw_counts(below, bands)
             axes.set_xlabel("")
             axes.tick_params(axis="x", labelbottom=False)
         lowest = figure.axes[-1]
-        legend = layout.legend_below(axes, _WIDTH, below=lowest)
+        legend = layout.legend_below([axes], _WIDTH, below=lowest)
         layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room([axes]))
         return figure
 
@@ -75,11 +76,7 @@ def draw_bands(axes: Axes, bands: Bands) -> None:
         label="Median",
     )
     draw_zeros(axes, shown.astype(np.float64), quantiles[:, MEDIAN], scale)
-    border = max(0.5, 0.02 * (count - 1))
-    axes.set_xlim(-border, count - 1 + border)
-    steps = [1, 2, 5, 10]
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=steps, integer=True, min_n_ticks=1))
-    axes.set_xlabel("Iteration")
+    labels.set_iterations(axes, count - 1)
     axes.set_ylabel("Maximum position error [m]", labelpad=2)
     notes = []
     diverged = np.flatnonzero(np.isinf(bands.quantiles[:, MEDIAN]))
@@ -95,7 +92,7 @@ def _changes(bands: Bands) -> bool:
     return len(bands.cases) > 0 and bool((bands.cases != bands.cases[0]).any())
 
 
-def _draw_counts(axes: Axes, above: Axes, bands: Bands) -> None:
+def _draw_counts(axes: Axes, bands: Bands) -> None:
     """Draws how many cases have each iteration."""
     count = len(bands.cases)
     shown = np.arange(0, count, max(1, -(-count // _MOST_ITERATIONS)))
@@ -106,12 +103,17 @@ def _draw_counts(axes: Axes, above: Axes, bands: Bands) -> None:
         linewidth=style.PATH_WIDTH,
         label="_cases",
     )
-    axes.set_xlim(above.get_xlim())
+    labels.set_iterations(axes, count - 1)
     axes.set_ylim(0, 1.15 * float(bands.cases.max()))
-    steps = [1, 2, 5, 10]
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=steps, integer=True, min_n_ticks=1))
-    axes.yaxis.set_major_locator(MaxNLocator(nbins=2, steps=steps, integer=True))
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=2, steps=[1, 2, 5, 10], integer=True))
     labels.plain_ticks(axes)
-    axes.set_xlabel("Iteration")
     axes.set_ylabel("Cases", labelpad=2)
     axes.grid(visible=True)
+
+
+PICTURE = SweepPicture(
+    bands_figure,
+    fits=lambda data: data.bands is not None,
+    needs="the error over the iterations; set 'sweep.bands: true'",
+    place=2,
+)

@@ -12,18 +12,16 @@ from matplotlib.transforms import ScaledTranslation
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.sweeps.data import SweepData
-from hilc_cli.sweeps.pictures.curve import WHOLE_METRICS
+from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.effects import effects_of
 from hilc_cli.sweeps.pictures.key_axis import (
     KeyAxis,
     key_axis,
     key_labels_in_lines,
-    metric_name,
-    metric_unit,
     value_text,
     with_unit,
 )
-from hilc_cli.sweeps.pictures.metric_axis import metric_scale
+from hilc_cli.sweeps.pictures.metric_axis import metric_name, scale_of
 from hilc_cli.sweeps.pictures.picking import (
     Combinations,
     Integers,
@@ -49,7 +47,7 @@ def shown_keys(data: SweepData) -> list[KeyAxis]:
     keys = varied_keys(data)
     if len(keys) > MOST_KEYS:
         results = results_of(data)
-        scale = metric_scale(results.metric, whole=data.metric in WHOLE_METRICS)
+        scale = scale_of(data, results.metric)
         effects = effects_of(data, results, scale)[:MOST_KEYS]
         kept = {effect.where.key for effect in effects}
         keys = [key for key in keys if key in kept]
@@ -116,7 +114,7 @@ def draw_key(axes: Axes, data: SweepData, where: KeyAxis, cases: Sequence[int] |
 
 def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
     """Draws the metric of the best cases, and names the cases."""
-    scale = metric_scale(best.metric, whole=data.metric in WHOLE_METRICS)
+    scale = scale_of(data, best.metric)
     low, high = scale.low, scale.high
     if scale.is_logarithmic:
         axes.set_xscale("log")
@@ -133,7 +131,7 @@ def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
         pairs = zip(ranks, best.cases, strict=True)
         ranks = [f"{rank}  case {case}" for rank, case in pairs]
     axes.set_yticks(range(len(ranks)), ranks)
-    axes.set_title(with_unit("Metric", metric_unit(data)), fontsize=style.SMALL_SIZE, pad=3)
+    axes.set_title(with_unit("Metric", scale.unit), fontsize=style.SMALL_SIZE, pad=3)
 
 
 def _padded(low: float, high: float) -> tuple[float, float]:
@@ -189,3 +187,11 @@ def _draw_title(figure: Figure, data: SweepData, best: Combinations, left_out: i
     below = ScaledTranslation(0.15, -layout.HEADING - 0.06, figure.dpi_scale_trans)
     place = figure.transFigure + below
     figure.text(0, 1, "\n".join(lines), transform=place, va="top", fontsize=style.TITLE_SIZE)
+
+
+PICTURE = SweepPicture(
+    best_figure,
+    fits=lambda data: len(varied_keys(data)) > 0,
+    needs="a varied key",
+    by_default=lambda data: len(varied_keys(data)) > 2,
+)

@@ -1,8 +1,9 @@
-"""The kinds of picture of a sweep by name, and which of them fit."""
+"""Draws and saves the pictures of a sweep by the names of their kinds, and says which fit."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -10,27 +11,28 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError, suggestion
-from hilc_cli.results.folder import SWEEP_PICTURE_KINDS
-from hilc_cli.runs.run_folder import PICTURE_KINDS
+from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.sweeps.data import SweepData
-from hilc_cli.sweeps.pictures.bands import bands_figure
-from hilc_cli.sweeps.pictures.best import best_figure
-from hilc_cli.sweeps.pictures.curve import curve_figure, curve_keys
-from hilc_cli.sweeps.pictures.effects import effects_figure
-from hilc_cli.sweeps.pictures.heat_map import map_figure
-from hilc_cli.sweeps.pictures.picking import varied_keys
-from hilc_cli.sweeps.pictures.progress import search_figure
 
-_DRAWERS: Mapping[str, Callable[[SweepData], Figure]] = {
-    "curve": curve_figure,
-    "map": map_figure,
-    "best": best_figure,
-    "effects": effects_figure,
-    "bands": bands_figure,
-    "search": search_figure,
-}
-SWEEP_KINDS = SWEEP_PICTURE_KINDS
-assert set(SWEEP_KINDS) == set(_DRAWERS)
+
+@dataclass(frozen=True, slots=True)
+class SweepPicture:
+    """How a kind of picture of a sweep is drawn.
+
+    Attributes:
+        draw: Draws a sweep that it fits.
+        fits: Whether there is such a picture of a sweep with cases.
+        needs: What a sweep needs for that, in words.
+        by_default: Whether it is drawn of a sweep that it fits even if nobody asks for it.
+        place: Pictures that are drawn together stand in this order, equal ones in that of
+            ``SWEEP_PICTURES``.
+    """
+
+    draw: Callable[[SweepData], Figure]
+    fits: Callable[[SweepData], bool]
+    needs: str
+    by_default: Callable[[SweepData], bool] = lambda data: True
+    place: int = 0
 
 
 def kinds_for(data: SweepData) -> tuple[str, ...]:
@@ -41,29 +43,24 @@ def kinds_for(data: SweepData) -> tuple[str, ...]:
     known, and how a search went. Keys with a single value and the seed of the disturbances do not
     count.
     """
-    keys = len(varied_keys(data))
     if not len(data):
         return ()
-    if curve_keys(data) is not None:
-        kinds: tuple[str, ...] = ("curve",)
-    else:
-        kinds = () if keys == 0 else ("map",) if keys == 2 else ("best", "effects")
-    kinds = kinds if data.bands is None else (*kinds, "bands")
-    return kinds if data.as_it_is is None else (*kinds, "search")
+    pictures: dict[str, SweepPicture] = {name: kind.load() for name, kind in SWEEP_PICTURES.items()}
+    shown = [name for name, each in pictures.items() if each.fits(data) and each.by_default(data)]
+    return tuple(sorted(shown, key=lambda name: pictures[name].place))
 
 
 def draw_sweep(kind: str, data: SweepData) -> Figure:
     """Draws one kind of picture.
 
     Args:
-        kind: One of ``SWEEP_KINDS``.
+        kind: One of ``SWEEP_PICTURES``.
         data: The sweep.
 
     Raises:
         UsageError: There is no such kind, or it does not fit this sweep.
     """
-    _check(kind, data)
-    return _DRAWERS[kind](data)
+    return _fitting(kind, data).draw(data)
 
 
 def save_sweep_figures(
@@ -80,7 +77,7 @@ def save_sweep_figures(
         data: The sweep.
         folder: Where the files go; it must exist.
         formats: Some of ``FORMATS``.
-        kinds: Some of ``SWEEP_KINDS``; empty for those that fit.
+        kinds: Some of ``SWEEP_PICTURES``; empty for those that fit.
         dpi: Dots per inch of PNG files.
 
     Returns:
@@ -91,31 +88,29 @@ def save_sweep_figures(
             written then.
         OSError: A file cannot be written.
     """
-    chosen = dict.fromkeys(kinds or kinds_for(data))
-    for kind in chosen:
-        _check(kind, data)
-    drawn = {kind: partial(draw_sweep, kind, data) for kind in chosen}
+    chosen = kinds or kinds_for(data)
+    drawn = {kind: partial(_fitting(kind, data).draw, data) for kind in chosen}
     return save_pictures(drawn, folder, formats, dpi)
 
 
-def _check(kind: str, data: SweepData) -> None:
-    if kind in PICTURE_KINDS:
-        fitting = ", ".join(kinds_for(data)) or "none"
-        raise UsageError(f"picture '{kind}' is one of runs; pictures of this sweep: {fitting}")
-    if kind not in SWEEP_KINDS:
-        raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, SWEEP_KINDS)}")
-    keys = len(varied_keys(data))
-    needs = {
-        "curve": (curve_keys(data) is not None, "one varied key, or two with few words in one"),
-        "map": (keys == 2, "two varied keys"),
-        "best": (keys > 0, "a varied key"),
-        "effects": (keys > 0, "a varied key"),
-        "bands": (data.bands is not None, "the error over the iterations; set 'sweep.bands: true'"),
-        "search": (data.as_it_is is not None, "a search; set 'sweep.minimise'"),
-    }
-    fits, need = needs[kind]
+def _fitting(kind: str, data: SweepData) -> SweepPicture:
+    """The picture of a kind, if a sweep has one.
+
+    Raises:
+        UsageError: It has none.
+    """
+    if kind in RUN_PICTURES:
+        raise UsageError(f"picture '{kind}' is one of runs; pictures of this sweep: {_shown(data)}")
+    if kind not in SWEEP_PICTURES:
+        raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, SWEEP_PICTURES)}")
+    picture: SweepPicture = SWEEP_PICTURES[kind].load()
     if not len(data):
         raise UsageError("there is no case to draw")
-    if not fits:
-        fitting = ", ".join(kinds_for(data)) or "none"
-        raise UsageError(f"picture '{kind}' needs {need}; pictures of this sweep: {fitting}")
+    if not picture.fits(data):
+        needs = f"picture '{kind}' needs {picture.needs}"
+        raise UsageError(f"{needs}; pictures of this sweep: {_shown(data)}")
+    return picture
+
+
+def _shown(data: SweepData) -> str:
+    return ", ".join(kinds_for(data)) or "none"

@@ -10,16 +10,13 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import INTEGER_METRICS, ITERATIONS_TO_TOLERANCE
 from hilc_cli.sweeps.data import SEED_KEY, SweepData
+from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.key_axis import (
     LONGEST_WORD,
     KeyAxis,
     key_axis,
     key_label,
-    metric_label,
-    metric_text,
-    metric_unit,
     short_names,
     shortened_words,
 )
@@ -27,7 +24,9 @@ from hilc_cli.sweeps.pictures.metric_axis import (
     draw_edge_marks,
     draw_zeros,
     edge_rows,
-    metric_scale,
+    metric_label,
+    metric_text,
+    scale_of,
     show_metric,
 )
 from hilc_cli.sweeps.pictures.picking import (
@@ -35,10 +34,10 @@ from hilc_cli.sweeps.pictures.picking import (
     Integers,
     Results,
     combined,
+    curve_keys,
     grouped,
     results_of,
     thinned,
-    varied_keys,
 )
 from hilc_cli.sweeps.pictures.shared import (
     BANDS,
@@ -51,15 +50,12 @@ from hilc_cli.sweeps.pictures.shared import (
     within,
 )
 
-MOST_CURVES = 8
 _WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
 _MARKED_UP_TO = 60  # points of a curve that are marked one by one
 _MOST_BANDS = 4  # more on each other cannot be told apart
 _SHARE, _ASIDE = 0.8, 0.12  # of the room of a word: for all curves, and from one to the next
 _LEAST_ASIDE = 0.1  # from one to the next, if there is room [inch]
 _FEW_DOTS = 200  # up to here drawn points need no summary
-
-WHOLE_METRICS = INTEGER_METRICS | {ITERATIONS_TO_TOLERANCE}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,30 +75,11 @@ class _Curve:
     dotted: bool
 
 
-def curve_keys(data: SweepData) -> tuple[str, str | None] | None:
-    """The key along the axis and the key of which each word has a curve, if a curve fits."""
-    keys = varied_keys(data)
-    if len(keys) == 1:
-        return keys[0], None
-    if len(keys) != 2:
-        return None
-    # The one with the fewer words gives the curves.
-    words = [key for key in keys if not data.axes[key].is_numeric]
-    counts = {key: data.axes[key].count or 0 for key in words}
-    fitting = [key for key in reversed(words) if counts[key] <= MOST_CURVES]
-    if not fitting:
-        return None
-    series = min(fitting, key=lambda key: counts[key])
-    return next(key for key in keys if key != series), series
-
-
 def curve_figure(data: SweepData) -> Figure:
     """The metric against a key."""
-    with style.applied():
-        figure, axes = layout.single_panel(heading_of(data), _WIDTH, _HEIGHT)
-        draw_curve(axes, data)
-        layout.finish(figure, axes, _WIDTH)
-        return figure
+    return layout.panel_figure(
+        heading_of(data), lambda axes: draw_curve(axes, data), _WIDTH, _HEIGHT
+    )
 
 
 def draw_curve(axes: Axes, data: SweepData) -> None:
@@ -128,7 +105,7 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
     combinations = combined(data, results, [column.positions for column in columns])
     shown.append(combinations.metric[combinations.best(1)])
     shown += [curve.spread.groups.quantiles.ravel() for curve in curves if curve.spread]
-    scale = metric_scale(np.concatenate(shown), whole=data.metric in WHOLE_METRICS)
+    scale = scale_of(data, np.concatenate(shown))
     show_metric(axes, scale, len(rows), _HEIGHT)
     where.show(axes, "x", where.limits(), _WIDTH)
     bands = 2 if len(curves) == 1 else 1 if len(curves) <= _MOST_BANDS else 0
@@ -155,7 +132,7 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
         title = draw_best(axes, data, combinations, columns, color, behind=side_by_side)
     axes.set_xlabel(key_label(where.key))
     axes.set_ylabel(metric_label(data, _HEIGHT), labelpad=2)
-    labels.set_title(axes, labels.wrapped(title, _WIDTH), scale.notes(metric_unit(data)))
+    labels.set_title(axes, labels.wrapped(title, _WIDTH), scale.notes())
 
 
 def _side_by_side(where: KeyAxis, series: KeyAxis) -> KeyAxis:
@@ -241,3 +218,10 @@ def _draw_all_seeds(axes: Axes, data: SweepData, results: Results) -> str:
 
 def _dot_size(dots: int) -> float:
     return style.MARKER_SIZE if dots <= _FEW_DOTS else 3.0 if dots <= 1000 else 2.0
+
+
+PICTURE = SweepPicture(
+    curve_figure,
+    fits=lambda data: curve_keys(data) is not None,
+    needs="one varied key, or two with few words in one",
+)

@@ -11,20 +11,19 @@ from matplotlib.figure import Figure
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.sweeps.data import SweepData
-from hilc_cli.sweeps.pictures.curve import WHOLE_METRICS
+from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.key_axis import (
     KeyAxis,
     key_axis,
     key_labels_in_lines,
-    metric_label,
-    metric_unit,
 )
 from hilc_cli.sweeps.pictures.metric_axis import (
     MetricScale,
     draw_edge_marks,
     draw_zeros,
     edge_rows,
-    metric_scale,
+    metric_label,
+    scale_of,
     show_metric,
 )
 from hilc_cli.sweeps.pictures.picking import (
@@ -100,7 +99,7 @@ def effects_figure(data: SweepData) -> Figure:
     """The metric against each key in a panel of its own."""
     with style.applied():
         results = results_of(data)
-        scale = metric_scale(results.metric, whole=data.metric in WHOLE_METRICS)
+        scale = scale_of(data, results.metric)
         effects = effects_of(data, results, scale)
         shown = effects[:MOST_PANELS]
         rows = -(-len(shown) // _MOST_COLUMNS)
@@ -123,7 +122,7 @@ def effects_figure(data: SweepData) -> Figure:
             else:
                 axes.set_ylabel(metric_label(data, _HEIGHT), labelpad=2)
             panels.append(axes)
-        notes = scale.notes(metric_unit(data))
+        notes = scale.notes()
         if len(shown) < len(effects):
             notes.insert(0, f"{len(effects) - len(shown)} keys with smaller effects are left out")
         labels.set_title(panels[0], "Effect of each key, the largest first", notes)
@@ -178,3 +177,12 @@ def draw_effect(
     draw_spread(axes, where, spread, scale, style.BLUE, bands=1)
     draw_zeros(axes, where.bent(flat), results.metric[cases], scale)
     draw_edge_marks(axes, where, results.outcomes, np.arange(len(results.metric)), size=3.0)
+
+
+PICTURE = SweepPicture(
+    effects_figure,
+    fits=lambda data: len(varied_keys(data)) > 0,
+    needs="a varied key",
+    by_default=lambda data: len(varied_keys(data)) > 2,
+    place=1,
+)

@@ -12,24 +12,23 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from hilc_cli.drawing import labels, layout, logarithmic, style
+from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.sweeps.data import SweepData
-from hilc_cli.sweeps.pictures.curve import WHOLE_METRICS
+from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.key_axis import (
     KeyAxis,
     key_axis,
     key_label,
-    metric_label,
-    metric_unit,
 )
-from hilc_cli.sweeps.pictures.metric_axis import MetricScale, metric_scale, outcome_label
+from hilc_cli.sweeps.pictures.metric_axis import MetricScale, metric_label, outcome_label, scale_of
 from hilc_cli.sweeps.pictures.picking import (
     Groups,
     Integers,
     Outcome,
     Results,
     combined,
+    curve_keys,
     grouped,
     results_of,
     thinned,
@@ -126,11 +125,9 @@ _MARKERS = {Outcome.DIVERGED: "x", Outcome.NEVER: "^", Outcome.FAILED: "s"}
 
 def map_figure(data: SweepData) -> Figure:
     """The metric over two keys, as cells of a grid or as coloured dots."""
-    with style.applied():
-        figure, axes = layout.single_panel(heading_of(data), _WIDTH, _HEIGHT, _BAR_ROOM)
-        draw_map(axes, data)
-        layout.finish(figure, axes, _WIDTH)
-        return figure
+    return layout.panel_figure(
+        heading_of(data), lambda axes: draw_map(axes, data), _WIDTH, _HEIGHT, _BAR_ROOM
+    )
 
 
 def draw_map(axes: Axes, data: SweepData) -> None:
@@ -147,13 +144,13 @@ def draw_map(axes: Axes, data: SweepData) -> None:
     notes = []
     if data.is_grid:
         cells = cells_of(x, y, results)
-        scale = metric_scale(cells.medians.ravel(), whole=data.metric in WHOLE_METRICS)
+        scale = scale_of(data, cells.medians.ravel())
         colors = _norm(scale)
         _draw_cells(axes, x, y, cells, scale, colors)
         if cells.merged != (1, 1):
             notes.append(f"each cell is the median of {cells.merged[0]} x {cells.merged[1]} values")
     else:
-        scale = metric_scale(results.metric, whole=data.metric in WHOLE_METRICS)
+        scale = scale_of(data, results.metric)
         colors = _norm(scale)
         notes += _draw_dots(axes, x, y, results, scale, colors)
     star = "white" if data.is_grid else style.VERMILLION
@@ -165,7 +162,7 @@ def draw_map(axes: Axes, data: SweepData) -> None:
     axes.set_ylabel(key_label(y.key, 50), labelpad=2)
     zero = f"{scale.zeros} exactly zero, in the darkest colour"
     notes += [zero] if scale.zeros else []
-    notes += scale.notes(metric_unit(data))
+    notes += scale.notes()
     labels.set_title(axes, labels.wrapped(title, _WIDTH + _BAR_ROOM), notes)
 
 
@@ -247,7 +244,7 @@ def _add_color_bar(axes: Axes, scale: MetricScale, norm: Normalize, label: str) 
     assert norm.vmin is not None
     assert norm.vmax is not None
     if scale.is_logarithmic:
-        major, texts, minor = logarithmic.narrow_ticks(norm.vmin, norm.vmax, 10, 3)
+        major, texts, minor = labels.narrow_ticks(norm.vmin, norm.vmax, 10, 3)
         drawn.set_ticks(major, labels=texts)
         drawn.set_ticks(minor, labels=[""] * len(minor), minor=True)
     elif scale.low == scale.high:
@@ -258,3 +255,11 @@ def _add_color_bar(axes: Axes, scale: MetricScale, norm: Normalize, label: str) 
     assert drawn.solids is not None
     drawn.solids.set_edgecolor("face")
     bar.set_ylabel(label, labelpad=3)
+
+
+PICTURE = SweepPicture(
+    map_figure,
+    fits=lambda data: len(varied_keys(data)) == 2,
+    needs="two varied keys",
+    by_default=lambda data: curve_keys(data) is None,
+)

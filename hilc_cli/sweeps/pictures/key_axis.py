@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import takewhile
@@ -11,62 +10,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from hilc_cli.drawing import labels, logarithmic
+from hilc_cli.drawing import labels
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, PEAK
+from hilc_cli.scenario.units import unit_of
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.picking import Integers, distinct
 from hilc_cli.variation import Choices, Value
 
 LONGEST_KEY = 60
 LONGEST_NAME = 32
-
-_UNITS_BY_LAST_NAME = {
-    "b_w": "rad/s",
-    "cutoff": "Hz",
-    "duration": "s",
-    "gravity_center": "m",
-    "h": "samples",
-    "half_track": "m",
-    "heading": "rad",
-    "input_change": "rad/s",
-    "k_theta": "rad/m",
-    "k_x": "1/s",
-    "k_y": "rad/m²",
-    "kd": "s",
-    "ki": "1/s",
-    "lateral": "rad/m",
-    "length": "m",
-    "memory": "iterations",
-    "position": "m",
-    "radius": "m",
-    "sample_time": "s",
-    "speed": "m/s",
-    "switch_tolerance": "m and rad",
-    "wheel_radius": "m",
-    "wheel_separation": "m",
-    "x": "m",
-    "y": "m",
-}
-_UNITS_BY_PLACE = {
-    "bound": ("m", "m", "rad"),
-    "standard_deviation": ("m", "m", "rad"),
-    "center": ("m", "m"),
-    "gravity_center": ("m", "m"),
-    "to": ("m", "m"),
-}
-
-
-def unit_of(key: str) -> str:
-    """The unit of a varied key; empty if it has none or none is known."""
-    *above, last = key.split(".")
-    if last.isdigit() and above:
-        places = _UNITS_BY_PLACE.get(above[-1], ())
-        return places[int(last)] if int(last) < len(places) else ""
-    # The sweep of an arc is an angle; what is below the key 'sweep' is not.
-    if last == "sweep" and len(above) > 1:
-        return "rad"
-    return _UNITS_BY_LAST_NAME.get(last, "")
 
 
 def key_label(key: str, longest: int = LONGEST_KEY) -> str:
@@ -140,31 +92,6 @@ def short_names(keys: Sequence[str]) -> dict[str, str]:
 
 LONGEST_WORD = 24
 
-# Each with what it is measured in, and when.
-_METRICS = {
-    "max_position_error_m": ("maximum position error", "m", "after the last iteration"),
-    "mean_position_error_m": ("mean position error", "m", "after the last iteration"),
-    "rms_position_error_m": ("RMS position error", "m", "after the last iteration"),
-    "final_position_error_m": ("position error at the end", "m", "of the last iteration"),
-    "max_abs_error_x_m": ("maximum error in x", "m", "after the last iteration"),
-    "max_abs_error_y_m": ("maximum error in y", "m", "after the last iteration"),
-    "max_abs_error_heading_rad": ("maximum heading error", "rad", "after the last iteration"),
-    "max_wheel_speed_rad_s": ("maximum wheel speed", "rad/s", "in the last iteration"),
-    "saturated_samples": ("samples at the speed limit", "", "in the last iteration"),
-    "input_change_rms_rad_s": ("RMS input change", "rad/s", "in the last iteration"),
-    "max_position_error_second_half_m": (
-        "maximum position error of the second half",
-        "m",
-        "after the last iteration",
-    ),
-    "mean_position_error_second_half_m": (
-        "mean position error of the second half",
-        "m",
-        "after the last iteration",
-    ),
-    PEAK: ("largest position error", "m", "of all iterations"),
-}
-
 
 def value_text(value: Value, digits: int = 4, longest: int = LONGEST_WORD) -> str:
     """A value as the scenario would have it, numbers rounded and long words shortened."""
@@ -199,37 +126,6 @@ def _alike(words: Sequence[str]) -> int:
     """How many letters all words have in common from the first on."""
     alike = takewhile(lambda letters: len(set(letters)) == 1, zip(*words, strict=False))
     return len(list(alike))
-
-
-def metric_name(data: SweepData) -> str:
-    """The metric in words, without a unit."""
-    if data.metric == ITERATIONS_TO_TOLERANCE:
-        bound = "the tolerance" if data.tolerance is None else _with_metres(data.tolerance)
-        return f"iterations until the error stays below {bound}"
-    name, _, when = _METRICS.get(data.metric, (data.metric, "", ""))
-    return f"{name} {when}".strip()
-
-
-def metric_unit(data: SweepData) -> str:
-    """The unit of the metric; empty if it is a count."""
-    return _METRICS.get(data.metric, ("", "", ""))[1]
-
-
-def metric_label(data: SweepData, height: float, prefix: str = "") -> str:
-    """The metric with its unit, as an axis of so many inches names it."""
-    text = with_unit(prefix + metric_name(data), metric_unit(data))
-    return textwrap.fill(text[0].upper() + text[1:], max(20, int(height / 0.068)))
-
-
-def metric_text(data: SweepData, value: float) -> str:
-    """A value of the metric with its unit."""
-    if data.metric == ITERATIONS_TO_TOLERANCE:
-        return f"{labels.number_text(value)} iterations"
-    return f"{labels.number_text(value, 4)} {metric_unit(data)}".rstrip()
-
-
-def _with_metres(length: float) -> str:
-    return f"{labels.number_text(length, 4)} m"
 
 
 _MARGIN = 0.03  # beside the outermost values, of the axis
@@ -307,7 +203,7 @@ class KeyAxis:
         axis = axes.xaxis if which == "x" else axes.yaxis
         most = max(3, int(length / (0.6 if which == "x" else 0.4)))
         if self.is_logarithmic:
-            logarithmic.set_scale(axis, *limits, most=most)
+            labels.set_logarithmic(axis, *limits, most=most)
         else:
             (axes.set_xlim if which == "x" else axes.set_ylim)(limits)
             axis.set_major_locator(MaxNLocator(nbins=min(8, most), steps=[1, 2, 5, 10]))

@@ -1,17 +1,20 @@
-"""The axis of the metric, with room at its edges for cases that have no place on it."""
+"""The axis of the metric: its name and scale, and room for cases that have no place on it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import textwrap
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from hilc_cli.drawing import labels, logarithmic, style
+from hilc_cli.drawing import labels, style
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.sweeps.pictures.key_axis import KeyAxis
+from hilc_cli.results.metrics import CASE_COLUMNS, ITERATIONS_TO_TOLERANCE
+from hilc_cli.sweeps.data import SweepData
+from hilc_cli.sweeps.pictures.key_axis import KeyAxis, with_unit
 from hilc_cli.sweeps.pictures.picking import Integers, Outcome
 
 ZERO_LABEL = "Exactly zero"
@@ -44,6 +47,7 @@ class MetricScale:
         zeros: How many values a logarithmic scale has no place for.
         beyond: How many finite values are larger than high.
         is_empty: Whether there are no values at all.
+        unit: Of the values, as it is written.
     """
 
     low: float
@@ -52,13 +56,15 @@ class MetricScale:
     zeros: int = 0
     beyond: int = 0
     is_empty: bool = False
+    unit: str = ""
 
-    def notes(self, unit: str) -> list[str]:
+    def notes(self) -> list[str]:
         """What the reader must be told: values that are not drawn where they are."""
         if not self.beyond:
             return []
         what = "value is" if self.beyond == 1 else "values are"
-        return [f"{self.beyond} {what} above {labels.number_text(self.high, 2)} {unit}".rstrip()]
+        high = labels.number_text(self.high, 2)
+        return [f"{self.beyond} {what} above {high} {self.unit}".rstrip()]
 
     def in_place(self, values: Floats) -> Floats:
         """Values with gaps for those that have no place on the scale."""
@@ -105,6 +111,38 @@ def _is_crowded(values: Floats, low: float, high: float) -> bool:
     return float(np.median(values)) - low < _CROWDED * (high - low)
 
 
+def scale_of(data: SweepData, values: Floats) -> MetricScale:
+    """The scale that shows values of a sweep's metric best."""
+    metric = CASE_COLUMNS[data.metric]
+    return replace(metric_scale(values, whole=metric.whole), unit=metric.unit)
+
+
+def metric_name(data: SweepData) -> str:
+    """The metric in words, without a unit."""
+    metric = CASE_COLUMNS[data.metric]
+    when = metric.when
+    if data.metric == ITERATIONS_TO_TOLERANCE:
+        when = "the tolerance" if data.tolerance is None else _with_metres(data.tolerance)
+    return f"{metric.words} {when}"
+
+
+def metric_label(data: SweepData, height: float, prefix: str = "") -> str:
+    """The metric with its unit, as an axis of so many inches names it."""
+    text = with_unit(prefix + metric_name(data), CASE_COLUMNS[data.metric].unit)
+    return textwrap.fill(text[0].upper() + text[1:], max(20, int(height / 0.068)))
+
+
+def metric_text(data: SweepData, value: float) -> str:
+    """A value of the metric with its unit."""
+    if data.metric == ITERATIONS_TO_TOLERANCE:
+        return f"{labels.number_text(value)} iterations"
+    return f"{labels.number_text(value, 4)} {CASE_COLUMNS[data.metric].unit}".rstrip()
+
+
+def _with_metres(length: float) -> str:
+    return f"{labels.number_text(length, 4)} m"
+
+
 def show_metric(axes: Axes, scale: MetricScale, rows: int, height: float) -> None:
     """Sets up the y axis of a panel, with free space above and below the data.
 
@@ -130,7 +168,7 @@ def show_metric(axes: Axes, scale: MetricScale, rows: int, height: float) -> Non
     if scale.low >= 0 and not scale.is_logarithmic:
         bottom = max(bottom, -below * per_height)
     if scale.is_logarithmic:
-        logarithmic.set_scale(axes.yaxis, 10.0**bottom, 10.0**top, most=max(3, int(height / 0.35)))
+        labels.set_logarithmic(axes.yaxis, 10.0**bottom, 10.0**top, most=max(3, int(height / 0.35)))
     else:
         axes.set_ylim(bottom, top)
         axes.yaxis.set_major_locator(
@@ -150,7 +188,7 @@ def edge_rows(outcomes: Integers) -> list[Outcome]:
 
 
 def draw_edge_marks(
-    axes: Axes, where: KeyAxis, outcomes: Integers, cases: Integers, size: float | None = None
+    axes: Axes, where: KeyAxis, outcomes: Integers, cases: Integers, size: float = style.MARKER_SIZE
 ) -> None:
     """Marks the cases without a metric along the upper edge, a row for each reason.
 
@@ -169,17 +207,15 @@ def draw_edge_marks(
     for row, outcome in enumerate(rows):
         there = cases[outcomes[cases] == outcome]
         places = _apart(np.unique(where.flat[there]))
-        axes.plot(
+        labels.draw_marks(
+            axes,
             where.bent(places),
-            np.full(len(places), 1 - ROW * (row + 0.5)),
-            transform=axes.get_xaxis_transform(),
-            linestyle="none",
-            marker=_MARKERS[outcome],
-            markersize=style.MARKER_SIZE if size is None else size,
-            color=_COLORS[outcome],
-            markerfacecolor="white",
+            1 - ROW * (row + 0.5),
+            _MARKERS[outcome],
+            _COLORS[outcome],
+            outcome_label(outcome, len(there)),
+            size=size,
             zorder=4,
-            label=outcome_label(outcome, len(there)),
         )
 
 
@@ -190,18 +226,7 @@ def draw_zeros(axes: Axes, positions: Floats, values: Floats, scale: MetricScale
     at = np.unique(positions[values < _SMALLEST])
     if len(at):
         at = at[:: -(-len(at) // _MOST_MARKS)]
-        axes.plot(
-            at,
-            np.full(len(at), ZERO_HEIGHT),
-            transform=axes.get_xaxis_transform(),
-            linestyle="none",
-            marker="v",
-            markersize=style.MARKER_SIZE,
-            color="black",
-            markerfacecolor="white",
-            zorder=4,
-            label=ZERO_LABEL,
-        )
+        labels.draw_marks(axes, at, ZERO_HEIGHT, "v", "black", ZERO_LABEL, zorder=4)
 
 
 def outcome_label(outcome: Outcome, count: int, what: str = "case") -> str:

@@ -19,6 +19,9 @@ Integers = NDArray[np.int64]
 MOST_DOTS = 5000
 """The most dots of a picture: more cannot be told apart, and make files large."""
 
+MOST_CURVES = 8
+"""The most words of a key that have a curve each."""
+
 MEDIAN = QUANTILES.index(0.5)
 
 
@@ -121,6 +124,23 @@ def varied_keys(data: SweepData) -> list[str]:
     """
     keys = [key for key, axis in data.axes.items() if not is_constant(axis)]
     return [key for key in keys if key != SEED_KEY] or keys[:1] or list(data.axes)[:1]
+
+
+def curve_keys(data: SweepData) -> tuple[str, str | None] | None:
+    """The key along the axis and the key of which each word has a curve, if a curve fits."""
+    keys = varied_keys(data)
+    if len(keys) == 1:
+        return keys[0], None
+    if len(keys) != 2:
+        return None
+    # The one with the fewer words gives the curves.
+    words = [key for key in keys if not data.axes[key].is_numeric]
+    counts = {key: data.axes[key].count or 0 for key in words}
+    fitting = [key for key in reversed(words) if counts[key] <= MOST_CURVES]
+    if not fitting:
+        return None
+    series = min(fitting, key=lambda key: counts[key])
+    return next(key for key in keys if key != series), series
 
 
 def varies_seed(data: SweepData) -> bool:

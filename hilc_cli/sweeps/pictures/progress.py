@@ -10,13 +10,15 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.sweeps.data import SweepData
-from hilc_cli.sweeps.pictures.curve import WHOLE_METRICS
-from hilc_cli.sweeps.pictures.key_axis import KeyAxis, metric_label, metric_text, metric_unit
+from hilc_cli.sweeps.pictures.catalogue import SweepPicture
+from hilc_cli.sweeps.pictures.key_axis import KeyAxis
 from hilc_cli.sweeps.pictures.metric_axis import (
     draw_edge_marks,
     draw_zeros,
     edge_rows,
-    metric_scale,
+    metric_label,
+    metric_text,
+    scale_of,
     show_metric,
 )
 from hilc_cli.sweeps.pictures.picking import results_of, thinned
@@ -27,11 +29,9 @@ _WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
 
 def search_figure(data: SweepData) -> Figure:
     """The metric against the number of the case."""
-    with style.applied():
-        figure, axes = layout.single_panel(heading_of(data), _WIDTH, _HEIGHT)
-        draw_search(axes, data)
-        layout.finish(figure, axes, _WIDTH)
-        return figure
+    return layout.panel_figure(
+        heading_of(data), lambda axes: draw_search(axes, data), _WIDTH, _HEIGHT
+    )
 
 
 def draw_search(axes: Axes, data: SweepData) -> None:
@@ -47,7 +47,7 @@ def draw_search(axes: Axes, data: SweepData) -> None:
     where = KeyAxis("case", every.astype(np.float64))
     as_it_is = data.as_it_is.metric
     values = np.append(results.metric, as_it_is)
-    scale = metric_scale(values, whole=data.metric in WHOLE_METRICS)
+    scale = scale_of(data, values)
     show_metric(axes, scale, len(edge_rows(results.outcomes)), _HEIGHT)
     where.show(axes, "x", where.limits(), _WIDTH)
     cases = thinned(every)
@@ -99,4 +99,12 @@ def draw_search(axes: Axes, data: SweepData) -> None:
     title = "No case has a value"
     if ranked:
         title = f"Best: {metric_text(data, float(results.metric[ranked[0]]))} (case {ranked[0]})"
-    labels.set_title(axes, title, scale.notes(metric_unit(data)))
+    labels.set_title(axes, title, scale.notes())
+
+
+PICTURE = SweepPicture(
+    search_figure,
+    fits=lambda data: data.as_it_is is not None,
+    needs="a search; set 'sweep.minimise'",
+    place=2,
+)

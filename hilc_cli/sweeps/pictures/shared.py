@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from hilc_cli.drawing import labels, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.sweeps.data import QUANTILES, SweepData
-from hilc_cli.sweeps.pictures.key_axis import KeyAxis, metric_text, short_names, value_text
-from hilc_cli.sweeps.pictures.metric_axis import ZERO_HEIGHT, MetricScale
+from hilc_cli.sweeps.pictures.key_axis import KeyAxis, short_names, value_text
+from hilc_cli.sweeps.pictures.metric_axis import ZERO_HEIGHT, MetricScale, metric_text
 from hilc_cli.sweeps.pictures.picking import (
     Combinations,
     Groups,

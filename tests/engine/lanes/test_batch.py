@@ -22,7 +22,7 @@ from hilc_cli.plants.kinematic import Robot, TurnConvention
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.metrics import MAX_ERROR, METRIC_NAMES, MetricsTable, measure
+from hilc_cli.results.metrics import MAX_ERROR, METRICS, MetricsTable, measure
 from hilc_cli.runs.running import load_scenario, run
 from hilc_cli.shipped_files import examples
 from hilc_cli.yaml_input.expressions import Affine
@@ -165,7 +165,7 @@ def check_random_experiment(data: st.DataObject, codes: list[Code]) -> None:
     result = simulate_batch(cases)
     for case in range(len(cases)):
         row = expected.row(case)
-        assert_agree(result.final[case], np.array([row[name] for name in METRIC_NAMES]))
+        assert_agree(result.final[case], np.array([row[name] for name in METRICS]))
     assert_agree(result.errors[-1], expected["max_position_error_m"])
     assert (result.diverged_at == NEVER).all()
 
@@ -195,7 +195,7 @@ def test_shipped_scenario_gives_the_same_numbers_in_both_engines(name: str) -> N
     expected = run(scenario).metrics
     result = simulate_batch([scenario.experiment()])
     row = expected.row(-1)
-    assert_agree(result.final[0], np.array([row[name] for name in METRIC_NAMES]))
+    assert_agree(result.final[0], np.array([row[name] for name in METRICS]))
     assert_agree(result.errors[0], expected["max_position_error_m"])
 
 
@@ -237,7 +237,7 @@ def test_lane_at_the_limit_does_not_see_a_neighbour_beyond_it() -> None:
 
     still = [case(0.0, 20.0 + number) for number in range(8)]
     together = simulate_batch([*still, case(0.5, 5.0), case(5.0, 60.0)])
-    assert together.final[-2:, METRIC_NAMES.index("saturated_samples")].min() > 0
+    assert together.final[-2:, list(METRICS).index("saturated_samples")].min() > 0
     for number, experiment in enumerate(still):
         alone = simulate_batch([experiment])
         assert together.final[number].tobytes() == alone.final[0].tobytes()

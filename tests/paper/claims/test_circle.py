@@ -13,7 +13,7 @@ from hilc_cli.engine.lanes.batch import simulate_batch
 from hilc_cli.paper.claims.initial_error import sideways_error_after_compensation
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.results.metrics import METRIC_NAMES
+from hilc_cli.results.metrics import METRICS
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import Pose
 
@@ -86,5 +86,5 @@ def test_closed_form_is_where_the_engine_comes_to_rest() -> None:
         abs(sideways_error_after_compensation(*offset, SPEED, YAW_RATE, COMPENSATED))
         for offset in OFFSETS.values()
     ]
-    found = result.final[:, METRIC_NAMES.index("final_position_error_m")]
+    found = result.final[:, list(METRICS).index("final_position_error_m")]
     np.testing.assert_allclose(found, expected, rtol=0.02)

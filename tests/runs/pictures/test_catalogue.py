@@ -13,7 +13,8 @@ from hilc_cli.drawing.save import FORMATS
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.learning import LearningTable
-from hilc_cli.runs.pictures.catalogue import KINDS, draw, kinds_of, save_figures
+from hilc_cli.results.picture_kinds import RUN_PICTURES
+from hilc_cli.runs.pictures.catalogue import draw, kinds_of, save_figures
 from tests.drawing.reading import legend, overlaps
 from tests.made_up_runs import MakeRun, circle, straight
 
@@ -29,7 +30,7 @@ def test_unknown_kind_is_named_with_the_nearest_or_all(make_run: MakeRun) -> Non
         draw("xyz", [make_run()])
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", RUN_PICTURES)
 def test_every_kind_checks_its_runs_and_iterations(make_run: MakeRun, kind: str) -> None:
     with pytest.raises(UsageError, match="no run to draw"):
         draw(kind, [])
@@ -48,10 +49,10 @@ def test_saves_each_kind_in_each_format(make_run: MakeRun, tmp_path: Path) -> No
 
 def test_there_is_no_picture_of_what_is_not_told(make_run: MakeRun, tmp_path: Path) -> None:
     silent = make_run("silent", learning=LearningTable())
-    others = [kind for kind in KINDS if kind != "learning"]
+    others = [kind for kind in RUN_PICTURES if kind != "learning"]
 
     assert kinds_of([silent]) == others
-    assert kinds_of([silent, make_run()]) == list(KINDS)
+    assert kinds_of([silent, make_run()]) == list(RUN_PICTURES)
     assert [path.stem for path in save_figures([silent], tmp_path, dpi=30)] == others
     with pytest.raises(UsageError, match="there is no picture 'learning' of silent: nothing is"):
         draw("learning", [silent])
@@ -74,7 +75,7 @@ def test_nothing_is_written_if_anything_is_unknown(make_run: MakeRun, tmp_path: 
 LONG = "a-name-of-sixty-characters-as-it-comes-out-of-a-gain-sweep-1"
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", RUN_PICTURES)
 @pytest.mark.parametrize(
     ("count", "name"), [(1, "_$x^2$"), (1, "N" * 60), (2, "run"), (3, LONG), (10, LONG)]
 )
@@ -84,7 +85,7 @@ def test_nothing_overlaps(make_run: MakeRun, kind: str, count: int, name: str) -
     assert overlaps(draw(kind, runs)) == []
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", RUN_PICTURES)
 @pytest.mark.parametrize("reference", [circle(1e-3), circle(1e6), straight()])
 def test_other_paths_do_not_overlap_either(
     make_run: MakeRun, kind: str, reference: Reference
@@ -111,7 +112,7 @@ def test_summary_shows_all_kinds(make_run: MakeRun) -> None:
     assert [text.get_text() for text in several.legends[0].get_texts()] == ["a", "b"]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", RUN_PICTURES)
 def test_numbers_near_the_end_of_double_precision(
     make_run: MakeRun, kind: str, tmp_path: Path
 ) -> None:

@@ -3,7 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hilc_cli.sweeps.pictures.metric_axis import metric_scale
+from hilc_cli.results.metrics import CASE_METRICS, ITERATIONS_TO_TOLERANCE
+from hilc_cli.sweeps.pictures.metric_axis import metric_label, metric_scale, metric_text
+from tests.made_up_sweeps import L1, RATES, bowl, sweep
 
 
 @pytest.mark.parametrize(
@@ -38,3 +40,19 @@ def test_good_cases_keep_their_share_of_the_scale(outlier: float) -> None:
     whole = np.log(high / low) if scale.is_logarithmic else high - low
     # ln 3 / ln (outlier / 0.02) of a logarithmic one, 0.04 / (outlier - 0.02) of a linear one
     assert np.ptp(shown) / whole > 0.23
+
+
+@pytest.mark.parametrize("metric", CASE_METRICS)
+def test_every_metric_has_words_and_a_unit(metric: str) -> None:
+    label = metric_label(sweep({L1: RATES}, bowl, column=metric), 10.0)
+    assert label[0].isupper()
+    assert "_" not in label
+    for ending, unit in (("_m", "[m]"), ("_rad", "[rad]"), ("_rad_s", "[rad/s]")):
+        assert metric.endswith(ending) == label.endswith(unit)
+
+
+def test_the_tolerance_is_named() -> None:
+    data = sweep({L1: RATES}, np.ones(5), column=ITERATIONS_TO_TOLERANCE)
+    assert metric_label(data, 10.0) == "Iterations until the error stays below 0.01 m"
+    assert metric_text(data, 7.0) == "7 iterations"
+    assert metric_text(sweep({L1: RATES}, bowl), 0.123456) == "0.1235 m"

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -155,8 +156,8 @@ def test_scale_leaves_out_what_it_has_no_place_for() -> None:
 def test_scale_is_not_squashed_by_what_is_about_to_diverge() -> None:
     scale = metric_scale(np.array([0.1, 1, 1, 1, 1e140]))
     assert (scale.high, scale.beyond) == (1e6, 1)
-    assert scale.notes("m") == ["1 value is above 1e6 m"]
-    assert metric_scale(np.array([1e-12, 1e-9, 0.1])).notes("m") == []
+    assert replace(scale, unit="m").notes() == ["1 value is above 1e6 m"]
+    assert metric_scale(np.array([1e-12, 1e-9, 0.1])).notes() == []
 
 
 def test_numbers_listed_unevenly_get_cells_of_one_size() -> None:

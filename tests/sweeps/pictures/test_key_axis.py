@@ -5,7 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from hilc_cli.sweeps.pictures.key_axis import key_label, key_labels_in_lines, short_names, unit_of
+from hilc_cli.scenario.units import unit_of
+from hilc_cli.sweeps.pictures.key_axis import (
+    key_label,
+    key_labels_in_lines,
+    short_names,
+    shortened_words,
+    value_text,
+)
+from hilc_cli.variation import Value
 from tests.made_up_sweeps import HEADING, L1, LONG_KEY
 
 PAGES = Path(__file__).parents[3] / "docs" / "laws"
@@ -102,3 +110,28 @@ def test_lines_are_never_longer_and_labels_differ() -> None:
         assert max(map(len, label.split("\n"))) <= 18
     assert found[LONG_KEY] == "very_long_name.\nhalf_track [m]"
     assert (found["x"], found["initial_pose.x"]) == ("x [m]", "initial_pose.x [m]")
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, "null"),
+        (True, "true"),
+        (180, "180"),
+        (1234567, "1234567"),
+        (2**63, "9.223e18"),
+        (0.123456, "0.1235"),
+        ("measured", "measured"),
+        ("w" * 30, "w" * 11 + "…" + "w" * 12),
+    ],
+)
+def test_values(value: Value, text: str) -> None:
+    assert value_text(value) == text
+
+
+def test_words_lose_first_what_they_have_in_common() -> None:
+    assert shortened_words(["same-1", "same-2"], 6) == ["same-1", "same-2"]
+    assert shortened_words(["same-1", "same-2"], 4) == ["…1", "…2"]
+    assert shortened_words(["same-1.csv", "same-12.csv"], 5) == ["…1…", "…12…"]
+    assert shortened_words(["aaab", "aab"], 3) == ["…ab", "…b"]
+    assert shortened_words(["abcdefgh"], 4) == ["a…gh"]
