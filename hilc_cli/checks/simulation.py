@@ -17,12 +17,10 @@ from hilc_cli.results.summary import summarise
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.running import OnIteration, RunData, Summary
 from hilc_cli.scenario.experiment import Scenario
-from hilc_cli.theory.findings import ExpectedError, Findings, extent
-from hilc_cli.theory.learning.expected import RESOLUTION
+from hilc_cli.theory.findings import RESOLUTION, ExpectedError, Findings, extent
 from hilc_cli.theory.learning.outcome import CLEARLY, FAILED, NEAR, Outcome, seen_outcome
-from hilc_cli.theory.proof.bounds import Bounds
+from hilc_cli.theory.proof.bounds import CORRECTED, WITHIN_LIMIT, Bounds
 from hilc_cli.theory.proof.measured import Comparison, compare as beside
-from hilc_cli.theory.proof.theories import CORRECTED, WITHIN_LIMIT
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,9 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
 from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.law import Law
 from hilc_cli.laws.past_errors import GainHeading
+from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.learning.gains import StepGain
 
 
 class LearningUpdate(Protocol):
@@ -90,10 +89,6 @@ class LinearLaw(Protocol):
         """The length of a compensation in samples; None without one."""
 
     @property
-    def step_gain(self) -> StepGain | None:
-        """What a sample's correction does, of a law whose condition is told by it."""
-
-    @property
     def paper(self) -> HybridLaw | None:
         """The law of Qiao et al. 2021 that it is the same as; None if it is the same as none."""
 
@@ -132,10 +127,33 @@ class LinearLaw(Protocol):
         """Returns what is legal but unwise about its gains, in sentences with their remedies."""
 
 
-def theory_class(law: Law) -> Any:
-    """Returns what a law names as its theory, see `LawTheory`; None if it names nothing."""
-    place = getattr(law, "theory", None)
-    if place is None:
+def knows_plant(experiment: Experiment) -> bool:
+    """Returns whether theory speaks of the plant: it is all made of the motion of Eq. 8.
+
+    A plant that inherits from the paper's may move otherwise, so that it is another one.
+    """
+    return type(experiment.plant) is KinematicPlant
+
+
+def known_plant(experiment: Experiment) -> KinematicPlant:
+    """Returns the experiment's plant.
+
+    Raises:
+        UsageError: Theory does not speak of it.
+    """
+    if not knows_plant(experiment):
+        raise UsageError("theory does not know the plant: it is all made of the motion of Eq. 8")
+    return cast("KinematicPlant", experiment.plant)
+
+
+def theory_class(experiment: Experiment) -> Any:
+    """Returns what a law names as its theory, see `LawTheory`.
+
+    Returns:
+        The class; None if the law names nothing, or if theory does not speak of the plant.
+    """
+    place = getattr(experiment.law, "theory", None)
+    if place is None or not knows_plant(experiment):
         return None
     module, _, name = place.partition(":")
     return getattr(import_module(module), name)
@@ -145,7 +163,7 @@ def linear_law(experiment: Experiment) -> LinearLaw:
     """Returns the experiment's law.
 
     Raises:
-        UsageError: The linear theory does not speak of it.
+        UsageError: The linear theory does not speak of it, or not of its plant.
     """
     law = _linear(experiment)
     if law is None:
@@ -157,7 +175,7 @@ def paper_law(experiment: Experiment) -> HybridLaw:
     """Returns the experiment's law as Eq. 17 or 21; law pid with kp alone is Eq. 17 with l1 = kp.
 
     Raises:
-        UsageError: It is another one, of which the paper does not speak.
+        UsageError: The paper does not speak of it, or not of its plant.
     """
     law = _linear(experiment)
     if law is None or law.paper is None:
@@ -166,6 +184,7 @@ def paper_law(experiment: Experiment) -> HybridLaw:
 
 
 def _linear(experiment: Experiment) -> LinearLaw | None:
-    theory = theory_class(experiment.law)
+    known_plant(experiment)
+    theory = theory_class(experiment)
     law: LinearLaw | None = None if theory is None else theory(experiment).linear
     return law

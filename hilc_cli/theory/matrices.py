@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.plants.kinematic import control_matrices
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.linear_law import known_plant
 
 
 class GainParts(NamedTuple):
@@ -64,6 +66,48 @@ def desired_motion(experiment: Experiment) -> Desired:
     control = control_matrices(robot, reference.heading[:-1])
     steps = reference.sample_time * np.einsum("kij,kj->ki", control, inputs)
     return Desired(inputs, np.diff(desired_poses(experiment), axis=0) - steps)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Linearisation:
+    """e(k+1) = A_k e(k) - d B_k (u(k) - u_d(k)) + rho(k), with e the reference less the pose.
+
+    To first order in e and u - u_d. The columns of errors are x [m], y [m] and heading [rad],
+    those of inputs the left and right wheel [rad/s].
+
+    Attributes:
+        feedforward: u_d, the feedforward of the true robot [rad/s], shape (n, 2).
+        states: A_k, shape (n, 3, 3).
+        inputs: d B_k, shape (n, 3, 2) [m s, m s, s].
+        residual: rho(k) [m, m, rad], shape (n, 3): what u_d leaves of each step of the reference,
+            since it drives the chord's length along the tangent.
+
+    Source:
+        Qiao et al. 2021, Eqs. 8 and 9, differentiated.
+    """
+
+    feedforward: Floats
+    states: Floats
+    inputs: Floats
+    residual: Floats
+
+
+def linearise(experiment: Experiment) -> Linearisation:
+    """The plant to first order about the reference and the feedforward.
+
+    Args:
+        experiment: Its reference, and the plant as it really is.
+
+    Raises:
+        UsageError: Theory does not know the plant.
+    """
+    reference, desired = experiment.reference, desired_motion(experiment)
+    left, right = desired.inputs.T
+    states, inputs = known_plant(experiment).linearisation(
+        reference.heading[:-1], left, right, reference.sample_time
+    )
+    feedforward_inputs, residual = map(np.asfortranarray, desired)
+    return Linearisation(feedforward_inputs, states, inputs, residual)
 
 
 def times(matrices: Floats, vectors: Floats) -> Floats:

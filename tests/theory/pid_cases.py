@@ -4,13 +4,79 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from tests.engine.experiments import matrix_of
-from tests.theory.cases import WRONG, Case
-from tests.theory.linear_pid import LinearPid
+from tests.laws.transcription_pid import smoothed
+from tests.theory.cases import WRONG, Case, LinearLearning
+
+
+@dataclass(frozen=True)
+class LinearPid:
+    """u_{i+1} = Q [(1 - gamma) u_i + gamma u_0] + G Q w, w a matrix times e(0), ..., e(n)."""
+
+    linear: LinearLearning  # the plant and the gain matrix; its own gains are not used
+    kp: float = 0.0
+    ki: float = 0.0
+    kd: float = 0.0
+    forgetting: float = 0.0
+    cutoff: float | None = None
+    rectifying: int | None = None
+
+    @property
+    def steps(self) -> int:
+        return self.linear.steps
+
+    def filter(self) -> Floats:
+        """Q, shape (n, n)."""
+        unit = np.eye(self.steps)
+        if self.cutoff is None:
+            return unit
+        return smoothed(unit, self.cutoff, self.linear.sample_time)
+
+    def weights(self) -> Floats:
+        """From e(0), ..., e(n) to w(0), ..., w(n - 1)."""
+        n, d = self.steps, self.linear.sample_time
+        matrix = np.zeros((n, n + 1))
+        for k in range(n):
+            matrix[k, k + 1] += self.kp + self.kd / d
+            matrix[k, k] -= self.kd / d
+            matrix[k, : k + 2] += self.ki * d
+            if self.rectifying is not None and k < self.rectifying:
+                t, h = np.array([k, k + 1]), self.rectifying
+                begin, end = 2 * t / h - (t / h) ** 2  # the area up to a time
+                matrix[k, 0] += self.kd * (end - begin) / d
+        return matrix
+
+    def gain(self) -> Floats:
+        """G_k along the reference, shape (n, 2, 3)."""
+        return np.array(
+            [self.linear.gain_matrix(*self.linear.cos_sin(k)) for k in range(self.steps)]
+        )
+
+    def learn(self, inputs: Floats, errors: Floats, first: Floats) -> Floats:
+        """The next u - u_d, shape (n, 2), from u - u_d, e and u_0."""
+        feedforward, q = self.linear.feedforward(), self.filter()
+        kept = (1 - self.forgetting) * (inputs + feedforward) + self.forgetting * first
+        seen = q @ self.weights() @ errors
+        learned: Floats = q @ kept + np.einsum("kij,kj->ki", self.gain(), seen)
+        return learned - feedforward
+
+    def matrix(self) -> Floats:
+        """The lifted operator, shape (2 n, 2 n)."""
+        n = self.steps
+        columns = np.eye(2 * n).reshape(n, 2, 2 * n)
+        errors = self.linear.errors(columns, np.zeros(3), constant=False)
+        q = self.filter()
+        seen = np.tensordot(q @ self.weights(), errors, 1)
+        learned = (1 - self.forgetting) * np.tensordot(q, columns, 1)
+        learned += np.einsum("kij,kjm->kim", self.gain(), seen)
+        matrix: Floats = learned.reshape(2 * n, 2 * n)
+        return matrix
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hilc_cli.checks.report.errors import errors_grid
 from hilc_cli.checks.report.feasibility import feasibility_section
-from hilc_cli.checks.report.learning import learning_section
+from hilc_cli.checks.report.learning import errors_grid, learning_section
 from hilc_cli.checks.report.theory import theory_section
 from hilc_cli.names import counted
 from hilc_cli.reporting.section import finding_lines, print_grid, print_section, title

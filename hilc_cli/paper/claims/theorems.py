@@ -49,7 +49,9 @@ def _without_initial_error(evidence: Evidence) -> Finding:
             on_reachable_reference(shipped(name, *overrides)) for name in tracking.RUNS.values()
         ]
         rho = max(conditions(experiment).theorem_1_printed.rho for experiment in experiments)
-        radius = max(LiftedIteration(experiment).spectral_radius() for experiment in experiments)
+        radius = max(
+            LiftedIteration(experiment).spectral_radius().value for experiment in experiments
+        )
         shares = [
             _shares(errors, experiment.reference.size)
             for errors, experiment in zip(errors_of(experiments), experiments, strict=True)

@@ -104,7 +104,6 @@ class HybridResting:
 class HybridLearning:
     """Eq. 17 or Eq. 21 in an experiment."""
 
-    step_gain = None
     less_noise = "lower controller.gains"
 
     def __init__(self, experiment: Experiment) -> None:

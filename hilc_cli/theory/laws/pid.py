@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import cast
 
@@ -13,10 +14,10 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.pid import LowPass, PidLaw, next_error_gain, weighted_error
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.findings import Rows
 from hilc_cli.theory.learning.gains import (
     MARGIN,
-    StepGain,
-    step_gain,
+    loop_gains_of,
     strength_findings,
     unseen,
     wrong_way,
@@ -25,12 +26,62 @@ from hilc_cli.theory.learning.linear_theory import NO_EFFECT_IN_FIRST, LinearThe
 from hilc_cli.theory.matrices import times
 
 
-class PidTheory(LinearTheory):
-    """The linear theory of law pid."""
+@dataclass(frozen=True, slots=True, eq=False)
+class StepGain:
+    """The numbers s of each sample: an iteration leaves kept - s of what is wrong with its speeds.
 
-    def __init__(self, experiment: Experiment) -> None:
-        """With an experiment of the law."""
-        super().__init__(experiment, PidLearning(experiment))
+    Learning without a Q-filter converges where all |kept - s| are below 1. With D-type learning,
+    Eq. 45 and nothing forgotten s is kd R / R_b along the path and kd R B_b / (R_b B) in turning.
+
+    Attributes:
+        kept: 1 - gamma.
+        time: kd + kp d_t + ki d_t^2 [s]: what multiplies the loop gains.
+        loop: Eigenvalues g of the gain matrix times the true control matrix, dimension of 1/s,
+            shape (n, 2); s is their product with the time.
+        along: s along the path, of a matrix of the form of Eq. 45; None for another one.
+        turning: Likewise in turning.
+        is_filtered: Whether the law has a Q-filter: then they tell of what passes it along a line.
+    """
+
+    kept: float
+    time: float
+    loop: NDArray[np.complex128]
+    along: float | None
+    turning: float | None
+    is_filtered: bool
+
+    @property
+    def left(self) -> float:
+        """The largest |kept - s|: below 1 each sample converges."""
+        return float(np.abs(self.kept - self.time * self.loop).max())
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Between these a real s must be."""
+        return self.kept - 1, self.kept + 1
+
+    @property
+    def largest_time(self) -> float:
+        """The time up to which all |kept - s| are below 1 [s]; 0 if there is none."""
+        real, size = self.loop.real, np.abs(self.loop)
+        # t^2 |g|^2 - 2 t kept Re g + kept^2 = 1; where nothing is kept back, t = 2 Re g / |g|^2.
+        root = np.sqrt((self.kept * real) ** 2 + size**2 * (1 - self.kept) * (1 + self.kept))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            largest = (self.kept * real + root) / size**2
+        return float(np.where(size > 0, largest, 0.0 if self.kept == 1 else np.inf).min())
+
+
+def step_gain(experiment: Experiment, law: PidLaw) -> StepGain:
+    """The step gains of law pid on an experiment, along its reference."""
+    robot, sample_time = experiment.robot, experiment.reference.sample_time
+    time = sample_time * next_error_gain(law.gains, sample_time)
+    loop = loop_gains_of(experiment, law.matrix)
+    along, turning = None, None
+    if law.matrix.is_kinematic:
+        coefficients = law.matrix.coefficients
+        along = time * robot.wheel_radius * coefficients[1]
+        turning = time * robot.wheel_radius * coefficients[6] / robot.signed_half_track
+    return StepGain(1 - law.forgetting, time, loop, along, turning, law.cutoff is not None)
 
 
 class PidUpdate:
@@ -214,3 +265,52 @@ class PidLearning:
         if self._experiment.learn_in_first and self._law.cutoff is None:
             found.append(NO_EFFECT_IN_FIRST)
         return found
+
+
+class PidTheory(LinearTheory):
+    """The linear theory of law pid, with its condition to converge."""
+
+    linear: PidLearning
+
+    def __init__(self, experiment: Experiment) -> None:
+        """With an experiment of the law."""
+        super().__init__(experiment, PidLearning(experiment))
+
+    @property
+    def rows(self) -> Rows:
+        """The condition to converge, and the figures of the linear theory."""
+        return [_step_gain_row(self.linear.step_gain), *super().rows]
+
+    @property
+    def document(self) -> dict[str, object]:
+        """The same as JSON, in that order behind the verdict."""
+        figures = super().document
+        condition = _step_gain_document(self.linear.step_gain)
+        return {"verdict": figures["verdict"], **condition, **figures}
+
+
+def _step_gain_row(found: StepGain) -> tuple[str, str]:
+    """Returns the condition to converge for a report."""
+    low, high = found.bounds
+    needed = f"{low:.4g} < s < {high:.4g}"
+    if found.along is not None and found.turning is not None:
+        text = f"{found.along:.4g} along the path, {found.turning:.4g} in turning"
+    else:
+        sizes = np.abs(found.time * found.loop)
+        text = f"of absolute value {sizes.min():.4g} to {sizes.max():.4g}"
+        needed = f"|{found.kept:.4g} - s| < 1"
+    violated = "" if found.left < 1 else ", violated"
+    return "Step gain s", f"{text}; needed: {needed}{violated}"
+
+
+def _step_gain_document(found: StepGain) -> dict[str, object]:
+    """Returns the condition to converge as JSON."""
+    low, high = found.bounds
+    return {
+        "step_gain_along": found.along,
+        "step_gain_turning": found.turning,
+        "step_gain_above": low,
+        "step_gain_below": high,
+        "step_gain_leaves": found.left,
+        "condition_holds": found.left < 1,
+    }

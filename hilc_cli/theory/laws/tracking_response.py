@@ -19,14 +19,14 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.feedback import FeedbackLaw
-from hilc_cli.laws.feedforward import reference_twist
+from hilc_cli.laws.feedforward import feedforward, reference_twist
 from hilc_cli.plants.kinematic import advance, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import LEVEL, ExpectedError
-from hilc_cli.theory.noise.draws import NoiseDraws, unlearned_error
-from hilc_cli.theory.noise.wheels import WheelNoise
-from hilc_cli.theory.start import in_second_half, joined
+from hilc_cli.theory.noise import NoiseDraws, Passes, open_loop_error
+from hilc_cli.theory.reach import WayIn, way_in
+from hilc_cli.theory.wheel_noise import WheelNoise
 
 ManyWheels = Callable[[int, Floats, Floats, Floats, Floats, Floats], tuple[Floats, Floats]]
 """A `WheelController` of many passes at once, shape (passes,) each."""
@@ -51,22 +51,6 @@ class Kind:
     output: bool = False
     initial_pose: bool = False
     count: int = 1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Passes:
-    """Passes of one kind, shape (passes,) each.
-
-    Attributes:
-        position_m: Largest position error [m].
-        at_limit: Share of the samples at which the limit acts.
-        change_rad_s: RMS change from one sample to the next of what their wheel speeds have beside
-            those of the first pass of all [rad/s].
-    """
-
-    position_m: Floats
-    at_limit: Floats
-    change_rad_s: Floats
 
 
 def many_passes(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -> list[Passes]:
@@ -134,7 +118,7 @@ def _driven(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -
         x, y, heading = advance(x, y, heading, cos, sin, distance, turn)
         if (noise := state.at(k)) is not None:
             x, y, heading = x + noise[0], y + noise[1], heading + noise[2]
-    columns = np.sqrt(furthest), held / n, np.sqrt(changes / (2 * max(n - 1, 1)))
+    columns = np.sqrt(furthest), np.sqrt(changes / (2 * max(n - 1, 1))), held / n
     kinds_of_columns = [np.split(column, np.cumsum(counts)[:-1]) for column in columns]
     return [Passes(*parts) for parts in zip(*kinds_of_columns, strict=True)]
 
@@ -169,8 +153,6 @@ class _Draws:
         return self._block[k % _BLOCK]
 
 
-FAR = 0.01
-"""Of the path's size: what is further off does not count as on the reference."""
 _NUDGE = 1e-6  # of the path's size: an error so small that the response to it is linear
 _STANDS = 1e-3  # of a wheel's speed in turning: who drives slower turns in place
 _MOST_SAMPLES = 40_000  # some 8 s
@@ -187,15 +169,8 @@ class TrackingResponse:
         heading_error_rad: Likewise of the heading, where the reference stands [rad]; 0 if it
             nowhere does.
         standing_s: How long the reference turns in place or stands still [s].
-        near_m: What counts as on the trajectory [m].
-        start_off_m: Distance of the initial pose from the trajectory's start [m].
-        is_off: Whether it, or its heading, differs from that at all.
-        joins: First sample from which the pass from the initial pose is, for good, no further than
-            `near_m` from the one from the trajectory's start; None if it is not by the end.
-        end_off_m: How far from that it is at the end [m].
-        later_off_m: Likewise in the second half, at most [m].
-        samples: Number of the trajectory's sampling intervals.
-        sample_time: d_t [s].
+        is_off: Whether the initial pose differs from the trajectory's start at all.
+        way: Of the pass from the initial pose onto the one from the trajectory's start.
         unlearned_m: Position error of the believed feedforward from the initial pose [m].
         aside_left: Share that is left at the end of a small error to the side at the start.
         at_limit: Share of the samples at which the limit acts, undisturbed.
@@ -207,14 +182,8 @@ class TrackingResponse:
     error_known_m: float
     heading_error_rad: float
     standing_s: float
-    near_m: float
-    start_off_m: float
     is_off: bool
-    joins: int | None
-    end_off_m: float
-    later_off_m: float
-    samples: int
-    sample_time: float
+    way: WayIn
     unlearned_m: float
     aside_left: float
     at_limit: float
@@ -224,12 +193,7 @@ class TrackingResponse:
     @property
     def only_stands(self) -> bool:
         """Whether the reference goes nowhere, so that no side error can be steered away."""
-        return self.standing_s > (self.samples - 0.5) * self.sample_time
-
-    @property
-    def joins_s(self) -> float | None:
-        """`joins` in seconds."""
-        return None if self.joins is None else self.joins * self.sample_time
+        return self.standing_s > (self.way.samples - 0.5) * self.way.sample_time
 
 
 def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingResponse:
@@ -242,8 +206,7 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
     aside = own[0] - nudge * math.sin(own[2]), own[1] + nudge * math.cos(own[2]), own[2]
     quiet, from_own, from_aside = (_undisturbed(experiment, pose) for pose in (start, own, aside))
     known = replace(experiment, law=replace(law, model=experiment.robot))
-    between = _apart(quiet, from_own)
-    near, off = FAR * size, max(abs(a - b) for a, b in zip(start, own, strict=True))
+    off = max(abs(a - b) for a, b in zip(start, own, strict=True))
     standing = _standing(experiment)
     turned = np.abs(reference.heading - from_own.heading)[1:][standing]
     expected, wheels = _disturbed(experiment, law, _furthest(experiment, quiet))
@@ -252,15 +215,9 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
         _furthest(experiment, _undisturbed(known, own)),
         float(turned.max()) if len(turned) else 0.0,
         float(standing.sum()) * reference.sample_time,
-        near,
-        float(between[0]),
         off > _NONE,
-        joined(between, near),
-        float(between[-1]),
-        in_second_half(between),
-        reference.samples,
-        reference.sample_time,
-        unlearned_error(experiment, law.model),
+        way_in(_apart(quiet, from_own), size, reference.sample_time),
+        open_loop_error(experiment, feedforward(reference, law.model)),
         float(_apart(from_own, from_aside)[-1]) / nudge,
         quiet.saturated_samples / reference.samples,
         expected,

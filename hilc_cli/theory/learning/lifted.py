@@ -16,14 +16,125 @@ from hilc_cli.theory.learning.norms import (
     estimated_radius,
     largest_singular_value,
 )
-from hilc_cli.theory.learning.recursion import (
-    DriftRecursion,
-    ErrorRecursion,
-    Linearisation,
-    linearise,
-)
-from hilc_cli.theory.linear_law import LearningUpdate, linear_law
-from hilc_cli.theory.matrices import GainParts, times
+from hilc_cli.theory.linear_law import linear_law
+from hilc_cli.theory.matrices import GainParts, linearise, times
+
+
+class DriftRecursion:
+    """e(k+1) = A_k e(k) + r(k+1), from e(0) = r(0): a platform that nobody steers.
+
+    A_k is the identity and what an error of the heading moves in x and in y. So the heading's error
+    is a sum, and those of the position are two more.
+    """
+
+    def __init__(self, states: Floats) -> None:
+        """Takes what a heading error moves.
+
+        Args:
+            states: A_k, shape (n, 3, 3).
+        """
+        self._moves = [np.ascontiguousarray(states[:, axis, 2]) for axis in range(2)]
+
+    def solve(self, right: Floats) -> Floats:
+        """The errors e.
+
+        Args:
+            right: r, shape (n + 1, 3).
+
+        Returns:
+            e, shape (n + 1, 3).
+        """
+        errors = np.empty_like(right)
+        heading = np.cumsum(right[:, 2], out=errors[:, 2])
+        for axis, moves in enumerate(self._moves):
+            steps = right[:, axis].copy()
+            steps[1:] += moves * heading[:-1]
+            np.cumsum(steps, out=errors[:, axis])
+        return errors
+
+    def solve_transposed(self, right: Floats) -> Floats:
+        """Solves the transposed system: a recursion backwards along the trajectory.
+
+        Args:
+            right: Shape (n + 1, 3).
+
+        Returns:
+            The solution, shape (n + 1, 3).
+        """
+        solution = np.empty_like(right)
+        turning = right[:, 2].copy()
+        for axis, moves in enumerate(self._moves):
+            later = _summed_backwards(right[:, axis])
+            solution[:, axis] = later
+            turning[:-1] += moves * later[1:]
+        solution[:, 2] = _summed_backwards(turning)
+        return solution
+
+
+class ErrorRecursion:
+    """e(k+1) = M_k e(k) + N_k e(k-1) + r(k+1), from e(0) = r(0) and e(-1) = 0.
+
+    Written for all samples at once it is a unit lower triangular system of 3 (n + 1) equations
+    with at most eight diagonals below the main one: nothing needs to be factorised, and solving
+    it, or its transpose, costs O(n).
+    """
+
+    def __init__(self, now: Floats, before: Floats | None = None) -> None:
+        """Puts the diagonals together.
+
+        Args:
+            now: M_k, shape (n, 3, 3).
+            before: N_k, shape (n, 3, 3), of which N_0 is not used; None for zero.
+        """
+        self._steps = len(now)
+        diagonals = 6 if before is None else 9
+        # Entry (i, j) of the matrix is at [i - j, j]; the main diagonal is never read.
+        self._bands = np.zeros((diagonals, 3 * (self._steps + 1)), order="F")
+        for row in range(3):
+            for column in range(3):
+                below = 3 + row - column
+                self._bands[below, column:-3:3] = -now[:, row, column]
+        if before is not None:
+            for row in range(3):
+                for column in range(3):
+                    below = 6 + row - column
+                    self._bands[below, column:-6:3] -= before[1:, row, column]
+
+    def solve(self, right: Floats) -> Floats:
+        """The errors e.
+
+        Args:
+            right: r, shape (n + 1, 3), or (n + 1, 3, m) for m of them.
+
+        Returns:
+            e, of the same shape; infinite or not-a-number from where it leaves the finite numbers.
+        """
+        return self._solve(right, b"N")
+
+    def solve_transposed(self, right: Floats) -> Floats:
+        """Solves the transposed system: a recursion backwards along the trajectory.
+
+        Args:
+            right: Shape (n + 1, 3).
+
+        Returns:
+            The solution, shape (n + 1, 3).
+        """
+        return self._solve(right, b"T")
+
+    def _solve(self, right: Floats, transposed: bytes) -> Floats:
+        from scipy.linalg.lapack import dtbtrs  # starts slowly, and not every law has feedback
+
+        many = right.reshape(3 * (self._steps + 1), -1)
+        solution, _ = dtbtrs(self._bands, many, uplo=b"L", trans=transposed, diag=b"U")
+        errors: Floats = np.asfortranarray(solution.reshape(right.shape))
+        return errors
+
+
+def _summed_backwards(values: Floats) -> Floats:
+    """Sums from each value to the last."""
+    sums: Floats = np.cumsum(values[::-1])[::-1]
+    return sums
 
 
 class LinearPass(NamedTuple):
@@ -63,15 +174,6 @@ class LiftedIteration:
     Source:
         Qiao et al. 2021, Eqs. 8, 17 and 21, linearised.
     """
-
-    plant: Linearisation
-    gains: Floats
-    update: LearningUpdate
-    l2: float
-    l3: float
-    start: Floats
-    first_input: Floats
-    added: Floats | None
 
     def __init__(self, experiment: Experiment) -> None:
         """Linearises an experiment.
@@ -179,11 +281,7 @@ class LiftedIteration:
         """
         return self._closed.solve(right)
 
-    def spectral_radius(self) -> float:
-        """The value of `spectral_radius_found`."""
-        return self.spectral_radius_found().value
-
-    def spectral_radius_found(self) -> SpectralRadius:
+    def spectral_radius(self) -> SpectralRadius:
         """The largest absolute eigenvalue of T: below 1 the iteration converges in the end.
 
         T is block lower triangular with the blocks kept I - c d G_k B_k, c the gain of e(k+1),
@@ -196,27 +294,7 @@ class LiftedIteration:
             return SpectralRadius(math.inf)
         return SpectralRadius(float(np.abs(self.update.kept - gains).max()))
 
-    def contraction(self) -> float:
-        """1 less the spectral radius, above 0 where the iteration converges in the end.
-
-        Without a Q-filter it is exact to rounding of its own size, where the spectral radius
-        itself cannot be told from 1; minus infinity where the blocks of T leave the finite numbers.
-        """
-        if self.update.smooths:
-            return 1 - self.spectral_radius()
-        gains, kept = self._loop_gains(), self.update.kept
-        if gains is None:
-            return -math.inf
-        # 1 - |a - g| = (1 - |a - g|^2) / (1 + |a - g|) = (1 - a^2 + 2 a Re g - |g|^2) / (...)
-        both = 1 + np.abs(kept - gains)
-        less = gains.real * ((2 * kept - gains.real) / both) - gains.imag * (gains.imag / both)
-        return float(((1 - kept) * (1 + kept) / both + less).min())
-
-    def largest_singular_value(self) -> float:
-        """The value of `largest_singular_value_found`."""
-        return self.largest_singular_value_found().value
-
-    def largest_singular_value_found(self) -> SingularValue:
+    def largest_singular_value(self) -> SingularValue:
         """The most by which T may lengthen an input; if below 1 the convergence is monotone.
 
         Length is the root of the sum of squares over both wheels and all samples. Of the errors

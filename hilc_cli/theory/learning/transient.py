@@ -61,10 +61,6 @@ class Transient:
             return 1.0 if peak == first else math.inf
         return peak / first
 
-    def best_until(self, iterations: int) -> int:
-        """The iteration with the smallest error of iterations 0 to the given one."""
-        return int(self.max_position_error_m[: iterations + 1].argmin())
-
     def settled_at(self, share: float) -> int | None:
         """The first iteration from which on the error stays at or below a share of the path's size.
 

@@ -1,4 +1,4 @@
-"""The bounds of the convergence proof in the lambda-norm: Eqs. 35 to 43.
+"""The bounds of the convergence proof in the lambda-norm, Eqs. 35 to 43: printed and corrected.
 
 The lambda-norm is sup_k lambda**-k ||.(k)||. A bound in it says of sample k that ||.(k)|| is at
 most lambda**k times as large. Numbers are kept as logarithms: lambda**k soon is too large for one.
@@ -7,7 +7,7 @@ most lambda**k times as large. Numbers are kept as logarithms: lambda**k soon is
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,8 +16,21 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.matrices import desired_motion
-from hilc_cli.theory.proof.constants import Constants, limited_inputs
+from hilc_cli.theory.proof.constants import (
+    ALL,
+    PRINTED,
+    Constants,
+    Correction,
+    constants,
+    constants_within_limit,
+    limited_inputs,
+)
 from hilc_cli.theory.proof.norms import input_norm, log_lambda_norm
+
+AS_PRINTED = "as printed"
+WITH_SAMPLE_TIME = "as printed, with the sample time"
+CORRECTED = "corrected"
+WITHIN_LIMIT = "corrected, within the speed limit"
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +143,41 @@ def bounds(experiment: Experiment, constants: Constants, lambda_: float | None =
     A = (c.rho + c.b_B * c.h1 / (value - c.h2)) / rest  # Eq. 37
     B = ((c.h1 + feedback) * (c.b_q0 + c.b_beta * series) + c.b_1) / rest  # Eq. 37
     return Bounds(c, value, A, B, _start(experiment, c, value))
+
+
+def theories(experiment: Experiment) -> dict[str, Bounds]:
+    """All bounds that can be given before a run, by name.
+
+    Returns:
+        ``as printed``: every equation as it stands; no bound of the simulated system.
+        ``as printed, with the sample time``: with d_k B for B, else the same.
+        ``corrected``: all corrections; holds in every iteration, and has a limit only where rho < 1
+        for every heading that the law may use.
+        ``corrected, within the speed limit``: all corrections, with rho on the reference; only with
+        a speed limit.
+        Those whose constants leave the range of floating point are missing.
+
+    Raises:
+        UsageError: The law is not the hybrid law.
+    """
+    found = {
+        AS_PRINTED: constants(experiment, PRINTED),
+        WITH_SAMPLE_TIME: constants(experiment, {Correction.SAMPLE_TIME}),
+        CORRECTED: constants(experiment, ALL),
+    }
+    if math.isfinite(experiment.speed_limit):
+        found[WITHIN_LIMIT] = constants_within_limit(experiment)
+    all_bounds = {name: _bounds(experiment, each) for name, each in found.items()}
+    return {name: each for name, each in all_bounds.items() if each is not None}
+
+
+def _bounds(experiment: Experiment, found: Constants) -> Bounds | None:
+    """The bounds; None if there are no numbers for them."""
+    numbers = [value for value in asdict(found).values() if not isinstance(value, str)]
+    if not all(map(math.isfinite, [*numbers, smallest_lambda(found)])):
+        return None
+    made = bounds(experiment, found)
+    return made if all(map(math.isfinite, (made.lambda_, made.A, made.B))) else None
 
 
 def smallest_lambda(constants: Constants) -> float:

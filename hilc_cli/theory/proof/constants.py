@@ -14,18 +14,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 
 from hilc_cli.disturbance.streams import Bounded
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import UsageError
 from hilc_cli.laws.compensation import compensation_gain
 from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.linear_law import paper_law
-from hilc_cli.theory.matrices import Desired, GainParts, desired_motion
+from hilc_cli.theory.matrices import Desired, GainParts, desired_motion, desired_poses
 from hilc_cli.theory.proof.conditions import contraction
 from hilc_cli.theory.proof.norms import (
     WheelNorm,
@@ -35,6 +36,7 @@ from hilc_cli.theory.proof.norms import (
     largest_contraction,
     largest_control,
     largest_gain,
+    largest_gain_slope,
     pose_norm,
 )
 
@@ -206,6 +208,50 @@ def constants(
         b_1=b_1,
         output_offset=b_alpha if Correction.OUTPUT_SIGN in corrections else -b_alpha,  # Eq. 43
     )
+
+
+def constants_within_limit(experiment: Experiment) -> Constants:
+    """The constants of an experiment with a speed limit, all corrections made.
+
+    They satisfy the two inequalities of `constants`; b_ud is the bound of u_i, as Eq. 14 has it.
+
+    Raises:
+        UsageError: There is no speed limit, or the law is not the hybrid law.
+
+    Source:
+        Qiao et al. 2021, Eqs. 12 to 18, 28 and 32, with Eq. 26 split the other way.
+    """
+    if math.isinf(experiment.speed_limit):
+        raise UsageError("without a speed limit nothing bounds the inputs, as Eq. 14 demands")
+    law, sample_time = paper_law(experiment), experiment.reference.sample_time
+    c = constants(experiment)  # all but what B and L1 on the reference change
+
+    b_ud = 2 * experiment.speed_limit  # Eq. 14
+    growth = 1 + c.C_B * b_ud
+    h1, h3, b_1 = c.b_L1 * growth, c.h3, c.b_1  # Eq. 32
+    if law.gain_heading != "reference":
+        # ||(L1(a) - L1(b)) e_i(k+1)|| <= turning |a - b|, b the heading of the reference.
+        slope = law.l1 * largest_gain_slope(law.matrix, c.wheels)
+        turning = slope * (_largest_state_error(experiment) + c.b_alpha)
+        b_1 += turning * experiment.disturbance.output.bound[2]
+        if law.gain_heading == "measured":
+            h3 += turning
+        else:
+            h1 += turning
+    rho = contraction(experiment, law.l1 * sample_time, c.wheels).rho
+    return replace(c, rho=rho, b_ud=b_ud, h1=h1, h2=growth, h3=h3, b_1=b_1)  # h2: Eq. 28
+
+
+def _largest_state_error(experiment: Experiment) -> float:
+    """What the state error cannot exceed, however the wheels turn within their limit."""
+    reference, robot = experiment.reference, experiment.robot
+    # A convex function of both wheels, largest with both at the limit: straight ahead or turning.
+    step = reference.sample_time * robot.wheel_radius * experiment.speed_limit
+    step *= max(1.0, 1 / robot.half_track)
+    step += largest_disturbance(experiment.disturbance.state)
+    desired = desired_poses(experiment)
+    travelled = pose_norm(desired - desired[0]) + step * np.arange(len(desired))
+    return largest_initial_error(experiment) + float(travelled.max())
 
 
 def feedback_gains(experiment: Experiment) -> tuple[float, float]:

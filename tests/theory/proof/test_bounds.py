@@ -14,21 +14,19 @@ from hilc_cli.errors import UsageError
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.theory.proof.bounds import (
+    AS_PRINTED,
+    CORRECTED,
+    WITH_SAMPLE_TIME,
+    WITHIN_LIMIT,
     Bounds,
     bounds,
     smallest_lambda,
     state_series,
     suitable_lambda,
+    theories,
 )
 from hilc_cli.theory.proof.constants import PRINTED, Constants, constants
 from hilc_cli.theory.proof.measured import compare
-from hilc_cli.theory.proof.theories import (
-    AS_PRINTED,
-    CORRECTED,
-    WITH_SAMPLE_TIME,
-    WITHIN_LIMIT,
-    theories,
-)
 from tests.engine.experiments import LIMIT, experiment_of, law_of
 from tests.reference.paths import paper_reference
 from tests.theory.experiments import euler_reference

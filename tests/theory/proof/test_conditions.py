@@ -11,8 +11,8 @@ import pytest
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.errors import UsageError
 from hilc_cli.plants.kinematic import Robot
+from hilc_cli.theory.proof.bounds import theories
 from hilc_cli.theory.proof.conditions import conditions
-from hilc_cli.theory.proof.theories import theories
 from tests.engine.experiments import PLATFORM, experiment_of, law_of, matrix_of
 from tests.reference.paths import paper_reference
 from tests.transcription import MatrixOfHeading, equation_45, equation_57

@@ -13,8 +13,13 @@ from hilc_cli.errors import UsageError
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.theory.matrices import desired_motion
-from hilc_cli.theory.proof.constants import ALL, PRINTED, Correction, constants
-from hilc_cli.theory.proof.theories import constants_within_limit
+from hilc_cli.theory.proof.constants import (
+    ALL,
+    PRINTED,
+    Correction,
+    constants,
+    constants_within_limit,
+)
 from tests.engine.experiments import PLATFORM, UP, experiment_of, law_of
 from tests.reference.paths import paper_reference
 from tests.theory.experiments import euler_reference

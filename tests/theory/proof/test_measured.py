@@ -18,8 +18,7 @@ from hilc_cli.theory.proof.constants import constants
 from hilc_cli.theory.proof.measured import Measured, compare
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference
-from tests.theory.along_run import along_run
-from tests.theory.experiments import HEADINGS, euler_reference
+from tests.theory.experiments import HEADINGS, along_run, euler_reference
 from tests.transcription import equation_45
 
 UNIT = Robot(1.0, 1.0)

@@ -20,15 +20,14 @@ from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.theory.law_theory import law_theory
 from hilc_cli.theory.laws.hybrid import HybridUpdate
 from hilc_cli.theory.laws.pid import PidUpdate
 from hilc_cli.theory.learning import transient
-from hilc_cli.theory.learning.expected import expected_of_learning, expected_of_norm_optimal
-from hilc_cli.theory.learning.forecast import forecast
+from hilc_cli.theory.learning.ensemble import noisy_learning
 from hilc_cli.theory.learning.transient import predict_transient
 from hilc_cli.theory.matrices import GainParts
-from hilc_cli.theory.noise.draws import SEEDS, NoiseDraws, deviations, spread_of_start
-from hilc_cli.theory.noise.learning import noisy_learning
+from hilc_cli.theory.noise import SEEDS, NoiseDraws, deviations, spread_of_start
 from tests.engine.experiments import experiment_of, law_of, matrix_of
 from tests.theory.straight import line
 
@@ -152,11 +151,8 @@ LAWS = {
 @pytest.mark.parametrize("noise", NOISES)
 def test_what_is_foretold_is_what_runs_do(law: str, noise: str, repeat: bool) -> None:
     given = experiment(LAWS[law], noise={noise: replace(NOISES[noise], repeat=repeat)})
-    if isinstance(given.law, NormOptimalLaw):
-        found, _, _ = expected_of_norm_optimal(given, given.law, None)
-    else:
-        found = expected_of_learning(given, forecast(given))
-    assert found.unsure is None
+    found = law_theory(given).expected
+    assert found is not None and found.unsure is None
     last = np.array([simulated(given, seed)[-1] for seed in range(4)])
     assert last.max() < 1.5 * found.foretold_m
     # Nor is it much too high: the largest of four is beside the largest of sixteen.
@@ -167,10 +163,11 @@ def test_what_is_foretold_is_what_runs_do(law: str, noise: str, repeat: bool) ->
 
 def test_single_disturbances_are_told_apart() -> None:
     given = experiment(law_of(0.6, 0.5), noise=NOISES)
-    found = expected_of_learning(given, forecast(given))
+    found = law_theory(given).expected
+    assert found is not None
     parts = found.of_start_m, found.of_readings_m, found.of_state_m
     assert min(parts) > 0
-    assert max(parts) < found.noise_m + found.final_m < sum(parts) + 2 * found.final_m
+    assert max(parts) < found.foretold_m < sum(parts) + 2 * found.final_m
 
 
 def test_start_that_is_off_moves_the_path_rigidly() -> None:

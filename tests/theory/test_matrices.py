@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.theory.learning.recursion import Linearisation, linearise
-from hilc_cli.theory.matrices import GainParts
+from hilc_cli.theory.matrices import GainParts, Linearisation, linearise
 from tests.engine.experiments import PLATFORM, experiment_of, law_of, matrix_of
 from tests.reference.paths import paper_reference
 from tests.theory.cases import CASES, winding

@@ -15,8 +15,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.plants.kinematic import driven_path
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.learning.lifted import LiftedIteration
-from hilc_cli.theory.noise.draws import SEEDS, DisturbanceDraws
-from hilc_cli.theory.noise.wheels import changes_beside_first
+from hilc_cli.theory.noise import SEEDS, DisturbanceDraws
+from hilc_cli.theory.wheel_noise import changes_beside_first
 
 _MOST_STEPS = 30_000
 """Samples that may be followed one by one: about 1 s. More is done without the limit."""

@@ -14,12 +14,10 @@ from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.laws.pid import PidLearning
+from hilc_cli.theory.laws.pid import PidLearning, PidTheory, StepGain, step_gain
 from hilc_cli.theory.learning import transient
-from hilc_cli.theory.learning.expected import expected_of_learning
-from hilc_cli.theory.learning.findings import forecast_findings
 from hilc_cli.theory.learning.forecast import forecast
-from hilc_cli.theory.learning.gains import StepGain, step_gain
+from hilc_cli.theory.learning.linear_theory import forecast_findings
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM
 from tests.theory.cases import Case, driven, winding
@@ -45,8 +43,7 @@ def found_of(case: PidCase, experiment: Experiment | None = None) -> StepGain:
 
 
 def findings(experiment: Experiment) -> Findings:
-    found = forecast(experiment)
-    return forecast_findings(experiment, found, expected_of_learning(experiment, found))
+    return forecast_findings(PidTheory(experiment))
 
 
 @pytest.mark.parametrize("model", MODELS)
