@@ -20,7 +20,7 @@ from hilc_cli.theory.findings import ExpectedError, Findings
 from hilc_cli.theory.law_theory import LawTheory, law_theory
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import Outcome
-from hilc_cli.theory.linear_law import knows_plant
+from hilc_cli.theory.matrices import knows_plant
 from hilc_cli.theory.noise import unsure_findings
 from hilc_cli.theory.proof.bounds import Bounds, theories
 from hilc_cli.theory.proof.conditions import Conditions, conditions

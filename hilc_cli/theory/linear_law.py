@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from functools import cached_property
 from importlib import import_module
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,35 +16,8 @@ from hilc_cli.errors import UsageError
 from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.past_errors import GainHeading
-from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.sampled import Floats
-
-
-class LearningUpdate(Protocol):
-    """The part of a law that learns; inputs are u - u_d, errors e, the gain matrix G_k is given.
-
-    Attributes:
-        kept: What is left of an input where there is no error.
-        next_gain: What e(k+1) is multiplied by before G_k; none of w(k) depends on later errors.
-        smooths: Whether samples are mixed by a filter, so that the two numbers above do not tell
-            what becomes of a single one.
-    """
-
-    kept: float
-    next_gain: float
-    smooths: bool
-
-    def learned(self, inputs: Floats, errors: Floats) -> Floats:
-        """What is learned of an input, shape (n, 2), and its errors, shape (n + 1, 3).
-
-        Further axes stand for seeds, side by side.
-        """
-
-    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
-        """The transpose of `learned`: shares of an input, shape (n, 2), and of errors."""
-
-    def constant(self, first: Floats, feedforward: Floats) -> Floats | None:
-        """What is added in every iteration, from u_0 - u_d and u_d; None for nothing."""
+from hilc_cli.theory.matrices import GainParts, known_plant, knows_plant
 
 
 class Resting(Protocol):
@@ -63,49 +38,71 @@ class Resting(Protocol):
         """
 
 
-class LinearLaw(Protocol):
-    """A law in an experiment, as the linear theory sees it.
+class LinearLaw(ABC):
+    """A law in an experiment, as the linear theory sees it: inputs are u - u_d, errors e.
 
     What is worded is part of sentences that name the law's keys.
 
     Attributes:
         matrix: The gain matrix.
         gain_heading: The heading at which it is taken.
+        next_gain: What e(k+1) is multiplied by before G_k; none of w(k) depends on later errors.
+        kept: What is left of an input where there is no error.
+        smooths: Whether samples are mixed by a filter, so that the two numbers above do not tell
+            what becomes of a single one.
+        feedback: Gains l2 of the running iteration's error, and l3 of that a sample before.
+        rest_from: The first sample at which an initial error should be gone where learning rests.
+        compensated_until: The length of a compensation in samples; None without one.
+        paper: The law of Qiao et al. 2021 that it is the same as; None if it is the same as none.
+        less_noise: What makes it learn less of the noise.
+        for_the_start: What gets it onto the trajectory from a start that is far off; empty for
+            nothing.
     """
 
-    matrix: GainMatrix
-    gain_heading: GainHeading
+    next_gain: float
+    kept = 1.0
+    smooths = False
+    feedback = (0.0, 0.0)
+    rest_from = 1
+    compensated_until: int | None = None
+    paper: HybridLaw | None
+    less_noise = "lower controller.gains"
+    for_the_start = ""
 
-    @property
-    def feedback(self) -> tuple[float, float]:
-        """Gains l2 of the running iteration's error, and l3 of that a sample before."""
+    def __init__(
+        self, experiment: Experiment, matrix: GainMatrix, gain_heading: GainHeading
+    ) -> None:
+        """With an experiment of the law."""
+        self._experiment = experiment
+        self._sample_time = experiment.reference.sample_time
+        self.matrix, self.gain_heading = matrix, gain_heading
 
-    @property
-    def rest_from(self) -> int:
-        """The first sample at which an initial error should be gone where learning rests."""
+    @cached_property
+    def gains(self) -> Floats:
+        """G_k, the gain matrix along the reference, shape (n, 2, 3)."""
+        headings = self._experiment.reference.heading[:-1]
+        return np.asfortranarray(GainParts.of(self.matrix).at(headings))
 
-    @property
-    def compensated_until(self) -> int | None:
-        """The length of a compensation in samples; None without one."""
+    @abstractmethod
+    def learned(self, inputs: Floats, errors: Floats) -> Floats:
+        """Returns what is learned of an input, shape (n, 2), and its errors, shape (n + 1, 3).
 
-    @property
-    def paper(self) -> HybridLaw | None:
-        """The law of Qiao et al. 2021 that it is the same as; None if it is the same as none."""
+        Further axes stand for seeds, side by side.
+        """
 
-    @property
-    def less_noise(self) -> str:
-        """What makes it learn less of the noise."""
+    @abstractmethod
+    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
+        """Returns the transpose of `learned`: shares of an input, shape (n, 2), and of errors."""
 
-    @property
-    def for_the_start(self) -> str:
-        """What gets it onto the trajectory from a start that is far off; empty for nothing."""
+    def constant(self, first: Floats, feedforward: Floats) -> Floats | None:
+        """Returns what is added in every iteration, from u_0 - u_d and u_d; None for nothing."""
+        return None
 
-    def update(self, gains: Floats) -> LearningUpdate:
-        """Returns what is learned, with G_k along the reference, shape (n, 2, 3)."""
-
+    @abstractmethod
     def resting(self, start: Triple) -> Resting | None:
         """Returns the law at sample 0, with e(0) [m, m, rad]; None if a filter mixes samples."""
 
+    @abstractmethod
     def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:
         """Returns what an iteration multiplies ripples by.
 
@@ -114,36 +111,21 @@ class LinearLaw(Protocol):
             frequencies: In radians per sample, shape (p,).
         """
 
+    @abstractmethod
     def not_settling(self) -> str:
         """Returns why the spectral radius is 1 or more, and a remedy."""
 
+    @abstractmethod
     def against_ripples(self) -> str:
         """Returns what keeps ripples of the wheel speeds from growing."""
 
+    @abstractmethod
     def rest_off(self) -> str:
         """Returns why learning does not rest on the reference."""
 
+    @abstractmethod
     def advice(self) -> list[str]:
         """Returns what is legal but unwise about its gains, in sentences with their remedies."""
-
-
-def knows_plant(experiment: Experiment) -> bool:
-    """Returns whether theory speaks of the plant: it is all made of the motion of Eq. 8.
-
-    A plant that inherits from the paper's may move otherwise, so that it is another one.
-    """
-    return type(experiment.plant) is KinematicPlant
-
-
-def known_plant(experiment: Experiment) -> KinematicPlant:
-    """Returns the experiment's plant.
-
-    Raises:
-        UsageError: Theory does not speak of it.
-    """
-    if not knows_plant(experiment):
-        raise UsageError("theory does not know the plant: it is all made of the motion of Eq. 8")
-    return cast("KinematicPlant", experiment.plant)
 
 
 def theory_class(experiment: Experiment) -> Any:

@@ -3,16 +3,38 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import UsageError
 from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.plants.kinematic import control_matrices
+from hilc_cli.plants.kinematic import control_matrices, driven_path
+from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.linear_law import known_plant
+
+_NONE = 1e-9  # of a start that differs by less [m and rad], by rounding only
+
+
+def knows_plant(experiment: Experiment) -> bool:
+    """Returns whether theory speaks of the plant: it is all made of the motion of Eq. 8.
+
+    A plant that inherits from the paper's may move otherwise, so that it is another one.
+    """
+    return type(experiment.plant) is KinematicPlant
+
+
+def known_plant(experiment: Experiment) -> KinematicPlant:
+    """Returns the experiment's plant.
+
+    Raises:
+        UsageError: Theory does not speak of it.
+    """
+    if not knows_plant(experiment):
+        raise UsageError("theory does not know the plant: it is all made of the motion of Eq. 8")
+    return cast("KinematicPlant", experiment.plant)
 
 
 class GainParts(NamedTuple):
@@ -53,19 +75,19 @@ class Desired(NamedTuple):
     mismatch: Floats
 
 
-def desired_poses(experiment: Experiment) -> Floats:
-    """q_d, shape (n + 1, 3)."""
-    reference = experiment.reference
-    return np.column_stack([reference.x, reference.y, reference.heading])
+def starts_off(experiment: Experiment) -> bool:
+    """Returns whether the initial pose differs from the reference's by more than rounding."""
+    off = experiment.reference.poses[0] - experiment.initial_pose
+    return bool(np.abs(off).max() > _NONE)
 
 
 def desired_motion(experiment: Experiment) -> Desired:
-    """u_d and its mismatch; Eq. 26 takes the mismatch for zero."""
+    """Returns u_d and its mismatch; Eq. 26 takes the mismatch for zero."""
     reference, robot = experiment.reference, experiment.robot
     inputs = np.column_stack(feedforward(reference, robot))
     control = control_matrices(robot, reference.heading[:-1])
     steps = reference.sample_time * np.einsum("kij,kj->ki", control, inputs)
-    return Desired(inputs, np.diff(desired_poses(experiment), axis=0) - steps)
+    return Desired(inputs, np.diff(reference.poses, axis=0) - steps)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,7 +115,7 @@ class Linearisation:
 
 
 def linearise(experiment: Experiment) -> Linearisation:
-    """The plant to first order about the reference and the feedforward.
+    """Returns the plant to first order about the reference and the feedforward.
 
     Args:
         experiment: Its reference, and the plant as it really is.
@@ -108,6 +130,28 @@ def linearise(experiment: Experiment) -> Linearisation:
     )
     feedforward_inputs, residual = map(np.asfortranarray, desired)
     return Linearisation(feedforward_inputs, states, inputs, residual)
+
+
+def driven_errors(
+    experiment: Experiment,
+    left: Floats,
+    right: Floats,
+    start: Floats | None = None,
+    state: Floats | None = None,
+) -> tuple[Floats, Floats]:
+    """Returns the errors in x and in y of the exact plant that drives wheel speeds [m].
+
+    Args:
+        experiment: Its reference and its platform.
+        left: Speeds of the left wheel [rad/s], as `driven_path` takes them.
+        right: Speeds of the right wheel [rad/s].
+        start: Poses at sample 0 of m passes, shape (3, m); the initial pose of one if not given.
+        state: What disturbs the state.
+    """
+    reference, robot = experiment.reference, experiment.robot
+    x, y, heading = np.array(experiment.initial_pose) if start is None else start
+    x, y, _ = driven_path((x, y, heading), left, right, robot, reference.sample_time, state)
+    return (reference.x - x.T).T, (reference.y - y.T).T
 
 
 def times(matrices: Floats, vectors: Floats) -> Floats:

@@ -13,10 +13,10 @@ import numpy as np
 
 from hilc_cli.disturbance.streams import Bounded, Disturbance, scaled
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.plants.kinematic import driven_path
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.theory.findings import ExpectedError, Findings, extent, share_of_path
 from hilc_cli.theory.learning.outcome import CLEARLY, NEAR
+from hilc_cli.theory.matrices import driven_errors
 
 _SMALLEST = 1e-10  # of a probability, as a random word of a run has it
 SEEDS = 17
@@ -114,20 +114,12 @@ def open_loop_errors(experiment: Experiment, inputs: tuple[Floats, Floats] | Non
     Returns:
         Shape (n + 1,).
     """
-    reference = experiment.reference
     left, right = inputs or (experiment.initial_left, experiment.initial_right)
     fastest = np.maximum(np.abs(left), np.abs(right))
     scale = np.ones(len(fastest))
     beyond = fastest > experiment.speed_limit
     scale[beyond] = experiment.speed_limit / fastest[beyond]
-    x, y, _ = driven_path(
-        experiment.initial_pose,
-        scale * left,
-        scale * right,
-        experiment.robot,
-        reference.sample_time,
-    )
-    errors: Floats = np.hypot(reference.x - x, reference.y - y)
+    errors: Floats = np.hypot(*driven_errors(experiment, scale * left, scale * right))
     return errors
 
 

@@ -17,11 +17,9 @@ from hilc_cli.theory.findings import ExpectedError, Findings, extent, joined
 from hilc_cli.theory.law_theory import LawTheory
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import CLEARLY, NEAR, STAYS
-from hilc_cli.theory.linear_law import knows_plant
-from hilc_cli.theory.matrices import desired_motion, desired_poses
+from hilc_cli.theory.matrices import desired_motion, knows_plant, starts_off
 from hilc_cli.theory.noise import open_loop_error
 
-_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 _MOSTLY_GONE = 0.1  # of an initial error, or of the path: less in the second half is no failure
 _ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 _MOST_POINTS = 400  # of the reference that are looked at in pairs
@@ -34,10 +32,9 @@ def start_findings(theory: LawTheory) -> Findings:
         theory: What is known of the experiment's law; its disturbances are left out.
     """
     experiment = theory.experiment
-    off = np.array(experiment.initial_pose) - desired_poses(experiment)[0]
     if not knows_plant(experiment):
         return Findings()
-    if theory.tells_the_way_in or float(np.abs(off).max()) <= _NONE:
+    if theory.tells_the_way_in or not starts_off(experiment):
         return theory.way_in
     law, expected = theory.linear, theory.forecast
     by_wheels = _by_wheels(experiment, None if law is None else law.compensated_until)
@@ -58,7 +55,7 @@ def cannot_be_reached(experiment: Experiment) -> str:
     if math.isinf(limit) or is_too_fast(experiment):
         return ""
     left = least_left(
-        desired_poses(experiment),
+        experiment.reference.poses,
         np.array(experiment.initial_pose),
         experiment.robot.wheel_radius * limit,
         experiment.robot.half_track,
@@ -165,7 +162,7 @@ def _by_wheels(experiment: Experiment, h: int | None) -> Findings:
     if h is None or math.isinf(experiment.speed_limit):
         return Findings()
     earliest = earliest_merge(
-        desired_poses(experiment),
+        experiment.reference.poses,
         np.array(experiment.initial_pose),
         experiment.robot.wheel_radius * experiment.speed_limit,
         experiment.robot.half_track,

@@ -12,9 +12,9 @@ from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import Findings, Rows
+from hilc_cli.theory.matrices import starts_off
 
 _ROUNDING = 1e-9  # relative: within it a wheel is at its limit
-_NONE = 1e-9  # [m and rad]; of a start that differs by less, by rounding only
 _TO_RMS = 1.4826  # the median of a normal's absolute value, times this, is its RMS
 _OFTEN = 0.05  # of the samples: more is warned of
 
@@ -82,9 +82,7 @@ def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
     reference, source = experiment.reference, experiment.disturbance
     if not (source.state.active or source.output.active or source.initial_pose.active):
         return None
-    start = reference.x[0], reference.y[0], reference.heading[0]
-    is_off = np.abs(np.subtract(start, experiment.initial_pose)).max() > _NONE
-    looked_at = slice(reference.samples // 2 if is_off else 0, None)
+    looked_at = slice(reference.samples // 2 if starts_off(experiment) else 0, None)
     needed = np.stack(feedforward(reference, experiment.robot))[:, looked_at]
     driven = np.stack([trial.left, trial.right])[:, looked_at]
     changes = np.diff(driven - needed)

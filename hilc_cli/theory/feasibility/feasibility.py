@@ -21,6 +21,14 @@ from hilc_cli.theory.findings import Findings
 GRAVITY = 9.80665  # standard acceleration of gravity [m/s^2]
 TOLERANCE = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 _MOST_SAMPLES = 2**53
+GOOD_FRICTION = 1.0
+"""About what tyres on dry ground have."""
+_MARGIN = 1e-6  # relative: what is met but for rounding is met
+COARSE_TURN = 0.2
+"""[rad] in one sample; position and heading then contradict each other by half of it."""
+FAR_BEHIND = 0.01
+"""Share of the path's extent; a robot that falls behind by less starts well enough."""
+_ROUNDING = 1e-12  # relative
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,71 +160,6 @@ class Feasibility:
         return max(math.ceil(samples), segment.samples + 1)
 
 
-GOOD_FRICTION = 1.0
-"""About what tyres on dry ground have."""
-_MARGIN = 1e-6  # relative: what is met but for rounding is met
-
-
-@dataclass(frozen=True, slots=True)
-class Traction:
-    """What the wheels' acceleration means, corners left out.
-
-    Attributes:
-        demanded: Largest change of a wheel rim's speed in one sample, by the sample time [m/s^2].
-        name: Of the segment in which that is, or which starts with it.
-        from_rest: Whether it is at sample 0.
-        change: Of the rim's speed in that sample [m/s].
-        held: What tyres hold, mu g [m/s^2].
-        behind: How far a wheel that accelerates with no more than that gets off from where the
-            reference has it [m].
-    """
-
-    demanded: float
-    name: str
-    from_rest: bool
-    change: float
-    held: float
-    behind: float
-
-
-def traction(demand: Demand, robot: Robot, friction: float | None) -> Traction:
-    """What the wheels' acceleration means.
-
-    Args:
-        demand: Of the reference.
-        robot: The platform as it really is.
-        friction: Coefficient mu of the tyres; None if it is not known, for a good one.
-    """
-    held = GRAVITY * (GOOD_FRICTION if friction is None else friction)
-    rims = [robot.wheel_radius * wheel for wheel in demand.wheels]
-    changes = np.maximum(*(np.abs(np.diff(rim, prepend=0.0)) for rim in rims))
-    at, step = int(changes.argmax()), held * demand.sample_time
-    change = float(changes[at])
-    behind = 0.0
-    if change > step * (1 + _MARGIN):
-        behind = max(_left_behind(rim, step) for rim in rims) * demand.sample_time
-    starts = [segment.first for segment in demand.segments]
-    segment = demand.segments[int(np.searchsorted(starts, at, side="right")) - 1]
-    return Traction(change / demand.sample_time, segment.name, at == 0, change, held, behind)
-
-
-def _left_behind(wanted: Floats, step: float) -> float:
-    """Largest sum of what a speed lacks that changes by a step in each sample at most."""
-    speed = lacking = most = 0.0
-    for each in wanted.tolist():
-        speed += min(max(each - speed, -step), step)
-        lacking += each - speed
-        most = max(most, abs(lacking))
-    return most
-
-
-COARSE_TURN = 0.2
-"""[rad] in one sample; position and heading then contradict each other by half of it."""
-FAR_BEHIND = 0.01
-"""Share of the path's extent; a robot that falls behind by less starts well enough."""
-_ROUNDING = 1e-12  # relative
-
-
 def feasibility_findings(feasibility: Feasibility) -> Findings:
     """What is to be said of a reference, in the order of the path."""
     failures = (
@@ -324,17 +267,37 @@ def _friction(feasibility: Feasibility) -> list[str]:
 
 
 def _traction(feasibility: Feasibility) -> list[str]:
-    """Of wheels that are to be fast at once."""
+    """Tells of wheels that are to be fast at once, corners left out."""
     demand, limits = feasibility.demand, feasibility.limits
-    found = traction(demand, feasibility.robot, limits.friction)
-    if found.behind <= FAR_BEHIND * demand.extent:
+    held = GRAVITY * (GOOD_FRICTION if limits.friction is None else limits.friction)
+    rims = [feasibility.robot.wheel_radius * wheel for wheel in demand.wheels]
+    changes = np.maximum(*(np.abs(np.diff(rim, prepend=0.0)) for rim in rims))
+    at, step = int(changes.argmax()), held * demand.sample_time
+    change = float(changes[at])
+    if change <= step * (1 + _MARGIN):
         return []
-    how = "starts at once" if found.from_rest else "changes wheel speeds at once"
+    # How far a wheel gets off that accelerates with no more than the tyres hold.
+    behind = max(_left_behind(rim, step) for rim in rims) * demand.sample_time
+    if behind <= FAR_BEHIND * demand.extent:
+        return []
+    starts = [segment.first for segment in demand.segments]
+    segment = demand.segments[int(np.searchsorted(starts, at, side="right")) - 1]
+    how = "changes wheel speeds at once" if at else "starts at once"
     return [
-        f"trajectory.{found.name} {how}: {found.change:.3g} m/s in one sample, "
-        f"{rounded(found.demanded / GRAVITY)} g where tyres hold {found.held / GRAVITY:g} g: a "
-        f"robot gets {found.behind:.2g} m behind; lead up to it slowly"
+        f"trajectory.{segment.name} {how}: {change:.3g} m/s in one sample, "
+        f"{rounded(change / demand.sample_time / GRAVITY)} g where tyres hold {held / GRAVITY:g} "
+        f"g: a robot gets {behind:.2g} m behind; lead up to it slowly"
     ]
+
+
+def _left_behind(wanted: Floats, step: float) -> float:
+    """Returns the largest sum of what a speed lacks that changes by a step a sample at most."""
+    speed = lacking = most = 0.0
+    for each in wanted.tolist():
+        speed += min(max(each - speed, -step), step)
+        lacking += each - speed
+        most = max(most, abs(lacking))
+    return most
 
 
 def rounded(value: float) -> str:

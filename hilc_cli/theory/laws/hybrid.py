@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import cast
 
 import numpy as np
@@ -21,55 +22,8 @@ from hilc_cli.theory.learning.gains import (
     wrong_way,
 )
 from hilc_cli.theory.learning.linear_theory import NO_EFFECT_IN_FIRST, LinearTheory
+from hilc_cli.theory.linear_law import LinearLaw
 from hilc_cli.theory.matrices import times
-
-
-class HybridTheory(LinearTheory):
-    """The linear theory of the hybrid law."""
-
-    def __init__(self, experiment: Experiment) -> None:
-        """With an experiment of the law."""
-        super().__init__(experiment, HybridLearning(experiment))
-
-
-class HybridUpdate:
-    """u(k) + G_k l1 [e(k+1) + w(k) e(0)]: Eq. 17 before its feedback, or Eq. 21.
-
-    Source:
-        Qiao et al. 2021, Eqs. 17 and 21.
-    """
-
-    kept = 1.0
-    smooths = False
-
-    def __init__(self, law: HybridLaw, gains: Floats, sample_time: float) -> None:
-        """With G_k along the reference, shape (n, 2, 3), and d_t [s]."""
-        self.next_gain = law.l1
-        self._gains = gains
-        self._weights: Floats | None = None
-        if law.compensation:
-            weights = [compensation_gain(k, law.h, sample_time) for k in range(len(gains))]
-            self._weights = np.array(weights)
-
-    def learned(self, inputs: Floats, errors: Floats) -> Floats:
-        """The input with its correction."""
-        past = self.next_gain * errors[1:]
-        if self._weights is not None:
-            weights = self._weights.reshape(-1, *(1,) * (errors.ndim - 1))
-            past = compensated_error(self.next_gain, errors[1:], weights, errors[0])
-        return inputs + times(self._gains, past)
-
-    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
-        """The transpose of `learned`."""
-        seen = times(self._gains.transpose(0, 2, 1), inputs)
-        errors = np.zeros((len(seen) + 1, 3), order="F")
-        errors[1:] = self.next_gain * seen
-        if self._weights is not None:
-            errors[0] = self.next_gain * (self._weights @ seen)
-        return inputs, errors
-
-    def constant(self, first: Floats, feedforward: Floats) -> None:
-        """Nothing."""
 
 
 class HybridResting:
@@ -101,30 +55,50 @@ class HybridResting:
         return x, y, heading
 
 
-class HybridLearning:
-    """Eq. 17 or Eq. 21 in an experiment."""
+class HybridLearning(LinearLaw):
+    """u(k) + G_k l1 [e(k+1) + w(k) e(0)]: Eq. 17 before its feedback, or Eq. 21.
 
-    less_noise = "lower controller.gains"
+    Source:
+        Qiao et al. 2021, Eqs. 17 and 21.
+    """
 
     def __init__(self, experiment: Experiment) -> None:
         """With an experiment of the law."""
-        self._experiment = experiment
-        self._law = law = cast("HybridLaw", experiment.law)
-        self._sample_time = experiment.reference.sample_time
-        self.matrix, self.gain_heading, self.paper = law.matrix, law.gain_heading, law
-        self.feedback = (0.0, 0.0) if law.compensation else (law.l2, law.l3)  # Eq. 21 has neither
-        self.compensated_until = law.h if law.compensation else None
-        self.for_the_start = "" if law.compensation else "set 'compensation: on'"
+        law = cast("HybridLaw", experiment.law)
+        super().__init__(experiment, law.matrix, law.gain_heading)
+        self._law = self.paper = law
+        self.next_gain = law.l1
+        if not law.compensation:
+            self.feedback = law.l2, law.l3  # Eq. 21 has neither
+            self.for_the_start = "set 'compensation: on'"
+            return
+        self.compensated_until = law.h
+        if law.h < experiment.reference.samples:
+            self.rest_from = law.h + 1
 
-    @property
-    def rest_from(self) -> int:
-        """After sample h with a compensation, otherwise after the start."""
-        law = self._law
-        return law.h + 1 if law.compensation and law.h < self._experiment.reference.samples else 1
+    @cached_property
+    def _weights(self) -> Floats:
+        """w(k) of Eq. 21, shape (n,)."""
+        samples = range(self._experiment.reference.samples)
+        h = self._law.h
+        return np.array([compensation_gain(k, h, self._sample_time) for k in samples])
 
-    def update(self, gains: Floats) -> HybridUpdate:
-        """What is learned."""
-        return HybridUpdate(self._law, gains, self._sample_time)
+    def learned(self, inputs: Floats, errors: Floats) -> Floats:
+        """The input with its correction."""
+        past = self.next_gain * errors[1:]
+        if self._law.compensation:
+            weights = self._weights.reshape(-1, *(1,) * (errors.ndim - 1))
+            past = compensated_error(self.next_gain, errors[1:], weights, errors[0])
+        return inputs + times(self.gains, past)
+
+    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
+        """The transpose of `learned`."""
+        seen = times(self.gains.transpose(0, 2, 1), inputs)
+        errors = np.zeros((len(seen) + 1, 3), order="F")
+        errors[1:] = self.next_gain * seen
+        if self._law.compensation:
+            errors[0] = self.next_gain * (self._weights @ seen)
+        return inputs, errors
 
     def resting(self, start: Triple) -> HybridResting:
         """The law at sample 0."""
@@ -228,3 +202,9 @@ class HybridLearning:
                 "time what it has met the time before; set 'compensation: off', or 'repeat: true'"
             )
         return found
+
+
+class HybridTheory(LinearTheory):
+    """The linear theory of the hybrid law."""
+
+    law_class = HybridLearning

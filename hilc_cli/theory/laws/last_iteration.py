@@ -27,7 +27,7 @@ from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, expected_of_seeds, extent
 from hilc_cli.theory.learning.outcome import FAILED, Outcome, Prospects, predicted_outcome
-from hilc_cli.theory.matrices import desired_poses, linearise
+from hilc_cli.theory.matrices import linearise, starts_off
 from hilc_cli.theory.noise import (
     SEEDS,
     DisturbanceDraws,
@@ -41,7 +41,6 @@ from hilc_cli.theory.wheel_noise import WheelNoise, changes_beside_first
 
 _WITHIN = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 _PLANS = 3  # updates after which the plan of a platform that is known hardly changes
-_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 _FEW_PASSES = 4
 """Iterations up to which the law itself is run: later ones have identified the platform."""
 _FEWER_PASSES = 2
@@ -121,7 +120,7 @@ def noisy_passes(
         deviation[k + 1] = plant.states[k] @ now + driven + pushed[k]
 
     way_in = np.clip(1 - np.arange(n + 1) / min(law.parameters.h, n), 0, 1)[:, None, None]
-    meant = (plan.poses - desired_poses(experiment))[:, :, None]
+    meant = (plan.poses - experiment.reference.poses)[:, :, None]
     error = meant + deviation + way_in * (start_before + left[0])
     furthest = np.sqrt((error[:, 0] ** 2 + error[:, 1] ** 2).max(axis=0))
     return Passes(furthest, changes_beside_first(applied), held / n)
@@ -183,7 +182,7 @@ def expected_of_norm_optimal(
         iteration_leaves: Share that an iteration leaves of an error because its model is wrong.
     """
     plan = planned_motion(experiment, law)
-    away: Floats = np.hypot(*(plan.poses - desired_poses(experiment))[:, :2].T)
+    away: Floats = np.hypot(*(plan.poses - experiment.reference.poses)[:, :2].T)
     planned = float(away.max())
     first = planned if experiment.learn_in_first else open_loop_error(experiment)
     if experiment.iterations == 0:
@@ -255,8 +254,7 @@ def _halved(experiment: Experiment, law: NormOptimalLaw, away: Floats, left: flo
     # Where iteration 0 runs the law, learning is held against what there is without it.
     inputs = feedforward(experiment.reference, law.model) if experiment.learn_in_first else None
     first, planned = open_loop_errors(experiment, inputs), away
-    pose = desired_poses(experiment)[0]
-    if np.abs(pose - experiment.initial_pose).max() > _NONE:  # as runs are judged
+    if starts_off(experiment):  # as runs are judged
         first, planned = first[len(first) // 2 :], planned[len(planned) // 2 :]
     before = float(first.max())
     errors = np.array([before, float(planned.max()) + left * before])

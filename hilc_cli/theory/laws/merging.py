@@ -16,11 +16,10 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings, extent
 from hilc_cli.theory.laws.last_iteration import planned_motion
 from hilc_cli.theory.learning.outcome import CLEARLY
-from hilc_cli.theory.matrices import desired_motion, desired_poses
+from hilc_cli.theory.matrices import desired_motion, starts_off
 from hilc_cli.theory.noise import open_loop_error
 from hilc_cli.theory.reach import WayIn, cannot_be_reached, is_too_fast, late_start, way_in
 
-_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 _LATE = 2  # samples behind h that nobody minds
 _ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 
@@ -81,10 +80,10 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
         law: The law.
     """
     reference, robot = experiment.reference, experiment.robot
-    trajectory, start = desired_poses(experiment), np.array(experiment.initial_pose)
+    trajectory, start = experiment.reference.poses, np.array(experiment.initial_pose)
     off = start - trajectory[0]
     position, heading = math.hypot(off[0], off[1]), abs(float(off[2]))
-    is_off = max(position, heading) > _NONE
+    is_off = starts_off(experiment)
     earliest: int | None = 0
     planned: int | None = 0
     away, out_of_reach = np.zeros(reference.samples + 1), ""
@@ -129,7 +128,7 @@ def _away(experiment: Experiment, law: NormOptimalLaw) -> Floats:
 
     Where that is too fast for the wheels, from what the law makes of it from its own start.
     """
-    own = desired_poses(experiment)
+    own = experiment.reference.poses
     if is_too_fast(experiment):
         x, y, heading = own[0].tolist()
         own = planned_motion(replace(experiment, initial_pose=(x, y, heading)), law).poses

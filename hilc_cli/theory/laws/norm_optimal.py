@@ -29,7 +29,6 @@ from hilc_cli.theory.law_theory import LawTheory
 from hilc_cli.theory.laws.last_iteration import expected_of_norm_optimal
 from hilc_cli.theory.laws.merging import Merging, merging, merging_findings
 from hilc_cli.theory.learning.outcome import Outcome
-from hilc_cli.theory.matrices import desired_poses
 from hilc_cli.theory.noise import Remedies, noise_findings
 from hilc_cli.theory.wheel_noise import WheelNoise, wheel_findings, wheel_rows
 
@@ -331,7 +330,7 @@ def _strongest(experiment: Experiment, law: NormOptimalLaw, along: float, turnin
         model.wheel_radius, model.signed_half_track, experiment.reference.sample_time
     )
     position, heading, wheel = law.parameters.squared_weights
-    motion = linearised(desired_poses(experiment), *gains)
+    motion = linearised(experiment.reference.poses, *gains)
     pose_weights = np.tile([position, heading], (samples + 1, 1))
     input_weights, none = np.full((samples, 2), wheel), np.zeros((samples, 2))
     no_slopes = np.zeros((samples + 1, 3))

@@ -23,6 +23,7 @@ from hilc_cli.theory.learning.gains import (
     wrong_way,
 )
 from hilc_cli.theory.learning.linear_theory import NO_EFFECT_IN_FIRST, LinearTheory
+from hilc_cli.theory.linear_law import LinearLaw
 from hilc_cli.theory.matrices import times
 
 
@@ -84,52 +85,6 @@ def step_gain(experiment: Experiment, law: PidLaw) -> StepGain:
     return StepGain(1 - law.forgetting, time, loop, along, turning, law.cutoff is not None)
 
 
-class PidUpdate:
-    """Q[(1 - gamma) u + gamma u_0](k) + G_k Q[w](k) of PID-type learning."""
-
-    def __init__(self, law: PidLaw, gains: Floats, sample_time: float) -> None:
-        """With G_k along the reference, shape (n, 2, 3), and d_t [s]."""
-        self._sample_time = sample_time
-        self.kept = 1 - law.forgetting
-        self.next_gain = next_error_gain(law.gains, sample_time)
-        self.smooths = law.cutoff is not None
-        self._law, self._gains = law, gains
-        self._pulse = law.pulse(len(gains), sample_time)
-        self._filter = None if law.cutoff is None else LowPass(law.cutoff, sample_time)
-
-    def learned(self, inputs: Floats, errors: Floats) -> Floats:
-        """The smoothed input with its correction."""
-        past = weighted_error(self._law.gains, errors, self._pulse, self._sample_time)
-        return self._smoothed(self.kept * inputs) + times(self._gains, self._smoothed(past))
-
-    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
-        """The transpose of `learned`; the filter is its own."""
-        seen = self._smoothed(times(self._gains.transpose(0, 2, 1), inputs))
-        kp, ki, kd = self._law.gains
-        errors = np.zeros((len(seen) + 1, 3), order="F")
-        errors[1:] = kp * seen
-        if ki:
-            later = ki * self._sample_time * np.cumsum(seen[::-1], axis=0)[::-1]
-            errors[1:] += later
-            errors[0] += later[0]
-        if kd:
-            errors[1:] += kd / self._sample_time * seen
-            errors[:-1] -= kd / self._sample_time * seen
-            if self._pulse is not None:
-                errors[0] += kd * (self._pulse @ seen)
-        return self._smoothed(self.kept * inputs), errors
-
-    def constant(self, first: Floats, feedforward: Floats) -> Floats | None:
-        """The share of u_0, and what the filter takes from u_d."""
-        found = self._smoothed((1 - self.kept) * first)
-        if self.smooths:
-            found = found + (self._smoothed(feedforward) - feedforward)
-        return found if found.any() else None
-
-    def _smoothed(self, signals: Floats) -> Floats:
-        return signals if self._filter is None else self._filter(signals.T).T
-
-
 class PidResting:
     """Law pid without a Q-filter."""
 
@@ -155,25 +110,23 @@ class PidResting:
         return x, y, heading
 
 
-class PidLearning:
-    """Law pid in an experiment."""
-
-    feedback = (0.0, 0.0)
-    compensated_until = None
-    for_the_start = ""
+class PidLearning(LinearLaw):
+    """Q[(1 - gamma) u + gamma u_0](k) + G_k Q[w](k) of PID-type learning."""
 
     def __init__(self, experiment: Experiment) -> None:
         """With an experiment of the law."""
-        self._experiment = experiment
-        self._law = law = cast("PidLaw", experiment.law)
-        self._sample_time = experiment.reference.sample_time
-        self.matrix, self.gain_heading = law.matrix, law.gain_heading
+        law = cast("PidLaw", experiment.law)
+        super().__init__(experiment, law.matrix, law.gain_heading)
+        self._law = law
+        self.kept = 1 - law.forgetting
+        self.next_gain = next_error_gain(law.gains, self._sample_time)
+        self.smooths = law.cutoff is not None
         self.rest_from = law.rectifying or 1  # an initial error is gone behind a rectifying pulse
-        smoother = "set controller.cutoff, or " if law.cutoff is None else ""
-        self.less_noise = f"{smoother}lower controller.gains"
+        if law.cutoff is None:
+            self.less_noise = "set controller.cutoff, or lower controller.gains"
 
     @property
-    def paper(self) -> HybridLaw | None:
+    def paper(self) -> HybridLaw | None:  # type: ignore[override]
         """Eq. 17 with l1 = kp, if there is nothing else."""
         law = self._law
         if not (law.ki == law.kd == law.forgetting == 0 and law.cutoff is None):
@@ -185,13 +138,52 @@ class PidLearning:
         """The condition to converge."""
         return step_gain(self._experiment, self._law)
 
-    def update(self, gains: Floats) -> PidUpdate:
-        """What is learned."""
-        return PidUpdate(self._law, gains, self._sample_time)
+    @cached_property
+    def _pulse(self) -> Floats | None:
+        """The rectifying pulse, shape (n,)."""
+        return self._law.pulse(self._experiment.reference.samples, self._sample_time)
+
+    @cached_property
+    def _filter(self) -> LowPass | None:
+        """The Q-filter."""
+        cutoff = self._law.cutoff
+        return None if cutoff is None else LowPass(cutoff, self._sample_time)
+
+    def learned(self, inputs: Floats, errors: Floats) -> Floats:
+        """The smoothed input with its correction."""
+        past = weighted_error(self._law.gains, errors, self._pulse, self._sample_time)
+        return self._smoothed(self.kept * inputs) + times(self.gains, self._smoothed(past))
+
+    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
+        """The transpose of `learned`; the filter is its own."""
+        seen = self._smoothed(times(self.gains.transpose(0, 2, 1), inputs))
+        kp, ki, kd = self._law.gains
+        errors = np.zeros((len(seen) + 1, 3), order="F")
+        errors[1:] = kp * seen
+        if ki:
+            later = ki * self._sample_time * np.cumsum(seen[::-1], axis=0)[::-1]
+            errors[1:] += later
+            errors[0] += later[0]
+        if kd:
+            errors[1:] += kd / self._sample_time * seen
+            errors[:-1] -= kd / self._sample_time * seen
+            if self._pulse is not None:
+                errors[0] += kd * (self._pulse @ seen)
+        return self._smoothed(self.kept * inputs), errors
+
+    def constant(self, first: Floats, feedforward: Floats) -> Floats | None:
+        """The share of u_0, and what the filter takes from u_d."""
+        found = self._smoothed((1 - self.kept) * first)
+        if self.smooths:
+            found = found + (self._smoothed(feedforward) - feedforward)
+        return found if found.any() else None
+
+    def _smoothed(self, signals: Floats) -> Floats:
+        return signals if self._filter is None else self._filter(signals.T).T
 
     def resting(self, start: Triple) -> PidResting | None:
         """The law at sample 0; None with a Q-filter."""
-        if self._law.cutoff is not None:
+        if self.smooths:
             return None
         samples = self._experiment.reference.samples
         return PidResting(self._law, start, samples, self._sample_time)
@@ -202,9 +194,7 @@ class PidLearning:
         summed = sample_time / (1 - np.exp(-1j * frequencies))
         time = law.kp * summed + law.ki * summed**2 + law.kd
         factors: Floats = np.abs(1 - law.forgetting - gains * time)
-        if law.cutoff is None:
-            return factors
-        return factors * LowPass(law.cutoff, sample_time).factors(frequencies)
+        return factors if self._filter is None else factors * self._filter.factors(frequencies)
 
     def not_settling(self) -> str:
         """The gains, or the gain matrix."""
@@ -271,10 +261,7 @@ class PidTheory(LinearTheory):
     """The linear theory of law pid, with its condition to converge."""
 
     linear: PidLearning
-
-    def __init__(self, experiment: Experiment) -> None:
-        """With an experiment of the law."""
-        super().__init__(experiment, PidLearning(experiment))
+    law_class = PidLearning
 
     @property
     def rows(self) -> Rows:

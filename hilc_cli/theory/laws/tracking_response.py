@@ -24,6 +24,7 @@ from hilc_cli.plants.kinematic import advance, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import LEVEL, ExpectedError
+from hilc_cli.theory.matrices import starts_off
 from hilc_cli.theory.noise import NoiseDraws, Passes, open_loop_error
 from hilc_cli.theory.reach import WayIn, way_in
 from hilc_cli.theory.wheel_noise import WheelNoise
@@ -53,6 +54,7 @@ class Kind:
     count: int = 1
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def many_passes(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -> list[Passes]:
     """Drives all passes.
 
@@ -67,11 +69,6 @@ def many_passes(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind
     Returns:
         What each kind of pass does; infinite or not-a-number where it leaves the finite numbers.
     """
-    with np.errstate(over="ignore", invalid="ignore"):
-        return _driven(experiment, wheels, kinds)
-
-
-def _driven(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -> list[Passes]:
     reference, robot, limit = experiment.reference, experiment.robot, experiment.speed_limit
     gains = step_gains(robot.wheel_radius, robot.signed_half_track, reference.sample_time)
     n, source = reference.samples, experiment.disturbance
@@ -82,10 +79,9 @@ def _driven(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -
     x, y, heading = np.repeat(np.array([experiment.initial_pose]).T, sum(counts), axis=1)
     if (noise := initial.at(0)) is not None:
         x, y, heading = x + noise[0], y + noise[1], heading + noise[2]
-    desired = np.stack([reference.x, reference.y, reference.heading], axis=1).tolist()
     furthest, held, changes = np.zeros((3, len(x)))
     before: tuple[Floats, Floats] | None = None
-    for k, (desired_x, desired_y, desired_heading) in enumerate(desired):
+    for k, (desired_x, desired_y, desired_heading) in enumerate(reference.poses.tolist()):
         error_x, error_y, error_heading = desired_x - x, desired_y - y, desired_heading - heading
         # Not-a-number is kept by the larger of two numbers.
         furthest = np.maximum(furthest, error_x * error_x + error_y * error_y)
@@ -156,7 +152,6 @@ class _Draws:
 _NUDGE = 1e-6  # of the path's size: an error so small that the response to it is linear
 _STANDS = 1e-3  # of a wheel's speed in turning: who drives slower turns in place
 _MOST_SAMPLES = 40_000  # some 8 s
-_NONE = 1e-9  # [m and rad]; of a start that differs by less, by rounding only
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,14 +194,13 @@ class TrackingResponse:
 def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingResponse:
     """The response of an experiment of the law, in its last iteration."""
     reference, start = experiment.reference, experiment.initial_pose
-    own = float(reference.x[0]), float(reference.y[0]), float(reference.heading[0])
+    x, y, heading = own = tuple(reference.poses[0].tolist())
     # A path on the spot has no size, but who drives it has.
     size = max(reference.size, experiment.robot.half_track)
     nudge = _NUDGE * size
-    aside = own[0] - nudge * math.sin(own[2]), own[1] + nudge * math.cos(own[2]), own[2]
+    aside = x - nudge * math.sin(heading), y + nudge * math.cos(heading), heading
     quiet, from_own, from_aside = (_undisturbed(experiment, pose) for pose in (start, own, aside))
     known = replace(experiment, law=replace(law, model=experiment.robot))
-    off = max(abs(a - b) for a, b in zip(start, own, strict=True))
     standing = _standing(experiment)
     turned = np.abs(reference.heading - from_own.heading)[1:][standing]
     expected, wheels = _disturbed(experiment, law, _furthest(experiment, quiet))
@@ -215,7 +209,7 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
         _furthest(experiment, _undisturbed(known, own)),
         float(turned.max()) if len(turned) else 0.0,
         float(standing.sum()) * reference.sample_time,
-        off > _NONE,
+        starts_off(experiment),
         way_in(_apart(quiet, from_own), size, reference.sample_time),
         open_loop_error(experiment, feedforward(reference, law.model)),
         float(_apart(from_own, from_aside)[-1]) / nudge,

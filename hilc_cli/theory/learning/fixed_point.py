@@ -88,7 +88,7 @@ def fixed_point(experiment: Experiment) -> FixedPoint | None:
     distance_gain, turn_gain = step_gains(
         robot.wheel_radius, robot.signed_half_track, reference.sample_time
     )
-    desired = np.column_stack([reference.x, reference.y, reference.heading]).tolist()
+    desired = reference.poses.tolist()
     errors, inputs = np.full((steps + 1, 3), math.inf), np.full((steps, 2), math.inf)
     pose = experiment.initial_pose
     errors[0] = now = _less(desired[0], pose)

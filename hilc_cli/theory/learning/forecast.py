@@ -157,7 +157,7 @@ def forecast(experiment: Experiment) -> Forecast:
         noisy_learning(experiment),
         fixed_point(experiment),
         law.rest_from,
-        lifted.update.smooths,
+        law.smooths,
     )
 
 

@@ -17,7 +17,7 @@ from hilc_cli.theory.learning.norms import (
     largest_singular_value,
 )
 from hilc_cli.theory.linear_law import linear_law
-from hilc_cli.theory.matrices import GainParts, linearise, times
+from hilc_cli.theory.matrices import linearise, times
 
 
 class DriftRecursion:
@@ -39,17 +39,17 @@ class DriftRecursion:
         """The errors e.
 
         Args:
-            right: r, shape (n + 1, 3).
+            right: r, shape (n + 1, 3), or (n + 1, 3, m) for m of them.
 
         Returns:
-            e, shape (n + 1, 3).
+            e, of the same shape.
         """
         errors = np.empty_like(right)
-        heading = np.cumsum(right[:, 2], out=errors[:, 2])
+        heading = np.cumsum(right[:, 2], axis=0, out=errors[:, 2])
         for axis, moves in enumerate(self._moves):
             steps = right[:, axis].copy()
-            steps[1:] += moves * heading[:-1]
-            np.cumsum(steps, out=errors[:, axis])
+            steps[1:] += (moves * heading[:-1].T).T
+            np.cumsum(steps, axis=0, out=errors[:, axis])
         return errors
 
     def solve_transposed(self, right: Floats) -> Floats:
@@ -164,11 +164,13 @@ class LiftedIteration:
     Attributes:
         plant: The linearised plant.
         gains: G_k, the gain matrix along the reference, shape (n, 2, 3).
-        update: What is learned from the iteration before.
+        law: What learns from the iteration before.
         l2: Gain of e_{i+1}(k); 0 with compensation, and in law pid.
         l3: Gain of e_{i+1}(k-1), likewise.
         start: e_i(0), the initial error of every iteration [m, m, rad], shape (3,).
         first_input: u_0 - u_d [rad/s], shape (n, 2).
+        open_loop: The recursion of the errors of a platform that nobody steers.
+        closed_loop: The same with the law's feedback.
         added: What every iteration adds to what is learned [rad/s], likewise; None for nothing.
 
     Source:
@@ -186,29 +188,22 @@ class LiftedIteration:
         """
         law, reference = linear_law(experiment), experiment.reference
         self.plant = linearise(experiment)
-        self.gains = np.asfortranarray(GainParts.of(law.matrix).at(reference.heading[:-1]))
-        self.update = law.update(self.gains)
+        self.law, self.gains = law, law.gains
         self.l2, self.l3 = law.feedback
-        self.start = np.array(
-            [
-                reference.x[0] - experiment.initial_pose[0],
-                reference.y[0] - experiment.initial_pose[1],
-                reference.heading[0] - experiment.initial_pose[2],
-            ]
-        )
+        self.start = reference.poses[0] - experiment.initial_pose
         initial = np.array([experiment.initial_left, experiment.initial_right]).T
         self.first_input = initial - self.plant.feedforward
-        self.added = self.update.constant(self.first_input, self.plant.feedforward)
+        self.added = self.law.constant(self.first_input, self.plant.feedforward)
         self._learn_in_first = experiment.learn_in_first
         self._constant = np.asfortranarray(np.vstack([self.start, self.plant.residual]))
         self._undriven = np.zeros_like(self._constant)
-        self._open = DriftRecursion(self.plant.states)
-        self._closed: DriftRecursion | ErrorRecursion = self._open
+        self.open_loop = DriftRecursion(self.plant.states)
+        self.closed_loop: DriftRecursion | ErrorRecursion = self.open_loop
         if self.has_feedback:
             with np.errstate(over="ignore", invalid="ignore"):  # absurd gains: nothing is finite
                 loop = self.plant.inputs @ self.gains
                 before = -self.l3 * loop if self.l3 else None
-                self._closed = ErrorRecursion(self.plant.states - self.l2 * loop, before)
+                self.closed_loop = ErrorRecursion(self.plant.states - self.l2 * loop, before)
 
     @property
     def samples(self) -> int:
@@ -229,8 +224,8 @@ class LiftedIteration:
         Returns:
             Shape (n, 2) [rad/s].
         """
-        errors = self._open.solve(self._driven(self._undriven, inputs))
-        return self._fed_back(self.update.learned(inputs, errors), self._undriven).inputs
+        errors = self.open_loop.solve(self._driven(self._undriven, inputs))
+        return self._fed_back(self.law.learned(inputs, errors), self._undriven).inputs
 
     def adjoint(self, inputs: Floats) -> Floats:
         """The transpose of T times an input.
@@ -247,16 +242,16 @@ class LiftedIteration:
             weighted = np.zeros_like(self._constant)
             weighted[:-1] = self.l2 * errors
             weighted[:-2] += self.l3 * errors[1:]
-            inputs = inputs - times(plant, self._closed.solve_transposed(weighted)[1:])
-        learned, errors = self.update.transposed(inputs)
-        result: Floats = learned - times(plant, self._open.solve_transposed(errors)[1:])
+            inputs = inputs - times(plant, self.closed_loop.solve_transposed(weighted)[1:])
+        learned, errors = self.law.transposed(inputs)
+        result: Floats = learned - times(plant, self.open_loop.solve_transposed(errors)[1:])
         return result
 
     def first(self) -> LinearPass:
         """Iteration 0: the initial input as it is, or with the law's feedback."""
         if self._learn_in_first:
             return self.next(LinearPass(self.first_input, self._undriven))
-        errors = self._open.solve(self._driven(self._constant, self.first_input))
+        errors = self.open_loop.solve(self._driven(self._constant, self.first_input))
         return LinearPass(self.first_input, errors)
 
     def next(self, previous: LinearPass) -> LinearPass:
@@ -265,21 +260,10 @@ class LiftedIteration:
         Args:
             previous: The iteration that is learned from.
         """
-        learned = self.update.learned(previous.inputs, previous.errors)
+        learned = self.law.learned(previous.inputs, previous.errors)
         if self.added is not None:
             learned = learned + self.added
         return self._fed_back(learned, self._constant)
-
-    def closed_loop(self, right: Floats) -> Floats:
-        """The errors of the plant with the law's feedback, of many right sides at once.
-
-        Args:
-            right: What is added to the error of each sample, shape (n + 1, 3, m).
-
-        Returns:
-            The errors, shape (n + 1, 3, m).
-        """
-        return self._closed.solve(right)
 
     def spectral_radius(self) -> SpectralRadius:
         """The largest absolute eigenvalue of T: below 1 the iteration converges in the end.
@@ -287,12 +271,12 @@ class LiftedIteration:
         T is block lower triangular with the blocks kept I - c d G_k B_k, c the gain of e(k+1),
         whatever the feedback. With a Q-filter it is not, and the radius is estimated.
         """
-        if self.update.smooths:
+        if self.law.smooths:
             return estimated_radius(self.apply, (self.samples, 2))
         gains = self._loop_gains()
         if gains is None:
             return SpectralRadius(math.inf)
-        return SpectralRadius(float(np.abs(self.update.kept - gains).max()))
+        return SpectralRadius(float(np.abs(self.law.kept - gains).max()))
 
     def largest_singular_value(self) -> SingularValue:
         """The most by which T may lengthen an input; if below 1 the convergence is monotone.
@@ -308,7 +292,7 @@ class LiftedIteration:
     def _loop_gains(self) -> NDArray[np.complex128] | None:
         """The eigenvalues of c d G_k B_k, shape (n, 2); None beyond the finite numbers."""
         with np.errstate(over="ignore", invalid="ignore"):
-            products = self.update.next_gain * (self.gains @ self.plant.inputs)
+            products = self.law.next_gain * (self.gains @ self.plant.inputs)
         if not np.isfinite(products).all():
             return None
         return np.linalg.eigvals(products).astype(np.complex128)
@@ -321,7 +305,7 @@ class LiftedIteration:
 
     def _fed_back(self, learned: Floats, constant: Floats) -> LinearPass:
         """An iteration whose input is what was learned before it, and the feedback in it."""
-        errors = self._closed.solve(self._driven(constant, learned))
+        errors = self.closed_loop.solve(self._driven(constant, learned))
         if not self.has_feedback:
             return LinearPass(learned, errors)
         now = errors[:-1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -39,15 +40,20 @@ _FAR = 0.01  # of the path's size: what is further off does not count as on the 
 
 
 class LinearTheory(LawTheory):
-    """The theory of a law of which the linear theory speaks."""
+    """The theory of a law of which the linear theory speaks.
+
+    Attributes:
+        law_class: Makes the law of an experiment.
+    """
 
     title = f"Does learning converge? ({WHERE})"
+    law_class: Callable[[Experiment], LinearLaw]
     linear: LinearLaw
 
-    def __init__(self, experiment: Experiment, linear: LinearLaw) -> None:
-        """With an experiment, and its law."""
+    def __init__(self, experiment: Experiment) -> None:
+        """With an experiment of the law."""
         super().__init__(experiment)
-        self.linear = linear
+        self.linear = type(self).law_class(experiment)
 
     @cached_property
     def forecast(self) -> Forecast:

@@ -25,8 +25,8 @@ from hilc_cli.errors import UsageError
 from hilc_cli.laws.compensation import compensation_gain
 from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.linear_law import paper_law
-from hilc_cli.theory.matrices import Desired, GainParts, desired_motion, desired_poses
+from hilc_cli.theory.linear_law import linear_law, paper_law
+from hilc_cli.theory.matrices import Desired, GainParts, desired_motion
 from hilc_cli.theory.proof.conditions import contraction
 from hilc_cli.theory.proof.norms import (
     WheelNorm,
@@ -163,7 +163,7 @@ def constants(
     limited = Correction.SPEED_LIMIT in corrections and math.isfinite(experiment.speed_limit)
     wheels: WheelNorm = "sum" if limited else "euclidean"
     desired = desired_motion(experiment)
-    l2, l3 = feedback_gains(experiment)
+    l2, l3 = linear_law(experiment).feedback
 
     scale = sample_time if Correction.SAMPLE_TIME in corrections else 1.0
     C_B = sample_time * control_slope(robot, wheels)  # Eq. 16
@@ -249,15 +249,9 @@ def _largest_state_error(experiment: Experiment) -> float:
     step = reference.sample_time * robot.wheel_radius * experiment.speed_limit
     step *= max(1.0, 1 / robot.half_track)
     step += largest_disturbance(experiment.disturbance.state)
-    desired = desired_poses(experiment)
+    desired = experiment.reference.poses
     travelled = pose_norm(desired - desired[0]) + step * np.arange(len(desired))
     return largest_initial_error(experiment) + float(travelled.max())
-
-
-def feedback_gains(experiment: Experiment) -> tuple[float, float]:
-    """l2 and l3 as the law uses them: Eq. 21 has neither."""
-    law = paper_law(experiment)
-    return (0.0, 0.0) if law.compensation else (law.l2, law.l3)
 
 
 def largest_disturbance(source: Bounded, beside: Floats | float = 0.0) -> float:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.theory.matrices import Desired, desired_motion, desired_poses
+from hilc_cli.theory.matrices import Desired, desired_motion
 from hilc_cli.theory.proof.bounds import Bounds, state_series
 from hilc_cli.theory.proof.norms import input_norm, log_lambda_norm, pose_norm
 
@@ -113,7 +113,7 @@ def compare(
     Returns:
         The comparisons by the same names.
     """
-    desired, poses = desired_motion(experiment), desired_poses(experiment)
+    desired, poses = desired_motion(experiment), experiment.reference.poses
     numbers: list[int] = []
     rows: dict[str, list[tuple[float, ...]]] = {name: [] for name in theories}
     for trial in trials:

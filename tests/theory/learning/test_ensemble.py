@@ -21,12 +21,10 @@ from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.theory.law_theory import law_theory
-from hilc_cli.theory.laws.hybrid import HybridUpdate
-from hilc_cli.theory.laws.pid import PidUpdate
 from hilc_cli.theory.learning import transient
 from hilc_cli.theory.learning.ensemble import noisy_learning
 from hilc_cli.theory.learning.transient import predict_transient
-from hilc_cli.theory.matrices import GainParts
+from hilc_cli.theory.linear_law import linear_law
 from hilc_cli.theory.noise import SEEDS, NoiseDraws, deviations, spread_of_start
 from tests.engine.experiments import experiment_of, law_of, matrix_of
 from tests.theory.straight import line
@@ -116,16 +114,11 @@ def test_on_a_line_the_limit_is_followed_exactly(l2: float, limit: float) -> Non
 )
 def test_seeds_side_by_side_learn_as_each_alone(law: PidLaw | HybridLaw) -> None:
     n, seeds = ROUND.samples, 3
-    gains = GainParts.of(law.matrix).at(ROUND.heading[:-1])
-    update: HybridUpdate | PidUpdate
-    if isinstance(law, PidLaw):
-        update = PidUpdate(law, gains, ROUND.sample_time)
-    else:
-        update = HybridUpdate(law, gains, ROUND.sample_time)
+    linear = linear_law(experiment(law))
     random = np.random.default_rng(1)
     inputs, errors = random.normal(size=(n, 2, seeds)), random.normal(size=(n + 1, 3, seeds))
-    alone = [update.learned(inputs[..., seed], errors[..., seed]) for seed in range(seeds)]
-    together = update.learned(inputs, errors)
+    alone = [linear.learned(inputs[..., seed], errors[..., seed]) for seed in range(seeds)]
+    together = linear.learned(inputs, errors)
     np.testing.assert_allclose(together, np.stack(alone, axis=-1), rtol=1e-12, atol=1e-12)
 
 
