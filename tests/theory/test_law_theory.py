@@ -31,8 +31,7 @@ from hilc_cli.theory.proof.bounds import theories
 from hilc_cli.theory.proof.conditions import conditions
 from hilc_cli.theory.reach import judged_feasibility, start_findings
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
-from tests.theory.pid_cases import PidCase
-from tests.theory.straight import line
+from tests.theory.cases import PidCase, line
 
 GRIP = 0.8
 

@@ -20,9 +20,7 @@ from hilc_cli.theory.learning.forecast import forecast
 from hilc_cli.theory.learning.linear_theory import forecast_findings
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM
-from tests.theory.cases import Case, driven, winding
-from tests.theory.pid_cases import PidCase
-from tests.theory.straight import DT, line, spot
+from tests.theory.cases import DT, Case, PidCase, driven, line, spot, winding
 
 MODELS = [Robot(0.15, 0.6), Robot(0.3, 0.518), Robot(0.2, 0.3)]
 

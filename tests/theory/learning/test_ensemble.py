@@ -27,7 +27,7 @@ from hilc_cli.theory.learning.transient import predict_transient
 from hilc_cli.theory.linear_law import linear_law
 from hilc_cli.theory.noise import SEEDS, NoiseDraws, deviations, spread_of_start
 from tests.engine.experiments import experiment_of, law_of, matrix_of
-from tests.theory.straight import line
+from tests.theory.cases import line
 
 
 @pytest.fixture(autouse=True)

@@ -22,7 +22,7 @@ from hilc_cli.theory.learning.forecast import forecast
 from hilc_cli.theory.learning.linear_theory import LinearTheory, forecast_findings
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM, experiment_of, law_of, matrix_of
-from tests.theory.straight import DT, errors, line, spot
+from tests.theory.cases import DT, errors, line, spot
 
 OTHER = Robot(0.2, 0.518, "rep103")
 CANNOT = "learning cannot converge (spectral radius "

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import pytest
 
-from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.law import Iteration, Task
 from hilc_cli.reference.sampled import Floats
@@ -17,77 +15,13 @@ from hilc_cli.theory.learning.gains import ripple_growth
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.learning.transient import predict_transient
 from tests.engine.experiments import matrix_of
-from tests.theory.cases import Case, driven, winding
-from tests.theory.pid_cases import OFFSET, PID_CASES, PidCase
-from tests.theory.straight import line
+from tests.theory.cases import OFFSET, PID_CASES, Case, PidCase, line, winding
 
 STEPS = 60
 
 
-@lru_cache
-def dense(name: str) -> Floats:
-    return PID_CASES[name].linear(winding(STEPS)).matrix()
-
-
-@lru_cache
-def lifted(name: str) -> LiftedIteration:
-    return LiftedIteration(PID_CASES[name].experiment(winding(STEPS)))
-
-
 def noise(seed: int) -> Floats:
     return np.random.default_rng(seed).standard_normal((STEPS, 2))
-
-
-@pytest.mark.parametrize("name", PID_CASES)
-def test_operator_and_adjoint_are_those_of_dense_matrices(name: str) -> None:
-    inputs, other = noise(1), noise(2)
-    for found, matrix in (
-        (lifted(name).apply(inputs), dense(name)),
-        (lifted(name).adjoint(inputs), dense(name).T),
-    ):
-        expected = (matrix @ inputs.ravel()).reshape(STEPS, 2)
-        largest = np.abs(expected).max()
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * largest)
-    forward, backward = lifted(name).apply(other), lifted(name).adjoint(inputs)
-    scale = np.linalg.norm(forward) * np.linalg.norm(inputs)
-    assert abs(np.vdot(forward, inputs) - np.vdot(other, backward)) < 1e-13 * scale
-
-
-@pytest.mark.parametrize("name", PID_CASES)
-def test_iterations_follow_the_dense_matrices(name: str) -> None:
-    case, reference = PID_CASES[name], winding(STEPS)
-    first = 3 * noise(3)
-    experiment = case.experiment(reference, (first[:, 0].copy(), first[:, 1].copy()))
-    iteration, linear = LiftedIteration(experiment), case.linear(reference)
-    start, nothing = np.array(case.plant.offset), np.zeros((STEPS + 1, 3))
-    inputs = first - linear.linear.feedforward()
-    if case.plant.learn_in_first:
-        inputs = linear.learn(inputs, nothing, first)
-    current = iteration.first()
-    for _ in range(4):
-        errors = linear.linear.errors(inputs[:, :, np.newaxis], start)[:, :, 0]
-        largest = np.abs(inputs).max(), np.abs(errors).max()
-        np.testing.assert_allclose(current.inputs, inputs, rtol=0, atol=1e-11 * largest[0])
-        np.testing.assert_allclose(current.errors, errors, rtol=0, atol=1e-11 * largest[1])
-        inputs, current = linear.learn(inputs, errors, first), iteration.next(current)
-
-
-@pytest.mark.parametrize("name", PID_CASES)
-def test_largest_singular_value_is_that_of_the_dense_matrix(name: str) -> None:
-    expected = np.linalg.norm(dense(name), 2)
-    assert lifted(name).largest_singular_value().value == pytest.approx(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize("name", [name for name in PID_CASES if PID_CASES[name].cutoff is None])
-def test_spectral_radius_is_that_of_the_blocks_on_the_diagonal(name: str) -> None:
-    matrix = dense(name)
-    for k in range(STEPS):
-        assert not matrix[2 * k : 2 * k + 2, 2 * k + 2 :].any()
-    blocks = [matrix[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] for k in range(STEPS)]
-    expected = max(np.abs(np.linalg.eigvals(block)).max() for block in blocks)
-    found = lifted(name).spectral_radius()
-    assert found.is_exact
-    assert found.value == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -107,28 +41,6 @@ def test_estimated_radius_is_that_of_all_eigenvalues(case: PidCase) -> None:
     # The growth over the last 256 of 512 steps; what eigenvectors that are far from orthogonal
     # add to it is at most their condition's 256th root.
     assert found.value == pytest.approx(expected, rel=0.02)
-
-
-@pytest.mark.parametrize("name", ["d", "pid-forgetting", "filtered"])
-def test_operator_is_the_derivative_of_an_iteration_of_the_engine(name: str) -> None:
-    # As for the hybrid law: the third order of a central difference is 1e-6 of the first. Measured
-    # headings are those of the reference to first order only where the filter changes nothing.
-    case = PID_CASES[name]
-    drive, reference = driven(case.plant, winding(STEPS))
-    experiment = replace(case.experiment(reference), iterations=1)
-    if case.cutoff is not None:
-        experiment = replace(experiment, law=replace(case.law(), gain_heading="reference"))
-    change, width = noise(5), 1e-3
-
-    def next_input(inputs: Floats) -> Floats:
-        left, right = inputs[:, 0].copy(), inputs[:, 1].copy()
-        *_, trial = simulate(replace(experiment, initial_left=left, initial_right=right))
-        return np.column_stack([trial.left, trial.right])
-
-    slope = (next_input(drive + width * change) - next_input(drive - width * change)) / (2 * width)
-    # u_0 is what is changed: its share of what is forgotten comes on top.
-    applied = LiftedIteration(experiment).apply(change) + case.forgetting * change
-    np.testing.assert_allclose(applied, slope, rtol=0, atol=1e-6 * np.abs(slope).max())
 
 
 def test_kp_alone_is_the_hybrid_law() -> None:

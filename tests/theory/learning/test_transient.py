@@ -21,8 +21,7 @@ from hilc_cli.theory.learning.lifted import LiftedIteration, LinearPass
 from hilc_cli.theory.learning.transient import Transient, horizon, predict_transient
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference
-from tests.theory.cases import CASES, WRONG, Case, driven, winding
-from tests.theory.straight import line
+from tests.theory.cases import CASES, WRONG, Case, driven, line, winding
 
 SAMPLE_TIME = 0.004  # [s]; 500 samples in 2 s
 PATHS: dict[str, list[SegmentPlan]] = {
