@@ -36,7 +36,7 @@ def _iterations(experiment: Experiment) -> list[str]:
 
 
 def _path(experiment: Experiment) -> list[str]:
-    """Of the reference as a whole."""
+    """Returns what is to be said of the reference as a whole."""
     reference = experiment.reference
     gap = math.dist((reference.x[0], reference.y[0]), (reference.x[-1], reference.y[-1]))
     turned = math.remainder(float(reference.heading[-1] - reference.heading[0]), 2 * math.pi)
@@ -88,7 +88,7 @@ def _headings(readings: Bounded) -> list[str]:
 
 
 def _wandering(experiment: Experiment) -> list[str]:
-    """How far disturbances of the state, added up over the path, carry the robot from it."""
+    """Tells how far disturbances of the state, added up over the path, carry the robot off."""
     reference, state = experiment.reference, experiment.disturbance.state
     if state.repeat or not state.active:
         return []

@@ -117,7 +117,7 @@ def simulated(
 def decided(
     found: Findings, simulated: Simulated, expected: ExpectedError | None, *, learns: bool
 ) -> Findings:
-    """What theory says of learning, where a simulation has the last word.
+    """Returns what theory says of learning, where a simulation has the last word.
 
     Args:
         found: What theory says.
@@ -161,7 +161,7 @@ def decided(
 
 
 def theory_findings(simulated: Simulated | None) -> Findings:
-    """Bounds that should hold, and do not: a violated one is a defect of the theory's code."""
+    """Tells of bounds that are violated, which should not be: a defect of the theory's code."""
     if simulated is None:
         return Findings()
     found = []

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
-from hilc_cli.disturbance.streams import Disturbance
+from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 
@@ -28,7 +28,7 @@ class Findings:
 
 
 def joined(parts: Iterable[Findings]) -> Findings:
-    """The findings of several parts, in their order."""
+    """Returns the findings of several parts, in their order."""
     found = list(parts)
     return Findings(
         tuple(text for part in found for text in part.failures),
@@ -38,6 +38,8 @@ def joined(parts: Iterable[Findings]) -> Findings:
 
 LEVEL = 0.95
 """Share of runs, each with a seed of its own, whose error stays below what is foretold."""
+SOURCES = ("initial_pose", "output", "state")
+"""The disturbances of an experiment by name, as reports tell them: start, readings, state."""
 RESOLUTION = 1e-3
 """Share of the path's size below which no error is foretold: what theory leaves out is as large."""
 
@@ -72,7 +74,7 @@ class ExpectedError:
 
 
 def extent(experiment: Experiment) -> float:
-    """Longer side of the trajectory's bounding box [m], or the platform's track if that is more.
+    """Returns the longer side of the path's bounding box [m], or the track if that is more.
 
     A path on the spot has no size, but who drives it has.
     """
@@ -84,6 +86,12 @@ def share_of_path(error: float, experiment: Experiment) -> str:
     sizes = error / extent(experiment)
     share = f"{100 * sizes:.2g} % of" if sizes < 1 else f"{sizes:.3g} times"
     return f"{share} the path's size"
+
+
+def active_sources(disturbance: Disturbance) -> dict[str, Bounded]:
+    """Returns the disturbances that there are, by their names, in the order of SOURCES."""
+    sources = {name: getattr(disturbance, name) for name in SOURCES}
+    return {name: source for name, source in sources.items() if source.active}
 
 
 def expected_of_seeds(
@@ -104,14 +112,8 @@ def expected_of_seeds(
         alone: The same of an experiment with one of the disturbances.
         unsure: Why all this may be off, see `ExpectedError`.
     """
-    given = experiment.disturbance
-    sources = {
-        "initial_pose": given.initial_pose,
-        "output": given.output,
-        "state": given.state,
-    }
-    added = dict.fromkeys(sources, 0.0)
-    active = {name: source for name, source in sources.items() if source.active}
+    added = dict.fromkeys(SOURCES, 0.0)
+    active = active_sources(experiment.disturbance)
     for name, source in active.items():
         found = errors
         if len(active) > 1:
@@ -126,7 +128,7 @@ def expected_of_seeds(
 
 
 def expected_rows(expected: ExpectedError, iterations: int) -> Rows:
-    """The error to be expected of a law of which no iterations are predicted.
+    """Returns the error to be expected of a law of which no iterations are predicted.
 
     Args:
         expected: That error.
@@ -140,7 +142,7 @@ def expected_rows(expected: ExpectedError, iterations: int) -> Rows:
 
 
 def disturbed_rows(expected: ExpectedError) -> Rows:
-    """What disturbances make of the last iteration, together and each alone."""
+    """Returns what disturbances make of the last iteration, together and each alone."""
     parts = {
         "start": expected.of_start_m,
         "readings": expected.of_readings_m,

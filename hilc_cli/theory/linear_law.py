@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from functools import cached_property
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,23 +20,11 @@ from hilc_cli.laws.past_errors import GainHeading
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.matrices import GainParts, known_plant, knows_plant
 
+WeighedError = Callable[[int, Triple, Triple], Triple]
+"""The errors before the gain matrix at sample k, from an e(k+1) and e(k) [m, m, rad].
 
-class Resting(Protocol):
-    """A law on the way along a motion.
-
-    Attributes:
-        next_gain: What e(k+1) is multiplied by before the gain matrix.
-        forgotten: gamma: how much of u(k) - u_0(k) the law takes away.
-    """
-
-    next_gain: float
-    forgotten: float
-
-    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
-        """The errors before the gain matrix, with e(k) and an e(k+1), [m, m, rad].
-
-        Called once for each sample in order; what is weighed of e(k+1) is next_gain times it.
-        """
+Called once for each sample in order; what is weighed of e(k+1) is next_gain times it.
+"""
 
 
 class LinearLaw(ABC):
@@ -47,7 +36,7 @@ class LinearLaw(ABC):
         matrix: The gain matrix.
         gain_heading: The heading at which it is taken.
         next_gain: What e(k+1) is multiplied by before G_k; none of w(k) depends on later errors.
-        kept: What is left of an input where there is no error.
+        forgotten: gamma: how much of u(k) - u_0(k) the law takes away.
         smooths: Whether samples are mixed by a filter, so that the two numbers above do not tell
             what becomes of a single one.
         feedback: Gains l2 of the running iteration's error, and l3 of that a sample before.
@@ -60,7 +49,7 @@ class LinearLaw(ABC):
     """
 
     next_gain: float
-    kept = 1.0
+    forgotten = 0.0
     smooths = False
     feedback = (0.0, 0.0)
     rest_from = 1
@@ -76,6 +65,11 @@ class LinearLaw(ABC):
         self._experiment = experiment
         self._sample_time = experiment.reference.sample_time
         self.matrix, self.gain_heading = matrix, gain_heading
+
+    @property
+    def kept(self) -> float:
+        """What is left of an input where there is no error."""
+        return 1 - self.forgotten
 
     @cached_property
     def gains(self) -> Floats:
@@ -99,8 +93,8 @@ class LinearLaw(ABC):
         return None
 
     @abstractmethod
-    def resting(self, start: Triple) -> Resting | None:
-        """Returns the law at sample 0, with e(0) [m, m, rad]; None if a filter mixes samples."""
+    def weighed_errors(self, start: Triple) -> WeighedError | None:
+        """Returns what the law weighs along a motion from e(0); None if a filter mixes samples."""
 
     @abstractmethod
     def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:

@@ -46,7 +46,7 @@ class GainParts(NamedTuple):
 
     @classmethod
     def of(cls, matrix: GainMatrix) -> GainParts:
-        """The parts of a law's gain matrix."""
+        """Returns the parts of a law's gain matrix."""
         parts = np.array(matrix.coefficients).reshape(2, 3, 3)
         return cls(parts[..., 0], parts[..., 1], parts[..., 2])
 
@@ -56,7 +56,7 @@ class GainParts(NamedTuple):
         return GainParts(np.zeros((2, 3)), self.sin, -self.cos)
 
     def at(self, headings: Floats) -> Floats:
-        """The matrix at headings of any shape, shape (..., 2, 3)."""
+        """Returns the matrix at headings of any shape, shape (..., 2, 3)."""
         angle = np.asarray(headings)[..., np.newaxis, np.newaxis]
         values: Floats = self.constant + np.cos(angle) * self.cos + np.sin(angle) * self.sin
         return values

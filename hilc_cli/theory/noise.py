@@ -80,7 +80,7 @@ class Passes:
 
 
 def deviations(noise: Bounded) -> tuple[float, float, float]:
-    """Standard deviations of the components of a disturbance [m, m, rad]."""
+    """Returns the standard deviations of the components of a disturbance [m, m, rad]."""
     x, y, heading = (
         _deviation(noise.distribution == "uniform", bound, deviation)
         for bound, deviation in zip(noise.bound, noise.deviation, strict=True)
@@ -100,12 +100,12 @@ def _deviation(is_uniform: bool, bound: float, deviation: float) -> float:
 
 
 def open_loop_error(experiment: Experiment, inputs: tuple[Floats, Floats] | None = None) -> float:
-    """Largest of `open_loop_errors`."""
+    """Returns the largest of `open_loop_errors`."""
     return float(open_loop_errors(experiment, inputs).max())
 
 
 def open_loop_errors(experiment: Experiment, inputs: tuple[Floats, Floats] | None = None) -> Floats:
-    """Position errors of given wheel speeds within the limit, without disturbances [m].
+    """Returns position errors of given wheel speeds within the limit, without disturbances [m].
 
     Args:
         experiment: The experiment.
@@ -124,7 +124,7 @@ def open_loop_errors(experiment: Experiment, inputs: tuple[Floats, Floats] | Non
 
 
 def spread_of_start(reference: Reference, start: Bounded) -> Floats:
-    """RMS position error of each sample that a disturbed start alone makes [m], shape (n + 1,).
+    """The RMS position error of each sample that a disturbed start alone makes [m], shape (n + 1,).
 
     A start that is off moves the whole path rigidly, as long as nobody steers.
     """
@@ -164,7 +164,7 @@ def noise_findings(
 
 
 def unsure_findings(experiment: Experiment, found: ExpectedError | None) -> Findings:
-    """A warning where the error of the last iteration is not known beforehand.
+    """Returns a warning where the error of the last iteration is not known beforehand.
 
     Args:
         experiment: The experiment.
@@ -221,7 +221,7 @@ def _of_state(experiment: Experiment, found: ExpectedError) -> str:
 
 
 def _by_the_end(error: float, before: float) -> str:
-    """What is left of a disturbance in the last iteration, beside what it was."""
+    """Returns what is left of a disturbance in the last iteration, beside what it was."""
     if before > 0 and error > 3 * before:
         return f"learning makes up to {error:.2g} m of it by the last iteration"
     return f"in the last iteration it makes up to {error:.2g} m"

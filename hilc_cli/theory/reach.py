@@ -70,6 +70,17 @@ def cannot_be_reached(experiment: Experiment) -> str:
     )
 
 
+def earliest_on_trajectory(experiment: Experiment) -> int | None:
+    """Returns the first sample that any controller can reach within the wheels' limit, if any."""
+    return earliest_merge(
+        experiment.reference.poses,
+        np.array(experiment.initial_pose),
+        experiment.robot.wheel_radius * experiment.speed_limit,
+        experiment.robot.half_track,
+        experiment.reference.sample_time,
+    )
+
+
 def is_too_fast(experiment: Experiment) -> bool:
     """Returns whether the trajectory itself is too fast for the wheels."""
     fastest = float(np.abs(desired_motion(experiment).inputs).max())
@@ -161,13 +172,7 @@ def _by_wheels(experiment: Experiment, h: int | None) -> Findings:
     reference = experiment.reference
     if h is None or math.isinf(experiment.speed_limit):
         return Findings()
-    earliest = earliest_merge(
-        experiment.reference.poses,
-        np.array(experiment.initial_pose),
-        experiment.robot.wheel_radius * experiment.speed_limit,
-        experiment.robot.half_track,
-        reference.sample_time,
-    )
+    earliest = earliest_on_trajectory(experiment)
     if earliest is None or h >= earliest:
         return Findings()
     return Findings(

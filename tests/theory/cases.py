@@ -19,7 +19,7 @@ from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 from tests.engine.experiments import PLATFORM, MatrixName, experiment_of, law_of, matrix_of
 from tests.laws.transcription_pid import smoothed
-from tests.transcription import MatrixOfHeading, equation_45, equation_57
+from tests.transcription import MatrixOfHeading, equation_9, equation_45, equation_57
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,8 @@ class LinearLearning:
 
     def control(self, k: int) -> Floats:
         """d B_k, Eq. 9."""
-        c, s = self.cos_sin(k)
-        b = self.half_track
-        return (
-            self.sample_time * self.wheel_radius / 2 * np.array([[c, c], [s, s], [1 / b, -1 / b]])
-        )
+        matrix = equation_9(self.wheel_radius, self.half_track)
+        return self.sample_time * matrix(*self.cos_sin(k))
 
     def left_over(self, k: int) -> Floats:
         """rho(k): the step less the chord's length along the tangent; the turn is exact."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -162,25 +161,16 @@ def _bounded(draw: np.random.Generator) -> Bounded:
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class AlongRun:
-    """What Eq. 23 demands of every iteration, measured; a number for each learning update.
-
-    Attributes:
-        rho: Largest ||I - L1 d_k B|| over the samples, L1 and B where they stood.
-        heading_mismatch: Largest angle between their headings [rad].
-    """
-
-    rho: Floats
-    heading_mismatch: Floats
-
-
-def along_run(experiment: Experiment, trials: Iterable[Trial]) -> AlongRun:
-    """The condition along a run.
+def along_run(experiment: Experiment, trials: Iterable[Trial]) -> tuple[Floats, Floats]:
+    """What Eq. 23 demands along a run, measured.
 
     Args:
         experiment: What was run.
         trials: All iterations in order; they are gone through once, and not kept.
+
+    Returns:
+        For each learning update the largest ||I - L1 d_k B|| over the samples, L1 and B where they
+        stood, and the largest angle between their headings [rad].
 
     Source:
         Qiao et al. 2021, Eqs. 23 and 30: L1 of iteration i + 1 with B of iteration i.
@@ -204,4 +194,4 @@ def along_run(experiment: Experiment, trials: Iterable[Trial]) -> AlongRun:
             rhos.append(float(norms.max()))
             mismatches.append(float(np.abs(gain_heading - heading).max()))
         before = trial
-    return AlongRun(np.array(rhos), np.array(mismatches))
+    return np.array(rhos), np.array(mismatches)

@@ -37,7 +37,7 @@ def found() -> Found:
         experiment = random_experiment(seed)
         trials = completed_trials(experiment)
         given = theories(experiment)
-        angle = float(along_run(experiment, trials).heading_mismatch.max())
+        angle = float(along_run(experiment, trials)[1].max())
         given[ALONG_RUN] = bounds(experiment, constants(experiment, heading_mismatch=angle))
         for name in CORRECTED, WITHIN_LIMIT:
             if name in given:

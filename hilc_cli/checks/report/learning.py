@@ -1,4 +1,4 @@
-"""The part of ``hilc check`` that tells what learning can be expected to do."""
+"""The part of ``hilc check`` that tells what learning can be expected to do, and what it did."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def learning_section(check: Check) -> Section:
 
 
 def _unknown(check: Check) -> str:
-    """What theory does not speak of: the plant, or the law on a plant that it knows."""
+    """Returns what theory does not speak of: the plant, or the law on a plant that it knows."""
     spec = check.scenario.spec
     is_plant = not knows_plant(check.law.experiment)
     return f"plant {spec.robot.plant}" if is_plant else f"law {spec.controller.law}"
@@ -63,7 +63,7 @@ _BELOW_LAST = 3 + len(RELATIVE_TOLERANCES)  # rows below that of the last iterat
 
 
 def errors_grid(check: Check) -> Grid | None:
-    """The maximum position error of the iterations in a few rows.
+    """Returns the maximum position error of the iterations in a few rows.
 
     Args:
         check: What was found.
@@ -125,7 +125,7 @@ def _predicted(transient: Transient, iterations: int) -> list[str]:
 
 
 def _predicted_with_limit(found: Forecast) -> list[str]:
-    """The same of the scenario's iterations alone."""
+    """Returns the column of what is predicted with the limit, of the scenario's iterations."""
     errors, size = found.errors_m, found.transient.path_size_m
     first, peak = float(errors[0]), float(errors.max())
     settled = (settled_at(errors, share * size) for share in RELATIVE_TOLERANCES.values())
@@ -140,7 +140,7 @@ def _predicted_with_limit(found: Forecast) -> list[str]:
 
 
 def _reached(transient: Transient, share: float, iterations: int) -> str:
-    """From which iteration on the error is so small, and until when if not for good."""
+    """Returns from which iteration on the error is so small, and until when if not for good."""
     at = transient.settled_at(share)
     if at is not None:
         return _told(transient, f"{at}", at)
@@ -152,7 +152,7 @@ def _reached(transient: Transient, share: float, iterations: int) -> str:
 
 
 def _told(transient: Transient, text: str, iteration: int) -> str:
-    """What is said of an iteration, marked if that is rough."""
+    """Returns what is said of an iteration, marked if that is rough."""
     rough = transient.rough_from
     return text if rough is None or iteration < rough else f"{text}, rough"
 

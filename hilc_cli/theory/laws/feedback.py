@@ -129,7 +129,7 @@ class FeedbackTheory(LawTheory):
 
 
 def _response_rows(found: TrackingResponse) -> Rows:
-    """What law feedback does along the path."""
+    """Returns what law feedback does along the path."""
     error = f"up to {found.error_m:.4g} m from the trajectory's start"
     if found.at_limit:
         error += f"; at the limit in {found.at_limit:.1%} of the samples"
@@ -238,7 +238,7 @@ class TrackingLoop:
 
 
 def tracking_loop(experiment: Experiment, law: FeedbackLaw) -> TrackingLoop:
-    """The closed loop of an experiment of the law."""
+    """Returns the closed loop of an experiment of the law."""
     reference, robot, model = experiment.reference, experiment.robot, law.model
     driven = robot.wheel_radius / model.wheel_radius
     turned = driven * model.signed_half_track / robot.signed_half_track
@@ -272,7 +272,7 @@ def tracking_loop(experiment: Experiment, law: FeedbackLaw) -> TrackingLoop:
 
 
 def tracking_findings(found: TrackingLoop, response: TrackingResponse) -> Findings:
-    """What the closed loop and its response along the path mean for the experiment."""
+    """Returns what the closed loop and its response along the path mean for the experiment."""
     failures, warnings = _along_the_path(found, response)
     if not found.is_stable:
         (failures if found.decades >= _HOPELESS else warnings).insert(
@@ -315,7 +315,7 @@ def way_findings(loop: TrackingLoop, found: TrackingResponse) -> Findings:
 
 
 def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[list[str], list[str]]:
-    """Failures and warnings of the response."""
+    """Returns failures and warnings of the response."""
     failures, warnings = [], []
     if not math.isfinite(response.expected.final_m):
         failures.append(
@@ -365,7 +365,7 @@ def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[li
 def _loop(
     law: FeedbackLaw, twists: Floats, driven: float, turned: float, sample_time: float
 ) -> tuple[Floats, Floats]:
-    """Matrices, shape (m, 3, 3), and offsets, shape (m, 3), for speeds and yaw rates (m, 2)."""
+    """Returns matrices (m, 3, 3) and offsets (m, 3), for speeds and yaw rates of shape (m, 2)."""
     step, turn = sample_time * twists.T
     matrices, offsets = np.zeros((len(twists), 3, 3)), np.zeros((len(twists), 3))
     matrices[:] = np.eye(3)
@@ -384,7 +384,7 @@ def _loop(
 
 
 def _longest_runs(which: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """For how many samples each twist lasts at a time, at most, shape (count,)."""
+    """Returns for how many samples each twist lasts at a time, at most, shape (count,)."""
     begins = np.flatnonzero(np.concatenate([[True], np.diff(which) != 0, [True]]))
     longest = np.zeros(count, dtype=np.intp)
     np.maximum.at(longest, which[begins[:-1]], np.diff(begins))
@@ -392,7 +392,7 @@ def _longest_runs(which: NDArray[np.intp], count: int) -> NDArray[np.intp]:
 
 
 def _swings(turned: float, law: FeedbackLaw, step: float) -> float:
-    """Least damping of what z^2 - (2 - t k_theta s) z + 1 - t k_theta s + t k_y s^2 = 0 has."""
+    """The least damping of what z^2 - (2 - t k_theta s) z + 1 - t k_theta s + t k_y s^2 = 0 has."""
     steered = turned * law.k_theta * step
     roots = np.roots([1.0, steered - 2, 1 - steered + turned * law.k_y * step**2]).astype(complex)
     damping = 1.0
@@ -404,7 +404,7 @@ def _swings(turned: float, law: FeedbackLaw, step: float) -> float:
 
 
 def _at_rest(matrices: Floats, offsets: Floats) -> tuple[Floats, Floats]:
-    """Error ahead and distance from the reference at the points of rest, shape (m,) each.
+    """Returns error ahead and distance from the reference at points of rest, shape (m,) each.
 
     Of several the nearest, as from a start without error; where there is none both are infinite.
     """

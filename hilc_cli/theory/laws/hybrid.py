@@ -22,37 +22,8 @@ from hilc_cli.theory.learning.gains import (
     wrong_way,
 )
 from hilc_cli.theory.learning.linear_theory import NO_EFFECT_IN_FIRST, LinearTheory
-from hilc_cli.theory.linear_law import LinearLaw
+from hilc_cli.theory.linear_law import LinearLaw, WeighedError
 from hilc_cli.theory.matrices import times
-
-
-class HybridResting:
-    """Eq. 17 or Eq. 21."""
-
-    forgotten = 0.0
-
-    def __init__(self, law: HybridLaw, start: Triple, sample_time: float) -> None:
-        """With e(0) and d_t [s]."""
-        self.next_gain = law.l1
-        self._law, self._start, self._sample_time = law, start, sample_time
-        self._before: Triple = (0.0, 0.0, 0.0)  # e(-1) = 0
-
-    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
-        """The errors before the gain matrix."""
-        law, before = self._law, self._before
-        self._before = now
-        if law.compensation:
-            weight = compensation_gain(k, law.h, self._sample_time)
-            x, y, heading = (
-                compensated_error(law.l1, a, weight, s)
-                for a, s in zip(ahead, self._start, strict=True)
-            )
-        else:
-            x, y, heading = (
-                learned_error(law.l1, a, law.l2, n, law.l3, b)
-                for a, n, b in zip(ahead, now, before, strict=True)
-            )
-        return x, y, heading
 
 
 class HybridLearning(LinearLaw):
@@ -100,9 +71,27 @@ class HybridLearning(LinearLaw):
             errors[0] = self.next_gain * (self._weights @ seen)
         return inputs, errors
 
-    def resting(self, start: Triple) -> HybridResting:
-        """The law at sample 0."""
-        return HybridResting(self._law, start, self._sample_time)
+    def weighed_errors(self, start: Triple) -> WeighedError:
+        """What Eq. 17 or Eq. 21 weighs."""
+        law, before = self._law, (0.0, 0.0, 0.0)  # e(-1) = 0
+
+        def weighed(k: int, ahead: Triple, now: Triple) -> Triple:
+            nonlocal before
+            if law.compensation:
+                weight = compensation_gain(k, law.h, self._sample_time)
+                x, y, heading = (
+                    compensated_error(law.l1, a, weight, s)
+                    for a, s in zip(ahead, start, strict=True)
+                )
+            else:
+                x, y, heading = (
+                    learned_error(law.l1, a, law.l2, n, law.l3, b)
+                    for a, n, b in zip(ahead, now, before, strict=True)
+                )
+            before = now
+            return x, y, heading
+
+        return weighed
 
     def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:
         """What an iteration multiplies ripples by."""
@@ -162,7 +151,7 @@ class HybridLearning(LinearLaw):
         return [*found, *self._advice_on_feedback(), *self._advice_on_compensation()]
 
     def _advice_on_feedback(self) -> list[str]:
-        """Growth of an error e(k+1) = (1 - d l2 g) e(k) - d l3 g e(k-1) within an iteration."""
+        """Tells of errors e(k+1) = (1 - d l2 g) e(k) - d l3 g e(k-1) that grow on the way."""
         law = self._law
         if not any(self.feedback):
             return []
@@ -181,7 +170,7 @@ class HybridLearning(LinearLaw):
         ]
 
     def _advice_on_compensation(self) -> list[str]:
-        """What a compensation cannot do."""
+        """Tells what a compensation cannot do."""
         law, experiment = self._law, self._experiment
         if not law.compensation:
             return []
@@ -192,9 +181,7 @@ class HybridLearning(LinearLaw):
                 f"controller.h of {law.h} of {reference.samples} samples: Theorem 2 promises the "
                 "reference for what comes after sample h only; make it shorter"
             )
-        start = (reference.x[0], reference.y[0], reference.heading[0])
-        pairs = zip(start, experiment.initial_pose, strict=True)
-        off = any(abs(wanted - given) > POSITION_TOLERANCE for wanted, given in pairs)
+        off = np.abs(reference.poses[0] - experiment.initial_pose).max() > POSITION_TOLERANCE
         scattered = disturbance.initial_pose.active and not disturbance.initial_pose.repeat
         if scattered and not off:
             found.append(

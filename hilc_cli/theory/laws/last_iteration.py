@@ -25,7 +25,7 @@ from hilc_cli.laws.feedforward import feedforward
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.findings import ExpectedError, expected_of_seeds, extent
+from hilc_cli.theory.findings import ExpectedError, active_sources, expected_of_seeds, extent
 from hilc_cli.theory.learning.outcome import FAILED, Outcome, Prospects, predicted_outcome
 from hilc_cli.theory.matrices import linearise, starts_off
 from hilc_cli.theory.noise import (
@@ -230,7 +230,7 @@ def _few_passes(experiment: Experiment, final: float) -> Floats:
     """
     reference, given = experiment.reference, experiment.disturbance
     found = np.full(SEEDS, final)
-    if not any(each.active for each in (given.initial_pose, given.output, given.state)):
+    if not active_sources(given):
         return found
     for seed in range(1, SEEDS):
         seeded = replace(given, seed=_OTHER_SEEDS + seed)

@@ -9,7 +9,6 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedforward import feedforward
-from hilc_cli.laws.norm_optimal.earliest_merge import earliest_merge
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats
@@ -18,7 +17,14 @@ from hilc_cli.theory.laws.last_iteration import planned_motion
 from hilc_cli.theory.learning.outcome import CLEARLY
 from hilc_cli.theory.matrices import desired_motion, starts_off
 from hilc_cli.theory.noise import open_loop_error
-from hilc_cli.theory.reach import WayIn, cannot_be_reached, is_too_fast, late_start, way_in
+from hilc_cli.theory.reach import (
+    WayIn,
+    cannot_be_reached,
+    earliest_on_trajectory,
+    is_too_fast,
+    late_start,
+    way_in,
+)
 
 _LATE = 2  # samples behind h that nobody minds
 _ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
@@ -29,7 +35,6 @@ class Merging:
     """The way of the norm-optimal law into the trajectory.
 
     Attributes:
-        sample_time: d_t [s].
         h: Sample from which on the law is asked to be on the trajectory.
         speed_limit: b_w [rad/s]; infinity for none.
         position_error: Distance of the initial pose from the start of the trajectory [m].
@@ -47,7 +52,6 @@ class Merging:
         fastest_believed: Likewise of the one that the law believes in at first.
     """
 
-    sample_time: float
     h: int
     speed_limit: float
     position_error: float
@@ -79,24 +83,19 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
         experiment: An experiment of the law; its disturbances are left out.
         law: The law.
     """
-    reference, robot = experiment.reference, experiment.robot
-    trajectory, start = experiment.reference.poses, np.array(experiment.initial_pose)
-    off = start - trajectory[0]
+    reference = experiment.reference
+    off = np.array(experiment.initial_pose) - reference.poses[0]
     position, heading = math.hypot(off[0], off[1]), abs(float(off[2]))
     is_off = starts_off(experiment)
     earliest: int | None = 0
     planned: int | None = 0
     away, out_of_reach = np.zeros(reference.samples + 1), ""
     if is_off:
-        top_speed = robot.wheel_radius * experiment.speed_limit
-        earliest = earliest_merge(
-            trajectory, start, top_speed, robot.half_track, reference.sample_time
-        )
-        planned, away = _planned(experiment, law, trajectory, start), _away(experiment, law)
+        earliest = earliest_on_trajectory(experiment)
+        planned, away = _planned(experiment, law), _away(experiment, law)
         out_of_reach = cannot_be_reached(experiment)
     believed = feedforward(reference, law.model)
     return Merging(
-        reference.sample_time,
         min(law.parameters.h, reference.samples),
         experiment.speed_limit,
         position,
@@ -112,15 +111,14 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
     )
 
 
-def _planned(
-    experiment: Experiment, law: NormOptimalLaw, trajectory: Floats, start: Floats
-) -> int | None:
+def _planned(experiment: Experiment, law: NormOptimalLaw) -> int | None:
     """Returns where the law's path on the true robot, which identification leads to, merges."""
     from hilc_cli.laws.norm_optimal.learner import rectified_for  # the compiler starts slowly
 
     robot, sample_time = experiment.robot, experiment.reference.sample_time
     gains = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
-    return rectified_for(law.parameters, trajectory, start, *gains, experiment.speed_limit).merged
+    poses, start = experiment.reference.poses, np.array(experiment.initial_pose)
+    return rectified_for(law.parameters, poses, start, *gains, experiment.speed_limit).merged
 
 
 def _away(experiment: Experiment, law: NormOptimalLaw) -> Floats:
@@ -179,4 +177,4 @@ def merging_findings(found: Merging) -> Findings:
 
 
 def _seconds(found: Merging, sample: int) -> str:
-    return f"{sample * found.sample_time:.6g} s"
+    return f"{sample * found.way.sample_time:.6g} s"

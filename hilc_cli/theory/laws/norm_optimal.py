@@ -214,7 +214,7 @@ def _merge(found: Merging) -> str:
 
 
 def _sample(found: Merging, sample: int | None, none: str) -> str:
-    return none if sample is None else f"sample {sample} ({sample * found.sample_time:.6g} s)"
+    return none if sample is None else f"sample {sample} ({sample * found.way.sample_time:.6g} s)"
 
 
 _STEPS = 60
@@ -249,7 +249,7 @@ class ModelMismatch:
 
 
 def model_mismatch(experiment: Experiment, law: NormOptimalLaw) -> ModelMismatch | None:
-    """What the believed wheel radius and half track do to learning.
+    """Returns what the believed wheel radius and half track do to learning.
 
     Returns:
         None where no theory is evaluated: R and B are identified, or a feedback in the iteration
@@ -262,7 +262,7 @@ def model_mismatch(experiment: Experiment, law: NormOptimalLaw) -> ModelMismatch
 
 
 def untried_findings(experiment: Experiment, law: NormOptimalLaw) -> Findings:
-    """Whether feedback is asked to make up for more than it has been seen to."""
+    """Tells whether feedback is asked to make up for more than it has been seen to."""
     if law.parameters.identify or law.parameters.feedback == "none":
         return Findings()
     shares = _shares(experiment, law)
@@ -280,14 +280,14 @@ def untried_findings(experiment: Experiment, law: NormOptimalLaw) -> Findings:
 
 
 def _shares(experiment: Experiment, law: NormOptimalLaw) -> tuple[float, float]:
-    """R / R_b and R B_b / (R_b B)."""
+    """Returns R / R_b and R B_b / (R_b B)."""
     robot, model = experiment.robot, law.model
     along = robot.wheel_radius / model.wheel_radius
     return along, along * model.signed_half_track / robot.signed_half_track
 
 
 def mismatch_findings(found: ModelMismatch, expected: ExpectedError, outcome: Outcome) -> Findings:
-    """What they mean for the experiment.
+    """Returns what a wrong model means for the experiment.
 
     Args:
         found: What a wrong model does to learning.
@@ -319,7 +319,7 @@ def mismatch_findings(found: ModelMismatch, expected: ExpectedError, outcome: Ou
 
 
 def _strongest(experiment: Experiment, law: NormOptimalLaw, along: float, turning: float) -> float:
-    """The largest eigenvalue of S D, by powers of it: all are real and positive."""
+    """Returns the largest eigenvalue of S D, by powers of it: all are real and positive."""
     from hilc_cli.laws.norm_optimal.linear_quadratic import (
         LinearQuadratic,
         linearised,

@@ -23,7 +23,7 @@ from hilc_cli.theory.learning.gains import (
     wrong_way,
 )
 from hilc_cli.theory.learning.linear_theory import NO_EFFECT_IN_FIRST, LinearTheory
-from hilc_cli.theory.linear_law import LinearLaw
+from hilc_cli.theory.linear_law import LinearLaw, WeighedError
 from hilc_cli.theory.matrices import times
 
 
@@ -73,7 +73,7 @@ class StepGain:
 
 
 def step_gain(experiment: Experiment, law: PidLaw) -> StepGain:
-    """The step gains of law pid on an experiment, along its reference."""
+    """Returns the step gains of law pid on an experiment, along its reference."""
     robot, sample_time = experiment.robot, experiment.reference.sample_time
     time = sample_time * next_error_gain(law.gains, sample_time)
     loop = loop_gains_of(experiment, law.matrix)
@@ -85,31 +85,6 @@ def step_gain(experiment: Experiment, law: PidLaw) -> StepGain:
     return StepGain(1 - law.forgetting, time, loop, along, turning, law.cutoff is not None)
 
 
-class PidResting:
-    """Law pid without a Q-filter."""
-
-    def __init__(self, law: PidLaw, start: Triple, samples: int, sample_time: float) -> None:
-        """With e(0), n and d_t [s]."""
-        self.next_gain = next_error_gain(law.gains, sample_time)
-        self.forgotten = law.forgetting
-        self._gains, self._start, self._sample_time = law.gains, start, sample_time
-        pulse = law.pulse(samples, sample_time)
-        self._pulse = [0.0] * samples if pulse is None else pulse.tolist()
-        self._sum: Triple = (0.0, 0.0, 0.0)  # of the errors before sample k
-
-    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
-        """The errors before the gain matrix."""
-        (kp, ki, kd), d, pulse = self._gains, self._sample_time, self._pulse[k]
-        before_x, before_y, before_heading = self._sum
-        total = before_x + now[0], before_y + now[1], before_heading + now[2]
-        self._sum = total
-        x, y, heading = (
-            kp * a + ki * d * (t + a) + kd * ((a - n) / d + pulse * s)
-            for a, n, t, s in zip(ahead, now, total, self._start, strict=True)
-        )
-        return x, y, heading
-
-
 class PidLearning(LinearLaw):
     """Q[(1 - gamma) u + gamma u_0](k) + G_k Q[w](k) of PID-type learning."""
 
@@ -118,7 +93,7 @@ class PidLearning(LinearLaw):
         law = cast("PidLaw", experiment.law)
         super().__init__(experiment, law.matrix, law.gain_heading)
         self._law = law
-        self.kept = 1 - law.forgetting
+        self.forgotten = law.forgetting
         self.next_gain = next_error_gain(law.gains, self._sample_time)
         self.smooths = law.cutoff is not None
         self.rest_from = law.rectifying or 1  # an initial error is gone behind a rectifying pulse
@@ -181,12 +156,24 @@ class PidLearning(LinearLaw):
     def _smoothed(self, signals: Floats) -> Floats:
         return signals if self._filter is None else self._filter(signals.T).T
 
-    def resting(self, start: Triple) -> PidResting | None:
-        """The law at sample 0; None with a Q-filter."""
+    def weighed_errors(self, start: Triple) -> WeighedError | None:
+        """What the law weighs; None with a Q-filter."""
         if self.smooths:
             return None
-        samples = self._experiment.reference.samples
-        return PidResting(self._law, start, samples, self._sample_time)
+        (kp, ki, kd), d = self._law.gains, self._sample_time
+        pulse = [0.0] * len(self.gains) if self._pulse is None else self._pulse.tolist()
+        total = (0.0, 0.0, 0.0)  # of the errors before sample k
+
+        def weighed(k: int, ahead: Triple, now: Triple) -> Triple:
+            nonlocal total
+            total = total[0] + now[0], total[1] + now[1], total[2] + now[2]
+            x, y, heading = (
+                kp * a + ki * d * (t + a) + kd * ((a - n) / d + pulse[k] * s)
+                for a, n, t, s in zip(ahead, now, total, start, strict=True)
+            )
+            return x, y, heading
+
+        return weighed
 
     def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:
         """What an iteration multiplies ripples by."""

@@ -23,7 +23,7 @@ from hilc_cli.laws.feedforward import feedforward, reference_twist
 from hilc_cli.plants.kinematic import advance, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.theory.findings import LEVEL, ExpectedError
+from hilc_cli.theory.findings import LEVEL, SOURCES, ExpectedError, active_sources
 from hilc_cli.theory.matrices import starts_off
 from hilc_cli.theory.noise import NoiseDraws, Passes, open_loop_error
 from hilc_cli.theory.reach import WayIn, way_in
@@ -31,32 +31,17 @@ from hilc_cli.theory.wheel_noise import WheelNoise
 
 ManyWheels = Callable[[int, Floats, Floats, Floats, Floats, Floats], tuple[Floats, Floats]]
 """A `WheelController` of many passes at once, shape (passes,) each."""
+Kind = frozenset[str]
+"""Which of its disturbances a pass has: ``initial_pose``, ``output``, ``state``."""
 
 SEEDS = 100
-"""Passes of each kind that is disturbed."""
+"""Passes of each kind that is disturbed; of the other one there is one."""
 _BLOCK = 64  # samples whose disturbances are drawn at once
-
-
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """What some passes have in common.
-
-    Attributes:
-        state: Whether the state is disturbed.
-        output: Whether the readings are.
-        initial_pose: Whether the start is.
-        count: Number of such passes.
-    """
-
-    state: bool = False
-    output: bool = False
-    initial_pose: bool = False
-    count: int = 1
 
 
 @np.errstate(over="ignore", invalid="ignore")
 def many_passes(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -> list[Passes]:
-    """Drives all passes.
+    """Drives all passes side by side.
 
     All start at the experiment's initial pose. Kinds are disturbed by the same draws, so that what
     differs between them is not chance.
@@ -72,10 +57,10 @@ def many_passes(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind
     reference, robot, limit = experiment.reference, experiment.robot, experiment.speed_limit
     gains = step_gains(robot.wheel_radius, robot.signed_half_track, reference.sample_time)
     n, source = reference.samples, experiment.disturbance
-    counts = [kind.count for kind in kinds]
-    state = _Draws(source.state, [kind.state for kind in kinds], counts, 1)
-    output = _Draws(source.output, [kind.output for kind in kinds], counts, 2)
-    initial = _Draws(source.initial_pose, [kind.initial_pose for kind in kinds], counts, 3)
+    counts = [SEEDS if kind else 1 for kind in kinds]
+    state = _Draws(source.state, "state", kinds, 1)
+    output = _Draws(source.output, "output", kinds, 2)
+    initial = _Draws(source.initial_pose, "initial_pose", kinds, 3)
     x, y, heading = np.repeat(np.array([experiment.initial_pose]).T, sum(counts), axis=1)
     if (noise := initial.at(0)) is not None:
         x, y, heading = x + noise[0], y + noise[1], heading + noise[2]
@@ -88,18 +73,12 @@ def many_passes(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind
         if k == n:
             break
         cos, sin = np.cos(heading), np.sin(heading)
-        if (noise := output.at(k)) is None:
-            left, right = wheels(k, cos, sin, error_x, error_y, error_heading)
-        else:
+        seen = cos, sin, error_x, error_y, error_heading
+        if (noise := output.at(k)) is not None:
             measured = heading + noise[2]
-            left, right = wheels(
-                k,
-                np.cos(measured),
-                np.sin(measured),
-                error_x - noise[0],
-                error_y - noise[1],
-                error_heading - noise[2],
-            )
+            error = error_x - noise[0], error_y - noise[1], error_heading - noise[2]
+            seen = np.cos(measured), np.sin(measured), *error
+        left, right = wheels(k, *seen)
         if limit < math.inf:
             fastest = np.maximum(np.abs(left), np.abs(right))
             over = fastest > limit
@@ -122,24 +101,19 @@ def many_passes(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind
 class _Draws:
     """Draws of one disturbance for all passes, some of which do not have it."""
 
-    def __init__(
-        self, source: Bounded, has: Sequence[bool], counts: Sequence[int], key: int
-    ) -> None:
-        """For kinds of so many passes each, and whether each kind has it."""
+    def __init__(self, source: Bounded, name: str, kinds: Sequence[Kind], key: int) -> None:
+        """For the disturbance of a name, with a key of its own."""
         # Block by block, of which a repeated disturbance would be the same.
-        self._noise = NoiseDraws(replace(source, repeat=False), 1 + max(counts), key)
-        self._active = source.active and any(has)
+        self._noise = NoiseDraws(replace(source, repeat=False), 1 + SEEDS, key)
+        self._active = source.active and any(name in kind for kind in kinds)
         # Each pass of a kind that has it takes a draw of its own, the others the first, which is 0.
-        self._which = np.concatenate(
-            [
-                np.arange(count) + 1 if h else np.zeros(count, int)
-                for h, count in zip(has, counts, strict=True)
-            ]
-        )
+        own, none = np.arange(SEEDS) + 1, np.zeros(SEEDS, int)
+        which = [own if name in kind else none[: SEEDS if kind else 1] for kind in kinds]
+        self._which = np.concatenate(which)
         self._block: list[Floats] = []
 
     def at(self, k: int) -> Floats | None:
-        """Of sample k, asked for in order: shape (3, passes); None if there is none."""
+        """The draws of sample k, asked for in order, shape (3, passes); None if there are none."""
         if not self._active:
             return None
         if k % _BLOCK == 0:
@@ -192,7 +166,7 @@ class TrackingResponse:
 
 
 def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingResponse:
-    """The response of an experiment of the law, in its last iteration."""
+    """Returns the response of an experiment of the law, in its last iteration."""
     reference, start = experiment.reference, experiment.initial_pose
     x, y, heading = own = tuple(reference.poses[0].tolist())
     # A path on the spot has no size, but who drives it has.
@@ -238,9 +212,8 @@ def _undisturbed(experiment: Experiment, start: Triple | None = None) -> Trial:
 def _many_wheels(experiment: Experiment, law: FeedbackLaw) -> ManyWheels:
     twists = np.stack(reference_twist(experiment.reference), axis=1).tolist()
 
-    def wheels(
-        k: int, cos: Floats, sin: Floats, error_x: Floats, error_y: Floats, error_heading: Floats
-    ) -> tuple[Floats, Floats]:
+    def wheels(k: int, *seen: Floats) -> tuple[Floats, Floats]:
+        cos, sin, error_x, error_y, error_heading = seen
         turned = np.cos(error_heading), np.sin(error_heading)
         return law.wheel_speeds(tuple(twists[k]), (cos, sin), (error_x, error_y), turned)
 
@@ -248,13 +221,11 @@ def _many_wheels(experiment: Experiment, law: FeedbackLaw) -> ManyWheels:
 
 
 def _open_loop(experiment: Experiment) -> ManyWheels:
-    """The initial input, which is all that a single open-loop iteration runs."""
+    """Returns the initial input, which is all that a single open-loop iteration runs."""
     left, right = experiment.initial_left.tolist(), experiment.initial_right.tolist()
 
-    def wheels(
-        k: int, cos: Floats, sin: Floats, error_x: Floats, error_y: Floats, error_heading: Floats
-    ) -> tuple[Floats, Floats]:
-        return np.full_like(cos, left[k]), np.full_like(cos, right[k])
+    def wheels(k: int, *seen: Floats) -> tuple[Floats, Floats]:
+        return np.full_like(seen[0], left[k]), np.full_like(seen[0], right[k])
 
     return wheels
 
@@ -262,51 +233,50 @@ def _open_loop(experiment: Experiment) -> ManyWheels:
 def _disturbed(
     experiment: Experiment, law: FeedbackLaw, final: float
 ) -> tuple[ExpectedError, WheelNoise | None]:
-    """What disturbances make of the error, and of the wheel speeds.
+    """Returns what disturbances make of the error, and of the wheel speeds.
 
     Args:
         experiment: The experiment.
         law: Its law.
         final: Largest position error of the last iteration without them [m].
     """
-    source, first = experiment.disturbance, final
+    first = final
     opens = not experiment.learn_in_first
     if opens and experiment.iterations:
         first = _furthest(experiment, _undisturbed(replace(experiment, iterations=0)))
-    each = source.initial_pose.active, source.output.active, source.state.active
-    if not any(each):
+    active = list(active_sources(experiment.disturbance))
+    if not active:
         return ExpectedError(first, final, final), None
     if experiment.reference.samples > _MOST_SAMPLES:
         unsure = f"passes with disturbances are not followed over more than {_MOST_SAMPLES} samples"
         return ExpectedError(first, final, final, unsure=unsure), None
     wheels = _open_loop(experiment) if opens and not experiment.iterations else None
-    kinds = [Kind(), Kind(state=True, output=True, initial_pose=True, count=SEEDS)]
-    alone = Kind(initial_pose=True), Kind(output=True), Kind(state=True)
-    if sum(each) > 1:
-        kinds += [replace(kind, count=SEEDS) for kind, has in zip(alone, each, strict=True) if has]
+    kinds = [Kind(), Kind(active)]
+    if len(active) > 1:
+        kinds += [Kind({name}) for name in active]
     quiet, *passes = many_passes(experiment, wheels or _many_wheels(experiment, law), kinds)
-    reached = [max(final, float(np.quantile(kind.position_m, LEVEL))) for kind in passes]
-    parts = iter(reached[1:] or reached)
-    of_start, of_readings, of_state = (next(parts) - final if has else 0.0 for has in each)
+    reached = [max(final, float(np.quantile(each.position_m, LEVEL))) for each in passes]
+    alone = dict(zip(active, reached[1:] or reached, strict=True))
+    of_start, of_readings, of_state = (alone.get(name, final) - final for name in SOURCES)
     expected = ExpectedError(first, final, reached[0], of_start, of_readings, of_state)
     columns = ((quiet.change_rad_s, quiet.at_limit), (passes[0].change_rad_s, passes[0].at_limit))
     return expected, WheelNoise.of_seeds(*map(np.concatenate, zip(*columns, strict=True)))
 
 
 def _furthest(experiment: Experiment, trial: Trial) -> float:
-    """Largest position error of a pass [m]."""
+    """Returns the largest position error of a pass [m]."""
     reference = experiment.reference
     return float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
 
 
 def _apart(one: Trial, other: Trial) -> Floats:
-    """Distance between two passes [m], shape (n + 1,)."""
+    """Returns the distance between two passes [m], shape (n + 1,)."""
     distance: Floats = np.hypot(one.x - other.x, one.y - other.y)
     return distance
 
 
 def _standing(experiment: Experiment) -> NDArray[np.bool_]:
-    """Steps in which the reference turns in place or stands still, shape (n,)."""
+    """Returns the steps in which the reference turns in place or stands still, shape (n,)."""
     speed, yaw_rate = reference_twist(experiment.reference)
     standing: NDArray[np.bool_] = speed <= _STANDS * experiment.robot.half_track * np.abs(yaw_rate)
     return standing

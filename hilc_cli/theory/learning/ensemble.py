@@ -13,6 +13,7 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.findings import active_sources
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.matrices import driven_errors
 from hilc_cli.theory.noise import SEEDS, DisturbanceDraws
@@ -66,17 +67,15 @@ class NoisyLearning:
 
 
 def noisy_learning(experiment: Experiment, seeds: int = SEEDS) -> NoisyLearning:
-    """The errors of an experiment of the laws hybrid and pid.
+    """Returns the errors of an experiment of the laws hybrid and pid.
 
     Args:
         experiment: With its disturbances and its limit.
         seeds: How many are followed, the first of them without disturbances; one where there are
             none. The draws are the same in each call, and those of no run.
     """
-    disturbance = experiment.disturbance
-    sources = disturbance.state, disturbance.output, disturbance.initial_pose
     samples = experiment.reference.samples + _SAMPLES_AS_LONG_AS_A_CALL
-    if not any(source.active for source in sources):
+    if not active_sources(experiment.disturbance):
         seeds = 1
     elif seeds * samples * (experiment.iterations + 1) > _MOST_SAMPLES:
         seeds = _FEWEST
@@ -142,7 +141,7 @@ class _Ensemble:
         output: Floats | None,
         feeds: bool,
     ) -> tuple[Floats, Floats, Floats]:
-        """Inputs as applied, errors, and the share of samples at the limit."""
+        """Returns inputs as applied, errors, and the share of samples at the limit."""
         lifted, n = self._lifted, self._lifted.samples
         right = np.empty((n + 1, 3, self._seeds))
         right[0] = lifted.start[:, None] if start is None else lifted.start[:, None] - start[0]
@@ -173,7 +172,7 @@ class _Ensemble:
         return self._one_by_one(inputs, right, output)
 
     def _within(self, inputs: Floats) -> tuple[Floats, Floats]:
-        """Inputs within the limit, and the share of samples at which it acts."""
+        """Returns inputs within the limit, and the share of samples at which it acts."""
         if not np.isfinite(self._limit):
             return inputs, np.zeros(self._seeds)
         speeds = inputs + self._feedforward
@@ -187,7 +186,7 @@ class _Ensemble:
     def _one_by_one(
         self, inputs: Floats, right: Floats, output: Floats | None
     ) -> tuple[Floats, Floats, Floats]:
-        """A pass with feedback within the limit."""
+        """Returns the same of a pass with feedback within the limit, sample by sample."""
         lifted, n = self._lifted, self._lifted.samples
         errors, applied = np.empty_like(right), np.empty_like(inputs)
         held = np.zeros(self._seeds)

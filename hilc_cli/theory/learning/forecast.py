@@ -141,7 +141,7 @@ class Forecast:
 
 
 def forecast(experiment: Experiment) -> Forecast:
-    """The figures of the linear theory.
+    """Returns the figures of the linear theory.
 
     Raises:
         UsageError: The linear theory does not speak of the experiment's law.
@@ -162,7 +162,7 @@ def forecast(experiment: Experiment) -> Forecast:
 
 
 def expected_of_learning(experiment: Experiment, found: Forecast) -> ExpectedError:
-    """The error to be expected of the laws hybrid and pid.
+    """Returns the error to be expected of the laws hybrid and pid.
 
     Args:
         experiment: The experiment.

@@ -46,7 +46,7 @@ _FREQUENCIES = 200
 
 
 def loop_gains(matrix: GainMatrix, robot: Robot, heading: Floats) -> NDArray[np.complex128]:
-    """Eigenvalues of L(k) B(q_k), the gain matrix times the control matrix of Eq. 9.
+    """Returns the eigenvalues of L(k) B(q_k), the gain matrix times the control matrix of Eq. 9.
 
     With Eq. 45 and the true parameters both are 1: the correction of a sample's wheel speeds then
     moves the robot one sample time times the error. An iteration of Eq. 17 multiplies the part of
@@ -66,7 +66,7 @@ def loop_gains(matrix: GainMatrix, robot: Robot, heading: Floats) -> NDArray[np.
     cos, sin = np.cos(heading), np.sin(heading)
 
     def row(entries: tuple[Affine, Affine, Affine]) -> tuple[Floats, Floats]:
-        """What a wheel gets of an error of 1 ahead, and of 1 in heading."""
+        """Returns what a wheel gets of an error of 1 ahead, and of 1 in heading."""
         x, y, turn = (entry.constant + entry.cos * cos + entry.sin * sin for entry in entries)
         return x * cos + y * sin, turn
 
@@ -100,7 +100,7 @@ def wrong_way(gains: NDArray[np.complex128]) -> str:
 
 
 def unseen(matrix: GainMatrix) -> str:
-    """Of the component of an error of which the wheels hear nothing."""
+    """Tells which component of an error the wheels hear nothing of."""
     if matrix.is_kinematic:
         return "the law sees no error across the heading"
     return "the law does not see what controller.gain_matrix turns to zero"
@@ -137,7 +137,7 @@ class RippleGrowth:
 
 
 def ripple_growth(experiment: Experiment) -> RippleGrowth:
-    """The largest factor by which an iteration multiplies a ripple of the wheel speeds.
+    """Returns the largest factor by which an iteration multiplies a ripple of the wheel speeds.
 
     Args:
         experiment: With a law of which the linear theory speaks; the speed limit is left out.

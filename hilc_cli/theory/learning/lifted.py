@@ -36,7 +36,7 @@ class DriftRecursion:
         self._moves = [np.ascontiguousarray(states[:, axis, 2]) for axis in range(2)]
 
     def solve(self, right: Floats) -> Floats:
-        """The errors e.
+        """Returns the errors e.
 
         Args:
             right: r, shape (n + 1, 3), or (n + 1, 3, m) for m of them.
@@ -101,7 +101,7 @@ class ErrorRecursion:
                     self._bands[below, column:-6:3] -= before[1:, row, column]
 
     def solve(self, right: Floats) -> Floats:
-        """The errors e.
+        """Returns the errors e.
 
         Args:
             right: r, shape (n + 1, 3), or (n + 1, 3, m) for m of them.
@@ -132,7 +132,7 @@ class ErrorRecursion:
 
 
 def _summed_backwards(values: Floats) -> Floats:
-    """Sums from each value to the last."""
+    """Returns the sums from each value to the last."""
     sums: Floats = np.cumsum(values[::-1])[::-1]
     return sums
 
@@ -216,7 +216,7 @@ class LiftedIteration:
         return self.l2 != 0 or self.l3 != 0
 
     def apply(self, inputs: Floats) -> Floats:
-        """T times an input.
+        """Returns T times an input.
 
         Args:
             inputs: Shape (n, 2) [rad/s].
@@ -228,7 +228,7 @@ class LiftedIteration:
         return self._fed_back(self.law.learned(inputs, errors), self._undriven).inputs
 
     def adjoint(self, inputs: Floats) -> Floats:
-        """The transpose of T times an input.
+        """Returns the transpose of T times an input.
 
         Args:
             inputs: Shape (n, 2) [rad/s].
@@ -248,14 +248,14 @@ class LiftedIteration:
         return result
 
     def first(self) -> LinearPass:
-        """Iteration 0: the initial input as it is, or with the law's feedback."""
+        """Returns iteration 0: the initial input as it is, or with the law's feedback."""
         if self._learn_in_first:
             return self.next(LinearPass(self.first_input, self._undriven))
         errors = self.open_loop.solve(self._driven(self._constant, self.first_input))
         return LinearPass(self.first_input, errors)
 
     def next(self, previous: LinearPass) -> LinearPass:
-        """The iteration after a given one.
+        """Returns the iteration after a given one.
 
         Args:
             previous: The iteration that is learned from.
@@ -266,7 +266,7 @@ class LiftedIteration:
         return self._fed_back(learned, self._constant)
 
     def spectral_radius(self) -> SpectralRadius:
-        """The largest absolute eigenvalue of T: below 1 the iteration converges in the end.
+        """Returns the largest absolute eigenvalue of T: below 1 the iteration converges in the end.
 
         T is block lower triangular with the blocks kept I - c d G_k B_k, c the gain of e(k+1),
         whatever the feedback. With a Q-filter it is not, and the radius is estimated.
@@ -290,7 +290,7 @@ class LiftedIteration:
         return largest_singular_value(self.apply, self.adjoint, (self.samples, 2))
 
     def _loop_gains(self) -> NDArray[np.complex128] | None:
-        """The eigenvalues of c d G_k B_k, shape (n, 2); None beyond the finite numbers."""
+        """Returns the eigenvalues of c d G_k B_k, shape (n, 2); None beyond the finite numbers."""
         with np.errstate(over="ignore", invalid="ignore"):
             products = self.law.next_gain * (self.gains @ self.plant.inputs)
         if not np.isfinite(products).all():
@@ -298,7 +298,7 @@ class LiftedIteration:
         return np.linalg.eigvals(products).astype(np.complex128)
 
     def _driven(self, constant: Floats, inputs: Floats) -> Floats:
-        """The right side of the error's recursion for a given input."""
+        """Returns the right side of the error's recursion for a given input."""
         right = constant.copy(order="K")
         right[1:] -= times(self.plant.inputs, inputs)
         return right

@@ -182,7 +182,7 @@ class LinearTheory(LawTheory):
         )
 
     def _rest(self) -> str:
-        """Where learning rests, if it does."""
+        """Returns where learning rests, if it does."""
         found, rest = self.forecast, self.forecast.rest
         if not found.settles:
             return "nowhere"
@@ -201,7 +201,7 @@ class LinearTheory(LawTheory):
 
 
 def _verdict(found: Forecast, iterations: int) -> str:
-    """The outcome in words, with its iterations."""
+    """Returns the outcome in words, with its iterations."""
     errors = np.concatenate([found.errors_m, found.later_m])
     within, later = f"within {counted(iterations, 'iteration')}", "grows again later"
     best, ahead = int(found.errors_m.argmin()), int(errors.argmin())
@@ -221,7 +221,7 @@ def _verdict(found: Forecast, iterations: int) -> str:
 
 
 def _errors_in_brief(found: Forecast, expected: ExpectedError, iterations: int) -> Rows:
-    """The predicted errors in a few rows, with the speed limit where it acts.
+    """Returns the predicted errors in a few rows, with the speed limit where it acts.
 
     Args:
         found: What learning is expected to do.

@@ -73,7 +73,7 @@ class Transient:
         return settled_at(self.max_position_error_m, share * self.path_size_m)
 
     def first_within(self, share: float) -> int | None:
-        """The first iteration whose error is at or below a share of the path's size.
+        """Returns the first iteration whose error is at or below a share of the path's size.
 
         It may be above it again later: ripples that grow come through in the end.
 
@@ -87,7 +87,7 @@ class Transient:
         return int(within[0]) if len(within) else None
 
     def spell_within(self, share: float, iterations: int) -> tuple[int, int] | None:
-        """From when to when the error is at or below a share of the path's size.
+        """Returns from when to when the error is at or below a share of the path's size.
 
         Args:
             share: Such as 0.01.
@@ -130,14 +130,14 @@ class Transient:
         return int(beyond[0]) if len(beyond) else None
 
     def at(self, iteration: int) -> float | None:
-        """The predicted error of an iteration [m]; None beyond the horizon."""
+        """Returns the predicted error of an iteration [m]; None beyond the horizon."""
         if iteration > self.iterations:
             return None
         return float(self.max_position_error_m[iteration])
 
 
 def horizon(experiment: Experiment) -> int:
-    """How far to look ahead at a bounded cost: as far as the experiment goes, if it can be.
+    """Returns how far to look ahead at a bounded cost: as far as the experiment goes, if it can be.
 
     The prediction of a very long experiment ends before it, at `Transient.iterations`.
     """
@@ -148,7 +148,7 @@ def horizon(experiment: Experiment) -> int:
 
 
 def predict_transient(experiment: Experiment, iterations: int | None = None) -> Transient:
-    """The errors that follow from the experiment's first input by the linear theory.
+    """Returns the errors that follow from the experiment's first input by the linear theory.
 
     What is learned is predicted by the linear map of `LiftedIteration`, which holds to first order
     in the errors. The position error is then that of the exact plant when it drives the predicted

@@ -100,7 +100,7 @@ class Bounds:
         return float(self._output_after(np.array(self.state_limit)))
 
     def at_sample(self, bound: float, k: int) -> float:
-        """log10 of what a bound says of ||.(k)|| at one sample."""
+        """Returns log10 of what a bound says of ||.(k)|| at one sample."""
         return bound + k * math.log10(self.lambda_)
 
     def _state_after(self, inputs: Floats) -> Floats:
@@ -120,7 +120,7 @@ class Bounds:
 
 
 def bounds(experiment: Experiment, constants: Constants, lambda_: float | None = None) -> Bounds:
-    """The bounds of an experiment.
+    """Returns the bounds of an experiment.
 
     Args:
         experiment: The experiment.
@@ -146,7 +146,7 @@ def bounds(experiment: Experiment, constants: Constants, lambda_: float | None =
 
 
 def theories(experiment: Experiment) -> dict[str, Bounds]:
-    """All bounds that can be given before a run, by name.
+    """Returns all bounds that can be given before a run, by name.
 
     Returns:
         ``as printed``: every equation as it stands; no bound of the simulated system.
@@ -172,7 +172,7 @@ def theories(experiment: Experiment) -> dict[str, Bounds]:
 
 
 def _bounds(experiment: Experiment, found: Constants) -> Bounds | None:
-    """The bounds; None if there are no numbers for them."""
+    """Returns the bounds; None if there are no numbers for them."""
     numbers = [value for value in asdict(found).values() if not isinstance(value, str)]
     if not all(map(math.isfinite, [*numbers, smallest_lambda(found)])):
         return None
@@ -181,7 +181,7 @@ def _bounds(experiment: Experiment, found: Constants) -> Bounds | None:
 
 
 def smallest_lambda(constants: Constants) -> float:
-    """h2 + b_B (b_L2 + b_L3), which lambda must exceed.
+    """Returns h2 + b_B (b_L2 + b_L3), which lambda must exceed.
 
     The print wants lambda > max(1, h2, b_B (b_L2 + b_L3)) and concludes this from it, which does
     not follow: with less, the denominator of Eq. 37 can be negative.
@@ -194,7 +194,7 @@ def smallest_lambda(constants: Constants) -> float:
 
 
 def suitable_lambda(constants: Constants, iterations: int) -> float:
-    """A lambda for Eq. 37, neither too small for A nor larger than need be.
+    """Returns a lambda for Eq. 37, neither too small for A nor larger than need be.
 
     With rho < 1, A < 1 needs lambda > h2 + b_B (h1 + b_L2 + b_L3) / (1 - rho). Twice that distance
     from h2 is taken: then 1 - A is at least (1 - rho) / 2, half of what any lambda can give. With
@@ -225,7 +225,7 @@ def state_series(constants: Constants, lambda_: float) -> float:
 
 
 def _start(experiment: Experiment, c: Constants, lambda_: float) -> float:
-    """log10 of the bound of ||du_0||."""
+    """Returns log10 of the bound of ||du_0||."""
     initial = np.column_stack([experiment.initial_left, experiment.initial_right])
     if not experiment.learn_in_first:
         initial = limited_inputs(experiment, initial)
@@ -241,13 +241,13 @@ def _start(experiment: Experiment, c: Constants, lambda_: float) -> float:
 
 
 def _log10(value: ArrayLike) -> Floats:
-    """log10, minus infinity for 0."""
+    """Returns log10, minus infinity for 0."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.log10(value))
 
 
 def _log10_sum(*logarithms: Floats) -> Floats:
-    """log10 of a sum from the log10 of its terms."""
+    """Returns log10 of a sum from the log10 of its terms."""
     terms = [np.asarray(term) * math.log(10) for term in logarithms]
     total = terms[0]
     for term in terms[1:]:
@@ -257,7 +257,7 @@ def _log10_sum(*logarithms: Floats) -> Floats:
 
 
 def _log10_series(A: float, count: Floats) -> Floats:
-    """log10 of (1 - A^i) / (1 - A) = 1 + A + ... + A^(i-1)."""
+    """Returns log10 of (1 - A^i) / (1 - A) = 1 + A + ... + A^(i-1)."""
     if A in (0.0, 1.0):
         return _log10(np.minimum(count, 1.0) if A == 0 else count)
     # One minus the smaller of A^i and A^-i, and, where that was A^-i, A^i itself.

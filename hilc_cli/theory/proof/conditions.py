@@ -69,7 +69,7 @@ class Conditions:
 
 
 def conditions(experiment: Experiment) -> Conditions:
-    """The conditions of Theorems 1 and 2.
+    """Returns the conditions of Theorems 1 and 2.
 
     B is that of the true robot, L that of the law, which knows the model; both at the heading of
     the reference.
@@ -99,7 +99,7 @@ def conditions(experiment: Experiment) -> Conditions:
 def contraction(
     experiment: Experiment, gain: float, wheels: WheelNorm = "euclidean"
 ) -> Contraction:
-    """max_k ||I - gain L(q_d(k)) B(q_d(k))||, with the sample at which it is attained.
+    """Returns max_k ||I - gain L(q_d(k)) B(q_d(k))||, with the sample at which it is attained.
 
     Args:
         experiment: The experiment.

@@ -141,7 +141,7 @@ def constants(
     *,
     heading_mismatch: float | None = None,
 ) -> Constants:
-    """The constants of an experiment.
+    """Returns the constants of an experiment.
 
     Args:
         experiment: The experiment.
@@ -211,7 +211,7 @@ def constants(
 
 
 def constants_within_limit(experiment: Experiment) -> Constants:
-    """The constants of an experiment with a speed limit, all corrections made.
+    """Returns the constants of an experiment with a speed limit, all corrections made.
 
     They satisfy the two inequalities of `constants`; b_ud is the bound of u_i, as Eq. 14 has it.
 
@@ -243,7 +243,7 @@ def constants_within_limit(experiment: Experiment) -> Constants:
 
 
 def _largest_state_error(experiment: Experiment) -> float:
-    """What the state error cannot exceed, however the wheels turn within their limit."""
+    """Returns what the state error cannot exceed, however the wheels turn within their limit."""
     reference, robot = experiment.reference, experiment.robot
     # A convex function of both wheels, largest with both at the limit: straight ahead or turning.
     step = reference.sample_time * robot.wheel_radius * experiment.speed_limit
@@ -255,7 +255,7 @@ def _largest_state_error(experiment: Experiment) -> float:
 
 
 def largest_disturbance(source: Bounded, beside: Floats | float = 0.0) -> float:
-    """The largest norm that a bounded disturbance can have together with given offsets.
+    """Returns the largest norm that a bounded disturbance can have together with given offsets.
 
     Args:
         source: The disturbance.
@@ -265,28 +265,26 @@ def largest_disturbance(source: Bounded, beside: Floats | float = 0.0) -> float:
 
 
 def largest_initial_error(experiment: Experiment) -> float:
-    """b_q0: the largest norm of q_d(0) - q_i(0) over the disturbance of the initial pose."""
-    reference = experiment.reference
-    start = np.array([reference.x[0], reference.y[0], reference.heading[0]])
-    error = start - np.array(experiment.initial_pose)
+    """B_q0: the largest norm of q_d(0) - q_i(0) over the disturbance of the initial pose."""
+    error = experiment.reference.poses[0] - experiment.initial_pose
     return largest_disturbance(experiment.disturbance.initial_pose, error)  # Eq. 15
 
 
 def largest_excess(experiment: Experiment, desired: Desired, wheels: WheelNorm) -> float:
-    """b_s: the largest norm of what the speed limit takes from u_d [rad/s]."""
+    """Returns b_s: the largest norm of what the speed limit takes from u_d [rad/s]."""
     return float(
         input_norm(desired.inputs - limited_inputs(experiment, desired.inputs), wheels).max()
     )
 
 
 def limited_inputs(experiment: Experiment, inputs: Floats) -> Floats:
-    """Wheel speeds as the speed limit lets them pass, shape (n, 2)."""
+    """Returns wheel speeds as the speed limit lets them pass, shape (n, 2)."""
     bound = experiment.speed_limit
     return np.array([limit_wheel_speeds(left, right, bound) for left, right in inputs.tolist()])
 
 
 def _sure_mismatch(experiment: Experiment) -> float:
-    """What can be said before a run of the angle between the headings of L and B [rad]."""
+    """Returns what can be said before a run of the angle between the headings of L and B [rad]."""
     # L1 at the measured heading of iteration i meets B at the true one of iteration i.
     if paper_law(experiment).gain_heading == "previous":
         return experiment.disturbance.output.bound[2]

@@ -135,7 +135,7 @@ def compare(
 def _beside(
     theory: Bounds, desired: Desired, poses: Floats, numbers: NDArray[np.int64], norms: Floats
 ) -> Comparison:
-    """One set of bounds beside natural logarithms of norms, a column for each quantity."""
+    """Returns one set of bounds beside natural logarithms of norms, a column for each quantity."""
     c = theory.constants
     transient = theory.transient(numbers)
     in_state = transient + math.log10(c.b_B * state_series(c, theory.lambda_))

@@ -21,6 +21,7 @@ from hilc_cli.theory.learning.linear_theory import forecast_findings
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM
 from tests.theory.cases import DT, Case, PidCase, driven, line, spot, winding
+from tests.transcription import equation_9
 
 MODELS = [Robot(0.15, 0.6), Robot(0.3, 0.518), Robot(0.2, 0.3)]
 
@@ -178,9 +179,8 @@ def test_other_matrix_has_no_gain_along_the_path() -> None:
     products = []
     for angle in experiment.reference.heading[:-1]:
         c, s = math.cos(angle), math.sin(angle)
-        control = 0.1 * np.array([[c, c], [s, s], [1 / 0.518, -1 / 0.518]])
         gain = np.array([[5 * c, 2 * s, 2], [5 * c, 0, -2]])
-        products.append(np.eye(2) - 0.5 * gain @ control)
+        products.append(np.eye(2) - 0.5 * gain @ equation_9(0.2, 0.518)(c, s))
     expected = np.abs(np.linalg.eigvals(products)).max()
     assert found.left == pytest.approx(expected, rel=1e-12)
 

@@ -25,6 +25,7 @@ from hilc_cli.theory.learning.transient import predict_transient
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM, experiment_of, law_of, matrix_of
 from tests.theory.cases import Case
+from tests.transcription import equation_9
 
 HEADING = np.array([-3.0, 0.0, 0.4, math.pi / 2, 30.0])
 ROBOTS = [Robot(0.2, 0.518), Robot(0.033, 0.08, "rep103")]
@@ -33,21 +34,6 @@ numbers = st.floats(-10, 10).map(lambda number: round(number, 3))
 entries = st.builds(Affine, numbers, numbers, numbers)
 rows = st.tuples(entries, entries, entries)
 matrices = st.builds(GainMatrix, rows, rows)
-
-
-def control_matrix(
-    robot: Robot, heading: float
-) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    """B of Eq. 9."""
-    along = robot.wheel_radius / 2
-    turning = along / (robot.half_track if robot.turn_convention == "paper" else -robot.half_track)
-    return np.array(
-        [
-            [along * math.cos(heading)] * 2,
-            [along * math.sin(heading)] * 2,
-            [turning, -turning],
-        ]
-    )
 
 
 @settings(max_examples=60)
@@ -62,7 +48,9 @@ def test_loop_gains_are_the_eigenvalues_of_the_product(
         ]
         for row in (matrix.left, matrix.right)
     ]
-    product = np.array(rows) @ control_matrix(robot, heading)
+    track = robot.half_track if robot.turn_convention == "paper" else -robot.half_track
+    control = equation_9(robot.wheel_radius, track)
+    product = np.array(rows) @ control(math.cos(heading), math.sin(heading))
     (found,) = loop_gains(matrix, robot, np.array([heading]))
     # Sum and product of eigenvalues are trace and determinant, which are well conditioned.
     size = np.abs(product).max() + 1e-3

@@ -15,7 +15,7 @@ from hilc_cli.theory.proof.bounds import theories
 from hilc_cli.theory.proof.conditions import conditions
 from tests.engine.experiments import PLATFORM, experiment_of, law_of, matrix_of
 from tests.reference.paths import paper_reference
-from tests.transcription import MatrixOfHeading, equation_45, equation_57
+from tests.transcription import MatrixOfHeading, equation_9, equation_45, equation_57
 
 CIRCLE = paper_reference("circle", 0.02)
 
@@ -56,7 +56,7 @@ def test_any_gain_matrix_by_dense_matrices(robot: Robot, name: str) -> None:
     }
     law = law_of(0.3, 0.2, matrix=matrix_of(name, model))  # type: ignore[arg-type]
     found = conditions(experiment_of(CIRCLE, law, robot=robot))
-    b = sign * robot.half_track
+    control = equation_9(robot.wheel_radius, sign * robot.half_track)
     for gain, contraction in (
         (0.5, found.theorem_1_printed),
         (0.5 * 0.02, found.theorem_1_simulated),
@@ -66,8 +66,7 @@ def test_any_gain_matrix_by_dense_matrices(robot: Robot, name: str) -> None:
         norms = []
         for heading in CIRCLE.heading[:-1].tolist():
             c, s = math.cos(heading), math.sin(heading)
-            control = robot.wheel_radius / 2 * np.array([[c, c], [s, s], [1 / b, -1 / b]])
-            norms.append(np.linalg.norm(np.eye(2) - gain * printed[name](c, s) @ control, 2))
+            norms.append(np.linalg.norm(np.eye(2) - gain * printed[name](c, s) @ control(c, s), 2))
         assert contraction.rho == pytest.approx(max(norms), rel=1e-12)
         assert norms[contraction.sample] == pytest.approx(max(norms), rel=1e-11)
 
