@@ -23,7 +23,7 @@ from hilc_cli.theory.learning.outcome import Outcome
 from hilc_cli.theory.matrices import knows_plant
 from hilc_cli.theory.noise import unsure_findings
 from hilc_cli.theory.proof.bounds import Bounds, theories
-from hilc_cli.theory.proof.conditions import Conditions, conditions
+from hilc_cli.theory.proof.constants import Conditions, conditions
 from hilc_cli.theory.reach import judged_feasibility, start_findings
 
 _RANKS = {"feasibility": 1, "advice": 2}

@@ -28,7 +28,7 @@ from hilc_cli.theory.learning.forecast import forecast
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.matrices import linearise
 from hilc_cli.theory.proof.bounds import theories
-from hilc_cli.theory.proof.conditions import conditions
+from hilc_cli.theory.proof.constants import conditions
 from hilc_cli.theory.reach import judged_feasibility, start_findings
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.theory.cases import PidCase, line

@@ -11,7 +11,7 @@ from hilc_cli.reporting.section import Grid, Section
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
     from hilc_cli.theory.proof.bounds import Bounds
-    from hilc_cli.theory.proof.conditions import Conditions, Contraction
+    from hilc_cli.theory.proof.constants import Conditions
     from hilc_cli.theory.proof.measured import Comparison, Measured
 
 _CONSTANTS = (
@@ -77,12 +77,11 @@ def _rows(found: Conditions) -> list[tuple[str, str]]:
     ]
 
 
-def _told(contraction: Contraction) -> str:
-    if not math.isfinite(contraction.rho):
+def _told(rho: float) -> str:
+    if not math.isfinite(rho):
         return "rho leaves the range of floating point"
-    verdict = "below 1" if contraction.holds else "not below 1"
-    rho = 0.0 if contraction.rho < _ZERO else contraction.rho
-    return f"rho = {rho:.6g}, {verdict}"
+    verdict = "below 1" if rho < 1 else "not below 1"
+    return f"rho = {0.0 if rho < _ZERO else rho:.6g}, {verdict}"
 
 
 def _constants(theories: Mapping[str, Bounds]) -> Grid:
@@ -208,10 +207,10 @@ def _document(
 ) -> dict[str, object]:
     document: dict[str, object] = {
         "theorem": found.theorem,
-        "rho_theorem_1_printed": found.theorem_1_printed.rho,
-        "rho_theorem_1_simulated": found.theorem_1_simulated.rho,
-        "rho_theorem_2_printed": found.theorem_2_printed.rho,
-        "rho_theorem_2_simulated": found.theorem_2_simulated.rho,
+        "rho_theorem_1_printed": found.theorem_1_printed,
+        "rho_theorem_1_simulated": found.theorem_1_simulated,
+        "rho_theorem_2_printed": found.theorem_2_printed,
+        "rho_theorem_2_simulated": found.theorem_2_simulated,
         "starts_on_reference": found.starts_on_reference,
         "bounds": {name: _bounds_document(theory) for name, theory in theories.items()},
     }

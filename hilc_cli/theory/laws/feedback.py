@@ -33,7 +33,11 @@ from hilc_cli.laws.feedforward import reference_twist
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, Findings, Rows, disturbed_rows, joined
 from hilc_cli.theory.law_theory import LawTheory
-from hilc_cli.theory.laws.tracking_response import TrackingResponse, tracking_response
+from hilc_cli.theory.laws.tracking_response import (
+    TrackingResponse,
+    response_rows,
+    tracking_response,
+)
 from hilc_cli.theory.learning.outcome import CLEARLY
 from hilc_cli.theory.noise import Remedies, noise_findings
 from hilc_cli.theory.reach import late_start
@@ -95,13 +99,13 @@ class FeedbackTheory(LawTheory):
     @property
     def rows(self) -> Rows:
         """What the feedback does along the path, and to small errors."""
-        return [*_response_rows(self.response), *_loop_rows(self.loop)]
+        return [*response_rows(self.response), *_loop_rows(self.loop)]
 
     @property
     def brief(self) -> Rows:
         """What it does along the path, with and without disturbances."""
         disturbed = disturbed_rows(self.expected)
-        return [*_response_rows(self.response), *disturbed, *wheel_rows(self.wheels)]
+        return [*response_rows(self.response), *disturbed, *wheel_rows(self.wheels)]
 
     @property
     def document(self) -> dict[str, object]:
@@ -126,26 +130,6 @@ class FeedbackTheory(LawTheory):
             "rest_max_position_error_m": found.rest,
             "stays_at_rest": found.stays,
         }
-
-
-def _response_rows(found: TrackingResponse) -> Rows:
-    """Returns what law feedback does along the path."""
-    error = f"up to {found.error_m:.4g} m from the trajectory's start"
-    if found.at_limit:
-        error += f"; at the limit in {found.at_limit:.1%} of the samples"
-    rows = [("Error along this path", error)]
-    if found.is_off:
-        joins = (
-            f"not by the end, where {found.way.left:.3g} m are left"
-            if found.way.joins_s is None
-            else f"from {found.way.joins_s:.4g} s on"
-        )
-        rows.append(("On the trajectory", f"{joins}; starts {found.way.off:.4g} m off"))
-    if found.standing_s:
-        heading = f"heading up to {found.heading_error_rad:.3g} rad off there"
-        text = f"{found.standing_s:.4g} s, in which nothing is steered; {heading}"
-        rows.append(("Turns in place", text))
-    return rows
 
 
 def _loop_rows(found: TrackingLoop) -> Rows:

@@ -31,8 +31,9 @@ from hilc_cli.theory.matrices import times
 class StepGain:
     """The numbers s of each sample: an iteration leaves kept - s of what is wrong with its speeds.
 
-    Learning without a Q-filter converges where all |kept - s| are below 1. With D-type learning,
-    Eq. 45 and nothing forgotten s is kd R / R_b along the path and kd R B_b / (R_b B) in turning.
+    Learning without a Q-filter converges where all |kept - s| are below 1; with one they tell of
+    what passes it along a line. With D-type learning, Eq. 45 and nothing forgotten s is kd R / R_b
+    along the path and kd R B_b / (R_b B) in turning.
 
     Attributes:
         kept: 1 - gamma.
@@ -41,7 +42,6 @@ class StepGain:
             shape (n, 2); s is their product with the time.
         along: s along the path, of a matrix of the form of Eq. 45; None for another one.
         turning: Likewise in turning.
-        is_filtered: Whether the law has a Q-filter: then they tell of what passes it along a line.
     """
 
     kept: float
@@ -49,7 +49,6 @@ class StepGain:
     loop: NDArray[np.complex128]
     along: float | None
     turning: float | None
-    is_filtered: bool
 
     @property
     def left(self) -> float:
@@ -82,7 +81,7 @@ def step_gain(experiment: Experiment, law: PidLaw) -> StepGain:
         coefficients = law.matrix.coefficients
         along = time * robot.wheel_radius * coefficients[1]
         turning = time * robot.wheel_radius * coefficients[6] / robot.signed_half_track
-    return StepGain(1 - law.forgetting, time, loop, along, turning, law.cutoff is not None)
+    return StepGain(1 - law.forgetting, time, loop, along, turning)
 
 
 class PidLearning(LinearLaw):

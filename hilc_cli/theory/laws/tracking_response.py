@@ -23,7 +23,7 @@ from hilc_cli.laws.feedforward import feedforward, reference_twist
 from hilc_cli.plants.kinematic import advance, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.theory.findings import LEVEL, SOURCES, ExpectedError, active_sources
+from hilc_cli.theory.findings import LEVEL, SOURCES, ExpectedError, Rows, active_sources
 from hilc_cli.theory.matrices import starts_off
 from hilc_cli.theory.noise import NoiseDraws, Passes, open_loop_error
 from hilc_cli.theory.reach import WayIn, way_in
@@ -191,6 +191,26 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
         expected,
         wheels,
     )
+
+
+def response_rows(found: TrackingResponse) -> Rows:
+    """Returns what law feedback does along the path."""
+    error = f"up to {found.error_m:.4g} m from the trajectory's start"
+    if found.at_limit:
+        error += f"; at the limit in {found.at_limit:.1%} of the samples"
+    rows = [("Error along this path", error)]
+    if found.is_off:
+        joins = (
+            f"not by the end, where {found.way.left:.3g} m are left"
+            if found.way.joins_s is None
+            else f"from {found.way.joins_s:.4g} s on"
+        )
+        rows.append(("On the trajectory", f"{joins}; starts {found.way.off:.4g} m off"))
+    if found.standing_s:
+        heading = f"heading up to {found.heading_error_rad:.3g} rad off there"
+        text = f"{found.standing_s:.4g} s, in which nothing is steered; {heading}"
+        rows.append(("Turns in place", text))
+    return rows
 
 
 def _undisturbed(experiment: Experiment, start: Triple | None = None) -> Trial:

@@ -1,4 +1,4 @@
-"""The constants of the convergence proof: Eqs. 12 to 18, 28 and 32.
+"""The conditions of the paper's theorems, and the constants of their proof: Eqs. 12 to 32.
 
 With all corrections they satisfy, in every iteration and at every sample of an experiment, with
 disturbances, initial errors and a speed limit or without, whatever its headings do,
@@ -16,6 +16,7 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Literal
 
 import numpy as np
 
@@ -23,11 +24,10 @@ from hilc_cli.disturbance.streams import Bounded
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
 from hilc_cli.laws.compensation import compensation_gain
-from hilc_cli.plants.kinematic import limit_wheel_speeds
+from hilc_cli.plants.kinematic import control_matrices, limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.linear_law import linear_law, paper_law
 from hilc_cli.theory.matrices import Desired, GainParts, desired_motion
-from hilc_cli.theory.proof.conditions import contraction
 from hilc_cli.theory.proof.norms import (
     WheelNorm,
     control_slope,
@@ -38,7 +38,74 @@ from hilc_cli.theory.proof.norms import (
     largest_gain,
     largest_gain_slope,
     pose_norm,
+    wheel_map_norm,
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """The numbers rho that both theorems want below 1, printed and for the simulated system.
+
+    The print has B of Eq. 9, the plant of Eq. 8 moves by d_k B in a sample. The proof of Theorem 1,
+    Eq. 30, needs the condition of Theorem 2: L2 and L3 do not learn.
+
+    Attributes:
+        theorem: Which of the two speaks of this experiment's law: 1 of Eq. 17, 2 of Eq. 21.
+        theorem_1_printed: max ||I - (L1 + L2 + L3) B||, Eq. 19.
+        theorem_1_simulated: max ||I - (L1 + L2 + L3) d_k B||.
+        theorem_2_printed: max ||I - L1 B||, Eq. 23.
+        theorem_2_simulated: max ||I - L1 d_k B||.
+        starts_on_reference: Whether y_i(0) = y_d(0), as both theorems want, in every iteration.
+    """
+
+    theorem: Literal[1, 2]
+    theorem_1_printed: float
+    theorem_1_simulated: float
+    theorem_2_printed: float
+    theorem_2_simulated: float
+    starts_on_reference: bool
+
+
+def conditions(experiment: Experiment) -> Conditions:
+    """Returns the conditions of Theorems 1 and 2.
+
+    B is that of the true robot, L that of the law, which knows the model; both at the heading of
+    the reference.
+
+    Raises:
+        UsageError: The law is not the hybrid law.
+
+    Source:
+        Qiao et al. 2021, Eqs. 19 and 23.
+    """
+    law, reference = paper_law(experiment), experiment.reference
+    all_gains = law.l1 + law.l2 + law.l3
+    start = (reference.x[0], reference.y[0], reference.heading[0])
+    disturbance = experiment.disturbance
+    return Conditions(
+        theorem=2 if law.compensation else 1,
+        theorem_1_printed=contraction(experiment, all_gains),
+        theorem_1_simulated=contraction(experiment, all_gains * reference.sample_time),
+        theorem_2_printed=contraction(experiment, law.l1),
+        theorem_2_simulated=contraction(experiment, law.l1 * reference.sample_time),
+        starts_on_reference=experiment.initial_pose == start
+        and not disturbance.initial_pose.active
+        and not disturbance.output.active,
+    )
+
+
+def contraction(experiment: Experiment, gain: float, wheels: WheelNorm = "euclidean") -> float:
+    """Returns max_k ||I - gain L(q_d(k)) B(q_d(k))|| along the reference.
+
+    Args:
+        experiment: The experiment.
+        gain: Scalar before the product, with the sample time or without.
+        wheels: Norm of wheel speeds.
+    """
+    headings = experiment.reference.heading[:-1]
+    control = control_matrices(experiment.robot, headings)  # Eq. 9
+    product = GainParts.of(paper_law(experiment).matrix).at(headings) @ control
+    return float(wheel_map_norm(np.eye(2) - gain * product, wheels).max())
 
 
 class Correction(StrEnum):
@@ -175,7 +242,7 @@ def constants(
         rho = largest_contraction(learning * scale, law.matrix, robot, wheels, angle)
     else:
         gain = float(gain_norm(GainParts.of(law.matrix).at(reference.heading[:-1]), wheels).max())
-        rho = contraction(experiment, learning * scale, wheels).rho  # Eq. 19 or 23
+        rho = contraction(experiment, learning * scale, wheels)  # Eq. 19 or 23
     b_L1, b_L2, b_L3 = law.l1 * gain, l2 * gain, l3 * gain  # Eq. 18
     mismatch = desired.mismatch if Correction.REACHABILITY in corrections else np.zeros(3)
     b_beta = largest_disturbance(disturbance.state, mismatch)  # Eq. 13
@@ -238,7 +305,7 @@ def constants_within_limit(experiment: Experiment) -> Constants:
             h3 += turning
         else:
             h1 += turning
-    rho = contraction(experiment, law.l1 * sample_time, c.wheels).rho
+    rho = contraction(experiment, law.l1 * sample_time, c.wheels)
     return replace(c, rho=rho, b_ud=b_ud, h1=h1, h2=growth, h3=h3, b_1=b_1)  # h2: Eq. 28
 
 

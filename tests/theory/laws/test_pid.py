@@ -68,7 +68,7 @@ def test_every_gain_counts_with_its_power_of_the_sample_time() -> None:
 
 def test_bound_of_complex_loop_gains_is_where_the_circle_is_left() -> None:
     # G B = [[1, -1], [1, 1]] / sqrt(2) times the platform's: eigenvalues exp(+-i pi/4).
-    found = StepGain(0.81, 1.0, np.exp([[0.25j * np.pi, -0.25j * np.pi]]), None, None, False)
+    found = StepGain(0.81, 1.0, np.exp([[0.25j * np.pi, -0.25j * np.pi]]), None, None)
     largest = found.largest_time
     assert abs(0.81 - largest * np.exp(0.25j * np.pi)) == pytest.approx(1, rel=1e-12)
     assert largest > 0
