@@ -15,8 +15,8 @@ from scipy.special import eval_laguerre
 import hilc_cli as hilc
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.theory.learning.fixed_point import fixed_point
+from hilc_cli.theory.learning.gains import ripple_growth
 from hilc_cli.theory.learning.lifted import LiftedIteration
-from hilc_cli.theory.learning.ripples import ripple_growth
 from hilc_cli.theory.learning.transient import predict_transient
 from tests.cli.processes import HILC, environment
 
@@ -84,8 +84,8 @@ def cell(document: str, row: str) -> str:
 def test_figures_in_the_document_are_the_computed_ones() -> None:
     document = DOCUMENT.read_text(encoding="utf-8")
     circle = LiftedIteration(experiment("fig3-circle"))
-    assert cell(document, "spectral radius").startswith(f"{circle.spectral_radius():.3f}, ")
-    sigma = f"{circle.largest_singular_value():.1f}"
+    assert cell(document, "spectral radius").startswith(f"{circle.spectral_radius().value:.3f}, ")
+    sigma = f"{circle.largest_singular_value().value:.1f}"
     assert cell(document, "largest singular value") == sigma
     assert (
         cell(document, "ripples along") == f"{ripple_growth(experiment('fig3-circle')).factor:.4f}"

@@ -24,6 +24,12 @@ class Pass(NamedTuple):
     inputs: Floats
 
 
+def equation_9(wheel_radius: float, half_track: float) -> MatrixOfHeading:
+    """B of Eq. 9, 3x2; REP-103 with a negative half track."""
+    r, b = wheel_radius, half_track
+    return lambda cos, sin: r / 2 * np.array([[cos, cos], [sin, sin], [1 / b, -1 / b]])
+
+
 def equation_45(wheel_radius: float, half_track: float) -> MatrixOfHeading:
     """L1(k) of Eq. 45; Eq. 56 with both parameters 1; REP-103 with a negative half track."""
     r, b = wheel_radius, half_track

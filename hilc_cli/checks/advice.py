@@ -11,6 +11,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.path import POSITION_TOLERANCE
 from hilc_cli.theory.feasibility.plausibility import ON_THE_SPOT
 from hilc_cli.theory.law_theory import LawTheory
+from hilc_cli.theory.noise import deviations
 
 _NOISE = 0.01  # of the path's size: what is larger hides whether 1 % is reached
 _MARGIN = 1e-9  # beyond what rounding may make of a limiting case
@@ -35,7 +36,7 @@ def _iterations(experiment: Experiment) -> list[str]:
 
 
 def _path(experiment: Experiment) -> list[str]:
-    """Of the reference as a whole."""
+    """Returns what is to be said of the reference as a whole."""
     reference = experiment.reference
     gap = math.dist((reference.x[0], reference.y[0]), (reference.x[-1], reference.y[-1]))
     turned = math.remainder(float(reference.heading[-1] - reference.heading[0]), 2 * math.pi)
@@ -87,11 +88,11 @@ def _headings(readings: Bounded) -> list[str]:
 
 
 def _wandering(experiment: Experiment) -> list[str]:
-    """How far disturbances of the state, added up over the path, carry the robot from it."""
+    """Tells how far disturbances of the state, added up over the path, carry the robot off."""
     reference, state = experiment.reference, experiment.disturbance.state
     if state.repeat or not state.active:
         return []
-    spread_x, spread_y, spread_heading = _deviations(state)
+    spread_x, spread_y, spread_heading = deviations(state)
     # A heading that is off from sample k + 1 on turns what is still to come about the pose there.
     ahead = np.hypot(reference.x[-1] - reference.x[1:], reference.y[-1] - reference.y[1:])
     wander = math.hypot(
@@ -106,19 +107,3 @@ def _wandering(experiment: Experiment) -> list[str]:
         f"{100 * wander / reference.size:.2g} % of its size, anew in each iteration: learning "
         "cannot take that away, feedback within the iteration lessens it"
     ]
-
-
-def _deviations(noise: Bounded) -> list[float]:
-    """Standard deviations of the components."""
-    found = []
-    for bound, deviation in zip(noise.bound, noise.deviation, strict=True):
-        if noise.distribution == "uniform" or bound == 0:
-            found.append(bound / math.sqrt(3))
-        elif deviation == 0:
-            found.append(0.0)
-        else:  # of a normal that is cut off at +- z standard deviations
-            z = bound / deviation
-            density = math.exp(-z * z / 2) / math.sqrt(2 * math.pi)
-            kept = 1 - 2 * z * density / math.erf(z / math.sqrt(2))
-            found.append(min(deviation * math.sqrt(max(0.0, kept)), bound / math.sqrt(3)))
-    return found

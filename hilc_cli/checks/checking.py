@@ -15,16 +15,16 @@ from hilc_cli.names import counted, wrapped
 from hilc_cli.runs.running import OnIteration
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
-from hilc_cli.theory.feasibility.feasibility import Feasibility, feasibility_findings
+from hilc_cli.theory.feasibility.feasibility import Feasibility
 from hilc_cli.theory.findings import ExpectedError, Findings
-from hilc_cli.theory.law_theory import LawTheory, knows_plant, law_theory
+from hilc_cli.theory.law_theory import LawTheory, law_theory
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import Outcome
-from hilc_cli.theory.noise.findings import unsure_findings, with_what_is_left
-from hilc_cli.theory.proof.bounds import Bounds
-from hilc_cli.theory.proof.conditions import Conditions, conditions
-from hilc_cli.theory.proof.theories import theories
-from hilc_cli.theory.start import start_findings
+from hilc_cli.theory.matrices import knows_plant
+from hilc_cli.theory.noise import unsure_findings
+from hilc_cli.theory.proof.bounds import Bounds, theories
+from hilc_cli.theory.proof.constants import Conditions, conditions
+from hilc_cli.theory.reach import judged_feasibility, start_findings
 
 _RANKS = {"feasibility": 1, "advice": 2}
 """Parts whose warnings come after those of learning, which are of this very scenario."""
@@ -184,11 +184,10 @@ def check(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         feasibility = scenario.feasibility()
         theory = law_theory(experiment)
-        found = feasibility_findings(feasibility)
         findings = {
             "settings": Findings(warnings=tuple(scenario.warnings())),
-            "feasibility": with_what_is_left(
-                found, feasibility, experiment, scenario.setting.model, theory.expected
+            "feasibility": judged_feasibility(
+                feasibility, experiment, scenario.setting.model, theory.expected
             ),
             "start": start_findings(theory),
             "learning": theory.findings,

@@ -45,7 +45,7 @@ def transient_figure(
     rest_error_m: float | None = None,
     law: str = "",
 ) -> Figure:
-    """The maximum position error over the iterations, which run with log(1 + iteration).
+    """Draws the maximum position error over the iterations, which run with log(1 + iteration).
 
     Args:
         name: Name of the scenario.
@@ -170,7 +170,7 @@ def _scale_errors(axes: Axes, low: float, high: float) -> None:
 
 
 def _scale_iterations(axes: Axes, last: int) -> None:
-    """A logarithmic axis of 1 + iteration, labelled with the iterations."""
+    """Makes a logarithmic axis of 1 + iteration, labelled with the iterations."""
     axes.set_xscale("log")
     axes.set_xlim(0.95, 1.05 * (1 + max(1, last)))
     shown = [0, *(digit * 10**power for power in range(7) for digit in (1, 2, 5))]

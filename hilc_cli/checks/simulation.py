@@ -17,12 +17,10 @@ from hilc_cli.results.summary import summarise
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.running import OnIteration, RunData, Summary
 from hilc_cli.scenario.experiment import Scenario
-from hilc_cli.theory.findings import ExpectedError, Findings, extent
-from hilc_cli.theory.learning.expected import RESOLUTION
+from hilc_cli.theory.findings import RESOLUTION, ExpectedError, Findings, extent
 from hilc_cli.theory.learning.outcome import CLEARLY, FAILED, NEAR, Outcome, seen_outcome
-from hilc_cli.theory.proof.bounds import Bounds
+from hilc_cli.theory.proof.bounds import CORRECTED, WITHIN_LIMIT, Bounds
 from hilc_cli.theory.proof.measured import Comparison, compare as beside
-from hilc_cli.theory.proof.theories import CORRECTED, WITHIN_LIMIT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,7 +117,7 @@ def simulated(
 def decided(
     found: Findings, simulated: Simulated, expected: ExpectedError | None, *, learns: bool
 ) -> Findings:
-    """What theory says of learning, where a simulation has the last word.
+    """Returns what theory says of learning, where a simulation has the last word.
 
     Args:
         found: What theory says.
@@ -163,7 +161,7 @@ def decided(
 
 
 def theory_findings(simulated: Simulated | None) -> Findings:
-    """Bounds that should hold, and do not: a violated one is a defect of the theory's code."""
+    """Tells of bounds that are violated, which should not be: a defect of the theory's code."""
     if simulated is None:
         return Findings()
     found = []

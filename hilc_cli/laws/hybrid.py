@@ -14,13 +14,13 @@ from hilc_cli.laws.gain_matrix import (
     GainHeading,
     GainMatrix,
     GainMatrixChoice,
+    LaneParameters,
     PastErrors,
     corrected_plan,
     gain_matrix,
     matrix_misfits,
     per_component,
     wheel_correction,
-    LaneParameters,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
 from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits

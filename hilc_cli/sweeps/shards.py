@@ -12,8 +12,7 @@ import numpy as np
 from hilc_cli.errors import MissingFileError, UsageError
 from hilc_cli.files import folder_to_read, read_file
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO
-from hilc_cli.results.folder import COMPILED_WITH, origin
+from hilc_cli.results.folder import COMPILED_WITH, INITIAL_INPUT, SCENARIO, origin
 from hilc_cli.results.reading import damaged
 from hilc_cli.results.tables import read_stored_input
 from hilc_cli.sweeps.chunks import Chunk, Failure

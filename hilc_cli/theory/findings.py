@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 
+from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.reference.sampled import Floats
 
 Rows = list[tuple[str, str]]
 """Names, and what there is to say of them, for a report."""
@@ -26,7 +28,7 @@ class Findings:
 
 
 def joined(parts: Iterable[Findings]) -> Findings:
-    """The findings of several parts, in their order."""
+    """Returns the findings of several parts, in their order."""
     found = list(parts)
     return Findings(
         tuple(text for part in found for text in part.failures),
@@ -36,6 +38,10 @@ def joined(parts: Iterable[Findings]) -> Findings:
 
 LEVEL = 0.95
 """Share of runs, each with a seed of its own, whose error stays below what is foretold."""
+SOURCES = ("initial_pose", "output", "state")
+"""The disturbances of an experiment by name, as reports tell them: start, readings, state."""
+RESOLUTION = 1e-3
+"""Share of the path's size below which no error is foretold: what theory leaves out is as large."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,22 +72,63 @@ class ExpectedError:
     unsure: str | None = None
     is_floor: bool = False
 
-    @property
-    def noise_m(self) -> float:
-        """What disturbances add to the error of the last iteration [m], at most, in 95 of 100."""
-        return self.foretold_m - self.final_m
-
 
 def extent(experiment: Experiment) -> float:
-    """Longer side of the trajectory's bounding box [m], or the platform's track if that is more.
+    """Returns the longer side of the path's bounding box [m], or the track if that is more.
 
     A path on the spot has no size, but who drives it has.
     """
     return max(experiment.reference.size, 2 * experiment.robot.half_track)
 
 
+def share_of_path(error: float, experiment: Experiment) -> str:
+    """Returns an error as a share of the path's size, or as a multiple of it."""
+    sizes = error / extent(experiment)
+    share = f"{100 * sizes:.2g} % of" if sizes < 1 else f"{sizes:.3g} times"
+    return f"{share} the path's size"
+
+
+def active_sources(disturbance: Disturbance) -> dict[str, Bounded]:
+    """Returns the disturbances that there are, by their names, in the order of SOURCES."""
+    sources = {name: getattr(disturbance, name) for name in SOURCES}
+    return {name: source for name, source in sources.items() if source.active}
+
+
+def expected_of_seeds(
+    experiment: Experiment,
+    first: float,
+    final: float,
+    errors: Floats,
+    alone: Callable[[Experiment], Floats],
+    unsure: str | None,
+) -> ExpectedError:
+    """Returns the error to be expected, of so many seeds that all of them are the LEVEL of runs.
+
+    Args:
+        experiment: With all of its disturbances.
+        first: Largest error of iteration 0 without them [m].
+        final: That of the last iteration without them [m].
+        errors: Those of all seeds with them [m]; the first seed is not disturbed.
+        alone: The same of an experiment with one of the disturbances.
+        unsure: Why all this may be off, see `ExpectedError`.
+    """
+    added = dict.fromkeys(SOURCES, 0.0)
+    active = active_sources(experiment.disturbance)
+    for name, source in active.items():
+        found = errors
+        if len(active) > 1:
+            only = replace(Disturbance(), **{name: source})  # type: ignore[arg-type]  # by its name
+            found = alone(replace(experiment, disturbance=only))
+        added[name] = max(0.0, float(found.max() - found[0]))
+    largest, least = float(errors.max()), RESOLUTION * extent(experiment)
+    foretold = max(final, largest, least)
+    start, readings, state = added.values()
+    is_floor = largest < least
+    return ExpectedError(first, final, foretold, start, readings, state, unsure, is_floor)
+
+
 def expected_rows(expected: ExpectedError, iterations: int) -> Rows:
-    """The error to be expected of a law of which no iterations are predicted.
+    """Returns the error to be expected of a law of which no iterations are predicted.
 
     Args:
         expected: That error.
@@ -95,7 +142,7 @@ def expected_rows(expected: ExpectedError, iterations: int) -> Rows:
 
 
 def disturbed_rows(expected: ExpectedError) -> Rows:
-    """What disturbances make of the last iteration, together and each alone."""
+    """Returns what disturbances make of the last iteration, together and each alone."""
     parts = {
         "start": expected.of_start_m,
         "readings": expected.of_readings_m,

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.theory.findings import ExpectedError, Findings, Rows
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import Outcome
 from hilc_cli.theory.linear_law import LinearLaw, theory_class
-from hilc_cli.theory.noise.wheels import WheelNoise
+from hilc_cli.theory.wheel_noise import WheelNoise
 
 
 class LawTheory:
@@ -83,12 +82,6 @@ class LawTheory:
 
 
 def law_theory(experiment: Experiment) -> LawTheory:
-    """Returns what is known of the experiment's law on its plant, if that is the paper's."""
-    known = theory_class(experiment.law) if knows_plant(experiment) else None
-    theory: type[LawTheory] = known or LawTheory
+    """Returns what is known of the experiment's law on its plant."""
+    theory: type[LawTheory] = theory_class(experiment) or LawTheory
     return theory(experiment)
-
-
-def knows_plant(experiment: Experiment) -> bool:
-    """Returns whether theory speaks of the plant: it is all made of the motion of Eq. 8."""
-    return isinstance(experiment.plant, KinematicPlant)

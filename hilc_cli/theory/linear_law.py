@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from functools import cached_property
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,105 +14,89 @@ from numpy.typing import NDArray
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix
+from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.law import Law
+from hilc_cli.laws.gain_matrix import GainHeading
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.learning.gains import StepGain
+from hilc_cli.theory.matrices import GainParts, known_plant, knows_plant
+
+WeighedError = Callable[[int, Triple, Triple], Triple]
+"""The errors before the gain matrix at sample k, from an e(k+1) and e(k) [m, m, rad].
+
+Called once for each sample in order; what is weighed of e(k+1) is next_gain times it.
+"""
 
 
-class LearningUpdate(Protocol):
-    """The part of a law that learns; inputs are u - u_d, errors e, the gain matrix G_k is given.
-
-    Attributes:
-        kept: What is left of an input where there is no error.
-        next_gain: What e(k+1) is multiplied by before G_k; none of w(k) depends on later errors.
-        smooths: Whether samples are mixed by a filter, so that the two numbers above do not tell
-            what becomes of a single one.
-    """
-
-    kept: float
-    next_gain: float
-    smooths: bool
-
-    def learned(self, inputs: Floats, errors: Floats) -> Floats:
-        """What is learned of an input, shape (n, 2), and its errors, shape (n + 1, 3).
-
-        Further axes stand for seeds, side by side.
-        """
-
-    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
-        """The transpose of `learned`: shares of an input, shape (n, 2), and of errors."""
-
-    def constant(self, first: Floats, feedforward: Floats) -> Floats | None:
-        """What is added in every iteration, from u_0 - u_d and u_d; None for nothing."""
-
-
-class Resting(Protocol):
-    """A law on the way along a motion.
-
-    Attributes:
-        next_gain: What e(k+1) is multiplied by before the gain matrix.
-        forgotten: gamma: how much of u(k) - u_0(k) the law takes away.
-    """
-
-    next_gain: float
-    forgotten: float
-
-    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
-        """The errors before the gain matrix, with e(k) and an e(k+1), [m, m, rad].
-
-        Called once for each sample in order; what is weighed of e(k+1) is next_gain times it.
-        """
-
-
-class LinearLaw(Protocol):
-    """A law in an experiment, as the linear theory sees it.
+class LinearLaw(ABC):
+    """A law in an experiment, as the linear theory sees it: inputs are u - u_d, errors e.
 
     What is worded is part of sentences that name the law's keys.
 
     Attributes:
         matrix: The gain matrix.
         gain_heading: The heading at which it is taken.
+        next_gain: What e(k+1) is multiplied by before G_k; none of w(k) depends on later errors.
+        forgotten: gamma: how much of u(k) - u_0(k) the law takes away.
+        smooths: Whether samples are mixed by a filter, so that the two numbers above do not tell
+            what becomes of a single one.
+        feedback: Gains l2 of the running iteration's error, and l3 of that a sample before.
+        rest_from: The first sample at which an initial error should be gone where learning rests.
+        compensated_until: The length of a compensation in samples; None without one.
+        paper: The law of Qiao et al. 2021 that it is the same as; None if it is the same as none.
+        less_noise: What makes it learn less of the noise.
+        for_the_start: What gets it onto the trajectory from a start that is far off; empty for
+            nothing.
     """
 
-    matrix: GainMatrix
-    gain_heading: GainHeading
+    next_gain: float
+    forgotten = 0.0
+    smooths = False
+    feedback = (0.0, 0.0)
+    rest_from = 1
+    compensated_until: int | None = None
+    paper: HybridLaw | None
+    less_noise = "lower controller.gains"
+    for_the_start = ""
+
+    def __init__(
+        self, experiment: Experiment, matrix: GainMatrix, gain_heading: GainHeading
+    ) -> None:
+        """With an experiment of the law."""
+        self._experiment = experiment
+        self._sample_time = experiment.reference.sample_time
+        self.matrix, self.gain_heading = matrix, gain_heading
 
     @property
-    def feedback(self) -> tuple[float, float]:
-        """Gains l2 of the running iteration's error, and l3 of that a sample before."""
+    def kept(self) -> float:
+        """What is left of an input where there is no error."""
+        return 1 - self.forgotten
 
-    @property
-    def rest_from(self) -> int:
-        """The first sample at which an initial error should be gone where learning rests."""
+    @cached_property
+    def gains(self) -> Floats:
+        """G_k, the gain matrix along the reference, shape (n, 2, 3)."""
+        headings = self._experiment.reference.heading[:-1]
+        return np.asfortranarray(GainParts.of(self.matrix).at(headings))
 
-    @property
-    def compensated_until(self) -> int | None:
-        """The length of a compensation in samples; None without one."""
+    @abstractmethod
+    def learned(self, inputs: Floats, errors: Floats) -> Floats:
+        """Returns what is learned of an input, shape (n, 2), and its errors, shape (n + 1, 3).
 
-    @property
-    def step_gain(self) -> StepGain | None:
-        """What a sample's correction does, of a law whose condition is told by it."""
+        Further axes stand for seeds, side by side.
+        """
 
-    @property
-    def paper(self) -> HybridLaw | None:
-        """The law of Qiao et al. 2021 that it is the same as; None if it is the same as none."""
+    @abstractmethod
+    def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
+        """Returns the transpose of `learned`: shares of an input, shape (n, 2), and of errors."""
 
-    @property
-    def less_noise(self) -> str:
-        """What makes it learn less of the noise."""
+    def constant(self, first: Floats, feedforward: Floats) -> Floats | None:
+        """Returns what is added in every iteration, from u_0 - u_d and u_d; None for nothing."""
+        return None
 
-    @property
-    def for_the_start(self) -> str:
-        """What gets it onto the trajectory from a start that is far off; empty for nothing."""
+    @abstractmethod
+    def weighed_errors(self, start: Triple) -> WeighedError | None:
+        """Returns what the law weighs along a motion from e(0); None if a filter mixes samples."""
 
-    def update(self, gains: Floats) -> LearningUpdate:
-        """Returns what is learned, with G_k along the reference, shape (n, 2, 3)."""
-
-    def resting(self, start: Triple) -> Resting | None:
-        """Returns the law at sample 0, with e(0) [m, m, rad]; None if a filter mixes samples."""
-
+    @abstractmethod
     def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:
         """Returns what an iteration multiplies ripples by.
 
@@ -118,23 +105,31 @@ class LinearLaw(Protocol):
             frequencies: In radians per sample, shape (p,).
         """
 
+    @abstractmethod
     def not_settling(self) -> str:
         """Returns why the spectral radius is 1 or more, and a remedy."""
 
+    @abstractmethod
     def against_ripples(self) -> str:
         """Returns what keeps ripples of the wheel speeds from growing."""
 
+    @abstractmethod
     def rest_off(self) -> str:
         """Returns why learning does not rest on the reference."""
 
+    @abstractmethod
     def advice(self) -> list[str]:
         """Returns what is legal but unwise about its gains, in sentences with their remedies."""
 
 
-def theory_class(law: Law) -> Any:
-    """Returns what a law names as its theory, see `LawTheory`; None if it names nothing."""
-    place = getattr(law, "theory", None)
-    if place is None:
+def theory_class(experiment: Experiment) -> Any:
+    """Returns what a law names as its theory, see `LawTheory`.
+
+    Returns:
+        The class; None if the law names nothing, or if theory does not speak of the plant.
+    """
+    place = getattr(experiment.law, "theory", None)
+    if place is None or not knows_plant(experiment):
         return None
     module, _, name = place.partition(":")
     return getattr(import_module(module), name)
@@ -144,7 +139,7 @@ def linear_law(experiment: Experiment) -> LinearLaw:
     """Returns the experiment's law.
 
     Raises:
-        UsageError: The linear theory does not speak of it.
+        UsageError: The linear theory does not speak of it, or not of its plant.
     """
     law = _linear(experiment)
     if law is None:
@@ -156,7 +151,7 @@ def paper_law(experiment: Experiment) -> HybridLaw:
     """Returns the experiment's law as Eq. 17 or 21; law pid with kp alone is Eq. 17 with l1 = kp.
 
     Raises:
-        UsageError: It is another one, of which the paper does not speak.
+        UsageError: The paper does not speak of it, or not of its plant.
     """
     law = _linear(experiment)
     if law is None or law.paper is None:
@@ -165,6 +160,7 @@ def paper_law(experiment: Experiment) -> HybridLaw:
 
 
 def _linear(experiment: Experiment) -> LinearLaw | None:
-    theory = theory_class(experiment.law)
+    known_plant(experiment)
+    theory = theory_class(experiment)
     law: LinearLaw | None = None if theory is None else theory(experiment).linear
     return law

@@ -21,7 +21,7 @@ from hilc_cli.reference.path import ArcPlan, build_reference
 from hilc_cli.theory.law_theory import law_theory
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference
-from tests.theory.straight import DT, errors, line
+from tests.theory.cases import DT, errors, line
 
 
 def told_of(experiment: Experiment) -> list[str]:

@@ -1,8 +1,9 @@
-"""Random experiments of every kind, short enough for many of them."""
+"""Random experiments of every kind, and whether the theorems' condition held along a run."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -10,11 +11,16 @@ from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Tri
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
-from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix
-from hilc_cli.plants.kinematic import Robot, feedforward
+from hilc_cli.plants.kinematic import feedforward
+from hilc_cli.laws.gain_matrix import GainMatrix
+from hilc_cli.laws.gain_matrix import GainHeading
+from hilc_cli.plants.kinematic import Robot, control_matrices
 from hilc_cli.reference.path import build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
+from hilc_cli.theory.linear_law import paper_law
+from hilc_cli.theory.matrices import GainParts
+from hilc_cli.theory.proof.norms import wheel_map_norm
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import MatrixName, experiment_of, law_of, matrix_of
 from tests.reference.paths import Move, relative_plans
@@ -153,3 +159,39 @@ def _bounded(draw: np.random.Generator) -> Bounded:
     return Bounded(
         bound, DISTRIBUTIONS[draw.integers(2)], deviation, repeat=bool(draw.random() < 0.5)
     )
+
+
+def along_run(experiment: Experiment, trials: Iterable[Trial]) -> tuple[Floats, Floats]:
+    """What Eq. 23 demands along a run, measured.
+
+    Args:
+        experiment: What was run.
+        trials: All iterations in order; they are gone through once, and not kept.
+
+    Returns:
+        For each learning update the largest ||I - L1 d_k B|| over the samples, L1 and B where they
+        stood, and the largest angle between their headings [rad].
+
+    Source:
+        Qiao et al. 2021, Eqs. 23 and 30: L1 of iteration i + 1 with B of iteration i.
+    """
+    law, reference = paper_law(experiment), experiment.reference
+    gain, parts = law.l1 * reference.sample_time, GainParts.of(law.matrix)
+    rhos: list[float] = []
+    mismatches: list[float] = []
+    before: Trial | None = None
+    for trial in trials:
+        if before is not None:
+            if law.gain_heading == "reference":
+                used = reference.heading
+            else:
+                source = trial if law.gain_heading == "measured" else before
+                alpha = experiment.disturbance.of_output(source.iteration, len(source.heading))
+                used = source.heading if alpha is None else source.heading + alpha[:, 2]
+            gain_heading, heading = used[:-1], before.heading[:-1]
+            product = parts.at(gain_heading) @ control_matrices(experiment.robot, heading)
+            norms = wheel_map_norm(np.eye(2) - gain * product, "euclidean")
+            rhos.append(float(norms.max()))
+            mismatches.append(float(np.abs(gain_heading - heading).max()))
+        before = trial
+    return np.array(rhos), np.array(mismatches)

@@ -8,18 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hilc_cli.theory.proof.bounds import bounds
-from hilc_cli.theory.proof.constants import constants
-from hilc_cli.theory.proof.measured import Comparison, compare
-from hilc_cli.theory.proof.theories import (
+from hilc_cli.theory.proof.bounds import (
     AS_PRINTED,
     CORRECTED,
     WITH_SAMPLE_TIME,
     WITHIN_LIMIT,
+    bounds,
     theories,
 )
-from tests.theory.along_run import along_run
-from tests.theory.experiments import completed_trials, random_experiment
+from hilc_cli.theory.proof.constants import constants
+from hilc_cli.theory.proof.measured import Comparison, compare
+from tests.theory.experiments import along_run, completed_trials, random_experiment
 
 CASES = 240
 DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
@@ -38,7 +37,7 @@ def found() -> Found:
         experiment = random_experiment(seed)
         trials = completed_trials(experiment)
         given = theories(experiment)
-        angle = float(along_run(experiment, trials).heading_mismatch.max())
+        angle = float(along_run(experiment, trials)[1].max())
         given[ALONG_RUN] = bounds(experiment, constants(experiment, heading_mismatch=angle))
         for name in CORRECTED, WITHIN_LIMIT:
             if name in given:

@@ -22,7 +22,7 @@ _MOST_ROWS = 24
 
 
 def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
-    """What the trajectory demands, beside what is possible.
+    """Returns what the trajectory demands, beside what is possible.
 
     Args:
         check: What was found.
@@ -46,7 +46,7 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
 
 
 def _brief(feasibility: Feasibility) -> list[tuple[str, str]]:
-    """What limits."""
+    """Returns what limits the platform on this path."""
     demand, limits = feasibility.demand, feasibility.limits
     fastest = f"{demand.fastest.value:.4g} rad/s"
     share = feasibility.share(demand.fastest.value)
@@ -75,7 +75,7 @@ def _at(peak: Peak) -> str:
 
 
 def _jump(jump: Jump, feasibility: Feasibility) -> str:
-    """Of both wheels, and what it is at the rim."""
+    """Returns a jump of both wheels, and what it is at the rim."""
     if not jump.size:
         return "none"
     speeds = f"{jump.size:.4g}"
@@ -165,7 +165,7 @@ def _segments(
 
 
 def _needed(feasibility: Feasibility, segment: SegmentDemand) -> str:
-    """The duration that a segment needs, if it has less."""
+    """Returns the duration that a segment needs, if it has less."""
     if feasibility.keeps(segment, segment.samples):
         return "-"
     samples = feasibility.least_samples(segment)

@@ -1,14 +1,15 @@
-"""The part of ``hilc check`` that tells what learning can be expected to do."""
+"""The part of ``hilc check`` that tells what learning can be expected to do, and what it did."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hilc_cli.checks.report.errors import errors_grid
-from hilc_cli.reporting.terminal import Section
-from hilc_cli.theory.findings import expected_document
-from hilc_cli.theory.law_theory import knows_plant
-from hilc_cli.theory.noise.wheels import wheel_document, wheel_rows
+from hilc_cli.reporting.terminal import Grid, Section
+from hilc_cli.results.metrics import settled_at
+from hilc_cli.results.summary import RELATIVE_TOLERANCES
+from hilc_cli.theory.findings import expected_document, length_text
+from hilc_cli.theory.matrices import knows_plant
+from hilc_cli.theory.wheel_noise import wheel_document, wheel_rows
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
@@ -22,7 +23,7 @@ def learning_section(check: Check) -> Section:
     if theory.expected is not None:
         document["expected"] = expected_document(theory.expected)
     if check.simulated is not None:
-        document["simulated"] = _simulated(check.simulated.summary)
+        document["simulated"] = _summary_document(check.simulated.summary)
     rows = [*theory.rows, *wheel_rows(theory.wheels)]
     if not theory.is_known:
         text = f"nothing is known of {_unknown(check)} before it is run"
@@ -33,13 +34,13 @@ def learning_section(check: Check) -> Section:
 
 
 def _unknown(check: Check) -> str:
-    """What theory does not speak of: the plant, or the law on a plant that it knows."""
+    """Returns what theory does not speak of: the plant, or the law on a plant that it knows."""
     spec = check.scenario.spec
     is_plant = not knows_plant(check.law.experiment)
     return f"plant {spec.robot.plant}" if is_plant else f"law {spec.controller.law}"
 
 
-def _simulated(summary: Summary) -> dict[str, object]:
+def _summary_document(summary: Summary) -> dict[str, object]:
     return {
         "iterations": summary.iterations,
         "max_position_error_m": summary.final["max_position_error_m"],
@@ -49,3 +50,131 @@ def _simulated(summary: Summary) -> dict[str, object]:
         "settled_at": summary.settled_at,
         "diverged_at": summary.diverged_at,
     }
+
+
+if TYPE_CHECKING:
+    from hilc_cli.checks.checking import Check
+    from hilc_cli.checks.simulation import Simulated
+    from hilc_cli.theory.learning.forecast import Forecast
+    from hilc_cli.theory.learning.transient import Transient
+
+
+_BELOW_LAST = 3 + len(RELATIVE_TOLERANCES)  # rows below that of the last iteration
+
+
+def errors_grid(check: Check) -> Grid | None:
+    """Returns the maximum position error of the iterations in a few rows.
+
+    Args:
+        check: What was found.
+
+    Returns:
+        A column of what is predicted and one of what was simulated; None if there is neither.
+    """
+    iterations = check.scenario.spec.iterations
+    names = [
+        "Iteration 0",
+        f"Iteration {iterations}",
+        "Largest",
+        "  in iteration",
+        "  times that of iteration 0",
+        *(f"Iterations to {label} of the path's size" for label in RELATIVE_TOLERANCES),
+    ]
+    columns, notes = {}, []
+    if check.forecast is not None:
+        transient = check.forecast.transient
+        columns["Predicted", "without limit"] = _predicted(transient, iterations)
+        notes.append(
+            f"Predicted for {transient.iterations} iterations by the linear theory, which knows no "
+            "disturbances, and is rough while headings are off by 1 rad and more."
+        )
+        if check.forecast.is_limited:
+            columns["Predicted", "with limit"] = _predicted_with_limit(check.forecast)
+        if transient.rough_from is not None:
+            notes.append(
+                "rough: out of its range, which ends in iteration "
+                f"{transient.rough_from} with an error above {transient.range_m:.3g} m."
+            )
+    if check.simulated is not None:
+        limit = "without limit" if check.scenario.speed_limit is None else "with limit"
+        columns["Simulated", limit] = _simulated(check.simulated)
+        notes.append("Simulated with disturbances, if there are any.")
+    if not columns:
+        return None
+    rows = [list(row) for row in zip(names, *columns.values(), strict=True)]
+    if not iterations:
+        del rows[1]  # the same again
+    if check.simulated is not None and check.simulated.summary.diverged_at is None:
+        later = check.simulated.summary.final["max_position_error_second_half_m"]
+        blank = ["-"] * (len(columns) - 1)
+        rows.insert(len(rows) - _BELOW_LAST, ["  in its second half", *blank, length_text(later)])
+    header = [("Maximum position error", ""), *columns]
+    return Grid(header, rows, " ".join(notes))
+
+
+def _predicted(transient: Transient, iterations: int) -> list[str]:
+    errors, peak = transient.max_position_error_m, transient.peak_iteration
+    return [
+        length_text(errors[0]),
+        _told(transient, _at(transient, iterations), iterations),
+        _told(transient, length_text(errors.max()), peak),
+        f"{peak}",
+        f"{transient.peak_growth:.4g}",
+        *(_reached(transient, share, iterations) for share in RELATIVE_TOLERANCES.values()),
+    ]
+
+
+def _predicted_with_limit(found: Forecast) -> list[str]:
+    """Returns the column of what is predicted with the limit, of the scenario's iterations."""
+    errors, size = found.errors_m, found.transient.path_size_m
+    first, peak = float(errors[0]), float(errors.max())
+    settled = (settled_at(errors, share * size) for share in RELATIVE_TOLERANCES.values())
+    return [
+        length_text(first),
+        length_text(errors[-1]),
+        length_text(peak),
+        f"{int(errors.argmax())}",
+        f"{peak / first:.4g}" if first else "-",
+        *(f"not in {len(errors) - 1}" if at is None else f"{at}" for at in settled),
+    ]
+
+
+def _reached(transient: Transient, share: float, iterations: int) -> str:
+    """Returns from which iteration on the error is so small, and until when if not for good."""
+    at = transient.settled_at(share)
+    if at is not None:
+        return _told(transient, f"{at}", at)
+    spell = transient.spell_within(share, iterations)
+    if spell is None:
+        return _told(transient, f"not in {transient.iterations}", transient.iterations)
+    first, last = spell
+    return _told(transient, f"{first} (until {last})", first)
+
+
+def _told(transient: Transient, text: str, iteration: int) -> str:
+    """Returns what is said of an iteration, marked if that is rough."""
+    rough = transient.rough_from
+    return text if rough is None or iteration < rough else f"{text}, rough"
+
+
+def _simulated(simulated: Simulated) -> list[str]:
+    summary = simulated.summary
+    first = float(simulated.run.metrics["max_position_error_m"][0])
+    last, peak = summary.final["max_position_error_m"], summary.peak_max_position_error_m
+    diverged_at = summary.diverged_at
+    return [
+        length_text(first),
+        length_text(last) if diverged_at is None else f"diverged in {diverged_at}",
+        length_text(peak),
+        f"{summary.peak_iteration}",
+        f"{peak / first:.4g}" if first else "-",
+        *(
+            f"not in {summary.iterations}" if at is None else f"{at}"
+            for at in summary.settled_at.values()
+        ),
+    ]
+
+
+def _at(transient: Transient, iteration: int) -> str:
+    error = transient.at(iteration)
+    return "beyond what is predicted" if error is None else length_text(error)

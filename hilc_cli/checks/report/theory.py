@@ -11,7 +11,7 @@ from hilc_cli.reporting.terminal import Grid, Section
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
     from hilc_cli.theory.proof.bounds import Bounds
-    from hilc_cli.theory.proof.conditions import Conditions, Contraction
+    from hilc_cli.theory.proof.constants import Conditions
     from hilc_cli.theory.proof.measured import Comparison, Measured
 
 _CONSTANTS = (
@@ -25,7 +25,7 @@ _SHORT = {
     "corrected, within the speed limit": "in limit",
 }
 _EQUATIONS = {"input": (38, 39), "state": (40, 41), "output": (42, 43)}
-"""Of each iteration, and of the limit."""
+"""The equations of each iteration, and of the limit."""
 _ZERO = 1e-12  # constants below are rounding
 _ROUNDING = 1e-9  # of logarithms
 _LAST = 10
@@ -33,7 +33,7 @@ _LAST = 10
 
 
 def theory_section(check: Check, *, verbose: bool = False) -> Section:
-    """The paper's theory, as printed and as it holds; of another law, nothing.
+    """Returns the paper's theory, as printed and as it holds; of another law, nothing.
 
     Args:
         check: What was found.
@@ -77,16 +77,15 @@ def _rows(found: Conditions) -> list[tuple[str, str]]:
     ]
 
 
-def _told(contraction: Contraction) -> str:
-    if not math.isfinite(contraction.rho):
+def _told(rho: float) -> str:
+    if not math.isfinite(rho):
         return "rho leaves the range of floating point"
-    verdict = "below 1" if contraction.holds else "not below 1"
-    rho = 0.0 if contraction.rho < _ZERO else contraction.rho
-    return f"rho = {rho:.6g}, {verdict}"
+    verdict = "below 1" if rho < 1 else "not below 1"
+    return f"rho = {0.0 if rho < _ZERO else rho:.6g}, {verdict}"
 
 
 def _constants(theories: Mapping[str, Bounds]) -> Grid:
-    """The constants of each theory, a column each."""
+    """Returns the constants of each theory, a column each."""
     rows = [
         ["rho", *(_contraction(theory.constants.rho) for theory in theories.values())],
         *(
@@ -116,13 +115,8 @@ def _constants(theories: Mapping[str, Bounds]) -> Grid:
 def _bounds(
     theories: Mapping[str, Bounds], iterations: int, measured: Mapping[str, Comparison] | None
 ) -> Grid:
-    """The bounds, each beside the errors of a simulation if there is one."""
+    """Returns the bounds, each beside the errors of a simulation if there is one."""
     samples = next(iter(theories.values())).constants.samples
-    limits = {
-        "input": [_limit(theory, theory.input_limit) for theory in theories.values()],
-        "state": [_limit(theory, theory.state_limit) for theory in theories.values()],
-        "output": [_limit(theory, theory.output_limit) for theory in theories.values()],
-    }
     last = min(_LAST, iterations + 1)
     rows = [
         [
@@ -130,20 +124,21 @@ def _bounds(
             *(_log(float(theory.input(iterations))) for theory in theories.values()),
         ]
     ]
-    for quantity, (each, at_the_end) in _EQUATIONS.items():
+    for quantity, (in_each, at_the_end) in _EQUATIONS.items():
         name = quantity.capitalize()
-        rows.append([f"{name}, limit, Eq. {at_the_end}", *map(_log, limits[quantity])])
+        limits = [_limit(each, getattr(each, f"{quantity}_limit")) for each in theories.values()]
+        rows.append([f"{name}, limit, Eq. {at_the_end}", *map(_log, limits)])
         if quantity == "state":
             at_last = (
                 theory.at_sample(limit, samples)
-                for theory, limit in zip(theories.values(), limits["state"], strict=True)
+                for theory, limit in zip(theories.values(), limits, strict=True)
             )
             rows.append([f"{name}, limit, at sample {samples}", *map(_log, at_last)])
         if measured:
             parts = [comparison.parts[quantity] for comparison in measured.values()]
             rows += [
                 [f"  simulated, last {last}", *(_log(part.over_last(_LAST)) for part in parts)],
-                [f"  least room below Eq. {each}", *(_room(part) for part in parts)],
+                [f"  least room below Eq. {in_each}", *(_room(part) for part in parts)],
                 ["  iterations above it", *(f"{len(part.violated)}" for part in parts)],
                 [
                     f"  room below Eq. {at_the_end}, last {last}",
@@ -170,7 +165,7 @@ def _bounds(
 
 
 def _limit(theory: Bounds, bound: float) -> float:
-    """A limit, without the rounding that is left of it where nothing disturbs."""
+    """Returns a limit, without the rounding that is left of it where nothing disturbs."""
     return -math.inf if theory.has_limit and theory.B <= _ZERO else bound
 
 
@@ -193,7 +188,7 @@ def _number(value: float) -> str:
 
 
 def _contraction(value: float) -> str:
-    """A number that is to be below 1, with enough digits to see whether it is."""
+    """Returns a number that is to be below 1, with enough digits to see whether it is."""
     return f"{value:.8g}" if abs(value) > _ZERO else "0"
 
 
@@ -212,10 +207,10 @@ def _document(
 ) -> dict[str, object]:
     document: dict[str, object] = {
         "theorem": found.theorem,
-        "rho_theorem_1_printed": found.theorem_1_printed.rho,
-        "rho_theorem_1_simulated": found.theorem_1_simulated.rho,
-        "rho_theorem_2_printed": found.theorem_2_printed.rho,
-        "rho_theorem_2_simulated": found.theorem_2_simulated.rho,
+        "rho_theorem_1_printed": found.theorem_1_printed,
+        "rho_theorem_1_simulated": found.theorem_1_simulated,
+        "rho_theorem_2_printed": found.theorem_2_printed,
+        "rho_theorem_2_simulated": found.theorem_2_simulated,
         "starts_on_reference": found.starts_on_reference,
         "bounds": {name: _bounds_document(theory) for name, theory in theories.items()},
     }

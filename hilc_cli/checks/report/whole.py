@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hilc_cli.checks.report.errors import errors_grid
 from hilc_cli.checks.report.feasibility import feasibility_section
-from hilc_cli.checks.report.learning import learning_section
+from hilc_cli.checks.report.learning import errors_grid, learning_section
 from hilc_cli.checks.report.theory import theory_section
 from hilc_cli.names import counted
 from hilc_cli.reporting.terminal import (
@@ -34,7 +33,7 @@ _LEAST_SHOWN = 2
 
 
 def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -> None:
-    """The report to stdout: verdict, why, what limits, what to do.
+    """Prints the report to stdout: verdict, why, what limits, what to do.
 
     Args:
         check: What was found.
@@ -67,7 +66,7 @@ def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -
 
 
 def document(check: Check, pictures: Sequence[Path] = ()) -> dict[str, object]:
-    """The report as one JSON document.
+    """Returns the report as one JSON document.
 
     Args:
         check: What was found.
@@ -87,7 +86,7 @@ def document(check: Check, pictures: Sequence[Path] = ()) -> dict[str, object]:
 
 
 def _rows(check: Check) -> list[tuple[str, str]]:
-    """What is checked, what its path asks for, and what its law makes of it."""
+    """Returns what is checked, what its path asks for, and what its law makes of it."""
     scenario, spec = check.scenario, check.scenario.spec
     demand, robot = check.feasibility.demand, spec.robot.robot()
     model = spec.model.model(robot)
@@ -116,7 +115,7 @@ def _platform(platform: Robot) -> str:
 def _print_findings(
     findings: Sequence[str], most_lines: int, least_shown: int, *, show_all: bool
 ) -> int:
-    """Findings; on a terminal only the first of them and how many there are more.
+    """Prints findings; on a terminal only the first of them and how many there are more.
 
     Args:
         findings: In their order, each with what it is: error, warning.
@@ -140,7 +139,7 @@ def _print_findings(
 
 
 def _hint(check: Check, *, verbose: bool, theory: bool) -> str:
-    """Which options show more; empty if all is shown."""
+    """Returns which options show more; empty if all is shown."""
     more = [] if verbose else ["-v (segments, figures)"]
     if check.conditions is not None and not theory:
         more.append("--theory (the paper's theorems)")

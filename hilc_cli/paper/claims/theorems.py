@@ -17,7 +17,7 @@ from hilc_cli.paper.measuring import (
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.learning.fixed_point import fixed_point
 from hilc_cli.theory.learning.lifted import LiftedIteration
-from hilc_cli.theory.proof.conditions import conditions
+from hilc_cli.theory.proof.constants import conditions
 
 # Coarser than the paper: what takes 1 ms samples a million iterations takes 50 ms ones 20 000.
 _T1_ITERATIONS = 20_000
@@ -48,8 +48,10 @@ def _without_initial_error(evidence: Evidence) -> Finding:
         experiments = [
             on_reachable_reference(shipped(name, *overrides)) for name in tracking.RUNS.values()
         ]
-        rho = max(conditions(experiment).theorem_1_printed.rho for experiment in experiments)
-        radius = max(LiftedIteration(experiment).spectral_radius() for experiment in experiments)
+        rho = max(conditions(experiment).theorem_1_printed for experiment in experiments)
+        radius = max(
+            LiftedIteration(experiment).spectral_radius().value for experiment in experiments
+        )
         shares = [
             _shares(errors, experiment.reference.size)
             for errors, experiment in zip(errors_of(experiments), experiments, strict=True)
@@ -97,7 +99,7 @@ def _with_initial_error(evidence: Evidence) -> Finding:
         reference, trial = experiment.reference, last_trial(experiment)
         distance = np.hypot(reference.x - trial.x, reference.y - trial.y)
         errors.append(float(distance[_H + 1 :].max()) / reference.size)
-        rhos.append(conditions(experiment).theorem_2_printed.rho)
+        rhos.append(conditions(experiment).theorem_2_printed)
         figures.append(percent(f"largest error after sample h, {name}", errors[-1]))
         rest = fixed_point(experiment)
         if rest is not None and rest.is_finite:

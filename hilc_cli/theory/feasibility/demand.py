@@ -173,7 +173,7 @@ class Demand:
 
 
 def demand_of(reference: Reference, robot: Robot, names: Sequence[str]) -> Demand:
-    """What a reference demands of a platform.
+    """Returns what a reference demands of a platform.
 
     Wheel speeds are those of `feedforward`: they cover each step's chord and turn in one sample,
     as the simulated plant has to. A corner is turned in the sampling interval at whose end the
@@ -197,7 +197,18 @@ def demand_of(reference: Reference, robot: Robot, names: Sequence[str]) -> Deman
         _joint(name, start, corner, whole)
         for name, start, corner in zip(names, starts, reference.corners, strict=True)
     ]
-    owners = _Owners(names, starts, joints)
+    turned: dict[int, str] = {}  # the name of the corner that an interval turns
+    for joint in joints:
+        if joint.corner != 0:
+            turned.setdefault(_turning(joint.sample), joint.name)
+
+    def peak(values: Floats) -> Peak:
+        """Returns the first of the largest values, one for each interval, apart from rounding."""
+        interval = int((values >= values.max() * (1 - _ALIKE)).argmax())
+        segment = int(np.searchsorted(starts, interval, side="right")) - 1
+        name = turned.get(interval, names[segment])
+        return Peak(float(values.max()), name, interval in turned)
+
     jumps = [
         whole.jump(interval, joint.name, at_corner=at_corner)
         for joint in joints
@@ -208,9 +219,9 @@ def demand_of(reference: Reference, robot: Robot, names: Sequence[str]) -> Deman
         reference.sample_time,
         tuple(segments),
         tuple(joints),
-        owners.peak(np.maximum(np.abs(whole.left), np.abs(whole.right))),
-        owners.peak(whole.speed * np.abs(whole.yaw_rate)),
-        whole.jump(0, joints[0].name, at_corner=0 in owners.corners),
+        peak(np.maximum(np.abs(whole.left), np.abs(whole.right))),
+        peak(whole.speed * np.abs(whole.yaw_rate)),
+        whole.jump(0, joints[0].name, at_corner=0 in turned),
         _first_largest([jump for jump in jumps if jump.size > 0], lambda jump: jump.size),
         reference.size,
         (without.left, without.right),
@@ -218,7 +229,7 @@ def demand_of(reference: Reference, robot: Robot, names: Sequence[str]) -> Deman
 
 
 def _jumps_at(joint: Joint) -> list[tuple[int, bool]]:
-    """Intervals before which wheel speeds jump because of a joint, and whether for its corner."""
+    """Returns intervals before which a joint makes wheel speeds jump, and whether by its corner."""
     if joint.corner == 0:
         return [(joint.sample, False)]
     turning = _turning(joint.sample)
@@ -226,35 +237,11 @@ def _jumps_at(joint: Joint) -> list[tuple[int, bool]]:
 
 
 def _turning(start: int) -> int:
-    """The sampling interval that turns the corner with which a segment starts.
+    """Returns the sampling interval that turns the corner with which a segment starts.
 
     Sample 0 has the heading of the start, every other joint that of the later segment.
     """
     return max(start - 1, 0)
-
-
-class _Owners:
-    """Of which segment or corner a sampling interval is.
-
-    Attributes:
-        corners: The name of the corner that an interval turns, by interval.
-    """
-
-    def __init__(self, names: Sequence[str], starts: Sequence[int], joints: Sequence[Joint]):
-        self._names, self._starts = names, starts
-        self.corners: dict[int, str] = {}
-        for joint in joints:
-            if joint.corner != 0:
-                self.corners.setdefault(_turning(joint.sample), joint.name)
-
-    def peak(self, values: Floats) -> Peak:
-        """The first of the largest values, one for each interval, apart from rounding."""
-        interval = int((values >= values.max() * (1 - _ALIKE)).argmax())
-        value = float(values.max())
-        if interval in self.corners:
-            return Peak(value, self.corners[interval], in_corner=True)
-        segment = int(np.searchsorted(self._starts, interval, side="right")) - 1
-        return Peak(value, self._names[segment], in_corner=False)
 
 
 class _Motion:
@@ -288,7 +275,7 @@ class _Motion:
         return float((self.speed[part] * np.abs(self.yaw_rate[part])).max())
 
     def jump(self, interval: int, name: str, *, at_corner: bool) -> Jump:
-        """The change of wheel speeds before an interval, at the first one from rest."""
+        """Returns the change of wheel speeds before an interval, at the first one from rest."""
         changes = (
             float(wheel[interval] - (wheel[interval - 1] if interval else 0.0))
             for wheel in (self.left, self.right)
@@ -298,7 +285,7 @@ class _Motion:
 
 
 def _without_corners(reference: Reference) -> Reference:
-    """The reference with a heading that does not jump where segments meet."""
+    """Returns the reference with a heading that does not jump where segments meet."""
     heading = reference.heading.copy()
     starts = (0, *reference.segment_ends[:-1])
     for start, corner in zip(starts, reference.corners, strict=True):
@@ -338,7 +325,7 @@ def _joint(name: str, start: int, corner: float, motion: _Motion) -> Joint:
 
 
 def _cleared(change: float, rounding: float) -> float:
-    """A change of wheel speed, 0 if it may be rounding."""
+    """Returns a change of wheel speed, 0 if it may be rounding."""
     return change if abs(change) > rounding else 0.0
 
 

@@ -21,6 +21,14 @@ from hilc_cli.theory.findings import Findings
 GRAVITY = 9.80665  # standard acceleration of gravity [m/s^2]
 TOLERANCE = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 _MOST_SAMPLES = 2**53
+GOOD_FRICTION = 1.0
+"""About what tyres on dry ground have."""
+_MARGIN = 1e-6  # relative: what is met but for rounding is met
+COARSE_TURN = 0.2
+"""[rad] in one sample; position and heading then contradict each other by half of it."""
+FAR_BEHIND = 0.01
+"""Share of the path's extent; a robot that falls behind by less starts well enough."""
+_ROUNDING = 1e-12  # relative
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,15 +49,15 @@ class Limits:
         return math.inf if self.friction is None else self.friction * GRAVITY
 
     def allow(self, fastest_wheel: float, lateral_acceleration: float) -> bool:
-        """Whether a wheel speed [rad/s] and a lateral acceleration [m/s^2] are possible."""
+        """Returns whether a wheel speed [rad/s] and a lateral acceleration [m/s^2] are possible."""
         return self.allow_wheel(fastest_wheel) and self.allow_lateral(lateral_acceleration)
 
     def allow_wheel(self, fastest_wheel: float) -> bool:
-        """Whether a wheel speed [rad/s] is possible."""
+        """Returns whether a wheel speed [rad/s] is possible."""
         return not fastest_wheel > self.wheel_speed * (1 + TOLERANCE)
 
     def allow_lateral(self, acceleration: float) -> bool:
-        """Whether a lateral acceleration [m/s^2] is possible."""
+        """Returns whether a lateral acceleration [m/s^2] is possible."""
         return not acceleration > self.lateral * (1 + TOLERANCE)
 
 
@@ -89,12 +97,12 @@ class Feasibility:
         return self.demand.lateral.value / GRAVITY
 
     def share(self, fastest_wheel: float) -> float | None:
-        """Part of b_w that a wheel speed takes; None without a limit."""
+        """Returns the part of b_w that a wheel speed takes; None without a limit."""
         limit = self.limits.wheel_speed
         return None if limit == math.inf else fastest_wheel / limit
 
     def needs(self, segment: SegmentDemand, samples: int) -> tuple[float, float]:
-        """What a segment takes if it is run at constant speed in so many samples.
+        """Returns what a segment takes if it is run at constant speed in so many samples.
 
         From its length and turn, which know nothing of the rounding of its samples.
 
@@ -110,15 +118,15 @@ class Feasibility:
         return fastest_wheel, speed * yaw_rate  # Eq. 2 solved for the wheels
 
     def turns(self, joint: Joint) -> bool:
-        """Whether a joint's corner, if it has one, can be turned in one sample."""
+        """Returns whether a joint's corner, if it has one, can be turned in one sample."""
         return self.limits.allow(joint.corner_wheel, joint.corner_lateral)
 
     def keeps(self, segment: SegmentDemand, samples: int) -> bool:
-        """Whether a segment keeps the limits in so many samples."""
+        """Returns whether a segment keeps the limits in so many samples."""
         return self.limits.allow(*self.needs(segment, samples))
 
     def least_samples(self, segment: SegmentDemand) -> int | None:
-        """Samples that a segment must take at least to keep all limits.
+        """Returns the samples that a segment must take at least to keep all limits.
 
         Args:
             segment: Run at constant speed, as those of a path are.
@@ -141,7 +149,7 @@ class Feasibility:
         return enough
 
     def _enough_samples(self, segment: SegmentDemand) -> int | None:
-        """A number of samples that will do: as if the chords were as long as the arc."""
+        """Returns a number of samples that will do: as if the chords were as long as the arc."""
         length, turn = segment.length, abs(segment.turn)
         at_wheels = (length + self.robot.half_track * turn) / self.robot.wheel_radius  # [rad]
         by_wheels = at_wheels / self.limits.wheel_speed
@@ -152,73 +160,8 @@ class Feasibility:
         return max(math.ceil(samples), segment.samples + 1)
 
 
-GOOD_FRICTION = 1.0
-"""About what tyres on dry ground have."""
-_MARGIN = 1e-6  # relative: what is met but for rounding is met
-
-
-@dataclass(frozen=True, slots=True)
-class Traction:
-    """What the wheels' acceleration means, corners left out.
-
-    Attributes:
-        demanded: Largest change of a wheel rim's speed in one sample, by the sample time [m/s^2].
-        name: Of the segment in which that is, or which starts with it.
-        from_rest: Whether it is at sample 0.
-        change: Of the rim's speed in that sample [m/s].
-        held: What tyres hold, mu g [m/s^2].
-        behind: How far a wheel that accelerates with no more than that gets off from where the
-            reference has it [m].
-    """
-
-    demanded: float
-    name: str
-    from_rest: bool
-    change: float
-    held: float
-    behind: float
-
-
-def traction(demand: Demand, robot: Robot, friction: float | None) -> Traction:
-    """What the wheels' acceleration means.
-
-    Args:
-        demand: Of the reference.
-        robot: The platform as it really is.
-        friction: Coefficient mu of the tyres; None if it is not known, for a good one.
-    """
-    held = GRAVITY * (GOOD_FRICTION if friction is None else friction)
-    rims = [robot.wheel_radius * wheel for wheel in demand.wheels]
-    changes = np.maximum(*(np.abs(np.diff(rim, prepend=0.0)) for rim in rims))
-    at, step = int(changes.argmax()), held * demand.sample_time
-    change = float(changes[at])
-    behind = 0.0
-    if change > step * (1 + _MARGIN):
-        behind = max(_left_behind(rim, step) for rim in rims) * demand.sample_time
-    starts = [segment.first for segment in demand.segments]
-    segment = demand.segments[int(np.searchsorted(starts, at, side="right")) - 1]
-    return Traction(change / demand.sample_time, segment.name, at == 0, change, held, behind)
-
-
-def _left_behind(wanted: Floats, step: float) -> float:
-    """Largest sum of what a speed lacks that changes by a step in each sample at most."""
-    speed = lacking = most = 0.0
-    for each in wanted.tolist():
-        speed += min(max(each - speed, -step), step)
-        lacking += each - speed
-        most = max(most, abs(lacking))
-    return most
-
-
-COARSE_TURN = 0.2
-"""[rad] in one sample; position and heading then contradict each other by half of it."""
-FAR_BEHIND = 0.01
-"""Share of the path's extent; a robot that falls behind by less starts well enough."""
-_ROUNDING = 1e-12  # relative
-
-
 def feasibility_findings(feasibility: Feasibility) -> Findings:
-    """What is to be said of a reference, in the order of the path."""
+    """Returns what is to be said of a reference, in the order of the path."""
     failures = (
         _corner_offence(feasibility, offence)
         if isinstance(offence, Joint)
@@ -235,7 +178,7 @@ def feasibility_findings(feasibility: Feasibility) -> Findings:
 
 
 def beyond_wheels(feasibility: Feasibility) -> list[str]:
-    """A line before a simulation, in which wheels have limits and tyres have none."""
+    """Returns a line before a simulation, in which wheels have limits and tyres have none."""
     demand, limits = feasibility.demand, feasibility.limits
     needed = [feasibility.needs(segment, segment.samples)[0] for segment in demand.segments]
     needed += [joint.corner_wheel for joint in demand.joints]
@@ -262,7 +205,7 @@ def _corner_offence(feasibility: Feasibility, joint: Joint) -> str:
 
 
 def _excess(feasibility: Feasibility, fastest_wheel: float, lateral: float) -> str:
-    """What is needed and not there."""
+    """Returns what is needed and not there."""
     limits, found = feasibility.limits, []
     if not limits.allow_wheel(fastest_wheel):
         needed, there = _told_apart(fastest_wheel, limits.wheel_speed)
@@ -277,7 +220,7 @@ def _excess(feasibility: Feasibility, fastest_wheel: float, lateral: float) -> s
 
 
 def _longer(feasibility: Feasibility, segment: SegmentDemand) -> str:
-    """How long the segment is to take."""
+    """Returns how long the segment is to take."""
     samples, sample_time = feasibility.least_samples(segment), feasibility.demand.sample_time
     if samples is None:
         return "no duration would do: raise the limit"
@@ -292,7 +235,7 @@ def _longer(feasibility: Feasibility, segment: SegmentDemand) -> str:
 
 
 def _corners(feasibility: Feasibility) -> list[str]:
-    """Of corners that the limits allow; the sharpest one stands for all."""
+    """Tells of corners that the limits allow; the sharpest one stands for all."""
     corners = [joint for joint in feasibility.demand.corners if feasibility.turns(joint)]
     if not corners:
         return []
@@ -307,7 +250,7 @@ def _corners(feasibility: Feasibility) -> list[str]:
 
 
 def in_degrees(angle: float) -> str:
-    """An angle in rad and in degrees."""
+    """Returns an angle in rad and in degrees."""
     return f"{angle:.4g} rad ({math.degrees(angle):.3g} deg)"
 
 
@@ -324,21 +267,41 @@ def _friction(feasibility: Feasibility) -> list[str]:
 
 
 def _traction(feasibility: Feasibility) -> list[str]:
-    """Of wheels that are to be fast at once."""
+    """Tells of wheels that are to be fast at once, corners left out."""
     demand, limits = feasibility.demand, feasibility.limits
-    found = traction(demand, feasibility.robot, limits.friction)
-    if found.behind <= FAR_BEHIND * demand.extent:
+    held = GRAVITY * (GOOD_FRICTION if limits.friction is None else limits.friction)
+    rims = [feasibility.robot.wheel_radius * wheel for wheel in demand.wheels]
+    changes = np.maximum(*(np.abs(np.diff(rim, prepend=0.0)) for rim in rims))
+    at, step = int(changes.argmax()), held * demand.sample_time
+    change = float(changes[at])
+    if change <= step * (1 + _MARGIN):
         return []
-    how = "starts at once" if found.from_rest else "changes wheel speeds at once"
+    # How far a wheel gets off that accelerates with no more than the tyres hold.
+    behind = max(_left_behind(rim, step) for rim in rims) * demand.sample_time
+    if behind <= FAR_BEHIND * demand.extent:
+        return []
+    starts = [segment.first for segment in demand.segments]
+    segment = demand.segments[int(np.searchsorted(starts, at, side="right")) - 1]
+    how = "changes wheel speeds at once" if at else "starts at once"
     return [
-        f"trajectory.{found.name} {how}: {found.change:.3g} m/s in one sample, "
-        f"{rounded(found.demanded / GRAVITY)} g where tyres hold {found.held / GRAVITY:g} g: a "
-        f"robot gets {found.behind:.2g} m behind; lead up to it slowly"
+        f"trajectory.{segment.name} {how}: {change:.3g} m/s in one sample, "
+        f"{rounded(change / demand.sample_time / GRAVITY)} g where tyres hold {held / GRAVITY:g} "
+        f"g: a robot gets {behind:.2g} m behind; lead up to it slowly"
     ]
 
 
+def _left_behind(wanted: Floats, step: float) -> float:
+    """Returns the largest sum of what a speed lacks that changes by a step a sample at most."""
+    speed = lacking = most = 0.0
+    for each in wanted.tolist():
+        speed += min(max(each - speed, -step), step)
+        lacking += each - speed
+        most = max(most, abs(lacking))
+    return most
+
+
 def rounded(value: float) -> str:
-    """Three digits, without an exponent as far as numbers are read without one."""
+    """Returns three digits, without an exponent as far as numbers are read without one."""
     return f"{float(f'{value:.3g}'):g}"
 
 
@@ -355,13 +318,13 @@ def _coarse_turn(demand: Demand) -> list[str]:
 
 
 def _told_apart(needed: float, there: float) -> tuple[str, str]:
-    """A number and a smaller one, with as many digits as tell them apart."""
+    """Returns a number and a smaller one, with as many digits as tell them apart."""
     digits = next((d for d in range(4, 17) if f"{needed:.{d}g}" != f"{there:.{d}g}"), 17)
     return f"{needed:.{digits}g}", f"{there:.{digits}g}"
 
 
 def _rounded_down(speed: float) -> str:
-    """A speed in six digits that are not above it."""
+    """Returns a speed in six digits that are not above it."""
     text = f"{speed:.6g}"
     if not 0 < speed < float(text) * (1 - _ROUNDING):
         return text

@@ -23,7 +23,7 @@ _ROUNDING = 1e-9  # relative
 def implausible(
     demand: Demand, robot: Robot, model: Robot, headings: Mapping[str, float]
 ) -> list[str]:
-    """What is to be told of such numbers, each with what may be meant.
+    """Returns what is to be told of such numbers, each with what may be meant.
 
     Args:
         demand: Of the reference.
@@ -31,18 +31,19 @@ def implausible(
         model: The platform as the controller believes it to be.
         headings: Headings that are given [rad], by key.
     """
+    # Of arcs, those of more than a turn whose angle is no part of a turn, but a plain number.
+    sweeps = [(f"trajectory.{part.name}.sweep", abs(part.turn)) for part in demand.segments]
     return [
         *_sizes(robot),
         *_beliefs(robot, model),
         *_path_size(demand, robot),
         *_sample_time(demand),
-        *_sweeps(demand),
-        *_headings(headings),
+        *(_in_turns(*each) for each in (*sweeps, *headings.items()) if _is_in_degrees(each[1])),
     ]
 
 
 def _sizes(robot: Robot) -> list[str]:
-    """Of a robot that nobody has built."""
+    """Tells of a robot that nobody has built."""
     radius, half_track = robot.wheel_radius, robot.half_track
     found = [
         f"{name} of {length:g} m is {'larger' if length > largest else 'smaller'} than any "
@@ -62,7 +63,7 @@ def _sizes(robot: Robot) -> list[str]:
 
 
 def _meant(length: float, smallest: float, largest: float) -> str:
-    """The unit that would make a length one of a robot."""
+    """Returns the unit that would make a length one of a robot."""
     for unit, size in _UNITS.items():
         if smallest <= length * size <= largest:
             return f"; {length:g} {unit}?"
@@ -70,7 +71,7 @@ def _meant(length: float, smallest: float, largest: float) -> str:
 
 
 def _beliefs(robot: Robot, model: Robot) -> list[str]:
-    """Of a model that is of another robot."""
+    """Tells of a model that is of another robot."""
     found = []
     for name in ("wheel_radius", "half_track"):
         real, believed = getattr(robot, name), getattr(model, name)
@@ -89,7 +90,7 @@ def _beliefs(robot: Robot, model: Robot) -> list[str]:
 
 
 def _path_size(demand: Demand, robot: Robot) -> list[str]:
-    """Of a path that disappears below the robot, unless it is one on the spot."""
+    """Tells of a path that disappears below the robot, unless it is one on the spot."""
     on_the_spot = ON_THE_SPOT * robot.half_track
     if all(segment.length <= on_the_spot * abs(segment.turn) for segment in demand.segments):
         return []
@@ -102,27 +103,12 @@ def _path_size(demand: Demand, robot: Robot) -> list[str]:
 
 
 def _sample_time(demand: Demand) -> list[str]:
-    """Of samples in which a robot is left alone for long."""
+    """Tells of samples in which a robot is left alone for long."""
     if demand.sample_time <= SLOWEST:
         return []
     return [
         f"trajectory.sample_time of {demand.sample_time:g} s is longer than any robot is left "
         f"alone; {demand.sample_time:g} ms?"
-    ]
-
-
-def _sweeps(demand: Demand) -> list[str]:
-    """Of arcs of more than a turn whose angle is no part of a turn, but a plain number."""
-    return [
-        f"trajectory.{segment.name}.sweep is {_in_turns(abs(segment.turn))}"
-        for segment in demand.segments
-        if _is_in_degrees(abs(segment.turn))
-    ]
-
-
-def _headings(headings: Mapping[str, float]) -> list[str]:
-    return [
-        f"{key} is {_in_turns(angle)}" for key, angle in headings.items() if _is_in_degrees(angle)
     ]
 
 
@@ -132,7 +118,7 @@ def _is_in_degrees(angle: float) -> bool:
 
 
 def is_plain(angle: float) -> bool:
-    """Whether an angle [rad] is a number of few decimals, and not a rounded part of a turn.
+    """Returns whether an angle [rad] is a number of few decimals, and not a rounded part of a turn.
 
     What is given in parts of pi, or in degrees, is none: 14 pi has decimals without end. 43.98 is
     14 pi rounded.
@@ -147,6 +133,6 @@ def is_plain(angle: float) -> bool:
     return decimals < 2 or off > 0.5 * 10**-decimals * (1 + _ROUNDING)
 
 
-def _in_turns(angle: float) -> str:
+def _in_turns(key: str, angle: float) -> str:
     turns = abs(angle) / (2 * math.pi)
-    return f"{angle:.9g} rad, which is {turns:.3g} turns; {angle:.9g} deg?"
+    return f"{key} is {angle:.9g} rad, which is {turns:.3g} turns; {angle:.9g} deg?"

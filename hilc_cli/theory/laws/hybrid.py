@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import cast
 
 import numpy as np
@@ -20,115 +21,76 @@ from hilc_cli.theory.learning.gains import (
     wrong_way,
 )
 from hilc_cli.theory.learning.linear_theory import NO_EFFECT_IN_FIRST, LinearTheory
+from hilc_cli.theory.linear_law import LinearLaw, WeighedError
 from hilc_cli.theory.matrices import times
 
 
-class HybridTheory(LinearTheory):
-    """The linear theory of the hybrid law."""
-
-    def __init__(self, experiment: Experiment) -> None:
-        """With an experiment of the law."""
-        super().__init__(experiment, HybridLearning(experiment))
-
-
-class HybridUpdate:
+class HybridLearning(LinearLaw):
     """u(k) + G_k l1 [e(k+1) + w(k) e(0)]: Eq. 17 before its feedback, or Eq. 21.
 
     Source:
         Qiao et al. 2021, Eqs. 17 and 21.
     """
 
-    kept = 1.0
-    smooths = False
-
-    def __init__(self, law: HybridLaw, gains: Floats, sample_time: float) -> None:
-        """With G_k along the reference, shape (n, 2, 3), and d_t [s]."""
+    def __init__(self, experiment: Experiment) -> None:
+        """With an experiment of the law."""
+        law = cast("HybridLaw", experiment.law)
+        super().__init__(experiment, law.matrix, law.gain_heading)
+        self._law = self.paper = law
         self.next_gain = law.l1
-        self._gains = gains
-        self._weights: Floats | None = None
-        if law.compensation:
-            weights = [compensation_gain(k, law.h, sample_time) for k in range(len(gains))]
-            self._weights = np.array(weights)
+        if not law.compensation:
+            self.feedback = law.l2, law.l3  # Eq. 21 has neither
+            self.for_the_start = "set 'compensation: on'"
+            return
+        self.compensated_until = law.h
+        if law.h < experiment.reference.samples:
+            self.rest_from = law.h + 1
+
+    @cached_property
+    def _weights(self) -> Floats:
+        """w(k) of Eq. 21, shape (n,)."""
+        samples = range(self._experiment.reference.samples)
+        h = self._law.h
+        return np.array([compensation_gain(k, h, self._sample_time) for k in samples])
 
     def learned(self, inputs: Floats, errors: Floats) -> Floats:
         """The input with its correction."""
         past = self.next_gain * errors[1:]
-        if self._weights is not None:
+        if self._law.compensation:
             weights = self._weights.reshape(-1, *(1,) * (errors.ndim - 1))
             past = compensated_error(self.next_gain, errors[1:], weights, errors[0])
-        return inputs + times(self._gains, past)
+        return inputs + times(self.gains, past)
 
     def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
         """The transpose of `learned`."""
-        seen = times(self._gains.transpose(0, 2, 1), inputs)
+        seen = times(self.gains.transpose(0, 2, 1), inputs)
         errors = np.zeros((len(seen) + 1, 3), order="F")
         errors[1:] = self.next_gain * seen
-        if self._weights is not None:
+        if self._law.compensation:
             errors[0] = self.next_gain * (self._weights @ seen)
         return inputs, errors
 
-    def constant(self, first: Floats, feedforward: Floats) -> None:
-        """Nothing."""
+    def weighed_errors(self, start: Triple) -> WeighedError:
+        """What Eq. 17 or Eq. 21 weighs."""
+        law, before = self._law, (0.0, 0.0, 0.0)  # e(-1) = 0
 
+        def weighed(k: int, ahead: Triple, now: Triple) -> Triple:
+            nonlocal before
+            if law.compensation:
+                weight = compensation_gain(k, law.h, self._sample_time)
+                x, y, heading = (
+                    compensated_error(law.l1, a, weight, s)
+                    for a, s in zip(ahead, start, strict=True)
+                )
+            else:
+                x, y, heading = (
+                    learned_error(law.l1, a, law.l2, n, law.l3, b)
+                    for a, n, b in zip(ahead, now, before, strict=True)
+                )
+            before = now
+            return x, y, heading
 
-class HybridResting:
-    """Eq. 17 or Eq. 21."""
-
-    forgotten = 0.0
-
-    def __init__(self, law: HybridLaw, start: Triple, sample_time: float) -> None:
-        """With e(0) and d_t [s]."""
-        self.next_gain = law.l1
-        self._law, self._start, self._sample_time = law, start, sample_time
-        self._before: Triple = (0.0, 0.0, 0.0)  # e(-1) = 0
-
-    def weighed(self, k: int, ahead: Triple, now: Triple) -> Triple:
-        """The errors before the gain matrix."""
-        law, before = self._law, self._before
-        self._before = now
-        if law.compensation:
-            weight = compensation_gain(k, law.h, self._sample_time)
-            x, y, heading = (
-                compensated_error(law.l1, a, weight, s)
-                for a, s in zip(ahead, self._start, strict=True)
-            )
-        else:
-            x, y, heading = (
-                learned_error(law.l1, a, law.l2, n, law.l3, b)
-                for a, n, b in zip(ahead, now, before, strict=True)
-            )
-        return x, y, heading
-
-
-class HybridLearning:
-    """Eq. 17 or Eq. 21 in an experiment."""
-
-    step_gain = None
-    less_noise = "lower controller.gains"
-
-    def __init__(self, experiment: Experiment) -> None:
-        """With an experiment of the law."""
-        self._experiment = experiment
-        self._law = law = cast("HybridLaw", experiment.law)
-        self._sample_time = experiment.reference.sample_time
-        self.matrix, self.gain_heading, self.paper = law.matrix, law.gain_heading, law
-        self.feedback = (0.0, 0.0) if law.compensation else (law.l2, law.l3)  # Eq. 21 has neither
-        self.compensated_until = law.h if law.compensation else None
-        self.for_the_start = "" if law.compensation else "set 'compensation: on'"
-
-    @property
-    def rest_from(self) -> int:
-        """After sample h with a compensation, otherwise after the start."""
-        law = self._law
-        return law.h + 1 if law.compensation and law.h < self._experiment.reference.samples else 1
-
-    def update(self, gains: Floats) -> HybridUpdate:
-        """What is learned."""
-        return HybridUpdate(self._law, gains, self._sample_time)
-
-    def resting(self, start: Triple) -> HybridResting:
-        """The law at sample 0."""
-        return HybridResting(self._law, start, self._sample_time)
+        return weighed
 
     def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:
         """What an iteration multiplies ripples by."""
@@ -188,7 +150,7 @@ class HybridLearning:
         return [*found, *self._advice_on_feedback(), *self._advice_on_compensation()]
 
     def _advice_on_feedback(self) -> list[str]:
-        """Growth of an error e(k+1) = (1 - d l2 g) e(k) - d l3 g e(k-1) within an iteration."""
+        """Tells of errors e(k+1) = (1 - d l2 g) e(k) - d l3 g e(k-1) that grow on the way."""
         law = self._law
         if not any(self.feedback):
             return []
@@ -207,7 +169,7 @@ class HybridLearning:
         ]
 
     def _advice_on_compensation(self) -> list[str]:
-        """What a compensation cannot do."""
+        """Tells what a compensation cannot do."""
         law, experiment = self._law, self._experiment
         if not law.compensation:
             return []
@@ -218,9 +180,7 @@ class HybridLearning:
                 f"controller.h of {law.h} of {reference.samples} samples: Theorem 2 promises the "
                 "reference for what comes after sample h only; make it shorter"
             )
-        start = (reference.x[0], reference.y[0], reference.heading[0])
-        pairs = zip(start, experiment.initial_pose, strict=True)
-        off = any(abs(wanted - given) > POSITION_TOLERANCE for wanted, given in pairs)
+        off = np.abs(reference.poses[0] - experiment.initial_pose).max() > POSITION_TOLERANCE
         scattered = disturbance.initial_pose.active and not disturbance.initial_pose.repeat
         if scattered and not off:
             found.append(
@@ -228,3 +188,9 @@ class HybridLearning:
                 "time what it has met the time before; set 'compensation: off', or 'repeat: true'"
             )
         return found
+
+
+class HybridTheory(LinearTheory):
+    """The linear theory of the hybrid law."""
+
+    law_class = HybridLearning

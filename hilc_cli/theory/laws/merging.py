@@ -8,26 +8,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.laws.norm_optimal.rectified import earliest_merge
-from hilc_cli.plants.kinematic import feedforward, step_gains
+from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.learning.outcome import CLEARLY, NEAR
-from hilc_cli.theory.matrices import desired_motion, desired_poses
-from hilc_cli.theory.noise.draws import open_loop_error
-from hilc_cli.theory.noise.passes import planned_motion
-from hilc_cli.theory.start import (
-    LateStart,
+from hilc_cli.theory.findings import Findings, extent
+from hilc_cli.theory.laws.last_iteration import planned_motion
+from hilc_cli.theory.learning.outcome import CLEARLY
+from hilc_cli.theory.matrices import desired_motion, starts_off
+from hilc_cli.theory.noise import open_loop_error
+from hilc_cli.theory.reach import (
+    WayIn,
     cannot_be_reached,
-    in_second_half,
+    earliest_on_trajectory,
     is_too_fast,
-    joined,
     late_start,
-    near,
+    way_in,
 )
 
-_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 _LATE = 2  # samples behind h that nobody minds
 _ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 
@@ -37,7 +35,6 @@ class Merging:
     """The way of the norm-optimal law into the trajectory.
 
     Attributes:
-        sample_time: d_t [s].
         h: Sample from which on the law is asked to be on the trajectory.
         speed_limit: b_w [rad/s]; infinity for none.
         position_error: Distance of the initial pose from the start of the trajectory [m].
@@ -47,19 +44,14 @@ class Merging:
             none.
         planned: First sample from which the law's own path stays on the trajectory within a
             millimetre, with the true wheel radius and half track; None if it does not get there.
-        joins: First sample from which it stays within `near` of the trajectory, or, where that is
-            too fast for the wheels, of what the law makes of it from its own start; None likewise.
-        left: Distance from that at the end [m].
-        left_later: Likewise the largest one in the second half [m].
+        way: That path's way onto the trajectory or, where that is too fast for the wheels, onto
+            what the law makes of it from its own start.
         unlearned: Position error of the believed feedforward from the initial pose [m].
-        samples: Number of the trajectory's sampling intervals.
-        near: Position error up to which a platform counts as on the trajectory [m].
         out_of_reach: Why no controller gets onto the trajectory; empty if one does.
         fastest: Largest wheel speed that the trajectory asks of the true robot [rad/s].
         fastest_believed: Likewise of the one that the law believes in at first.
     """
 
-    sample_time: float
     h: int
     speed_limit: float
     position_error: float
@@ -67,12 +59,8 @@ class Merging:
     is_off: bool
     earliest: int | None
     planned: int | None
-    joins: int | None
-    left: float
-    left_later: float
+    way: WayIn
     unlearned: float
-    samples: int
-    near: float
     out_of_reach: str
     fastest: float
     fastest_believed: float
@@ -89,33 +77,25 @@ class Merging:
 
 
 def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
-    """The way into the trajectory, from the experiment's initial pose.
+    """Returns the way into the trajectory, from the experiment's initial pose.
 
     Args:
         experiment: An experiment of the law; its disturbances are left out.
         law: The law.
     """
-    reference, robot = experiment.reference, experiment.robot
-    trajectory, start = desired_poses(experiment), np.array(experiment.initial_pose)
-    off = start - trajectory[0]
+    reference = experiment.reference
+    off = np.array(experiment.initial_pose) - reference.poses[0]
     position, heading = math.hypot(off[0], off[1]), abs(float(off[2]))
-    is_off = max(position, heading) > _NONE
+    is_off = starts_off(experiment)
     earliest: int | None = 0
     planned: int | None = 0
-    joins: int | None = 0
-    left, left_later, out_of_reach = 0.0, 0.0, ""
+    away, out_of_reach = np.zeros(reference.samples + 1), ""
     if is_off:
-        top_speed = robot.wheel_radius * experiment.speed_limit
-        earliest = earliest_merge(
-            trajectory, start, top_speed, robot.half_track, reference.sample_time
-        )
-        planned, away = _planned(experiment, law, trajectory, start), _away(experiment, law)
-        joins = joined(away, near(experiment))
-        left, left_later = float(away[-1]), in_second_half(away)
+        earliest = earliest_on_trajectory(experiment)
+        planned, away = _planned(experiment, law), _away(experiment, law)
         out_of_reach = cannot_be_reached(experiment)
     believed = feedforward(reference, law.model)
     return Merging(
-        reference.sample_time,
         min(law.parameters.h, reference.samples),
         experiment.speed_limit,
         position,
@@ -123,35 +103,30 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
         is_off,
         earliest,
         planned,
-        joins,
-        left,
-        left_later,
+        way_in(away, extent(experiment), reference.sample_time),
         open_loop_error(experiment, believed),
-        reference.samples,
-        near(experiment),
         out_of_reach,
         float(np.abs(desired_motion(experiment).inputs).max()),
         float(np.abs(believed).max()),
     )
 
 
-def _planned(
-    experiment: Experiment, law: NormOptimalLaw, trajectory: Floats, start: Floats
-) -> int | None:
-    """Where the law's path on the true robot, which identification leads to, merges."""
+def _planned(experiment: Experiment, law: NormOptimalLaw) -> int | None:
+    """Returns where the law's path on the true robot, which identification leads to, merges."""
     from hilc_cli.laws.norm_optimal.learner import rectified_for  # the compiler starts slowly
 
     robot, sample_time = experiment.robot, experiment.reference.sample_time
     gains = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
-    return rectified_for(law.parameters, trajectory, start, *gains, experiment.speed_limit).merged
+    poses, start = experiment.reference.poses, np.array(experiment.initial_pose)
+    return rectified_for(law.parameters, poses, start, *gains, experiment.speed_limit).merged
 
 
 def _away(experiment: Experiment, law: NormOptimalLaw) -> Floats:
-    """Distance of the motion that learning leads to from the trajectory [m], shape (n + 1,).
+    """Returns how far the motion that learning leads to is from the trajectory [m], shape (n + 1,).
 
     Where that is too fast for the wheels, from what the law makes of it from its own start.
     """
-    own = desired_poses(experiment)
+    own = experiment.reference.poses
     if is_too_fast(experiment):
         x, y, heading = own[0].tolist()
         own = planned_motion(replace(experiment, initial_pose=(x, y, heading)), law).poses
@@ -160,7 +135,7 @@ def _away(experiment: Experiment, law: NormOptimalLaw) -> Floats:
 
 
 def merging_findings(found: Merging) -> Findings:
-    """What the way into the trajectory means for the experiment."""
+    """Returns what the way into the trajectory means for the experiment."""
     found_too_fast: tuple[str, ...] = ()
     if not found.is_possible:
         # The parts that are too fast are told of the trajectory, each with its remedy.
@@ -175,17 +150,9 @@ def merging_findings(found: Merging) -> Findings:
     limit = f"controller.b_w of {found.speed_limit:g} rad/s"
     within = f" within {limit}" if math.isfinite(found.speed_limit) else ""
     late = late_start(
-        LateStart(
-            f"the law{within}",
-            found.position_error,
-            found.near / NEAR,
-            found.joins,
-            found.samples,
-            found.sample_time,
-            found.left,
-            found.left_later,
-            "start nearer, or run the trajectory slower",
-        ),
+        found.way,
+        f"the law{within}",
+        "start nearer, or run the trajectory slower",
         asked=found.h + _LATE,
         hopeless=found.position_error >= found.unlearned / CLEARLY,
     )
@@ -210,4 +177,4 @@ def merging_findings(found: Merging) -> Findings:
 
 
 def _seconds(found: Merging, sample: int) -> str:
-    return f"{sample * found.sample_time:.6g} s"
+    return f"{sample * found.way.sample_time:.6g} s"

@@ -19,57 +19,29 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.feedback import FeedbackLaw
-from hilc_cli.plants.kinematic import advance, reference_twist, step_gains
+from hilc_cli.plants.kinematic import feedforward, reference_twist
+from hilc_cli.plants.kinematic import advance, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.theory.findings import LEVEL, ExpectedError
-from hilc_cli.theory.noise.draws import NoiseDraws, unlearned_error
-from hilc_cli.theory.noise.wheels import WheelNoise
-from hilc_cli.theory.start import in_second_half, joined
+from hilc_cli.theory.findings import LEVEL, SOURCES, ExpectedError, Rows, active_sources
+from hilc_cli.theory.matrices import starts_off
+from hilc_cli.theory.noise import NoiseDraws, Passes, open_loop_error
+from hilc_cli.theory.reach import WayIn, way_in
+from hilc_cli.theory.wheel_noise import WheelNoise
 
 ManyWheels = Callable[[int, Floats, Floats, Floats, Floats, Floats], tuple[Floats, Floats]]
 """A `WheelController` of many passes at once, shape (passes,) each."""
+Kind = frozenset[str]
+"""Which of its disturbances a pass has: ``initial_pose``, ``output``, ``state``."""
 
 SEEDS = 100
-"""Passes of each kind that is disturbed."""
+"""Passes of each kind that is disturbed; of the other one there is one."""
 _BLOCK = 64  # samples whose disturbances are drawn at once
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
-    """What some passes have in common.
-
-    Attributes:
-        state: Whether the state is disturbed.
-        output: Whether the readings are.
-        initial_pose: Whether the start is.
-        count: Number of such passes.
-    """
-
-    state: bool = False
-    output: bool = False
-    initial_pose: bool = False
-    count: int = 1
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Passes:
-    """Passes of one kind, shape (passes,) each.
-
-    Attributes:
-        position_m: Largest position error [m].
-        at_limit: Share of the samples at which the limit acts.
-        change_rad_s: RMS change from one sample to the next of what their wheel speeds have beside
-            those of the first pass of all [rad/s].
-    """
-
-    position_m: Floats
-    at_limit: Floats
-    change_rad_s: Floats
-
-
+@np.errstate(over="ignore", invalid="ignore")
 def many_passes(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -> list[Passes]:
-    """Drives all passes.
+    """Drives all passes side by side.
 
     All start at the experiment's initial pose. Kinds are disturbed by the same draws, so that what
     differs between them is not chance.
@@ -82,43 +54,31 @@ def many_passes(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind
     Returns:
         What each kind of pass does; infinite or not-a-number where it leaves the finite numbers.
     """
-    with np.errstate(over="ignore", invalid="ignore"):
-        return _driven(experiment, wheels, kinds)
-
-
-def _driven(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -> list[Passes]:
     reference, robot, limit = experiment.reference, experiment.robot, experiment.speed_limit
     gains = step_gains(robot.wheel_radius, robot.signed_half_track, reference.sample_time)
     n, source = reference.samples, experiment.disturbance
-    counts = [kind.count for kind in kinds]
-    state = _Draws(source.state, [kind.state for kind in kinds], counts, 1)
-    output = _Draws(source.output, [kind.output for kind in kinds], counts, 2)
-    initial = _Draws(source.initial_pose, [kind.initial_pose for kind in kinds], counts, 3)
+    counts = [SEEDS if kind else 1 for kind in kinds]
+    state = _Draws(source.state, "state", kinds, 1)
+    output = _Draws(source.output, "output", kinds, 2)
+    initial = _Draws(source.initial_pose, "initial_pose", kinds, 3)
     x, y, heading = np.repeat(np.array([experiment.initial_pose]).T, sum(counts), axis=1)
     if (noise := initial.at(0)) is not None:
         x, y, heading = x + noise[0], y + noise[1], heading + noise[2]
-    desired = np.stack([reference.x, reference.y, reference.heading], axis=1).tolist()
     furthest, held, changes = np.zeros((3, len(x)))
     before: tuple[Floats, Floats] | None = None
-    for k, (desired_x, desired_y, desired_heading) in enumerate(desired):
+    for k, (desired_x, desired_y, desired_heading) in enumerate(reference.poses.tolist()):
         error_x, error_y, error_heading = desired_x - x, desired_y - y, desired_heading - heading
         # Not-a-number is kept by the larger of two numbers.
         furthest = np.maximum(furthest, error_x * error_x + error_y * error_y)
         if k == n:
             break
         cos, sin = np.cos(heading), np.sin(heading)
-        if (noise := output.at(k)) is None:
-            left, right = wheels(k, cos, sin, error_x, error_y, error_heading)
-        else:
+        seen = cos, sin, error_x, error_y, error_heading
+        if (noise := output.at(k)) is not None:
             measured = heading + noise[2]
-            left, right = wheels(
-                k,
-                np.cos(measured),
-                np.sin(measured),
-                error_x - noise[0],
-                error_y - noise[1],
-                error_heading - noise[2],
-            )
+            error = error_x - noise[0], error_y - noise[1], error_heading - noise[2]
+            seen = np.cos(measured), np.sin(measured), *error
+        left, right = wheels(k, *seen)
         if limit < math.inf:
             fastest = np.maximum(np.abs(left), np.abs(right))
             over = fastest > limit
@@ -133,7 +93,7 @@ def _driven(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -
         x, y, heading = advance(x, y, heading, cos, sin, distance, turn)
         if (noise := state.at(k)) is not None:
             x, y, heading = x + noise[0], y + noise[1], heading + noise[2]
-    columns = np.sqrt(furthest), held / n, np.sqrt(changes / (2 * max(n - 1, 1)))
+    columns = np.sqrt(furthest), np.sqrt(changes / (2 * max(n - 1, 1))), held / n
     kinds_of_columns = [np.split(column, np.cumsum(counts)[:-1]) for column in columns]
     return [Passes(*parts) for parts in zip(*kinds_of_columns, strict=True)]
 
@@ -141,24 +101,19 @@ def _driven(experiment: Experiment, wheels: ManyWheels, kinds: Sequence[Kind]) -
 class _Draws:
     """Draws of one disturbance for all passes, some of which do not have it."""
 
-    def __init__(
-        self, source: Bounded, has: Sequence[bool], counts: Sequence[int], key: int
-    ) -> None:
-        """For kinds of so many passes each, and whether each kind has it."""
+    def __init__(self, source: Bounded, name: str, kinds: Sequence[Kind], key: int) -> None:
+        """For the disturbance of a name, with a key of its own."""
         # Block by block, of which a repeated disturbance would be the same.
-        self._noise = NoiseDraws(replace(source, repeat=False), 1 + max(counts), key)
-        self._active = source.active and any(has)
+        self._noise = NoiseDraws(replace(source, repeat=False), 1 + SEEDS, key)
+        self._active = source.active and any(name in kind for kind in kinds)
         # Each pass of a kind that has it takes a draw of its own, the others the first, which is 0.
-        self._which = np.concatenate(
-            [
-                np.arange(count) + 1 if h else np.zeros(count, int)
-                for h, count in zip(has, counts, strict=True)
-            ]
-        )
+        own, none = np.arange(SEEDS) + 1, np.zeros(SEEDS, int)
+        which = [own if name in kind else none[: SEEDS if kind else 1] for kind in kinds]
+        self._which = np.concatenate(which)
         self._block: list[Floats] = []
 
     def at(self, k: int) -> Floats | None:
-        """Of sample k, asked for in order: shape (3, passes); None if there is none."""
+        """The draws of sample k, asked for in order, shape (3, passes); None if there are none."""
         if not self._active:
             return None
         if k % _BLOCK == 0:
@@ -168,12 +123,9 @@ class _Draws:
         return self._block[k % _BLOCK]
 
 
-FAR = 0.01
-"""Of the path's size: what is further off does not count as on the reference."""
 _NUDGE = 1e-6  # of the path's size: an error so small that the response to it is linear
 _STANDS = 1e-3  # of a wheel's speed in turning: who drives slower turns in place
 _MOST_SAMPLES = 40_000  # some 8 s
-_NONE = 1e-9  # [m and rad]; of a start that differs by less, by rounding only
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,15 +138,8 @@ class TrackingResponse:
         heading_error_rad: Likewise of the heading, where the reference stands [rad]; 0 if it
             nowhere does.
         standing_s: How long the reference turns in place or stands still [s].
-        near_m: What counts as on the trajectory [m].
-        start_off_m: Distance of the initial pose from the trajectory's start [m].
-        is_off: Whether it, or its heading, differs from that at all.
-        joins: First sample from which the pass from the initial pose is, for good, no further than
-            `near_m` from the one from the trajectory's start; None if it is not by the end.
-        end_off_m: How far from that it is at the end [m].
-        later_off_m: Likewise in the second half, at most [m].
-        samples: Number of the trajectory's sampling intervals.
-        sample_time: d_t [s].
+        is_off: Whether the initial pose differs from the trajectory's start at all.
+        way: Of the pass from the initial pose onto the one from the trajectory's start.
         unlearned_m: Position error of the believed feedforward from the initial pose [m].
         aside_left: Share that is left at the end of a small error to the side at the start.
         at_limit: Share of the samples at which the limit acts, undisturbed.
@@ -206,14 +151,8 @@ class TrackingResponse:
     error_known_m: float
     heading_error_rad: float
     standing_s: float
-    near_m: float
-    start_off_m: float
     is_off: bool
-    joins: int | None
-    end_off_m: float
-    later_off_m: float
-    samples: int
-    sample_time: float
+    way: WayIn
     unlearned_m: float
     aside_left: float
     at_limit: float
@@ -223,26 +162,19 @@ class TrackingResponse:
     @property
     def only_stands(self) -> bool:
         """Whether the reference goes nowhere, so that no side error can be steered away."""
-        return self.standing_s > (self.samples - 0.5) * self.sample_time
-
-    @property
-    def joins_s(self) -> float | None:
-        """`joins` in seconds."""
-        return None if self.joins is None else self.joins * self.sample_time
+        return self.standing_s > (self.way.samples - 0.5) * self.way.sample_time
 
 
 def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingResponse:
-    """The response of an experiment of the law, in its last iteration."""
+    """Returns the response of an experiment of the law, in its last iteration."""
     reference, start = experiment.reference, experiment.initial_pose
-    own = float(reference.x[0]), float(reference.y[0]), float(reference.heading[0])
+    x, y, heading = own = tuple(reference.poses[0].tolist())
     # A path on the spot has no size, but who drives it has.
     size = max(reference.size, experiment.robot.half_track)
     nudge = _NUDGE * size
-    aside = own[0] - nudge * math.sin(own[2]), own[1] + nudge * math.cos(own[2]), own[2]
+    aside = x - nudge * math.sin(heading), y + nudge * math.cos(heading), heading
     quiet, from_own, from_aside = (_undisturbed(experiment, pose) for pose in (start, own, aside))
     known = replace(experiment, law=replace(law, model=experiment.robot))
-    between = _apart(quiet, from_own)
-    near, off = FAR * size, max(abs(a - b) for a, b in zip(start, own, strict=True))
     standing = _standing(experiment)
     turned = np.abs(reference.heading - from_own.heading)[1:][standing]
     expected, wheels = _disturbed(experiment, law, _furthest(experiment, quiet))
@@ -251,20 +183,34 @@ def tracking_response(experiment: Experiment, law: FeedbackLaw) -> TrackingRespo
         _furthest(experiment, _undisturbed(known, own)),
         float(turned.max()) if len(turned) else 0.0,
         float(standing.sum()) * reference.sample_time,
-        near,
-        float(between[0]),
-        off > _NONE,
-        joined(between, near),
-        float(between[-1]),
-        in_second_half(between),
-        reference.samples,
-        reference.sample_time,
-        unlearned_error(experiment, law.model),
+        starts_off(experiment),
+        way_in(_apart(quiet, from_own), size, reference.sample_time),
+        open_loop_error(experiment, feedforward(reference, law.model)),
         float(_apart(from_own, from_aside)[-1]) / nudge,
         quiet.saturated_samples / reference.samples,
         expected,
         wheels,
     )
+
+
+def response_rows(found: TrackingResponse) -> Rows:
+    """Returns what law feedback does along the path."""
+    error = f"up to {found.error_m:.4g} m from the trajectory's start"
+    if found.at_limit:
+        error += f"; at the limit in {found.at_limit:.1%} of the samples"
+    rows = [("Error along this path", error)]
+    if found.is_off:
+        joins = (
+            f"not by the end, where {found.way.left:.3g} m are left"
+            if found.way.joins_s is None
+            else f"from {found.way.joins_s:.4g} s on"
+        )
+        rows.append(("On the trajectory", f"{joins}; starts {found.way.off:.4g} m off"))
+    if found.standing_s:
+        heading = f"heading up to {found.heading_error_rad:.3g} rad off there"
+        text = f"{found.standing_s:.4g} s, in which nothing is steered; {heading}"
+        rows.append(("Turns in place", text))
+    return rows
 
 
 def _undisturbed(experiment: Experiment, start: Triple | None = None) -> Trial:
@@ -286,9 +232,8 @@ def _undisturbed(experiment: Experiment, start: Triple | None = None) -> Trial:
 def _many_wheels(experiment: Experiment, law: FeedbackLaw) -> ManyWheels:
     twists = np.stack(reference_twist(experiment.reference), axis=1).tolist()
 
-    def wheels(
-        k: int, cos: Floats, sin: Floats, error_x: Floats, error_y: Floats, error_heading: Floats
-    ) -> tuple[Floats, Floats]:
+    def wheels(k: int, *seen: Floats) -> tuple[Floats, Floats]:
+        cos, sin, error_x, error_y, error_heading = seen
         turned = np.cos(error_heading), np.sin(error_heading)
         return law.wheel_speeds(tuple(twists[k]), (cos, sin), (error_x, error_y), turned)
 
@@ -296,13 +241,11 @@ def _many_wheels(experiment: Experiment, law: FeedbackLaw) -> ManyWheels:
 
 
 def _open_loop(experiment: Experiment) -> ManyWheels:
-    """The initial input, which is all that a single open-loop iteration runs."""
+    """Returns the initial input, which is all that a single open-loop iteration runs."""
     left, right = experiment.initial_left.tolist(), experiment.initial_right.tolist()
 
-    def wheels(
-        k: int, cos: Floats, sin: Floats, error_x: Floats, error_y: Floats, error_heading: Floats
-    ) -> tuple[Floats, Floats]:
-        return np.full_like(cos, left[k]), np.full_like(cos, right[k])
+    def wheels(k: int, *seen: Floats) -> tuple[Floats, Floats]:
+        return np.full_like(seen[0], left[k]), np.full_like(seen[0], right[k])
 
     return wheels
 
@@ -310,51 +253,50 @@ def _open_loop(experiment: Experiment) -> ManyWheels:
 def _disturbed(
     experiment: Experiment, law: FeedbackLaw, final: float
 ) -> tuple[ExpectedError, WheelNoise | None]:
-    """What disturbances make of the error, and of the wheel speeds.
+    """Returns what disturbances make of the error, and of the wheel speeds.
 
     Args:
         experiment: The experiment.
         law: Its law.
         final: Largest position error of the last iteration without them [m].
     """
-    source, first = experiment.disturbance, final
+    first = final
     opens = not experiment.learn_in_first
     if opens and experiment.iterations:
         first = _furthest(experiment, _undisturbed(replace(experiment, iterations=0)))
-    each = source.initial_pose.active, source.output.active, source.state.active
-    if not any(each):
+    active = list(active_sources(experiment.disturbance))
+    if not active:
         return ExpectedError(first, final, final), None
     if experiment.reference.samples > _MOST_SAMPLES:
         unsure = f"passes with disturbances are not followed over more than {_MOST_SAMPLES} samples"
         return ExpectedError(first, final, final, unsure=unsure), None
     wheels = _open_loop(experiment) if opens and not experiment.iterations else None
-    kinds = [Kind(), Kind(state=True, output=True, initial_pose=True, count=SEEDS)]
-    alone = Kind(initial_pose=True), Kind(output=True), Kind(state=True)
-    if sum(each) > 1:
-        kinds += [replace(kind, count=SEEDS) for kind, has in zip(alone, each, strict=True) if has]
+    kinds = [Kind(), Kind(active)]
+    if len(active) > 1:
+        kinds += [Kind({name}) for name in active]
     quiet, *passes = many_passes(experiment, wheels or _many_wheels(experiment, law), kinds)
-    reached = [max(final, float(np.quantile(kind.position_m, LEVEL))) for kind in passes]
-    parts = iter(reached[1:] or reached)
-    of_start, of_readings, of_state = (next(parts) - final if has else 0.0 for has in each)
+    reached = [max(final, float(np.quantile(each.position_m, LEVEL))) for each in passes]
+    alone = dict(zip(active, reached[1:] or reached, strict=True))
+    of_start, of_readings, of_state = (alone.get(name, final) - final for name in SOURCES)
     expected = ExpectedError(first, final, reached[0], of_start, of_readings, of_state)
     columns = ((quiet.change_rad_s, quiet.at_limit), (passes[0].change_rad_s, passes[0].at_limit))
     return expected, WheelNoise.of_seeds(*map(np.concatenate, zip(*columns, strict=True)))
 
 
 def _furthest(experiment: Experiment, trial: Trial) -> float:
-    """Largest position error of a pass [m]."""
+    """Returns the largest position error of a pass [m]."""
     reference = experiment.reference
     return float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
 
 
 def _apart(one: Trial, other: Trial) -> Floats:
-    """Distance between two passes [m], shape (n + 1,)."""
+    """Returns the distance between two passes [m], shape (n + 1,)."""
     distance: Floats = np.hypot(one.x - other.x, one.y - other.y)
     return distance
 
 
 def _standing(experiment: Experiment) -> NDArray[np.bool_]:
-    """Steps in which the reference turns in place or stands still, shape (n,)."""
+    """Returns the steps in which the reference turns in place or stands still, shape (n,)."""
     speed, yaw_rate = reference_twist(experiment.reference)
     standing: NDArray[np.bool_] = speed <= _STANDS * experiment.robot.half_track * np.abs(yaw_rate)
     return standing

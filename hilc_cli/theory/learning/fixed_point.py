@@ -88,17 +88,17 @@ def fixed_point(experiment: Experiment) -> FixedPoint | None:
     distance_gain, turn_gain = step_gains(
         robot.wheel_radius, robot.signed_half_track, reference.sample_time
     )
-    desired = np.column_stack([reference.x, reference.y, reference.heading]).tolist()
+    desired = reference.poses.tolist()
     errors, inputs = np.full((steps + 1, 3), math.inf), np.full((steps, 2), math.inf)
     pose = experiment.initial_pose
     errors[0] = now = _less(desired[0], pose)
-    at_sample = law.resting(now)
-    if at_sample is None:
+    weighed = law.weighed_errors(now)
+    if weighed is None:
         return None
     first = np.column_stack([experiment.initial_left, experiment.initial_right]).tolist()
-    gain, forgotten = at_sample.next_gain, at_sample.forgotten
+    gain = law.next_gain
     for k in range(steps):
-        past = at_sample.weighed(k, _less(desired[k + 1], pose), now)  # were the wheels at rest
+        past = weighed(k, _less(desired[k + 1], pose), now)  # were the wheels at rest
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
         gain_heading = desired[k][2] if law.gain_heading == "reference" else pose[2]
         speeds = _speeds_at_rest(
@@ -107,7 +107,7 @@ def fixed_point(experiment: Experiment) -> FixedPoint | None:
             math.sin(gain_heading),
             past,
             (gain * distance_gain * cos, gain * distance_gain * sin, gain * turn_gain),
-            forgotten,
+            law.forgotten,
             first[k],
         )
         if speeds is None:
@@ -129,7 +129,7 @@ def _speeds_at_rest(
     forgotten: float,
     first: tuple[float, float],
 ) -> tuple[float, float] | None:
-    """The wheel speeds (left, right) of which the law changes nothing.
+    """Returns the wheel speeds (left, right) of which the law changes nothing.
 
     Args:
         coefficients: Of the gain matrix.
@@ -157,5 +157,5 @@ def _speeds_at_rest(
 
 
 def _less(desired: Triple, pose: Triple) -> Triple:
-    """The error of a pose [m, m, rad]."""
+    """Returns the error of a pose [m, m, rad]."""
     return desired[0] - pose[0], desired[1] - pose[1], desired[2] - pose[2]

@@ -9,19 +9,20 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.names import counted, in_short
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.findings import extent
+from hilc_cli.theory.findings import ExpectedError, expected_of_seeds, extent
+from hilc_cli.theory.learning.ensemble import NoisyLearning, noisy_learning
 from hilc_cli.theory.learning.fixed_point import FixedPoint, fixed_point
-from hilc_cli.theory.learning.gains import MARGIN, StepGain
+from hilc_cli.theory.learning.gains import MARGIN, RippleGrowth, ripple_growth
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.learning.norms import SingularValue, SpectralRadius
 from hilc_cli.theory.learning.outcome import Outcome, Prospects, predicted_outcome
-from hilc_cli.theory.learning.ripples import RippleGrowth, ripple_growth
 from hilc_cli.theory.learning.transient import Transient, predict_transient
 from hilc_cli.theory.linear_law import linear_law
-from hilc_cli.theory.noise.learning import NoisyLearning, noisy_learning
 
-FAR_HEADING = 0.7
+_LINEAR_HEADING = 0.7
 """Heading errors up to which the last iteration is as the linear theory has it [rad]."""
+_SELDOM = 0.02
+"""Share of an iteration's samples at the limit that a prediction without it need not mind."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -39,7 +40,7 @@ class Forecast:
         ensemble: Predicted errors with both, of the experiment's iterations.
         rest: Where learning rests; None if that is no single motion, or not evaluated.
         rest_from: The first sample at which an initial error should be gone there.
-        step_gain: Of law pid, what a sample's correction does; None for the hybrid law.
+        smooths: Whether the law has a Q-filter, with which it is not known where learning rests.
     """
 
     iterations: int
@@ -51,7 +52,7 @@ class Forecast:
     ensemble: NoisyLearning
     rest: FixedPoint | None
     rest_from: int
-    step_gain: StepGain | None
+    smooths: bool
 
     def __repr__(self) -> str:
         errors = self.errors_m
@@ -73,9 +74,15 @@ class Forecast:
         return self.radius.may_be_below_one
 
     @property
-    def smooths(self) -> bool:
-        """Whether the law has a Q-filter, with which it is not known where learning rests."""
-        return self.step_gain is not None and self.step_gain.is_filtered
+    def rest_error_m(self) -> float | None:
+        """Largest position error where learning rests [m]; None if it rests at no finite motion.
+
+        Of what a wheel can do something about: after the start or, with a compensation, after
+        sample h.
+        """
+        if self.rest is None or not self.rest.is_finite:
+            return None
+        return float(self.rest.position_error_m[self.rest_from :].max())
 
     @property
     def is_monotone(self) -> bool:
@@ -126,7 +133,7 @@ class Forecast:
                 settles=self.settles,
                 rests=near,
                 ripples_grow=self.ripples_grow,
-                is_far=bool(ensemble.heading_rad[-1, 0] > FAR_HEADING),
+                is_far=bool(ensemble.heading_rad[-1, 0] > _LINEAR_HEADING),
                 disturbed_first=ensemble.position_m[0, 1:] if is_disturbed else np.zeros(0),
                 disturbed_last=ensemble.position_m[-1, 1:] if is_disturbed else np.zeros(0),
             )
@@ -134,7 +141,7 @@ class Forecast:
 
 
 def forecast(experiment: Experiment) -> Forecast:
-    """The figures of the linear theory.
+    """Returns the figures of the linear theory.
 
     Raises:
         UsageError: The linear theory does not speak of the experiment's law.
@@ -143,20 +150,53 @@ def forecast(experiment: Experiment) -> Forecast:
     return Forecast(
         experiment.iterations,
         extent(experiment),
-        lifted.spectral_radius_found(),
-        lifted.largest_singular_value_found(),
+        lifted.spectral_radius(),
+        lifted.largest_singular_value(),
         ripple_growth(experiment),
         predict_transient(experiment),
         noisy_learning(experiment),
         fixed_point(experiment),
         law.rest_from,
-        law.step_gain,
+        law.smooths,
     )
 
 
-def rest_error(experiment: Experiment, rest: FixedPoint) -> float:
-    """Largest position error where learning rests, of what a wheel can do something about [m].
+def expected_of_learning(experiment: Experiment, found: Forecast) -> ExpectedError:
+    """Returns the error to be expected of the laws hybrid and pid.
 
-    The initial error is left out, and with a compensation what comes until sample h.
+    Args:
+        experiment: The experiment.
+        found: What is predicted of it.
     """
-    return float(rest.position_error_m[linear_law(experiment).rest_from :].max())
+    errors = found.errors_m
+
+    def alone(part: Experiment) -> Floats:
+        return noisy_learning(part).final_m
+
+    return expected_of_seeds(
+        experiment,
+        float(errors[0]),
+        float(errors[-1]),
+        found.ensemble.final_m,
+        alone,
+        _unsure(experiment, found),
+    )
+
+
+def _unsure(experiment: Experiment, found: Forecast) -> str | None:
+    ensemble = found.ensemble
+    turned = float(ensemble.heading_rad[-1].max())
+    if not np.isfinite(ensemble.final_m).all():
+        return "predicted errors leave the finite numbers"
+    if turned > _LINEAR_HEADING:
+        return (
+            f"headings are off by up to {turned:.3g} rad in the last iteration, where what is "
+            "linear in them no longer holds"
+        )
+    held = ensemble.at_limit.max(axis=1)
+    acts = held[-1] > _SELDOM or held.mean() > _SELDOM
+    if acts and not ensemble.is_limited:
+        return "controller.b_w acts on the feedback, and so long a path is not followed with that"
+    if acts and ensemble.iterations < experiment.iterations:
+        return f"controller.b_w acts, which is followed for {ensemble.iterations} iterations only"
+    return None

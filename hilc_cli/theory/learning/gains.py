@@ -1,4 +1,26 @@
-"""What law pid makes of the error that a sample's wheel speeds cause: its condition to converge."""
+"""What the gain matrix makes of errors on the true platform: of a sample's own, and of ripples.
+
+A ripple is told by its frequency. Over a few samples the plant is an integrator, whatever the path.
+Along an eigenvector of the gain matrix times the control matrix, with eigenvalue c d_k, an
+iteration of Eq. 17 then multiplies a ripple z^k by
+
+    (1 - 1/z - l1 c d_k) / (1 - 1/z + c d_k (l2 / z + l3 / z^2)),   z = exp(i phi),
+
+which for small gains is 1 - c d_k (l1 - l2 - l3 (1 + 2 cos phi)) / 2. So feedback and learning do
+not add up, as Eq. 19 has it: where l2 + 3 l3 > l1 slow ripples grow from iteration to iteration,
+and where l2 > l1 + l3 the fastest do. All eigenvalues of the iteration may well lie within one
+then: they tell of the limit only, ripples of the many iterations before it.
+
+An iteration of law pid, which has no feedback, multiplies it by
+
+    Q(phi) [1 - gamma - c (kp d_k / (1 - 1/z) + ki d_k^2 / (1 - 1/z)^2 + kd)].
+
+Only periods up to LONGEST_PERIOD samples are looked at. At longer ones the factor is above 1 even
+for learning that goes well: without feedback it is about 1 - l1 c d_k + (l1 c d_k / phi)^2 when
+squared, so that at a period of 1000 samples l1 = 1 and d_k = 1 ms give 1.012. There the integrator
+adds up what is left along the path: a growth that ends with the path, which the largest singular
+value and the predicted errors tell.
+"""
 
 from __future__ import annotations
 
@@ -10,18 +32,21 @@ from numpy.typing import NDArray
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.laws.pid import PidLaw, next_error_gain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.linear_law import linear_law
 from hilc_cli.yaml_input.expressions import Affine
 
 MARGIN = 1e-9
 """Beyond what rounding may make of a limiting case."""
 _FACTOR = 10.0  # a gain matrix that is off by more hardly is so on purpose
+LONGEST_PERIOD = 20  # samples
+_LEAST_PERIODS = 5  # of a ripple along the path: fewer are none
+_FREQUENCIES = 200
 
 
 def loop_gains(matrix: GainMatrix, robot: Robot, heading: Floats) -> NDArray[np.complex128]:
-    """Eigenvalues of L(k) B(q_k), the gain matrix times the control matrix of Eq. 9.
+    """Returns the eigenvalues of L(k) B(q_k), the gain matrix times the control matrix of Eq. 9.
 
     With Eq. 45 and the true parameters both are 1: the correction of a sample's wheel speeds then
     moves the robot one sample time times the error. An iteration of Eq. 17 multiplies the part of
@@ -41,7 +66,7 @@ def loop_gains(matrix: GainMatrix, robot: Robot, heading: Floats) -> NDArray[np.
     cos, sin = np.cos(heading), np.sin(heading)
 
     def row(entries: tuple[Affine, Affine, Affine]) -> tuple[Floats, Floats]:
-        """What a wheel gets of an error of 1 ahead, and of 1 in heading."""
+        """Returns what a wheel gets of an error of 1 ahead, and of 1 in heading."""
         x, y, turn = (entry.constant + entry.cos * cos + entry.sin * sin for entry in entries)
         return x * cos + y * sin, turn
 
@@ -75,7 +100,7 @@ def wrong_way(gains: NDArray[np.complex128]) -> str:
 
 
 def unseen(matrix: GainMatrix) -> str:
-    """Of the component of an error of which the wheels hear nothing."""
+    """Tells which component of an error the wheels hear nothing of."""
     if matrix.is_kinematic:
         return "the law sees no error across the heading"
     return "the law does not see what controller.gain_matrix turns to zero"
@@ -98,86 +123,34 @@ def strength_findings(experiment: Experiment, matrix: GainMatrix) -> list[str]:
     ]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StepGain:
-    """The numbers s of each sample: an iteration leaves kept - s of what is wrong with its speeds.
-
-    Learning without a Q-filter converges where all |kept - s| are below 1. With D-type learning,
-    Eq. 45 and nothing forgotten s is kd R / R_b along the path and kd R B_b / (R_b B) in turning.
+@dataclass(frozen=True, slots=True)
+class RippleGrowth:
+    """The ripple that fares worst.
 
     Attributes:
-        kept: 1 - gamma.
-        time: kd + kp d_t + ki d_t^2 [s]: what multiplies the loop gains.
-        loop: Eigenvalues g of the gain matrix times the true control matrix, dimension of 1/s,
-            shape (n, 2); s is their product with the time.
-        along: s along the path, of a matrix of the form of Eq. 45; None for another one.
-        turning: Likewise in turning.
-        is_filtered: Whether the law has a Q-filter: then they tell of what passes it along a line.
+        factor: What an iteration multiplies it by.
+        period: Its period in samples, from 2 to LONGEST_PERIOD, on a short path to a fifth of it.
     """
 
-    kept: float
-    time: float
-    loop: NDArray[np.complex128]
-    along: float | None
-    turning: float | None
-    is_filtered: bool
-
-    @property
-    def left(self) -> float:
-        """The largest |kept - s|: below 1 each sample converges."""
-        return float(np.abs(self.kept - self.time * self.loop).max())
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Between these a real s must be."""
-        return self.kept - 1, self.kept + 1
-
-    @property
-    def largest_time(self) -> float:
-        """The time up to which all |kept - s| are below 1 [s]; 0 if there is none."""
-        real, size = self.loop.real, np.abs(self.loop)
-        # t^2 |g|^2 - 2 t kept Re g + kept^2 = 1; where nothing is kept back, t = 2 Re g / |g|^2.
-        root = np.sqrt((self.kept * real) ** 2 + size**2 * (1 - self.kept) * (1 + self.kept))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            largest = (self.kept * real + root) / size**2
-        return float(np.where(size > 0, largest, 0.0 if self.kept == 1 else np.inf).min())
+    factor: float
+    period: float
 
 
-def step_gain(experiment: Experiment, law: PidLaw) -> StepGain:
-    """The step gains of law pid on an experiment, along its reference."""
-    robot, sample_time = experiment.robot, experiment.reference.sample_time
-    time = sample_time * next_error_gain(law.gains, sample_time)
-    loop = loop_gains_of(experiment, law.matrix)
-    along, turning = None, None
-    if law.matrix.is_kinematic:
-        coefficients = law.matrix.coefficients
-        along = time * robot.wheel_radius * coefficients[1]
-        turning = time * robot.wheel_radius * coefficients[6] / robot.signed_half_track
-    return StepGain(1 - law.forgetting, time, loop, along, turning, law.cutoff is not None)
+def ripple_growth(experiment: Experiment) -> RippleGrowth:
+    """Returns the largest factor by which an iteration multiplies a ripple of the wheel speeds.
 
+    Args:
+        experiment: With a law of which the linear theory speaks; the speed limit is left out.
 
-def step_gain_row(found: StepGain) -> tuple[str, str]:
-    """The condition of law pid."""
-    low, high = found.bounds
-    needed = f"{low:.4g} < s < {high:.4g}"
-    if found.along is not None and found.turning is not None:
-        text = f"{found.along:.4g} along the path, {found.turning:.4g} in turning"
-    else:
-        sizes = np.abs(found.time * found.loop)
-        text = f"of absolute value {sizes.min():.4g} to {sizes.max():.4g}"
-        needed = f"|{found.kept:.4g} - s| < 1"
-    violated = "" if found.left < 1 else ", violated"
-    return "Step gain s", f"{text}; needed: {needed}{violated}"
-
-
-def step_gain_document(found: StepGain) -> dict[str, object]:
-    """Returns the condition of law pid as JSON."""
-    low, high = found.bounds
-    return {
-        "step_gain_along": found.along,
-        "step_gain_turning": found.turning,
-        "step_gain_above": low,
-        "step_gain_below": high,
-        "step_gain_leaves": found.left,
-        "condition_holds": found.left < 1,
-    }
+    Raises:
+        UsageError: It does not speak of the law.
+    """
+    law, reference = linear_law(experiment), experiment.reference
+    eigenvalues = loop_gains_of(experiment, law.matrix)
+    # The same ones over and over, but for rounding, if the matrix has the form of Eq. 45.
+    gains = np.unique(eigenvalues.round(12))[:, None]
+    longest = min(LONGEST_PERIOD, max(2, reference.samples / _LEAST_PERIODS))
+    frequencies = np.linspace(2 * np.pi / longest, np.pi, _FREQUENCIES)
+    factors = law.ripple_factors(gains, frequencies).max(axis=0)
+    worst = int(factors.argmax())
+    return RippleGrowth(float(factors[worst]), float(2 * np.pi / frequencies[worst]))

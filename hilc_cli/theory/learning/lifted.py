@@ -16,14 +16,125 @@ from hilc_cli.theory.learning.norms import (
     estimated_radius,
     largest_singular_value,
 )
-from hilc_cli.theory.learning.recursion import (
-    DriftRecursion,
-    ErrorRecursion,
-    Linearisation,
-    linearise,
-)
-from hilc_cli.theory.linear_law import LearningUpdate, linear_law
-from hilc_cli.theory.matrices import GainParts, times
+from hilc_cli.theory.linear_law import linear_law
+from hilc_cli.theory.matrices import linearise, times
+
+
+class DriftRecursion:
+    """e(k+1) = A_k e(k) + r(k+1), from e(0) = r(0): a platform that nobody steers.
+
+    A_k is the identity and what an error of the heading moves in x and in y. So the heading's error
+    is a sum, and those of the position are two more.
+    """
+
+    def __init__(self, states: Floats) -> None:
+        """Takes what a heading error moves.
+
+        Args:
+            states: A_k, shape (n, 3, 3).
+        """
+        self._moves = [np.ascontiguousarray(states[:, axis, 2]) for axis in range(2)]
+
+    def solve(self, right: Floats) -> Floats:
+        """Returns the errors e.
+
+        Args:
+            right: r, shape (n + 1, 3), or (n + 1, 3, m) for m of them.
+
+        Returns:
+            e, of the same shape.
+        """
+        errors = np.empty_like(right)
+        heading = np.cumsum(right[:, 2], axis=0, out=errors[:, 2])
+        for axis, moves in enumerate(self._moves):
+            steps = right[:, axis].copy()
+            steps[1:] += (moves * heading[:-1].T).T
+            np.cumsum(steps, axis=0, out=errors[:, axis])
+        return errors
+
+    def solve_transposed(self, right: Floats) -> Floats:
+        """Solves the transposed system: a recursion backwards along the trajectory.
+
+        Args:
+            right: Shape (n + 1, 3).
+
+        Returns:
+            The solution, shape (n + 1, 3).
+        """
+        solution = np.empty_like(right)
+        turning = right[:, 2].copy()
+        for axis, moves in enumerate(self._moves):
+            later = _summed_backwards(right[:, axis])
+            solution[:, axis] = later
+            turning[:-1] += moves * later[1:]
+        solution[:, 2] = _summed_backwards(turning)
+        return solution
+
+
+class ErrorRecursion:
+    """e(k+1) = M_k e(k) + N_k e(k-1) + r(k+1), from e(0) = r(0) and e(-1) = 0.
+
+    Written for all samples at once it is a unit lower triangular system of 3 (n + 1) equations
+    with at most eight diagonals below the main one: nothing needs to be factorised, and solving
+    it, or its transpose, costs O(n).
+    """
+
+    def __init__(self, now: Floats, before: Floats | None = None) -> None:
+        """Puts the diagonals together.
+
+        Args:
+            now: M_k, shape (n, 3, 3).
+            before: N_k, shape (n, 3, 3), of which N_0 is not used; None for zero.
+        """
+        self._steps = len(now)
+        diagonals = 6 if before is None else 9
+        # Entry (i, j) of the matrix is at [i - j, j]; the main diagonal is never read.
+        self._bands = np.zeros((diagonals, 3 * (self._steps + 1)), order="F")
+        for row in range(3):
+            for column in range(3):
+                below = 3 + row - column
+                self._bands[below, column:-3:3] = -now[:, row, column]
+        if before is not None:
+            for row in range(3):
+                for column in range(3):
+                    below = 6 + row - column
+                    self._bands[below, column:-6:3] -= before[1:, row, column]
+
+    def solve(self, right: Floats) -> Floats:
+        """Returns the errors e.
+
+        Args:
+            right: r, shape (n + 1, 3), or (n + 1, 3, m) for m of them.
+
+        Returns:
+            e, of the same shape; infinite or not-a-number from where it leaves the finite numbers.
+        """
+        return self._solve(right, b"N")
+
+    def solve_transposed(self, right: Floats) -> Floats:
+        """Solves the transposed system: a recursion backwards along the trajectory.
+
+        Args:
+            right: Shape (n + 1, 3).
+
+        Returns:
+            The solution, shape (n + 1, 3).
+        """
+        return self._solve(right, b"T")
+
+    def _solve(self, right: Floats, transposed: bytes) -> Floats:
+        from scipy.linalg.lapack import dtbtrs  # starts slowly, and not every law has feedback
+
+        many = right.reshape(3 * (self._steps + 1), -1)
+        solution, _ = dtbtrs(self._bands, many, uplo=b"L", trans=transposed, diag=b"U")
+        errors: Floats = np.asfortranarray(solution.reshape(right.shape))
+        return errors
+
+
+def _summed_backwards(values: Floats) -> Floats:
+    """Returns the sums from each value to the last."""
+    sums: Floats = np.cumsum(values[::-1])[::-1]
+    return sums
 
 
 class LinearPass(NamedTuple):
@@ -53,25 +164,18 @@ class LiftedIteration:
     Attributes:
         plant: The linearised plant.
         gains: G_k, the gain matrix along the reference, shape (n, 2, 3).
-        update: What is learned from the iteration before.
+        law: What learns from the iteration before.
         l2: Gain of e_{i+1}(k); 0 with compensation, and in law pid.
         l3: Gain of e_{i+1}(k-1), likewise.
         start: e_i(0), the initial error of every iteration [m, m, rad], shape (3,).
         first_input: u_0 - u_d [rad/s], shape (n, 2).
+        open_loop: The recursion of the errors of a platform that nobody steers.
+        closed_loop: The same with the law's feedback.
         added: What every iteration adds to what is learned [rad/s], likewise; None for nothing.
 
     Source:
         Qiao et al. 2021, Eqs. 8, 17 and 21, linearised.
     """
-
-    plant: Linearisation
-    gains: Floats
-    update: LearningUpdate
-    l2: float
-    l3: float
-    start: Floats
-    first_input: Floats
-    added: Floats | None
 
     def __init__(self, experiment: Experiment) -> None:
         """Linearises an experiment.
@@ -84,29 +188,22 @@ class LiftedIteration:
         """
         law, reference = linear_law(experiment), experiment.reference
         self.plant = linearise(experiment)
-        self.gains = np.asfortranarray(GainParts.of(law.matrix).at(reference.heading[:-1]))
-        self.update = law.update(self.gains)
+        self.law, self.gains = law, law.gains
         self.l2, self.l3 = law.feedback
-        self.start = np.array(
-            [
-                reference.x[0] - experiment.initial_pose[0],
-                reference.y[0] - experiment.initial_pose[1],
-                reference.heading[0] - experiment.initial_pose[2],
-            ]
-        )
+        self.start = reference.poses[0] - experiment.initial_pose
         initial = np.array([experiment.initial_left, experiment.initial_right]).T
         self.first_input = initial - self.plant.feedforward
-        self.added = self.update.constant(self.first_input, self.plant.feedforward)
+        self.added = self.law.constant(self.first_input, self.plant.feedforward)
         self._learn_in_first = experiment.learn_in_first
         self._constant = np.asfortranarray(np.vstack([self.start, self.plant.residual]))
         self._undriven = np.zeros_like(self._constant)
-        self._open = DriftRecursion(self.plant.states)
-        self._closed: DriftRecursion | ErrorRecursion = self._open
+        self.open_loop = DriftRecursion(self.plant.states)
+        self.closed_loop: DriftRecursion | ErrorRecursion = self.open_loop
         if self.has_feedback:
             with np.errstate(over="ignore", invalid="ignore"):  # absurd gains: nothing is finite
                 loop = self.plant.inputs @ self.gains
                 before = -self.l3 * loop if self.l3 else None
-                self._closed = ErrorRecursion(self.plant.states - self.l2 * loop, before)
+                self.closed_loop = ErrorRecursion(self.plant.states - self.l2 * loop, before)
 
     @property
     def samples(self) -> int:
@@ -119,7 +216,7 @@ class LiftedIteration:
         return self.l2 != 0 or self.l3 != 0
 
     def apply(self, inputs: Floats) -> Floats:
-        """T times an input.
+        """Returns T times an input.
 
         Args:
             inputs: Shape (n, 2) [rad/s].
@@ -127,11 +224,11 @@ class LiftedIteration:
         Returns:
             Shape (n, 2) [rad/s].
         """
-        errors = self._open.solve(self._driven(self._undriven, inputs))
-        return self._fed_back(self.update.learned(inputs, errors), self._undriven).inputs
+        errors = self.open_loop.solve(self._driven(self._undriven, inputs))
+        return self._fed_back(self.law.learned(inputs, errors), self._undriven).inputs
 
     def adjoint(self, inputs: Floats) -> Floats:
-        """The transpose of T times an input.
+        """Returns the transpose of T times an input.
 
         Args:
             inputs: Shape (n, 2) [rad/s].
@@ -145,78 +242,43 @@ class LiftedIteration:
             weighted = np.zeros_like(self._constant)
             weighted[:-1] = self.l2 * errors
             weighted[:-2] += self.l3 * errors[1:]
-            inputs = inputs - times(plant, self._closed.solve_transposed(weighted)[1:])
-        learned, errors = self.update.transposed(inputs)
-        result: Floats = learned - times(plant, self._open.solve_transposed(errors)[1:])
+            inputs = inputs - times(plant, self.closed_loop.solve_transposed(weighted)[1:])
+        learned, errors = self.law.transposed(inputs)
+        result: Floats = learned - times(plant, self.open_loop.solve_transposed(errors)[1:])
         return result
 
     def first(self) -> LinearPass:
-        """Iteration 0: the initial input as it is, or with the law's feedback."""
+        """Returns iteration 0: the initial input as it is, or with the law's feedback."""
         if self._learn_in_first:
             return self.next(LinearPass(self.first_input, self._undriven))
-        errors = self._open.solve(self._driven(self._constant, self.first_input))
+        errors = self.open_loop.solve(self._driven(self._constant, self.first_input))
         return LinearPass(self.first_input, errors)
 
     def next(self, previous: LinearPass) -> LinearPass:
-        """The iteration after a given one.
+        """Returns the iteration after a given one.
 
         Args:
             previous: The iteration that is learned from.
         """
-        learned = self.update.learned(previous.inputs, previous.errors)
+        learned = self.law.learned(previous.inputs, previous.errors)
         if self.added is not None:
             learned = learned + self.added
         return self._fed_back(learned, self._constant)
 
-    def closed_loop(self, right: Floats) -> Floats:
-        """The errors of the plant with the law's feedback, of many right sides at once.
-
-        Args:
-            right: What is added to the error of each sample, shape (n + 1, 3, m).
-
-        Returns:
-            The errors, shape (n + 1, 3, m).
-        """
-        return self._closed.solve(right)
-
-    def spectral_radius(self) -> float:
-        """The value of `spectral_radius_found`."""
-        return self.spectral_radius_found().value
-
-    def spectral_radius_found(self) -> SpectralRadius:
-        """The largest absolute eigenvalue of T: below 1 the iteration converges in the end.
+    def spectral_radius(self) -> SpectralRadius:
+        """Returns the largest absolute eigenvalue of T: below 1 the iteration converges in the end.
 
         T is block lower triangular with the blocks kept I - c d G_k B_k, c the gain of e(k+1),
         whatever the feedback. With a Q-filter it is not, and the radius is estimated.
         """
-        if self.update.smooths:
+        if self.law.smooths:
             return estimated_radius(self.apply, (self.samples, 2))
         gains = self._loop_gains()
         if gains is None:
             return SpectralRadius(math.inf)
-        return SpectralRadius(float(np.abs(self.update.kept - gains).max()))
+        return SpectralRadius(float(np.abs(self.law.kept - gains).max()))
 
-    def contraction(self) -> float:
-        """1 less the spectral radius, above 0 where the iteration converges in the end.
-
-        Without a Q-filter it is exact to rounding of its own size, where the spectral radius
-        itself cannot be told from 1; minus infinity where the blocks of T leave the finite numbers.
-        """
-        if self.update.smooths:
-            return 1 - self.spectral_radius()
-        gains, kept = self._loop_gains(), self.update.kept
-        if gains is None:
-            return -math.inf
-        # 1 - |a - g| = (1 - |a - g|^2) / (1 + |a - g|) = (1 - a^2 + 2 a Re g - |g|^2) / (...)
-        both = 1 + np.abs(kept - gains)
-        less = gains.real * ((2 * kept - gains.real) / both) - gains.imag * (gains.imag / both)
-        return float(((1 - kept) * (1 + kept) / both + less).min())
-
-    def largest_singular_value(self) -> float:
-        """The value of `largest_singular_value_found`."""
-        return self.largest_singular_value_found().value
-
-    def largest_singular_value_found(self) -> SingularValue:
+    def largest_singular_value(self) -> SingularValue:
         """The most by which T may lengthen an input; if below 1 the convergence is monotone.
 
         Length is the root of the sum of squares over both wheels and all samples. Of the errors
@@ -228,22 +290,22 @@ class LiftedIteration:
         return largest_singular_value(self.apply, self.adjoint, (self.samples, 2))
 
     def _loop_gains(self) -> NDArray[np.complex128] | None:
-        """The eigenvalues of c d G_k B_k, shape (n, 2); None beyond the finite numbers."""
+        """Returns the eigenvalues of c d G_k B_k, shape (n, 2); None beyond the finite numbers."""
         with np.errstate(over="ignore", invalid="ignore"):
-            products = self.update.next_gain * (self.gains @ self.plant.inputs)
+            products = self.law.next_gain * (self.gains @ self.plant.inputs)
         if not np.isfinite(products).all():
             return None
         return np.linalg.eigvals(products).astype(np.complex128)
 
     def _driven(self, constant: Floats, inputs: Floats) -> Floats:
-        """The right side of the error's recursion for a given input."""
+        """Returns the right side of the error's recursion for a given input."""
         right = constant.copy(order="K")
         right[1:] -= times(self.plant.inputs, inputs)
         return right
 
     def _fed_back(self, learned: Floats, constant: Floats) -> LinearPass:
         """An iteration whose input is what was learned before it, and the feedback in it."""
-        errors = self._closed.solve(self._driven(constant, learned))
+        errors = self.closed_loop.solve(self._driven(constant, learned))
         if not self.has_feedback:
             return LinearPass(learned, errors)
         now = errors[:-1]

@@ -1,4 +1,4 @@
-"""The largest singular value of an operator that is known only by what it does."""
+"""Largest singular value and spectral radius of an operator known only by what it does."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class SingularValue:
 def largest_singular_value(
     apply: Operator, adjoint: Operator, shape: tuple[int, ...]
 ) -> SingularValue:
-    """The Lanczos process on the operator's transpose times it, with full reorthogonalisation.
+    """Runs the Lanczos process on the operator's transpose times it, with full reorthogonalisation.
 
     It starts from a fixed vector of pseudo-random numbers, which has a share in every direction;
     a smooth one may have none in the singular vector that is looked for. A learning update is the
@@ -87,8 +87,11 @@ def largest_singular_value(
             vector -= diagonal[-1] * known[-1]
             if beside:
                 vector -= beside[-1] * known[-2]
-            # In exact arithmetic nothing is left of the others; rounding brings them back.
-            vector -= _combined(_shares(vector, known), known)
+            # In exact arithmetic nothing is left of the others; rounding brings them back. Not by
+            # matrix products, whose threads wait for each other where other programs run: memory
+            # is what limits both.
+            shares = np.einsum("kj,j->k", known, vector)
+            vector -= np.einsum("k,kj->j", shares, known)
             rest = float(np.linalg.norm(vector))
             if not math.isfinite(diagonal[-1] + rest):
                 return SingularValue(math.inf, 0.0)
@@ -104,25 +107,9 @@ def largest_singular_value(
 
 
 def most_steps(size: int) -> int:
-    """The steps that an operator with so many rows may cost."""
+    """Returns the steps that an operator with so many rows may cost."""
     affordable = min(math.sqrt(MOST_PRODUCTS / size), MOST_NUMBERS / size)
     return max(1, min(MOST_STEPS, size, int(affordable)))
-
-
-def _shares(vector: Floats, basis: Floats) -> Floats:
-    """The product with each vector of a basis.
-
-    Not by a matrix product, whose threads wait for each other where other programs run: memory
-    is what limits both.
-    """
-    shares: Floats = np.einsum("kj,j->k", basis, vector)
-    return shares
-
-
-def _combined(shares: Floats, basis: Floats) -> Floats:
-    """The sum of the vectors of a basis, each by its share."""
-    total: Floats = np.einsum("k,kj->j", shares, basis)
-    return total
 
 
 def _largest_of(diagonal: list[float], beside: list[float], rest: float) -> SingularValue:
@@ -179,7 +166,7 @@ class SpectralRadius:
 
 
 def estimated_radius(apply: Operator, shape: tuple[int, ...]) -> SpectralRadius:
-    """The growth per step of a vector of pseudo-random numbers over many steps.
+    """Returns the growth per step of a vector of pseudo-random numbers over many steps.
 
     The norm of the k-th power is about the k-th power of the spectral radius, times how far an
     error may rise on the way, which the k-th root takes away. Eigenvalues themselves are hard to

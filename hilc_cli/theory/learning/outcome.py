@@ -67,7 +67,7 @@ class Prospects(NamedTuple):
 
 
 def predicted_outcome(found: Prospects) -> Outcome:
-    """The outcome; without disturbances first, since what they spoil has to be there."""
+    """Returns the outcome; without disturbances first, since what they spoil has to be there."""
     if len(found.errors) < 2:
         return Outcome.NOTHING
     plain = _without_disturbances(found)
@@ -105,7 +105,7 @@ def _without_disturbances(found: Prospects) -> Outcome:
 
 
 def seen_outcome(errors: Floats, extent: float, unlearned: float = np.nan) -> Outcome:
-    """The outcome of an experiment that was run.
+    """Returns the outcome of an experiment that was run.
 
     Args:
         errors: Largest position errors of its iterations [m]; the last one infinite if it left the

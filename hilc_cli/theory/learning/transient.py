@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.plants.kinematic import driven_path
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import settled_at
-from hilc_cli.theory.learning.lifted import LiftedIteration, LinearPass
+from hilc_cli.theory.learning.lifted import LiftedIteration
+from hilc_cli.theory.matrices import driven_errors
 
 ITERATIONS = 5000
 SAMPLES_OF_ALL_ITERATIONS = 12_000_000
@@ -61,10 +61,6 @@ class Transient:
             return 1.0 if peak == first else math.inf
         return peak / first
 
-    def best_until(self, iterations: int) -> int:
-        """The iteration with the smallest error of iterations 0 to the given one."""
-        return int(self.max_position_error_m[: iterations + 1].argmin())
-
     def settled_at(self, share: float) -> int | None:
         """The first iteration from which on the error stays at or below a share of the path's size.
 
@@ -77,7 +73,7 @@ class Transient:
         return settled_at(self.max_position_error_m, share * self.path_size_m)
 
     def first_within(self, share: float) -> int | None:
-        """The first iteration whose error is at or below a share of the path's size.
+        """Returns the first iteration whose error is at or below a share of the path's size.
 
         It may be above it again later: ripples that grow come through in the end.
 
@@ -91,7 +87,7 @@ class Transient:
         return int(within[0]) if len(within) else None
 
     def spell_within(self, share: float, iterations: int) -> tuple[int, int] | None:
-        """From when to when the error is at or below a share of the path's size.
+        """Returns from when to when the error is at or below a share of the path's size.
 
         Args:
             share: Such as 0.01.
@@ -134,14 +130,14 @@ class Transient:
         return int(beyond[0]) if len(beyond) else None
 
     def at(self, iteration: int) -> float | None:
-        """The predicted error of an iteration [m]; None beyond the horizon."""
+        """Returns the predicted error of an iteration [m]; None beyond the horizon."""
         if iteration > self.iterations:
             return None
         return float(self.max_position_error_m[iteration])
 
 
 def horizon(experiment: Experiment) -> int:
-    """How far to look ahead at a bounded cost: as far as the experiment goes, if it can be.
+    """Returns how far to look ahead at a bounded cost: as far as the experiment goes, if it can be.
 
     The prediction of a very long experiment ends before it, at `Transient.iterations`.
     """
@@ -152,7 +148,7 @@ def horizon(experiment: Experiment) -> int:
 
 
 def predict_transient(experiment: Experiment, iterations: int | None = None) -> Transient:
-    """The errors that follow from the experiment's first input by the linear theory.
+    """Returns the errors that follow from the experiment's first input by the linear theory.
 
     What is learned is predicted by the linear map of `LiftedIteration`, which holds to first order
     in the errors. The position error is then that of the exact plant when it drives the predicted
@@ -167,54 +163,27 @@ def predict_transient(experiment: Experiment, iterations: int | None = None) -> 
         UsageError: The experiment's law is neither the hybrid law nor law pid.
     """
     last = horizon(experiment) if iterations is None else iterations
-    lifted = LiftedIteration(experiment)
+    lifted, size = LiftedIteration(experiment), experiment.reference.size
     errors, headings = np.full((2, last + 1), math.inf)
     with np.errstate(over="ignore", invalid="ignore"):
-        driven = _Driven(experiment, lifted)
         current = lifted.first()
         for iteration in range(last + 1):
-            errors[iteration] = driven.largest_error(current)
-            if not math.isfinite(errors[iteration]):
-                errors[iteration] = math.inf  # it may be not-a-number
+            speeds = current.inputs + lifted.plant.feedforward
+            x, y = driven_errors(experiment, *speeds.T)
+            error = math.sqrt((x * x + y * y).max())
+            if not math.isfinite(error):
                 break
+            errors[iteration] = error
             headings[iteration] = np.abs(current.errors[:, 2]).max()
             previous, current = current, lifted.next(current)
-            if iteration and driven.rests(errors[iteration - 1 : iteration + 1], previous, current):
-                errors[iteration + 1 :] = errors[iteration]
+            # Errors are compared first since that costs nothing.
+            changed = abs(error - errors[iteration - 1]) if iteration else math.inf
+            if changed > 100 * ROUNDING * (error + size):
+                continue
+            speeds = current.inputs + lifted.plant.feedforward
+            change = np.abs(current.inputs - previous.inputs).max()
+            if change <= ROUNDING * np.abs(speeds).max():  # nothing changes from here on
+                errors[iteration + 1 :] = error
                 headings[iteration + 1 :] = headings[iteration]
                 break
-    return Transient(experiment.reference.size, errors, headings)
-
-
-class _Driven:
-    """The exact plant, driven by predicted wheel speeds."""
-
-    def __init__(self, experiment: Experiment, lifted: LiftedIteration) -> None:
-        self._experiment, self._reference = experiment, experiment.reference
-        self._feedforward = lifted.plant.feedforward
-
-    def largest_error(self, predicted: LinearPass) -> float:
-        """The largest position error [m]; not finite beyond the square root of all numbers."""
-        inputs, reference = predicted.inputs + self._feedforward, self._reference
-        x, y, _ = driven_path(
-            self._experiment.initial_pose,
-            inputs[:, 0],
-            inputs[:, 1],
-            self._experiment.robot,
-            reference.sample_time,
-        )
-        x, y = reference.x - x, reference.y - y
-        return math.sqrt((x * x + y * y).max())
-
-    def rests(self, errors: Floats, before: LinearPass, after: LinearPass) -> bool:
-        """Whether wheel speeds no longer change: then nothing does from here on.
-
-        Args:
-            errors: Of the last two iterations [m], compared first since that costs nothing.
-            before: An iteration.
-            after: The next one.
-        """
-        if abs(errors[1] - errors[0]) > 100 * ROUNDING * (errors[1] + self._reference.size):
-            return False
-        change = np.abs(after.inputs - before.inputs).max()
-        return bool(change <= ROUNDING * np.abs(after.inputs + self._feedforward).max())
+    return Transient(size, errors, headings)

@@ -1,4 +1,4 @@
-"""The bounds of the convergence proof in the lambda-norm: Eqs. 35 to 43.
+"""The bounds of the convergence proof in the lambda-norm, Eqs. 35 to 43: printed and corrected.
 
 The lambda-norm is sup_k lambda**-k ||.(k)||. A bound in it says of sample k that ||.(k)|| is at
 most lambda**k times as large. Numbers are kept as logarithms: lambda**k soon is too large for one.
@@ -7,7 +7,7 @@ most lambda**k times as large. Numbers are kept as logarithms: lambda**k soon is
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,8 +16,21 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.matrices import desired_motion
-from hilc_cli.theory.proof.constants import Constants, limited_inputs
+from hilc_cli.theory.proof.constants import (
+    ALL,
+    PRINTED,
+    Constants,
+    Correction,
+    constants,
+    constants_within_limit,
+    limited_inputs,
+)
 from hilc_cli.theory.proof.norms import input_norm, log_lambda_norm
+
+AS_PRINTED = "as printed"
+WITH_SAMPLE_TIME = "as printed, with the sample time"
+CORRECTED = "corrected"
+WITHIN_LIMIT = "corrected, within the speed limit"
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +100,7 @@ class Bounds:
         return float(self._output_after(np.array(self.state_limit)))
 
     def at_sample(self, bound: float, k: int) -> float:
-        """log10 of what a bound says of ||.(k)|| at one sample."""
+        """Returns log10 of what a bound says of ||.(k)|| at one sample."""
         return bound + k * math.log10(self.lambda_)
 
     def _state_after(self, inputs: Floats) -> Floats:
@@ -107,7 +120,7 @@ class Bounds:
 
 
 def bounds(experiment: Experiment, constants: Constants, lambda_: float | None = None) -> Bounds:
-    """The bounds of an experiment.
+    """Returns the bounds of an experiment.
 
     Args:
         experiment: The experiment.
@@ -132,8 +145,43 @@ def bounds(experiment: Experiment, constants: Constants, lambda_: float | None =
     return Bounds(c, value, A, B, _start(experiment, c, value))
 
 
+def theories(experiment: Experiment) -> dict[str, Bounds]:
+    """Returns all bounds that can be given before a run, by name.
+
+    Returns:
+        ``as printed``: every equation as it stands; no bound of the simulated system.
+        ``as printed, with the sample time``: with d_k B for B, else the same.
+        ``corrected``: all corrections; holds in every iteration, and has a limit only where rho < 1
+        for every heading that the law may use.
+        ``corrected, within the speed limit``: all corrections, with rho on the reference; only with
+        a speed limit.
+        Those whose constants leave the range of floating point are missing.
+
+    Raises:
+        UsageError: The law is not the hybrid law.
+    """
+    found = {
+        AS_PRINTED: constants(experiment, PRINTED),
+        WITH_SAMPLE_TIME: constants(experiment, {Correction.SAMPLE_TIME}),
+        CORRECTED: constants(experiment, ALL),
+    }
+    if math.isfinite(experiment.speed_limit):
+        found[WITHIN_LIMIT] = constants_within_limit(experiment)
+    all_bounds = {name: _bounds(experiment, each) for name, each in found.items()}
+    return {name: each for name, each in all_bounds.items() if each is not None}
+
+
+def _bounds(experiment: Experiment, found: Constants) -> Bounds | None:
+    """Returns the bounds; None if there are no numbers for them."""
+    numbers = [value for value in asdict(found).values() if not isinstance(value, str)]
+    if not all(map(math.isfinite, [*numbers, smallest_lambda(found)])):
+        return None
+    made = bounds(experiment, found)
+    return made if all(map(math.isfinite, (made.lambda_, made.A, made.B))) else None
+
+
 def smallest_lambda(constants: Constants) -> float:
-    """h2 + b_B (b_L2 + b_L3), which lambda must exceed.
+    """Returns h2 + b_B (b_L2 + b_L3), which lambda must exceed.
 
     The print wants lambda > max(1, h2, b_B (b_L2 + b_L3)) and concludes this from it, which does
     not follow: with less, the denominator of Eq. 37 can be negative.
@@ -146,7 +194,7 @@ def smallest_lambda(constants: Constants) -> float:
 
 
 def suitable_lambda(constants: Constants, iterations: int) -> float:
-    """A lambda for Eq. 37, neither too small for A nor larger than need be.
+    """Returns a lambda for Eq. 37, neither too small for A nor larger than need be.
 
     With rho < 1, A < 1 needs lambda > h2 + b_B (h1 + b_L2 + b_L3) / (1 - rho). Twice that distance
     from h2 is taken: then 1 - A is at least (1 - rho) / 2, half of what any lambda can give. With
@@ -177,7 +225,7 @@ def state_series(constants: Constants, lambda_: float) -> float:
 
 
 def _start(experiment: Experiment, c: Constants, lambda_: float) -> float:
-    """log10 of the bound of ||du_0||."""
+    """Returns log10 of the bound of ||du_0||."""
     initial = np.column_stack([experiment.initial_left, experiment.initial_right])
     if not experiment.learn_in_first:
         initial = limited_inputs(experiment, initial)
@@ -193,13 +241,13 @@ def _start(experiment: Experiment, c: Constants, lambda_: float) -> float:
 
 
 def _log10(value: ArrayLike) -> Floats:
-    """log10, minus infinity for 0."""
+    """Returns log10, minus infinity for 0."""
     with np.errstate(divide="ignore"):
         return np.asarray(np.log10(value))
 
 
 def _log10_sum(*logarithms: Floats) -> Floats:
-    """log10 of a sum from the log10 of its terms."""
+    """Returns log10 of a sum from the log10 of its terms."""
     terms = [np.asarray(term) * math.log(10) for term in logarithms]
     total = terms[0]
     for term in terms[1:]:
@@ -209,7 +257,7 @@ def _log10_sum(*logarithms: Floats) -> Floats:
 
 
 def _log10_series(A: float, count: Floats) -> Floats:
-    """log10 of (1 - A^i) / (1 - A) = 1 + A + ... + A^(i-1)."""
+    """Returns log10 of (1 - A^i) / (1 - A) = 1 + A + ... + A^(i-1)."""
     if A in (0.0, 1.0):
         return _log10(np.minimum(count, 1.0) if A == 0 else count)
     # One minus the smaller of A^i and A^-i, and, where that was A^-i, A^i itself.

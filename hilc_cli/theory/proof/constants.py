@@ -1,4 +1,4 @@
-"""The constants of the convergence proof: Eqs. 12 to 18, 28 and 32.
+"""The conditions of the paper's theorems, and the constants of their proof: Eqs. 12 to 32.
 
 With all corrections they satisfy, in every iteration and at every sample of an experiment, with
 disturbances, initial errors and a speed limit or without, whatever its headings do,
@@ -14,19 +14,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Literal
 
 import numpy as np
 
 from hilc_cli.disturbance.streams import Bounded
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.errors import UsageError
 from hilc_cli.laws.hybrid import compensation_gain
-from hilc_cli.plants.kinematic import limit_wheel_speeds
+from hilc_cli.plants.kinematic import control_matrices, limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.linear_law import paper_law
+from hilc_cli.theory.linear_law import linear_law, paper_law
 from hilc_cli.theory.matrices import Desired, GainParts, desired_motion
-from hilc_cli.theory.proof.conditions import contraction
 from hilc_cli.theory.proof.norms import (
     WheelNorm,
     control_slope,
@@ -35,8 +36,76 @@ from hilc_cli.theory.proof.norms import (
     largest_contraction,
     largest_control,
     largest_gain,
+    largest_gain_slope,
     pose_norm,
+    wheel_map_norm,
 )
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """The numbers rho that both theorems want below 1, printed and for the simulated system.
+
+    The print has B of Eq. 9, the plant of Eq. 8 moves by d_k B in a sample. The proof of Theorem 1,
+    Eq. 30, needs the condition of Theorem 2: L2 and L3 do not learn.
+
+    Attributes:
+        theorem: Which of the two speaks of this experiment's law: 1 of Eq. 17, 2 of Eq. 21.
+        theorem_1_printed: max ||I - (L1 + L2 + L3) B||, Eq. 19.
+        theorem_1_simulated: max ||I - (L1 + L2 + L3) d_k B||.
+        theorem_2_printed: max ||I - L1 B||, Eq. 23.
+        theorem_2_simulated: max ||I - L1 d_k B||.
+        starts_on_reference: Whether y_i(0) = y_d(0), as both theorems want, in every iteration.
+    """
+
+    theorem: Literal[1, 2]
+    theorem_1_printed: float
+    theorem_1_simulated: float
+    theorem_2_printed: float
+    theorem_2_simulated: float
+    starts_on_reference: bool
+
+
+def conditions(experiment: Experiment) -> Conditions:
+    """Returns the conditions of Theorems 1 and 2.
+
+    B is that of the true robot, L that of the law, which knows the model; both at the heading of
+    the reference.
+
+    Raises:
+        UsageError: The law is not the hybrid law.
+
+    Source:
+        Qiao et al. 2021, Eqs. 19 and 23.
+    """
+    law, reference = paper_law(experiment), experiment.reference
+    all_gains = law.l1 + law.l2 + law.l3
+    start = (reference.x[0], reference.y[0], reference.heading[0])
+    disturbance = experiment.disturbance
+    return Conditions(
+        theorem=2 if law.compensation else 1,
+        theorem_1_printed=contraction(experiment, all_gains),
+        theorem_1_simulated=contraction(experiment, all_gains * reference.sample_time),
+        theorem_2_printed=contraction(experiment, law.l1),
+        theorem_2_simulated=contraction(experiment, law.l1 * reference.sample_time),
+        starts_on_reference=experiment.initial_pose == start
+        and not disturbance.initial_pose.active
+        and not disturbance.output.active,
+    )
+
+
+def contraction(experiment: Experiment, gain: float, wheels: WheelNorm = "euclidean") -> float:
+    """Returns max_k ||I - gain L(q_d(k)) B(q_d(k))|| along the reference.
+
+    Args:
+        experiment: The experiment.
+        gain: Scalar before the product, with the sample time or without.
+        wheels: Norm of wheel speeds.
+    """
+    headings = experiment.reference.heading[:-1]
+    control = control_matrices(experiment.robot, headings)  # Eq. 9
+    product = GainParts.of(paper_law(experiment).matrix).at(headings) @ control
+    return float(wheel_map_norm(np.eye(2) - gain * product, wheels).max())
 
 
 class Correction(StrEnum):
@@ -139,7 +208,7 @@ def constants(
     *,
     heading_mismatch: float | None = None,
 ) -> Constants:
-    """The constants of an experiment.
+    """Returns the constants of an experiment.
 
     Args:
         experiment: The experiment.
@@ -161,7 +230,7 @@ def constants(
     limited = Correction.SPEED_LIMIT in corrections and math.isfinite(experiment.speed_limit)
     wheels: WheelNorm = "sum" if limited else "euclidean"
     desired = desired_motion(experiment)
-    l2, l3 = feedback_gains(experiment)
+    l2, l3 = linear_law(experiment).feedback
 
     scale = sample_time if Correction.SAMPLE_TIME in corrections else 1.0
     C_B = sample_time * control_slope(robot, wheels)  # Eq. 16
@@ -173,7 +242,7 @@ def constants(
         rho = largest_contraction(learning * scale, law.matrix, robot, wheels, angle)
     else:
         gain = float(gain_norm(GainParts.of(law.matrix).at(reference.heading[:-1]), wheels).max())
-        rho = contraction(experiment, learning * scale, wheels).rho  # Eq. 19 or 23
+        rho = contraction(experiment, learning * scale, wheels)  # Eq. 19 or 23
     b_L1, b_L2, b_L3 = law.l1 * gain, l2 * gain, l3 * gain  # Eq. 18
     mismatch = desired.mismatch if Correction.REACHABILITY in corrections else np.zeros(3)
     b_beta = largest_disturbance(disturbance.state, mismatch)  # Eq. 13
@@ -208,14 +277,52 @@ def constants(
     )
 
 
-def feedback_gains(experiment: Experiment) -> tuple[float, float]:
-    """l2 and l3 as the law uses them: Eq. 21 has neither."""
-    law = paper_law(experiment)
-    return (0.0, 0.0) if law.compensation else (law.l2, law.l3)
+def constants_within_limit(experiment: Experiment) -> Constants:
+    """Returns the constants of an experiment with a speed limit, all corrections made.
+
+    They satisfy the two inequalities of `constants`; b_ud is the bound of u_i, as Eq. 14 has it.
+
+    Raises:
+        UsageError: There is no speed limit, or the law is not the hybrid law.
+
+    Source:
+        Qiao et al. 2021, Eqs. 12 to 18, 28 and 32, with Eq. 26 split the other way.
+    """
+    if math.isinf(experiment.speed_limit):
+        raise UsageError("without a speed limit nothing bounds the inputs, as Eq. 14 demands")
+    law, sample_time = paper_law(experiment), experiment.reference.sample_time
+    c = constants(experiment)  # all but what B and L1 on the reference change
+
+    b_ud = 2 * experiment.speed_limit  # Eq. 14
+    growth = 1 + c.C_B * b_ud
+    h1, h3, b_1 = c.b_L1 * growth, c.h3, c.b_1  # Eq. 32
+    if law.gain_heading != "reference":
+        # ||(L1(a) - L1(b)) e_i(k+1)|| <= turning |a - b|, b the heading of the reference.
+        slope = law.l1 * largest_gain_slope(law.matrix, c.wheels)
+        turning = slope * (_largest_state_error(experiment) + c.b_alpha)
+        b_1 += turning * experiment.disturbance.output.bound[2]
+        if law.gain_heading == "measured":
+            h3 += turning
+        else:
+            h1 += turning
+    rho = contraction(experiment, law.l1 * sample_time, c.wheels)
+    return replace(c, rho=rho, b_ud=b_ud, h1=h1, h2=growth, h3=h3, b_1=b_1)  # h2: Eq. 28
+
+
+def _largest_state_error(experiment: Experiment) -> float:
+    """Returns what the state error cannot exceed, however the wheels turn within their limit."""
+    reference, robot = experiment.reference, experiment.robot
+    # A convex function of both wheels, largest with both at the limit: straight ahead or turning.
+    step = reference.sample_time * robot.wheel_radius * experiment.speed_limit
+    step *= max(1.0, 1 / robot.half_track)
+    step += largest_disturbance(experiment.disturbance.state)
+    desired = experiment.reference.poses
+    travelled = pose_norm(desired - desired[0]) + step * np.arange(len(desired))
+    return largest_initial_error(experiment) + float(travelled.max())
 
 
 def largest_disturbance(source: Bounded, beside: Floats | float = 0.0) -> float:
-    """The largest norm that a bounded disturbance can have together with given offsets.
+    """Returns the largest norm that a bounded disturbance can have together with given offsets.
 
     Args:
         source: The disturbance.
@@ -225,28 +332,26 @@ def largest_disturbance(source: Bounded, beside: Floats | float = 0.0) -> float:
 
 
 def largest_initial_error(experiment: Experiment) -> float:
-    """b_q0: the largest norm of q_d(0) - q_i(0) over the disturbance of the initial pose."""
-    reference = experiment.reference
-    start = np.array([reference.x[0], reference.y[0], reference.heading[0]])
-    error = start - np.array(experiment.initial_pose)
+    """B_q0: the largest norm of q_d(0) - q_i(0) over the disturbance of the initial pose."""
+    error = experiment.reference.poses[0] - experiment.initial_pose
     return largest_disturbance(experiment.disturbance.initial_pose, error)  # Eq. 15
 
 
 def largest_excess(experiment: Experiment, desired: Desired, wheels: WheelNorm) -> float:
-    """b_s: the largest norm of what the speed limit takes from u_d [rad/s]."""
+    """Returns b_s: the largest norm of what the speed limit takes from u_d [rad/s]."""
     return float(
         input_norm(desired.inputs - limited_inputs(experiment, desired.inputs), wheels).max()
     )
 
 
 def limited_inputs(experiment: Experiment, inputs: Floats) -> Floats:
-    """Wheel speeds as the speed limit lets them pass, shape (n, 2)."""
+    """Returns wheel speeds as the speed limit lets them pass, shape (n, 2)."""
     bound = experiment.speed_limit
     return np.array([limit_wheel_speeds(left, right, bound) for left, right in inputs.tolist()])
 
 
 def _sure_mismatch(experiment: Experiment) -> float:
-    """What can be said before a run of the angle between the headings of L and B [rad]."""
+    """Returns what can be said before a run of the angle between the headings of L and B [rad]."""
     # L1 at the measured heading of iteration i meets B at the true one of iteration i.
     if paper_law(experiment).gain_heading == "previous":
         return experiment.disturbance.output.bound[2]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.theory.matrices import Desired, desired_motion, desired_poses
+from hilc_cli.theory.matrices import Desired, desired_motion
 from hilc_cli.theory.proof.bounds import Bounds, state_series
 from hilc_cli.theory.proof.norms import input_norm, log_lambda_norm, pose_norm
 
@@ -113,7 +113,7 @@ def compare(
     Returns:
         The comparisons by the same names.
     """
-    desired, poses = desired_motion(experiment), desired_poses(experiment)
+    desired, poses = desired_motion(experiment), experiment.reference.poses
     numbers: list[int] = []
     rows: dict[str, list[tuple[float, ...]]] = {name: [] for name in theories}
     for trial in trials:
@@ -135,7 +135,7 @@ def compare(
 def _beside(
     theory: Bounds, desired: Desired, poses: Floats, numbers: NDArray[np.int64], norms: Floats
 ) -> Comparison:
-    """One set of bounds beside natural logarithms of norms, a column for each quantity."""
+    """Returns one set of bounds beside natural logarithms of norms, a column for each quantity."""
     c = theory.constants
     transient = theory.transient(numbers)
     in_state = transient + math.log10(c.b_B * state_series(c, theory.lambda_))

@@ -22,7 +22,7 @@ WheelNorm = Literal["euclidean", "sum"]
 
 
 def input_norm(inputs: Floats, wheels: WheelNorm) -> Floats:
-    """Norms of wheel speeds, shape (..., 2) to (...)."""
+    """Returns norms of wheel speeds, shape (..., 2) to (...)."""
     values: Floats = (
         np.hypot(inputs[..., 0], inputs[..., 1])
         if wheels == "euclidean"
@@ -32,13 +32,13 @@ def input_norm(inputs: Floats, wheels: WheelNorm) -> Floats:
 
 
 def pose_norm(poses: Floats) -> Floats:
-    """Euclidean norms of poses or their differences, shape (..., 3) to (...)."""
+    """Returns Euclidean norms of poses or their differences, shape (..., 3) to (...)."""
     values: Floats = np.hypot(np.hypot(poses[..., 0], poses[..., 1]), poses[..., 2])
     return values
 
 
 def gain_norm(matrices: Floats, wheels: WheelNorm) -> Floats:
-    """Norms of matrices from poses to wheel speeds, shape (..., 2, 3) to (...)."""
+    """Returns norms of matrices from poses to wheel speeds, shape (..., 2, 3) to (...)."""
     if wheels == "euclidean":
         return _spectral(matrices)
     # The largest |a e| + |b e| over unit e is the longer one of a + b and a - b.
@@ -48,7 +48,7 @@ def gain_norm(matrices: Floats, wheels: WheelNorm) -> Floats:
 
 
 def wheel_map_norm(matrices: Floats, wheels: WheelNorm) -> Floats:
-    """Norms of matrices from wheel speeds to wheel speeds, shape (..., 2, 2) to (...)."""
+    """Returns norms of matrices from wheel speeds to wheel speeds, shape (..., 2, 2) to (...)."""
     if wheels == "euclidean":
         return _spectral(matrices)
     values: Floats = np.abs(matrices).sum(axis=-2).max(axis=-1)
@@ -56,7 +56,7 @@ def wheel_map_norm(matrices: Floats, wheels: WheelNorm) -> Floats:
 
 
 def _spectral(matrices: Floats) -> Floats:
-    """Largest singular values of matrices with two rows, in closed form."""
+    """Returns the largest singular values of matrices with two rows, in closed form."""
     first, second = matrices[..., 0, :], matrices[..., 1, :]
     a, b = (first**2).sum(axis=-1), (second**2).sum(axis=-1)
     values: Floats = np.sqrt((a + b) / 2 + np.hypot((a - b) / 2, (first * second).sum(axis=-1)))
@@ -64,7 +64,7 @@ def _spectral(matrices: Floats) -> Floats:
 
 
 def log_lambda_norm(norms: Floats, lambda_: float) -> float:
-    """Natural logarithm of the lambda-norm, sup_k lambda**-k ||.(k)||.
+    """Returns the natural logarithm of the lambda-norm, sup_k lambda**-k ||.(k)||.
 
     Logarithms, since lambda**k leaves the floating-point numbers within a few hundred samples.
 
@@ -86,7 +86,7 @@ _PAIRS = 120  # differences of two headings, over the largest difference
 
 
 def largest_control(robot: Robot, wheels: WheelNorm) -> float:
-    """Largest ||B(q)||, the same at every heading."""
+    """Returns the largest ||B(q)||, the same at every heading."""
     across = 1 / robot.half_track
     if wheels == "euclidean":
         return robot.wheel_radius / math.sqrt(2) * max(1.0, across)
@@ -94,19 +94,19 @@ def largest_control(robot: Robot, wheels: WheelNorm) -> float:
 
 
 def control_slope(robot: Robot, wheels: WheelNorm) -> float:
-    """Lipschitz constant of B(q), ||B(q) - B(p)|| <= slope ||q - p||; no smaller one will do."""
+    """The Lipschitz constant of B(q), ||B(q) - B(p)|| <= slope ||q - p||: the smallest there is."""
     return robot.wheel_radius / (math.sqrt(2) if wheels == "euclidean" else 2)
 
 
 def largest_gain(matrix: GainMatrix, wheels: WheelNorm) -> float:
-    """The largest norm of a gain matrix over all headings, exact or a little above."""
+    """Returns the largest norm of a gain matrix over all headings, exact or a little above."""
     if matrix.is_kinematic:  # its norm is the same at every heading
         return float(gain_norm(GainParts.of(matrix).at(np.array(0.0)), wheels))
     return _largest(GainParts.of(matrix), wheels)
 
 
 def largest_gain_slope(matrix: GainMatrix, wheels: WheelNorm) -> float:
-    """Lipschitz constant of a gain matrix by the heading [1/rad], exact or a little above."""
+    """The Lipschitz constant of a gain matrix by the heading [1/rad], exact or a little above."""
     derivative = GainParts.of(matrix).derivative
     if matrix.is_kinematic:
         return float(gain_norm(derivative.at(np.array(0.0)), wheels))
@@ -147,13 +147,13 @@ def _contractions(
     gain_headings: Floats,
     headings: Floats,
 ) -> Floats:
-    """||I - gain L(a) B(b)||, a and b of shapes that fit together."""
+    """Returns ||I - gain L(a) B(b)||, a and b of shapes that fit together."""
     product = GainParts.of(matrix).at(gain_headings) @ control_matrices(robot, headings)
     return wheel_map_norm(np.eye(2) - gain * product, wheels)
 
 
 def _largest(parts: GainParts, wheels: WheelNorm) -> float:
-    """The largest norm over all headings, or a little more."""
+    """Returns the largest norm over all headings, or a little more."""
     headings = np.linspace(0, 2 * math.pi, _GRID, endpoint=False)
     seen = float(gain_norm(parts.at(headings), wheels).max())
     # At its largest the norm is one entry c + r cos(heading - there) of the matrix in some basis,
@@ -162,7 +162,7 @@ def _largest(parts: GainParts, wheels: WheelNorm) -> float:
 
 
 def _turning(parts: GainParts, wheels: WheelNorm) -> float:
-    """Bound of what depends on the heading in any entry: sqrt(||cos||^2 + ||sin||^2)."""
+    """Returns a bound of what depends on the heading in any entry: sqrt(||cos||^2 + ||sin||^2)."""
     return math.hypot(float(gain_norm(parts.cos, wheels)), float(gain_norm(parts.sin, wheels)))
 
 

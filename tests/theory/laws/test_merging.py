@@ -129,23 +129,23 @@ def test_start_from_which_there_is_a_way_but_not_for_this_law_cannot_work() -> N
         assert text.startswith(f"from initial_pose, {aside:g} m off, the law within controller.b_w")
         *_, trial = simulate(experiment((0, aside, 0)))
         away = np.hypot(LINE.x - trial.x, LINE.y - trial.y)
-        assert found.left_later == pytest.approx(away[SAMPLES // 2 :].max(), rel=0.02)
-        assert found.left_later > 0.1 * 2.4
+        assert found.way.left_later == pytest.approx(away[SAMPLES // 2 :].max(), rel=0.02)
+        assert found.way.left_later > 0.1 * 2.4
 
 
 def test_trajectory_that_is_too_fast_is_reached_where_the_law_drives_it() -> None:
     near, findings = found_of((0, 0.05, 0), limit=9.9)
     assert not near.is_possible
-    assert near.joins is not None
+    assert near.way.joins is not None
     assert findings.failures == ()
     far, findings = found_of((0, 1.5, 0), limit=9.9)
     assert len(findings.failures) == 1
-    assert far.left_later > 0.5
+    assert far.way.left_later > 0.5
 
 
 def test_way_in_that_h_asks_for_may_end_as_late_as_it_says() -> None:
     found, findings = found_of((-0.7, 0, 0), h=50)
-    assert found.joins is not None and found.joins > SAMPLES / 2
+    assert found.way.joins is not None and found.way.joins > SAMPLES / 2
     assert findings == Findings()
 
 

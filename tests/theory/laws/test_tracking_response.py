@@ -17,9 +17,9 @@ from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import joined
-from hilc_cli.theory.laws.tracking_loop import tracking_findings, tracking_loop, way_findings
+from hilc_cli.theory.laws.feedback import tracking_findings, tracking_loop, way_findings
 from hilc_cli.theory.laws.tracking_response import TrackingResponse, tracking_response
-from hilc_cli.theory.noise.wheels import seen_in, seen_warnings, wheel_findings
+from hilc_cli.theory.wheel_noise import seen_in, seen_warnings, wheel_findings
 from tests.engine.experiments import experiment_of, law_of
 
 DT, ROBOT = 0.05, Robot(0.03, 0.07, "rep103")
@@ -111,12 +111,12 @@ def test_undisturbed_pass_is_that_of_the_engine(
     (own,) = simulate(experiment(reference, believed, limit=limit))
     assert found.error_m == pytest.approx(away(made, own).max(), rel=1e-9, abs=1e-12)
     left = np.hypot(trial.x - own.x, trial.y - own.y)
-    assert found.start_off_m == pytest.approx(math.hypot(*off[:2]), abs=1e-12)
-    assert found.end_off_m == pytest.approx(left[-1], abs=1e-12)
-    late = found.joins_s is None
+    assert found.way.off == pytest.approx(math.hypot(*off[:2]), abs=1e-12)
+    assert found.way.left == pytest.approx(left[-1], abs=1e-12)
+    late = found.way.joins_s is None
     assert late == (left[-1] > 0.01 * reference.size)
-    if found.joins_s is not None:
-        assert left[round(found.joins_s / DT) :].max() <= 0.01 * reference.size
+    if found.way.joins_s is not None:
+        assert left[round(found.way.joins_s / DT) :].max() <= 0.01 * reference.size
 
 
 @cache
@@ -138,7 +138,7 @@ def test_disturbed_passes_are_those_of_other_seeds(limit: float) -> None:
     # what is foretold comes from a hundred passes: 67 to 80 but once in a thousand.
     assert 67 <= sum(error <= expected.foretold_m for error in errors) <= 79
     parts = expected.of_start_m, expected.of_readings_m, expected.of_state_m
-    assert max(parts) <= 1.05 * expected.noise_m
+    assert max(parts) <= 1.05 * (expected.foretold_m - expected.final_m)
     assert min(parts) > 0
     assert wheels is not None
     quiet = next(simulate(replace(made, disturbance=Disturbance())))
@@ -191,8 +191,8 @@ def test_start_from_which_the_path_is_too_short_fails() -> None:
 
 def test_heading_that_is_off_counts_as_a_start_that_is_off() -> None:
     found = response_of(experiment(LINE, off=(0.0, 0.0, 0.7)))
-    assert found.is_off and found.start_off_m == 0
-    assert found.joins_s is not None and found.joins_s > 1
+    assert found.is_off and found.way.off == 0
+    assert found.way.joins_s is not None and found.way.joins_s > 1
 
 
 @pytest.mark.parametrize(

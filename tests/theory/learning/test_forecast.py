@@ -16,13 +16,13 @@ from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import LinePlan, build_reference
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.theory.findings import Findings
+from hilc_cli.theory.law_theory import law_theory
 from hilc_cli.theory.learning import transient
-from hilc_cli.theory.learning.expected import expected_of_learning
-from hilc_cli.theory.learning.findings import forecast_findings
-from hilc_cli.theory.learning.forecast import forecast, rest_error
+from hilc_cli.theory.learning.forecast import forecast
+from hilc_cli.theory.learning.linear_theory import LinearTheory, forecast_findings
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM, experiment_of, law_of, matrix_of
-from tests.theory.straight import DT, errors, line, spot
+from tests.theory.cases import DT, errors, line, spot
 
 OTHER = Robot(0.2, 0.518, "rep103")
 CANNOT = "learning cannot converge (spectral radius "
@@ -36,8 +36,9 @@ def short_horizon(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def findings(experiment: Experiment) -> Findings:
-    found = forecast(experiment)
-    return forecast_findings(experiment, found, expected_of_learning(experiment, found))
+    theory = law_theory(experiment)
+    assert isinstance(theory, LinearTheory)
+    return forecast_findings(theory)
 
 
 def failure(experiment: Experiment) -> tuple[float, str]:
@@ -230,10 +231,11 @@ def test_compensated_error_counts_after_sample_h() -> None:
     found = forecast(experiment)
     assert found.rest is not None
     assert found.rest.max_position_error_m > 0.5
-    assert rest_error(experiment, found.rest) == pytest.approx(0.3)
+    assert found.rest_error_m == pytest.approx(0.3)
     assert "there its position error after sample h is up to 0.3 m" in warning(experiment)
-    whole = replace(experiment, law=replace(law, h=10))
-    assert rest_error(whole, found.rest) == found.rest.max_position_error_m
+    whole = forecast(replace(experiment, law=replace(law, h=10)))
+    assert whole.rest is not None and whole.rest_from == 1
+    assert whole.rest_error_m == whole.rest.position_error_m[1:].max()
 
 
 def test_feedback_that_outweighs_learning_has_an_error_that_grows() -> None:

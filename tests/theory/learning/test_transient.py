@@ -20,8 +20,7 @@ from hilc_cli.theory.learning.lifted import LiftedIteration, LinearPass
 from hilc_cli.theory.learning.transient import Transient, horizon, predict_transient
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference
-from tests.theory.cases import CASES, WRONG, Case, driven, winding
-from tests.theory.straight import line
+from tests.theory.cases import CASES, WRONG, Case, driven, line, winding
 
 SAMPLE_TIME = 0.004  # [s]; 500 samples in 2 s
 PATHS: dict[str, list[SegmentPlan]] = {
@@ -198,7 +197,6 @@ def test_peak_and_counts_are_read_off_the_errors() -> None:
     assert transient.settled_at(0.0001) is None
     assert (transient.at(0), transient.at(5), transient.at(6)) == (2.0, 0.005, None)
     assert [transient.first_within(share) for share in (1.0, 0.01, 0.001, 1e-4)] == [0, 2, 5, None]
-    assert [transient.best_until(last) for last in (0, 1, 3, 5)] == [0, 0, 2, 5]
 
 
 def of(size: float, errors: list[float], headings: float | list[float] = 0.0) -> Transient:

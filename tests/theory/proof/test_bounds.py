@@ -14,21 +14,19 @@ from hilc_cli.errors import UsageError
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.theory.proof.bounds import (
+    AS_PRINTED,
+    CORRECTED,
+    WITH_SAMPLE_TIME,
+    WITHIN_LIMIT,
     Bounds,
     bounds,
     smallest_lambda,
     state_series,
     suitable_lambda,
+    theories,
 )
 from hilc_cli.theory.proof.constants import PRINTED, Constants, constants
 from hilc_cli.theory.proof.measured import compare
-from hilc_cli.theory.proof.theories import (
-    AS_PRINTED,
-    CORRECTED,
-    WITH_SAMPLE_TIME,
-    WITHIN_LIMIT,
-    theories,
-)
 from tests.engine.experiments import LIMIT, experiment_of, law_of
 from tests.reference.paths import paper_reference
 from tests.theory.experiments import euler_reference
@@ -41,22 +39,8 @@ ANY = experiment_of(LINE, law_of(1.0), robot=UNIT)
 def any_constants(seed: int) -> Constants:
     """Numbers of the kind that an experiment could have."""
     draw = np.random.default_rng(seed)
-    keys = [
-        "b_B",
-        "C_B",
-        "b_ud",
-        "b_L1",
-        "b_L2",
-        "b_L3",
-        "b_q0",
-        "b_alpha",
-        "b_beta",
-        "b_s",
-        "h1",
-        "h3",
-        "b_1",
-    ]
-    values = {key: float(draw.uniform(0.01, 0.5)) for key in keys}
+    names = "b_B C_B b_ud b_L1 b_L2 b_L3 b_q0 b_alpha b_beta b_s h1 h3 b_1"
+    values = {key: float(draw.uniform(0.01, 0.5)) for key in names.split()}
     return Constants(
         wheels="euclidean",
         samples=int(draw.integers(1, 30)),
@@ -154,11 +138,17 @@ def test_lambda_of_a_law_that_learns_nothing() -> None:
     assert not found.has_limit
 
 
-@pytest.mark.parametrize("gain", [5e-324, 1e-18, 1e-15])
-def test_lambda_of_gains_that_are_lost_beside_one(gain: float) -> None:
-    experiment = experiment_of(LINE, law_of(gain, gain, gain), robot=UNIT, speed_limit=LIMIT)
-    for theory in theories(experiment).values():
+@pytest.mark.parametrize("gain", [5e-324, 1e-300, 1e-18, 1e-17, 1e-15])
+@pytest.mark.parametrize("fed_back", [0.0, 1.0])
+def test_gains_that_are_lost_beside_one_have_bounds_all_the_same(
+    gain: float, fed_back: float
+) -> None:
+    law = law_of(gain, fed_back * gain, fed_back * gain)
+    found = theories(experiment_of(LINE, law, robot=UNIT, speed_limit=LIMIT))
+    assert len(found) == 4
+    for theory in found.values():
         assert theory.lambda_ > smallest_lambda(theory.constants)
+        assert pytest.approx(1, rel=1e-6) == theory.A
         # Hardly anything changes from one iteration to the next.
         assert pytest.approx(theory.start, abs=1e-3) == theory.input(100)
 
@@ -229,15 +219,6 @@ def test_theories_of_an_experiment() -> None:
     assert found[CORRECTED].constants.rho == pytest.approx(1.02)
     assert found[WITHIN_LIMIT].constants.rho == pytest.approx(0.98)
     assert [theory.has_limit for theory in found.values()] == [True, True, False, True]
-
-
-@pytest.mark.parametrize("l1", [1e-17, 1e-300])
-def test_gain_that_is_lost_beside_h2_has_bounds_all_the_same(l1: float) -> None:
-    found = theories(experiment_of(LINE, law_of(l1), robot=UNIT, speed_limit=LIMIT))
-    assert len(found) == 4
-    for each in found.values():
-        assert each.lambda_ > smallest_lambda(each.constants)
-        assert pytest.approx(1, rel=1e-6) == each.A
 
 
 def test_constants_beyond_all_numbers_give_no_bounds() -> None:

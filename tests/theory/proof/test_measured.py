@@ -17,9 +17,8 @@ from hilc_cli.theory.proof.constants import constants
 from hilc_cli.theory.proof.measured import Measured, compare
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import paper_reference
-from tests.theory.along_run import along_run
-from tests.theory.experiments import HEADINGS, euler_reference
-from tests.transcription import equation_45
+from tests.theory.experiments import HEADINGS, along_run, euler_reference
+from tests.transcription import equation_9, equation_45
 
 UNIT = Robot(1.0, 1.0)
 LINE = euler_reference(UNIT, np.full((2, 2), 2.0), 0.5, 0.0)  # 0, 1, 2 m; u_d = 2
@@ -108,9 +107,9 @@ def test_condition_along_a_run_by_dense_matrices(heading: GainHeading) -> None:
     law = law_of(4.0, 0.5, gain_heading=heading)
     experiment = experiment_of(reference, law, disturbance=OUTPUT, iterations=3)
     trials = list(simulate(experiment))
-    found = along_run(experiment, trials)
+    rho, heading_mismatch = along_run(experiment, trials)
     gain = equation_45(PLATFORM.wheel_radius, PLATFORM.half_track)
-    b = PLATFORM.half_track
+    control = equation_9(PLATFORM.wheel_radius, PLATFORM.half_track)
     for i in range(3):
         here, angles = [], []
         for k in range(reference.samples):
@@ -122,9 +121,8 @@ def test_condition_along_a_run_by_dense_matrices(heading: GainHeading) -> None:
                 assert alpha is not None
                 used = float(trials[source].heading[k] + alpha[k, 2])
             c, s = math.cos(q), math.sin(q)
-            control = 0.05 * 0.1 * np.array([[c, c], [s, s], [1 / b, -1 / b]])
-            product = 4.0 * gain(math.cos(used), math.sin(used)) @ control
+            product = 4.0 * gain(math.cos(used), math.sin(used)) @ (0.05 * control(c, s))
             here.append(np.linalg.norm(np.eye(2) - product, 2))
             angles.append(abs(used - q))
-        assert found.rho[i] == pytest.approx(max(here), rel=1e-12)
-        assert found.heading_mismatch[i] == pytest.approx(max(angles), rel=1e-12)
+        assert rho[i] == pytest.approx(max(here), rel=1e-12)
+        assert heading_mismatch[i] == pytest.approx(max(angles), rel=1e-12)

@@ -26,7 +26,7 @@ from hilc_cli.theory.proof.norms import (
 )
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM, matrix_of
-from tests.transcription import equation_45, equation_57
+from tests.transcription import equation_9, equation_45, equation_57
 
 SEED = 20210903
 WHEELS: list[WheelNorm] = ["euclidean", "sum"]
@@ -38,9 +38,7 @@ ABOVE = Robot(0.1, 1.7, "rep103")
 def printed_control(robot: Robot, heading: float) -> Floats:
     """Eq. 9."""
     b = robot.half_track if robot.turn_convention == "paper" else -robot.half_track
-    cos, sin = math.cos(heading), math.sin(heading)
-    matrix: Floats = robot.wheel_radius / 2 * np.array([[cos, cos], [sin, sin], [1 / b, -1 / b]])
-    return matrix
+    return equation_9(robot.wheel_radius, b)(math.cos(heading), math.sin(heading))
 
 
 def test_euclidean_norms_are_singular_values() -> None:

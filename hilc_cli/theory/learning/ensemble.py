@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.plants.kinematic import driven_path
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.findings import active_sources
 from hilc_cli.theory.learning.lifted import LiftedIteration
-from hilc_cli.theory.noise.draws import SEEDS, DisturbanceDraws
-from hilc_cli.theory.noise.wheels import changes_beside_first
+from hilc_cli.theory.matrices import driven_errors
+from hilc_cli.theory.noise import SEEDS, DisturbanceDraws
+from hilc_cli.theory.wheel_noise import changes_beside_first
 
 _MOST_STEPS = 30_000
 """Samples that may be followed one by one: about 1 s. More is done without the limit."""
@@ -66,17 +67,15 @@ class NoisyLearning:
 
 
 def noisy_learning(experiment: Experiment, seeds: int = SEEDS) -> NoisyLearning:
-    """The errors of an experiment of the laws hybrid and pid.
+    """Returns the errors of an experiment of the laws hybrid and pid.
 
     Args:
         experiment: With its disturbances and its limit.
         seeds: How many are followed, the first of them without disturbances; one where there are
             none. The draws are the same in each call, and those of no run.
     """
-    disturbance = experiment.disturbance
-    sources = disturbance.state, disturbance.output, disturbance.initial_pose
     samples = experiment.reference.samples + _SAMPLES_AS_LONG_AS_A_CALL
-    if not any(source.active for source in sources):
+    if not active_sources(experiment.disturbance):
         seeds = 1
     elif seeds * samples * (experiment.iterations + 1) > _MOST_SAMPLES:
         seeds = _FEWEST
@@ -96,7 +95,6 @@ class _Ensemble:
         self._steps_left = _MOST_STEPS
         self._is_limited = True
         plant = self._lifted.plant
-        self._moves = [np.ascontiguousarray(plant.states[:, axis, 2])[:, None] for axis in (0, 1)]
         self._gains = np.ascontiguousarray(self._lifted.gains)
         self._inputs = np.ascontiguousarray(plant.inputs)
         self._loop = self._inputs @ self._gains
@@ -132,7 +130,7 @@ class _Ensemble:
 
     def _updated(self, inputs: Floats, seen: Floats) -> Floats:
         lifted = self._lifted
-        found = lifted.update.learned(inputs, seen)
+        found = lifted.law.learned(inputs, seen)
         return found if lifted.added is None else found + lifted.added[:, :, None]
 
     def _pass(
@@ -143,7 +141,7 @@ class _Ensemble:
         output: Floats | None,
         feeds: bool,
     ) -> tuple[Floats, Floats, Floats]:
-        """Inputs as applied, errors, and the share of samples at the limit."""
+        """Returns inputs as applied, errors, and the share of samples at the limit."""
         lifted, n = self._lifted, self._lifted.samples
         right = np.empty((n + 1, 3, self._seeds))
         right[0] = lifted.start[:, None] if start is None else lifted.start[:, None] - start[0]
@@ -153,13 +151,13 @@ class _Ensemble:
         if not feeds:
             applied, held = self._within(inputs)
             right[1:] -= self._inputs @ applied
-            return applied, self._drifted(right), held
+            return applied, lifted.open_loop.solve(right), held
         plain = right.copy()
         plain[1:] -= self._inputs @ inputs
         if output is not None:
             plain[1:] += lifted.l2 * (self._loop @ output[:-1])
             plain[2:] += lifted.l3 * (self._loop[1:] @ output[:-2])
-        errors = lifted.closed_loop(plain)
+        errors = lifted.closed_loop.solve(plain)
         seen = errors[:-1] if output is None else (errors - output)[:-1]
         fed = lifted.l2 * seen
         fed[1:] += lifted.l3 * seen[:-1]
@@ -174,7 +172,7 @@ class _Ensemble:
         return self._one_by_one(inputs, right, output)
 
     def _within(self, inputs: Floats) -> tuple[Floats, Floats]:
-        """Inputs within the limit, and the share of samples at which it acts."""
+        """Returns inputs within the limit, and the share of samples at which it acts."""
         if not np.isfinite(self._limit):
             return inputs, np.zeros(self._seeds)
         speeds = inputs + self._feedforward
@@ -185,19 +183,10 @@ class _Ensemble:
         scale = np.where(held, self._limit / np.maximum(fastest, self._limit), 1.0)
         return speeds * scale[:, None] - self._feedforward, held.mean(axis=0)
 
-    def _drifted(self, right: Floats) -> Floats:
-        errors = np.empty_like(right)
-        heading = np.cumsum(right[:, 2], axis=0, out=errors[:, 2])
-        for axis, moves in enumerate(self._moves):
-            steps = right[:, axis].copy()
-            steps[1:] += moves * heading[:-1]
-            np.cumsum(steps, axis=0, out=errors[:, axis])
-        return errors
-
     def _one_by_one(
         self, inputs: Floats, right: Floats, output: Floats | None
     ) -> tuple[Floats, Floats, Floats]:
-        """A pass with feedback within the limit."""
+        """Returns the same of a pass with feedback within the limit, sample by sample."""
         lifted, n = self._lifted, self._lifted.samples
         errors, applied = np.empty_like(right), np.empty_like(inputs)
         held = np.zeros(self._seeds)
@@ -222,18 +211,10 @@ class _Ensemble:
         return applied, errors, held / n
 
     def _driven(self, inputs: Floats, start: Floats | None, state: Floats | None) -> Floats:
-        """Errors of the exact plant that drives the inputs, shape (n + 1, 2, seeds)."""
-        experiment, reference = self._experiment, self._experiment.reference
-        poses = np.tile(np.array(experiment.initial_pose, dtype=np.float64)[:, None], self._seeds)
+        """Returns errors of the exact plant that drives the inputs, shape (n + 1, 2, seeds)."""
+        poses = np.tile(np.array(self._experiment.initial_pose)[:, None], self._seeds)
         if start is not None:
             poses += start[0]
         left, right = np.moveaxis(inputs + self._feedforward, 1, 0)
-        x, y, _ = driven_path(
-            (poses[0], poses[1], poses[2]),
-            left,
-            right,
-            experiment.robot,
-            reference.sample_time,
-            state,
-        )
-        return np.stack([reference.x[:, None] - x, reference.y[:, None] - y], axis=1)
+        errors = driven_errors(self._experiment, left, right, poses, state)
+        return np.stack(errors, axis=1)

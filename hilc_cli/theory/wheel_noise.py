@@ -11,10 +11,10 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
-from hilc_cli.theory.findings import Findings, Rows
+from hilc_cli.theory.findings import Findings, Rows, active_sources
+from hilc_cli.theory.matrices import starts_off
 
 _ROUNDING = 1e-9  # relative: within it a wheel is at its limit
-_NONE = 1e-9  # [m and rad]; of a start that differs by less, by rounding only
 _TO_RMS = 1.4826  # the median of a normal's absolute value, times this, is its RMS
 _OFTEN = 0.05  # of the samples: more is warned of
 
@@ -36,7 +36,7 @@ class WheelNoise:
 
     @classmethod
     def of_seeds(cls, change_rad_s: Floats, at_limit: Floats) -> WheelNoise | None:
-        """From passes of many seeds.
+        """Returns what passes of many seeds tell.
 
         Args:
             change_rad_s: RMS change of each from sample to sample beside the first [rad/s].
@@ -52,7 +52,7 @@ class WheelNoise:
 
 
 def changes_beside_first(inputs: Floats) -> Floats:
-    """RMS change of wheel speeds from sample to sample beside those of the first pass [rad/s].
+    """The RMS change of wheel speeds from sample to sample beside those of the first pass [rad/s].
 
     Args:
         inputs: Shape (n, 2, passes) [rad/s].
@@ -66,7 +66,7 @@ def changes_beside_first(inputs: Floats) -> Floats:
 
 
 def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
-    """The same as it has happened, beside the wheel speeds that the trajectory asks for.
+    """Returns the same as it has happened, beside the wheel speeds that the trajectory asks for.
 
     From an initial pose that is off the trajectory, the second half is looked at: before that the
     wheels may be at their limit to get there. The change is that of most samples (by the median),
@@ -79,12 +79,10 @@ def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
     Returns:
         None if nothing is disturbed.
     """
-    reference, source = experiment.reference, experiment.disturbance
-    if not (source.state.active or source.output.active or source.initial_pose.active):
+    reference = experiment.reference
+    if not active_sources(experiment.disturbance):
         return None
-    start = reference.x[0], reference.y[0], reference.heading[0]
-    is_off = np.abs(np.subtract(start, experiment.initial_pose)).max() > _NONE
-    looked_at = slice(reference.samples // 2 if is_off else 0, None)
+    looked_at = slice(reference.samples // 2 if starts_off(experiment) else 0, None)
     needed = np.stack(feedforward(reference, experiment.robot))[:, looked_at]
     driven = np.stack([trial.left, trial.right])[:, looked_at]
     changes = np.diff(driven - needed)
@@ -98,7 +96,7 @@ def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
 
 
 def wheel_findings(found: WheelNoise | None, remedy: str) -> Findings:
-    """What it means for the experiment that this is foretold.
+    """Returns what it means for the experiment that this is foretold.
 
     Args:
         found: None if nothing is disturbed.
@@ -117,7 +115,7 @@ def wheel_findings(found: WheelNoise | None, remedy: str) -> Findings:
 
 
 def seen_warnings(found: WheelNoise | None) -> list[str]:
-    """What has happened, and what it may come from.
+    """Returns what has happened, and what it may come from.
 
     Args:
         found: Of `seen_in`.
@@ -134,7 +132,7 @@ def seen_warnings(found: WheelNoise | None) -> list[str]:
 
 
 def _is_often(found: WheelNoise | None) -> TypeGuard[WheelNoise]:
-    """Whether disturbances are to blame for more than a few samples at the limit."""
+    """Returns whether disturbances are to blame for more than a few samples at the limit."""
     return found is not None and found.at_limit - found.undisturbed > _OFTEN
 
 
@@ -143,7 +141,7 @@ def _percent(share: float) -> str:
 
 
 def wheel_rows(found: WheelNoise | None) -> Rows:
-    """What disturbances make of the wheel speeds; nothing without any."""
+    """Returns what disturbances make of the wheel speeds; nothing without any."""
     if found is None:
         return []
     without = f", {found.undisturbed:.1%} undisturbed" if found.undisturbed else ""

@@ -21,17 +21,14 @@ from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.theory.laws.hybrid import HybridUpdate
-from hilc_cli.theory.laws.pid import PidUpdate
+from hilc_cli.theory.law_theory import law_theory
 from hilc_cli.theory.learning import transient
-from hilc_cli.theory.learning.expected import expected_of_learning, expected_of_norm_optimal
-from hilc_cli.theory.learning.forecast import forecast
+from hilc_cli.theory.learning.ensemble import noisy_learning
 from hilc_cli.theory.learning.transient import predict_transient
-from hilc_cli.theory.matrices import GainParts
-from hilc_cli.theory.noise.draws import SEEDS, NoiseDraws, deviations, spread_of_start
-from hilc_cli.theory.noise.learning import noisy_learning
+from hilc_cli.theory.linear_law import linear_law
+from hilc_cli.theory.noise import SEEDS, NoiseDraws, deviations, spread_of_start
 from tests.engine.experiments import experiment_of, law_of, matrix_of
-from tests.theory.straight import line
+from tests.theory.cases import line
 
 
 @pytest.fixture(autouse=True)
@@ -118,16 +115,11 @@ def test_on_a_line_the_limit_is_followed_exactly(l2: float, limit: float) -> Non
 )
 def test_seeds_side_by_side_learn_as_each_alone(law: PidLaw | HybridLaw) -> None:
     n, seeds = ROUND.samples, 3
-    gains = GainParts.of(law.matrix).at(ROUND.heading[:-1])
-    update: HybridUpdate | PidUpdate
-    if isinstance(law, PidLaw):
-        update = PidUpdate(law, gains, ROUND.sample_time)
-    else:
-        update = HybridUpdate(law, gains, ROUND.sample_time)
+    linear = linear_law(experiment(law))
     random = np.random.default_rng(1)
     inputs, errors = random.normal(size=(n, 2, seeds)), random.normal(size=(n + 1, 3, seeds))
-    alone = [update.learned(inputs[..., seed], errors[..., seed]) for seed in range(seeds)]
-    together = update.learned(inputs, errors)
+    alone = [linear.learned(inputs[..., seed], errors[..., seed]) for seed in range(seeds)]
+    together = linear.learned(inputs, errors)
     np.testing.assert_allclose(together, np.stack(alone, axis=-1), rtol=1e-12, atol=1e-12)
 
 
@@ -169,11 +161,8 @@ def case(noise: str, law: str, repeat: bool) -> Any:
 )
 def test_what_is_foretold_is_what_runs_do(law: str, noise: str, repeat: bool) -> None:
     given = experiment(LAWS[law], noise={noise: replace(NOISES[noise], repeat=repeat)})
-    if isinstance(given.law, NormOptimalLaw):
-        found, _, _ = expected_of_norm_optimal(given, given.law, None)
-    else:
-        found = expected_of_learning(given, forecast(given))
-    assert found.unsure is None
+    found = law_theory(given).expected
+    assert found is not None and found.unsure is None
     last = np.array([simulated(given, seed)[-1] for seed in range(4)])
     assert last.max() < 1.5 * found.foretold_m
     # Nor is it much too high: the largest of four is beside the largest of sixteen.
@@ -184,10 +173,11 @@ def test_what_is_foretold_is_what_runs_do(law: str, noise: str, repeat: bool) ->
 
 def test_single_disturbances_are_told_apart() -> None:
     given = experiment(law_of(0.6, 0.5), noise=NOISES)
-    found = expected_of_learning(given, forecast(given))
+    found = law_theory(given).expected
+    assert found is not None
     parts = found.of_start_m, found.of_readings_m, found.of_state_m
     assert min(parts) > 0
-    assert max(parts) < found.noise_m + found.final_m < sum(parts) + 2 * found.final_m
+    assert max(parts) < found.foretold_m < sum(parts) + 2 * found.final_m
 
 
 def test_start_that_is_off_moves_the_path_rigidly() -> None:

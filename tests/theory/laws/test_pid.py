@@ -14,17 +14,14 @@ from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.laws.pid import PidLearning
+from hilc_cli.theory.laws.pid import PidLearning, PidTheory, StepGain, step_gain
 from hilc_cli.theory.learning import transient
-from hilc_cli.theory.learning.expected import expected_of_learning
-from hilc_cli.theory.learning.findings import forecast_findings
 from hilc_cli.theory.learning.forecast import forecast
-from hilc_cli.theory.learning.gains import StepGain, step_gain
+from hilc_cli.theory.learning.linear_theory import forecast_findings
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM
-from tests.theory.cases import Case, driven, winding
-from tests.theory.pid_cases import PidCase
-from tests.theory.straight import DT, line, spot
+from tests.theory.cases import DT, Case, PidCase, driven, line, spot, winding
+from tests.transcription import equation_9
 
 MODELS = [Robot(0.15, 0.6), Robot(0.3, 0.518), Robot(0.2, 0.3)]
 
@@ -45,8 +42,7 @@ def found_of(case: PidCase, experiment: Experiment | None = None) -> StepGain:
 
 
 def findings(experiment: Experiment) -> Findings:
-    found = forecast(experiment)
-    return forecast_findings(experiment, found, expected_of_learning(experiment, found))
+    return forecast_findings(PidTheory(experiment))
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -72,7 +68,7 @@ def test_every_gain_counts_with_its_power_of_the_sample_time() -> None:
 
 def test_bound_of_complex_loop_gains_is_where_the_circle_is_left() -> None:
     # G B = [[1, -1], [1, 1]] / sqrt(2) times the platform's: eigenvalues exp(+-i pi/4).
-    found = StepGain(0.81, 1.0, np.exp([[0.25j * np.pi, -0.25j * np.pi]]), None, None, False)
+    found = StepGain(0.81, 1.0, np.exp([[0.25j * np.pi, -0.25j * np.pi]]), None, None)
     largest = found.largest_time
     assert abs(0.81 - largest * np.exp(0.25j * np.pi)) == pytest.approx(1, rel=1e-12)
     assert largest > 0
@@ -183,9 +179,8 @@ def test_other_matrix_has_no_gain_along_the_path() -> None:
     products = []
     for angle in experiment.reference.heading[:-1]:
         c, s = math.cos(angle), math.sin(angle)
-        control = 0.1 * np.array([[c, c], [s, s], [1 / 0.518, -1 / 0.518]])
         gain = np.array([[5 * c, 2 * s, 2], [5 * c, 0, -2]])
-        products.append(np.eye(2) - 0.5 * gain @ control)
+        products.append(np.eye(2) - 0.5 * gain @ equation_9(0.2, 0.518)(c, s))
     expected = np.abs(np.linalg.eigvals(products)).max()
     assert found.left == pytest.approx(expected, rel=1e-12)
 

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.theory.learning.recursion import Linearisation, linearise
-from hilc_cli.theory.matrices import GainParts
+from hilc_cli.theory.matrices import GainParts, Linearisation, linearise
 from tests.engine.experiments import PLATFORM, experiment_of, law_of, matrix_of
 from tests.reference.paths import paper_reference
 from tests.theory.cases import CASES, winding
-from tests.transcription import equation_45, equation_57
+from tests.transcription import equation_9, equation_45, equation_57
 
 
 def linearised(reference: Reference) -> Linearisation:
@@ -22,9 +21,9 @@ def linearised(reference: Reference) -> Linearisation:
 
 def step(pose: Floats, speeds: Floats, sample_time: float) -> Floats:
     """Eqs. 8 and 9 as matrices."""
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    control = np.array([[c, c], [s, s], [1 / 0.518, -1 / 0.518]])
-    return pose + sample_time * 0.200 / 2 * (control @ speeds)
+    control = equation_9(0.200, 0.518)(math.cos(pose[2]), math.sin(pose[2]))
+    moved: Floats = pose + sample_time * (control @ speeds)
+    return moved
 
 
 @pytest.mark.parametrize("k", [0, 17, 29, 31, 59])

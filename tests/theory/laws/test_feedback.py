@@ -15,11 +15,11 @@ from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.laws.tracking_loop import TrackingLoop, tracking_findings, tracking_loop
+from hilc_cli.theory.laws.feedback import TrackingLoop, tracking_findings, tracking_loop
 from hilc_cli.theory.laws.tracking_response import tracking_response
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import Pose
-from tests.theory.straight import line, spot
+from tests.theory.cases import line, spot
 
 # 3 m/s and 1.5 rad/s for 4 s, 6 mm in a sample.
 CIRCLE = build_reference(

@@ -14,11 +14,10 @@ from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, Findings
-from hilc_cli.theory.laws.model_mismatch import mismatch_findings, model_mismatch, untried_findings
+from hilc_cli.theory.laws.norm_optimal import mismatch_findings, model_mismatch, untried_findings
 from hilc_cli.theory.learning.outcome import Outcome
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
-from tests.theory.cases import Case, winding
-from tests.theory.straight import line
+from tests.theory.cases import Case, line, winding
 
 STEPS = 30
 ALONE = NormOptimalParameters(feedback="none", identify=False)

@@ -1,0 +1,227 @@
+"""Disturbances of many seeds side by side, for estimates, and what is to be said of their effect.
+
+None of the seeds is that of a run.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from hilc_cli.disturbance.streams import Bounded, Disturbance, scaled
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.theory.findings import ExpectedError, Findings, extent, share_of_path
+from hilc_cli.theory.learning.outcome import CLEARLY, NEAR
+from hilc_cli.theory.matrices import driven_errors
+
+_SMALLEST = 1e-10  # of a probability, as a random word of a run has it
+SEEDS = 17
+"""Side by side, the first of them without disturbances."""
+
+
+class NoiseDraws:
+    """Draws of one disturbance, iteration after iteration."""
+
+    def __init__(self, source: Bounded, seeds: int, key: int) -> None:
+        """The first of the seeds is not disturbed.
+
+        Args:
+            source: What is drawn from.
+            seeds: How many are drawn side by side.
+            key: Another one for each disturbance.
+        """
+        self._source, self._seeds = source, seeds
+        self._random = np.random.default_rng(key)
+        self._kept: Floats | None = None
+
+    def drawn(self, samples: int) -> Floats | None:
+        """Offsets of the next iteration, shape (samples, 3, seeds); None for no disturbance."""
+        source = self._source
+        if not source.active:
+            return None
+        if source.repeat and self._kept is not None:
+            return self._kept
+        found = np.zeros((samples, 3, self._seeds))
+        for axis, (bound, deviation) in enumerate(zip(source.bound, source.deviation, strict=True)):
+            units = self._random.uniform(_SMALLEST, 1 - _SMALLEST, (samples, self._seeds - 1))
+            found[:, axis, 1:] = scaled(units, source.distribution, bound, deviation)
+        self._kept = found
+        return found
+
+
+class DisturbanceDraws:
+    """Draws of all three disturbances of an experiment."""
+
+    def __init__(self, disturbance: Disturbance, seeds: int) -> None:
+        """For so many seeds, the first of which is not disturbed."""
+        self.start = NoiseDraws(disturbance.initial_pose, seeds, 1)
+        self.state = NoiseDraws(disturbance.state, seeds, 2)
+        self.output = NoiseDraws(disturbance.output, seeds, 3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Passes:
+    """Passes side by side, the first of which is not disturbed; shape (passes,) each.
+
+    Attributes:
+        position_m: Largest position error [m].
+        change_rad_s: RMS change from one sample to the next of what their wheel speeds have beside
+            those of the first pass [rad/s].
+        at_limit: Share of the samples at which the limit acts.
+    """
+
+    position_m: Floats
+    change_rad_s: Floats
+    at_limit: Floats
+
+
+def deviations(noise: Bounded) -> tuple[float, float, float]:
+    """Returns the standard deviations of the components of a disturbance [m, m, rad]."""
+    x, y, heading = (
+        _deviation(noise.distribution == "uniform", bound, deviation)
+        for bound, deviation in zip(noise.bound, noise.deviation, strict=True)
+    )
+    return x, y, heading
+
+
+def _deviation(is_uniform: bool, bound: float, deviation: float) -> float:
+    if is_uniform or bound == 0:
+        return bound / math.sqrt(3)
+    if deviation == 0:
+        return 0.0
+    z = bound / deviation  # of a normal that is cut off at +- z standard deviations
+    density = math.exp(-z * z / 2) / math.sqrt(2 * math.pi)
+    kept = 1 - 2 * z * density / math.erf(z / math.sqrt(2))
+    return min(deviation * math.sqrt(max(0.0, kept)), bound / math.sqrt(3))
+
+
+def open_loop_error(experiment: Experiment, inputs: tuple[Floats, Floats] | None = None) -> float:
+    """Returns the largest of `open_loop_errors`."""
+    return float(open_loop_errors(experiment, inputs).max())
+
+
+def open_loop_errors(experiment: Experiment, inputs: tuple[Floats, Floats] | None = None) -> Floats:
+    """Returns position errors of given wheel speeds within the limit, without disturbances [m].
+
+    Args:
+        experiment: The experiment.
+        inputs: Left and right [rad/s]; those of iteration 0 if not given.
+
+    Returns:
+        Shape (n + 1,).
+    """
+    left, right = inputs or (experiment.initial_left, experiment.initial_right)
+    fastest = np.maximum(np.abs(left), np.abs(right))
+    scale = np.ones(len(fastest))
+    beyond = fastest > experiment.speed_limit
+    scale[beyond] = experiment.speed_limit / fastest[beyond]
+    errors: Floats = np.hypot(*driven_errors(experiment, scale * left, scale * right))
+    return errors
+
+
+def spread_of_start(reference: Reference, start: Bounded) -> Floats:
+    """The RMS position error of each sample that a disturbed start alone makes [m], shape (n + 1,).
+
+    A start that is off moves the whole path rigidly, as long as nobody steers.
+    """
+    x, y, heading = deviations(start)
+    away = np.hypot(reference.x - reference.x[0], reference.y - reference.y[0])
+    found: Floats = np.sqrt(x**2 + y**2 + (heading * away) ** 2)
+    return found
+
+
+class Remedies(NamedTuple):
+    """What a law's user can do about each disturbance: only what the law has, and not done yet."""
+
+    start: str
+    readings: str
+    state: str
+
+
+def noise_findings(
+    experiment: Experiment, found: ExpectedError, remedies: Remedies, *, learns: bool = True
+) -> Findings:
+    """Returns warnings of disturbances whose effect is not small beside the path.
+
+    Args:
+        experiment: With its disturbances.
+        found: What each of them makes of the last iteration.
+        remedies: What can be done about them with the experiment's law.
+        learns: Whether the law learns from an iteration for the next one.
+    """
+    if found.final_m > max(CLEARLY * found.first_m, NEAR * extent(experiment)):
+        return Findings()  # learning goes wrong by itself
+    told = [
+        (_of_start(experiment, found), remedies.start),
+        (_of_readings(experiment, found, learns), remedies.readings),
+        (_of_state(experiment, found), remedies.state),
+    ]
+    return Findings(warnings=tuple(f"{text}; {remedy}" for text, remedy in told if text))
+
+
+def unsure_findings(experiment: Experiment, found: ExpectedError | None) -> Findings:
+    """Returns a warning where the error of the last iteration is not known beforehand.
+
+    Args:
+        experiment: The experiment.
+        found: What is expected, if anything is.
+    """
+    if found is None or found.unsure is None:
+        return Findings()
+    last = f"of iteration {experiment.iterations}"
+    return Findings(
+        warnings=(
+            f"the error {last} cannot be foretold, since {found.unsure}: see what a simulation "
+            "says (--simulate), or change the gains",
+        )
+    )
+
+
+def _of_start(experiment: Experiment, found: ExpectedError) -> str:
+    start = experiment.disturbance.initial_pose
+    if not start.active:
+        return ""
+    spread = float(spread_of_start(experiment.reference, start).max())
+    passing = 0.0 if start.repeat else spread
+    if max(passing, found.of_start_m) <= NEAR * extent(experiment):
+        return ""
+    anew = "the same way in each iteration" if start.repeat else "anew in each iteration"
+    return (
+        f"disturbance.initial_pose swings the whole path: {spread:.2g} m (RMS) off where it is "
+        f"worst, {share_of_path(spread, experiment)}, {anew} and before anything is learned; "
+        f"{_by_the_end(found.of_start_m, spread)}"
+    )
+
+
+def _of_readings(experiment: Experiment, found: ExpectedError, learns: bool) -> str:
+    output = experiment.disturbance.output
+    if not output.active or found.of_readings_m <= NEAR * extent(experiment):
+        return ""
+    x, y, heading = deviations(output)
+    read = math.hypot(x, y)
+    return (
+        f"disturbance.output is {'learned from' if learns else 'followed'} as if it were an error: "
+        f"readings are {read:.2g} m and {heading:.2g} rad (RMS) off; "
+        f"{_by_the_end(found.of_readings_m, read)}, "
+        f"{share_of_path(found.of_readings_m, experiment)}"
+    )
+
+
+def _of_state(experiment: Experiment, found: ExpectedError) -> str:
+    if not experiment.disturbance.state.active or found.of_state_m <= NEAR * extent(experiment):
+        return ""
+    return (
+        f"disturbance.state makes up to {found.of_state_m:.2g} m of the last iteration's error, "
+        f"{share_of_path(found.of_state_m, experiment)}"
+    )
+
+
+def _by_the_end(error: float, before: float) -> str:
+    """Returns what is left of a disturbance in the last iteration, beside what it was."""
+    if before > 0 and error > 3 * before:
+        return f"learning makes up to {error:.2g} m of it by the last iteration"
+    return f"in the last iteration it makes up to {error:.2g} m"

@@ -1,1 +1,0 @@
-"""What disturbances do, to a pass, to learning and to the wheels."""
