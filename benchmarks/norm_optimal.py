@@ -22,9 +22,10 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, OptimalPlan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
-from hilc_cli.laws.norm_optimal.rectified import earliest_merge, trajectory_inputs
+from hilc_cli.laws.norm_optimal.rectified import trajectory_inputs
 from hilc_cli.plants.kinematic import Robot, euler_step, limit_wheel_speeds, step_gains
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.reach import earliest_merge
 
 LIMIT = 180.0
 SCENARIOS = {

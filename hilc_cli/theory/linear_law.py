@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.gain_matrix import GainMatrix
+from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.laws.gain_matrix import GainHeading
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.matrices import GainParts, known_plant, knows_plant
 

@@ -9,9 +9,8 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.plants.kinematic import control_matrices, driven_path
+from hilc_cli.plants.kinematic import control_matrices, driven_path, feedforward
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.reference.sampled import Floats
 

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
-from hilc_cli.runs import run_folder
+from hilc_cli.runs import running
 from tests.cli.inputs import SCENARIO, TRAJECTORY, listing
 from tests.cli.processes import TIMEOUT, environment, outcome_of, run_hilc, started, uncovered
 from tests.conftest import Hilc, Outcome, Write
@@ -156,7 +156,7 @@ def test_signal_while_results_are_written(
     def stopped(*arguments: object) -> None:
         stop()
 
-    monkeypatch.setattr(run_folder, step, stopped)
+    monkeypatch.setattr(running, step, stopped)
     outcome = hilc("run", "scenario.yaml", "--no-plots")
     assert (outcome.code, outcome.out, outcome.err.count("\n")) == (code, "", 1)
     assert listing(folder) == before
@@ -166,7 +166,7 @@ def test_ignored_signals_stay_ignored(
     hilc: Hilc, write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write()
-    write_input = vars(run_folder)["write_input"]
+    write_input = vars(running)["write_input"]
     sent = [signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM]
 
     def with_signals(*arguments: Any) -> None:
@@ -174,7 +174,7 @@ def test_ignored_signals_stay_ignored(
             os.kill(os.getpid(), number)
         write_input(*arguments)
 
-    monkeypatch.setattr(run_folder, "write_input", with_signals)
+    monkeypatch.setattr(running, "write_input", with_signals)
     for number in sent:  # as nohup, and a shell that starts something in the background
         signal.signal(number, signal.SIG_IGN)
     assert hilc("run", "scenario.yaml", "--no-plots", "-q") == Outcome(0, "", "")

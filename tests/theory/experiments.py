@@ -11,10 +11,8 @@ from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Tri
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
-from hilc_cli.plants.kinematic import feedforward
-from hilc_cli.laws.gain_matrix import GainMatrix
-from hilc_cli.laws.gain_matrix import GainHeading
-from hilc_cli.plants.kinematic import Robot, control_matrices
+from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix
+from hilc_cli.plants.kinematic import Robot, control_matrices, feedforward
 from hilc_cli.reference.path import build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial

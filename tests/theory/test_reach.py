@@ -14,17 +14,19 @@ import pytest
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.plants.kinematic import feedforward
-from hilc_cli.laws.norm_optimal.rectified import least_left
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
-from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.theory.feasibility.demand import demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits, feasibility_findings
 from hilc_cli.theory.findings import ExpectedError, Findings
 from hilc_cli.theory.law_theory import law_theory
 from hilc_cli.theory.reach import (
     cannot_be_reached,
+    earliest_merge,
     judged_feasibility,
     least_error,
+    least_left,
+    shortest_way,
     start_findings,
 )
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
@@ -212,3 +214,103 @@ def test_start_counts_from_the_second_half_on() -> None:
     given = replace(bounded(AHEAD, 7.5), initial_pose=(-1.0, 0.0, 0.0))
     assert least_error(given) == pytest.approx(1.0)
     np.testing.assert_allclose(least_error(replace(given, speed_limit=10.0)), 0.5, atol=0.02)
+
+
+def straight(n: int) -> Floats:
+    poses = np.zeros((n + 1, 3))
+    poses[:, 0] = np.arange(n + 1.0)
+    return poses
+
+
+@pytest.mark.parametrize(
+    ("start", "expected"),
+    [
+        ((0.0, 0.0, 0.0), 0),
+        # At 2 m/s behind what moves at 1 m/s: 5 m are made good after 5 s.
+        ((-5.0, 0.0, 0.0), 5),
+        # 4 m ahead: they meet after 4 / 3 s, backwards; the next sample is 2.
+        ((4.0, 0.0, 0.0), 2),
+        # A turn by 1 rad takes 0.5 m of wheel; t + 0.5 <= 2 t.
+        ((0.0, 0.0, 1.0), 1),
+        # Turned by pi: B pi = 1.57 m.
+        ((0.0, 0.0, math.pi), 2),
+        # 3 m aside, at (m, 0): root(m^2 + 9) + 2 * 0.5 atan(3 / m) <= 2 m.
+        ((0.0, 3.0, 0.0), 3),
+    ],
+)
+def test_earliest_merge_by_hand(start: tuple[float, float, float], expected: int) -> None:
+    assert earliest_merge(straight(10), np.array(start), 2.0, 0.5, 1.0) == expected
+
+
+def test_earliest_merge_is_not_after_a_zigzag_that_was_driven() -> None:
+    # Ahead, turn in place, back: into a pose 0.1 m ahead, from 30 deg to its left to 150 deg.
+    top, half_track, sample_time = 36.0, 0.518, 0.001
+    low, high = math.radians(30), math.radians(150)
+    pieces = [  # lengths from the law of sines, rounded up to whole samples
+        (0.1 * math.sin(high) / math.sin(high - low), 0.0),
+        (0.0, high - low),
+        (-0.1 * math.sin(low) / math.sin(high - low), 0.0),
+    ]
+    x, y, heading, samples = 0.0, 0.0, low, 0
+    for length, turn in pieces:
+        need = math.ceil((abs(length) + half_track * turn) / (top * sample_time))
+        for _ in range(need):
+            x += length / need * math.cos(heading)
+            y += length / need * math.sin(heading)
+            heading += turn / need
+        samples += need
+    pose = np.array([0.1, 0.0, high])
+    assert np.array([x, y, heading]) == pytest.approx(pose, abs=1e-12)
+    assert samples == 35
+    earliest = earliest_merge(
+        np.tile(pose, (50, 1)), np.array([0, 0, low]), top, half_track, sample_time
+    )
+    assert earliest is not None
+    assert samples - 2 <= earliest <= samples  # two pieces were rounded up for nothing
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_shortest_way_is_the_best_of_all_sequences(seed: int) -> None:
+    """Turn, straight, turn, straight, turn, straight, turn: three headings and one free length."""
+    random = np.random.default_rng(seed)
+    start_heading, end_heading = random.uniform(-4, 4, 2)
+    half_track, x, y = (
+        random.uniform(0.2, 1.0),
+        *random.normal(0, 10 ** random.uniform(-1.5, 0.5), 2),
+    )
+
+    def way(headings: Floats, third: Floats) -> Floats:
+        """What sequences cost; headings of shape (3, cases), lengths at the third of them."""
+        cos, sin = np.cos(headings), np.sin(headings)
+        rest_x, rest_y = x - third * cos[2], y - third * sin[2]
+        # The first two lengths lead to where the third begins.
+        across = cos[0] * sin[1] - sin[0] * cos[1]
+        first = (rest_x * sin[1] - rest_y * cos[1]) / across
+        second = (rest_y * cos[0] - rest_x * sin[0]) / across
+        turns = np.abs(np.diff(headings, axis=0, prepend=start_heading, append=end_heading))
+        lengths = np.abs(first) + np.abs(second) + np.abs(third)
+        cost: Floats = lengths + half_track * turns.sum(axis=0)
+        return cost
+
+    least = shortest_way(
+        np.array([[x, y, end_heading]]), np.array([0, 0, start_heading]), half_track
+    )[0]
+    wide = random.uniform(-6, 6, (3, 100_000))
+    wide[0, ::4], wide[1, 1::4] = start_heading, end_heading  # without the first or a later turn
+    third = random.normal(0, 1, wide.shape[1]) * np.tile([0.0, 1.0], wide.shape[1] // 2)
+    costs = way(wide, third)
+    assert np.all(costs >= least * (1 - 1e-9))
+    # The best is refined by ever smaller random changes, some of them of one number alone.
+    best = np.concatenate([wide, third[None]])[:, costs.argmin()]
+    for size in np.geomspace(1.0, 1e-6, 40).tolist():
+        some = random.choice([0.0, 1.0], (4, 2000))
+        near: Floats = best[:, None] + random.normal(0, size, (4, 2000)) * some
+        near[:, 0] = best
+        near[3, ::3] = 0.0
+        costs = way(near[:3], near[3])
+        best = near[:, costs.argmin()]
+    assert costs.min() == pytest.approx(least, rel=1e-3)
+
+
+def test_what_cannot_be_caught_up_with_is_none() -> None:
+    assert earliest_merge(straight(10), np.array([-5.0, 0, 0]), 1.0, 0.5, 1.0) is None

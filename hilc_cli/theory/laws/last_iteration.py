@@ -21,9 +21,8 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
-from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.plants.kinematic import step_gains
+from hilc_cli.plants.kinematic import feedforward, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, active_sources, expected_of_seeds, extent
 from hilc_cli.theory.learning.outcome import FAILED, Outcome, Prospects, predicted_outcome

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.plants.kinematic import step_gains
+from hilc_cli.plants.kinematic import feedforward, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings, extent
 from hilc_cli.theory.laws.last_iteration import planned_motion

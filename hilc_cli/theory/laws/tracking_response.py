@@ -19,8 +19,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.feedback import FeedbackLaw
-from hilc_cli.plants.kinematic import feedforward, reference_twist
-from hilc_cli.plants.kinematic import advance, step_gains
+from hilc_cli.plants.kinematic import advance, feedforward, reference_twist, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import LEVEL, SOURCES, ExpectedError, Rows, active_sources

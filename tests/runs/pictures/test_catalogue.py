@@ -38,6 +38,15 @@ def test_every_kind_checks_its_runs_and_iterations(make_run: MakeRun, kind: str)
         draw(kind, [make_run()], [8, 7])
 
 
+def test_iteration_that_was_not_recorded(make_run: MakeRun) -> None:
+    runs = [make_run(recorded=[0, 3]), make_run(recorded=[1, 3])]
+
+    with pytest.raises(UsageError, match=r"^iteration 2 not recorded; recorded: 0, 1, 3$"):
+        draw("path-change", runs, [1, 2])
+    with pytest.raises(UsageError, match=r"^no iterations to draw; recorded: 0, 1, 3$"):
+        draw("path-change", runs, [])
+
+
 def test_saves_each_kind_in_each_format(make_run: MakeRun, tmp_path: Path) -> None:
     kinds = ("error", "learning")  # that all kinds are drawn is seen in one format
     paths = save_figures([make_run()], tmp_path, kinds, formats=FORMATS, dpi=50)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from hilc_cli.drawing import style
-from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.runs.pictures.path_change import iteration_scale, path_change_figure
 from tests.drawing.reading import legend, line, lines, texts
@@ -115,15 +114,6 @@ def test_one_iteration_is_named_and_needs_no_color_bar(make_run: MakeRun) -> Non
     (axes,) = path_change_figure([make_run(factors=[0.7])]).axes
 
     assert legend(axes) == ["Iteration 0", "Reference", "Start"]
-
-
-def test_iteration_that_was_not_recorded(make_run: MakeRun) -> None:
-    runs = [make_run(recorded=[0, 3]), make_run(recorded=[1, 3])]
-
-    with pytest.raises(UsageError, match=r"^iteration 2 not recorded; recorded: 0, 1, 3$"):
-        path_change_figure(runs, [1, 2])
-    with pytest.raises(UsageError, match=r"^no iterations to draw; recorded: 0, 1, 3$"):
-        path_change_figure(runs, [])
 
 
 def test_several_runs_share_one_scale(make_run: MakeRun) -> None:

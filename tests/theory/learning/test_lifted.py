@@ -16,9 +16,8 @@ from scipy.special import eval_laguerre
 
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
-from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.laws.law import Learner, Task
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.learning.lifted import DriftRecursion, ErrorRecursion, LiftedIteration
