@@ -117,6 +117,7 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
         (heading == "reference") or None,
         (heading == "previous") or None,
         kind.disturbed or None,
+        kind.drawn or None,
         kind.learn_in_first,
         kind.state,
         kind.output,

@@ -65,14 +65,16 @@ def _begin(
     previous_heading: bool,
     iteration: int,
     closed: bool,
+    drawn: bool | None,
     output_kind: int,
     pose_kind: int,
 ) -> None:
     """Sets lanes to the start of an iteration; the reference is given at its first sample."""
-    for j in range(3 * W):
-        words[PASS + j] = words[FREQUENCY + j] * np.uint64(iteration)
-    draw_pose(noise, lanes, words, pose_kind, 0, 1)
-    draw_output(noise, lanes, words, output_kind, 0, 1)
+    if drawn is not None:
+        for j in range(3 * W):
+            words[PASS + j] = words[FREQUENCY + j] * np.uint64(iteration)
+        draw_pose(noise, lanes, words, pose_kind, 0, 1)
+        draw_output(noise, lanes, words, output_kind, 0, 1)
     for j in range(W):
         position, turning = 1.0, 1.0
         if not full_matrix:
@@ -182,6 +184,7 @@ def _run_iterations(
     reference_heading: bool | None,
     previous_heading: bool | None,
     disturbed: bool | None,
+    drawn: bool | None,
     learn_in_first: bool,
     state_kind: int,
     output_kind: int,
@@ -196,7 +199,7 @@ def _run_iterations(
             lanes, words, noise, history, x_desired[0], y_desired[0], heading_desired[0],
             full_matrix is not None, own_heading is not None,
             reference_heading is not None, previous_heading is not None,
-            iteration, iteration > 0 or learn_in_first, output_kind, pose_kind,
+            iteration, iteration > 0 or learn_in_first, drawn, output_kind, pose_kind,
         )  # fmt: skip
         ends = False
         for j in range(W):

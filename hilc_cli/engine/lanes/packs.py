@@ -79,6 +79,11 @@ class Kind(NamedTuple):
         """Whether anything is drawn at each sample."""
         return self.state != NONE or self.output != NONE
 
+    @property
+    def drawn(self) -> bool:
+        """Whether anything is drawn at all."""
+        return self.disturbed or self.pose != NONE
+
 
 def knows(experiment: Experiment) -> bool:
     """Whether the batch engine runs here, and knows the experiment's law and plant."""
@@ -156,7 +161,7 @@ class Pack:
         rows[:, _LEFT], rows[:, _RIGHT] = (left + right) / 2, (left - right) / 2
         lanes[: rows.shape[1], :cases] = rows.T
         lanes[: rows.shape[1], cases:] = rows[-1][:, np.newaxis]
-        if self.kind.disturbed or self.kind.pose != NONE:
+        if self.kind.drawn:
             words = np.array([_word_rows(experiment) for experiment in experiments], np.uint64)
             places = self.words.reshape(WORD_ROWS, LANES)
             places[: words.shape[1], :cases] = words.T
@@ -195,7 +200,7 @@ class Pack:
             2 * distance_gain, 2 * turn_gain, length, peak, peak / length,
             *experiment.initial_pose, *law.matrix.coefficients,
         ]  # fmt: skip
-        if self.kind.disturbed or self.kind.pose != NONE:
+        if self.kind.drawn:
             disturbance = experiment.disturbance
             for source in (disturbance.state, disturbance.output, disturbance.initial_pose):
                 parameters += _noise_rows(source)
