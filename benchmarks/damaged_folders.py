@@ -492,9 +492,10 @@ def _run(command: tuple[str, ...]) -> int:
 
 
 def _check_reproduction(folder: Path) -> int:
-    from hilc_cli.errors import HilcError, printable
+    from hilc_cli.errors import HilcError
     from hilc_cli.paper.plan import plan_reproduction
     from hilc_cli.paper.reproducing import check_reproduction
+    from hilc_cli.wording import printable
 
     try:
         check_reproduction(plan_reproduction(["fig3"]), folder)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
+
+from hilc_cli.wording import near_name, printable, shortened
 
 MOST_PROBLEMS = 100
 """So many problems are told one by one."""
-_SHORT = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,59 +115,3 @@ class DivergedError(HilcError):
     def __init__(self, iteration: int) -> None:
         self.iteration = iteration
         super().__init__(f"the simulation diverged to non-finite values in iteration {iteration}")
-
-
-def suggestion(word: str, known: Iterable[str]) -> str:
-    """The nearest known word as ``did you mean 'x'?``, or the list of all known words."""
-    known = list(known)
-    near = near_name(word, known)
-    return f"did you mean '{near}'?" if near else f"known: {', '.join(sorted(known))}"
-
-
-def near_name(word: str, known: Sequence[str]) -> str | None:
-    """The nearest known name; if none is near, the first that has all words of what was written.
-
-    So ``max_position_error_m`` is meant by ``max_error``.
-    """
-    near = near_word(word, known)
-    words = set(_words(word))
-    if near is None and len(words) > 1:
-        near = next((each for each in known if words <= set(_words(each))), None)
-    return near
-
-
-def _words(name: str) -> list[str]:
-    return name.lower().replace("-", "_").split("_")
-
-
-def near_word(word: str, known: Iterable[str], alike: float = 0.7) -> str | None:
-    """The nearest known word, if one is near.
-
-    Case is ignored, digits are not: whoever writes ``fig2`` or ``l5`` has not mistyped ``fig8``
-    or ``l1``.
-
-    Args:
-        word: What was written.
-        known: The words that it may stand for.
-        alike: How alike they must be, from 0 to 1, the ratio of `difflib`.
-    """
-    spellings = {each.lower(): each for each in sorted(known) if _digits(each) == _digits(word)}
-    near = get_close_matches(word.lower(), spellings, n=1, cutoff=alike)
-    if not near and len(word) <= _SHORT:  # a letter more or less makes a short word another
-        close = get_close_matches(word.lower(), spellings, n=1, cutoff=0.6)
-        near = [each for each in close if each[:3] == word.lower()[:3]]
-    return spellings[near[0]] if near else None
-
-
-def _digits(word: str) -> list[str]:
-    return [letter for letter in word if letter.isdigit()]
-
-
-def printable(text: str) -> str:
-    """The text on one line, without characters that would steer a terminal."""
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
-
-
-def shortened(text: str, most: int = 200) -> str:
-    """The text, its end left out where it is long."""
-    return text if len(text) <= most else f"{text[:most]}..."

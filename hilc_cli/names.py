@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-import textwrap
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, TypeVar
+from collections.abc import Iterator, Mapping
+from typing import TypeVar
 
 from hilc_cli.errors import UnknownNameError
+from hilc_cli.wording import in_short, listed
 
 # No dot first, with which hidden folders begin, drafts among them, and no hyphen, with which
 # options and formulas do.
@@ -38,7 +38,6 @@ def name_remedy(text: object) -> str:
 
 _Key = TypeVar("_Key")
 _Value = TypeVar("_Value")
-_WIDTH = 100
 
 
 class Named(Mapping[_Key, _Value]):
@@ -80,29 +79,3 @@ class Named(Mapping[_Key, _Value]):
 def named(what: str, values: Mapping[_Key, _Value]) -> Named[_Key, _Value]:
     """The mapping as a `Named` one; one that is stays as it is."""
     return values if isinstance(values, Named) else Named(what, values)
-
-
-def listed(names: Iterable[Any], most: int = 12) -> str:
-    """Some names behind one another, and how many more there are."""
-    texts = [str(name) for name in names]
-    more = f", and {len(texts) - most} more" if len(texts) > most else ""
-    return ", ".join(texts[:most]) + more
-
-
-def counted(count: int, name: str) -> str:
-    """``1 segment``, ``2 segments``."""
-    return f"{count} {name}" if count == 1 else f"{count} {name}s"
-
-
-def in_short(title: str, *lines: str) -> str:
-    """What a result shows of itself: a title and lines below it, each cut where it is long."""
-    texts = [title, *(f"  {line}" for line in lines)]
-    return "\n".join(t if len(t) <= _WIDTH else f"{t[: _WIDTH - 3]}..." for t in texts)
-
-
-def wrapped(title: str, *texts: str) -> str:
-    """A title and sentences below it, each in as many lines as it needs."""
-    lines = [
-        textwrap.fill(text, _WIDTH, initial_indent="  ", subsequent_indent="    ") for text in texts
-    ]
-    return "\n".join([title, *lines])

@@ -24,7 +24,8 @@ from importlib.metadata import (
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from hilc_cli.errors import UsageError, near_word, printable, shortened
+from hilc_cli.errors import UsageError
+from hilc_cli.wording import near_word, printable, shortened
 
 Kind = Literal["law", "plant"]
 

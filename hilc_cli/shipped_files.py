@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-from hilc_cli.errors import ExistingResultsError, UsageError, suggestion
+from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.files import write_file, writing
+from hilc_cli.wording import suggestion
 
 PREFIX = "example:"
 SCENARIOS, TRAJECTORIES, LEADERBOARDS = KINDS = ("scenarios", "trajectories", "leaderboards")

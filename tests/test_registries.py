@@ -55,12 +55,24 @@ def insert(file: Path, behind: str, text: str) -> None:
     file.write_text(content.replace(behind, behind + text.removeprefix("\n")), encoding="utf-8")
 
 
+def run(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Runs the copy in a folder."""
+    command = [sys.executable, "-m", "hilc_cli", *arguments]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True)
+
+
 def hilc(folder: Path, *arguments: str) -> str:
     """What the copy in a folder prints."""
-    command = [sys.executable, "-m", "hilc_cli", *arguments]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    done = run(folder, *arguments)
     assert (done.returncode, done.stderr) == (0, ""), done.stderr
     return done.stdout
+
+
+def problem(folder: Path, *arguments: str) -> str:
+    """What the copy in a folder says of wrong input."""
+    done = run(folder, *arguments)
+    assert (done.returncode, done.stdout) == (2, ""), done.stderr
+    return done.stderr
 
 
 def test_a_new_metric_is_one_entry(copy: Path) -> None:
@@ -94,6 +106,37 @@ def test_a_new_kind_of_picture_is_a_file_and_an_entry(copy: Path) -> None:
     # The folder knows it for its own, and keeps it where the same run is written again.
     hilc(copy, "run", "example:fig3-circle", "--set", "iterations=1", "--out", "r", "--no-plots")
     assert (copy / "r/still-life.svg").is_file()
+
+
+PLANT = """
+from dataclasses import dataclass
+from typing import Literal
+
+from pydantic import Field
+
+from hilc_cli.plants.kinematic_plant import KinematicPlant, KinematicSpec
+from hilc_cli.yaml_input.quantities import SampleTime
+
+
+class LaggingSpec(KinematicSpec):
+    plant: Literal["lagging"] = Field(default=..., description="plant")
+    lag: SampleTime = Field(description="time constant of the motors")
+"""
+
+
+def test_a_new_plant_is_a_file_and_an_entry(copy: Path) -> None:
+    (copy / "hilc_cli/plants/lagging.py").write_text(PLANT, encoding="utf-8")
+    registry = copy / "hilc_cli/plants/registry.py"
+    insert(registry, "import KinematicSpec\n", "from hilc_cli.plants.lagging import LaggingSpec\n")
+    insert(registry, '{"kinematic": KinematicSpec', ', "lagging": LaggingSpec')
+    at_once = ("--set", "iterations=1", "--no-plots", "-q")
+    robot = "robot={plant: lagging, wheel_radius: 0.2, half_track: 0.5, turn_convention: paper"
+    hilc(copy, "run", "example:fig3-circle", *at_once, "--set", f"{robot}, lag: 0.1 s}}")
+    told = problem(copy, "check", "example:fig3-circle", "--set", f"{robot}}}")
+    assert told.endswith("robot.lag: is missing; give it (time constant of the motors)\n")
+    told = problem(copy, "check", "example:fig3-circle", "--set", f"{robot}, lagg: 0.1 s}}")
+    assert "did you mean 'lag'?" in told
+    assert "time constant of the motors" in hilc(copy, "schema", "scenario")
 
 
 def test_every_kind_of_picture_has_its_home() -> None:

@@ -11,7 +11,6 @@ import numpy as np
 from hilc_cli.checks.advice import advice
 from hilc_cli.checks.simulation import Simulated, decided, simulated, theory_findings
 from hilc_cli.files import merge_folder
-from hilc_cli.names import counted, wrapped
 from hilc_cli.runs.running import OnIteration
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
@@ -25,6 +24,7 @@ from hilc_cli.theory.noise import unsure_findings
 from hilc_cli.theory.proof.bounds import Bounds, theories
 from hilc_cli.theory.proof.constants import Conditions, conditions
 from hilc_cli.theory.reach import judged_feasibility, start_findings
+from hilc_cli.wording import counted, wrapped
 
 _RANKS = {"feasibility": 1, "advice": 2}
 """Parts whose warnings come after those of learning, which are of this very scenario."""

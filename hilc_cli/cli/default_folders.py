@@ -9,8 +9,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from hilc_cli.errors import UsageError, printable
+from hilc_cli.errors import UsageError
 from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.wording import printable
 
 RUNS = Path("runs")
 SWEEP = "-sweep"

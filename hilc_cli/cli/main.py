@@ -18,8 +18,9 @@ try:
     from typing import NoReturn
 
     from hilc_cli.cli.session import STOPPED, InterruptedBySignal, Session
-    from hilc_cli.errors import HilcError, InvalidInputError, near_word, printable, shortened
+    from hilc_cli.errors import HilcError, InvalidInputError
     from hilc_cli.surroundings import settle
+    from hilc_cli.wording import near_word, printable, shortened
 except KeyboardInterrupt:  # nothing has begun yet
     raise SystemExit(130) from None
 

@@ -11,9 +11,10 @@ import typer
 
 from hilc_cli.cli import options
 from hilc_cli.cli.completion import complete_picture, complete_results
-from hilc_cli.errors import UsageError, printable
+from hilc_cli.errors import UsageError
 from hilc_cli.reporting.terminal import print_json, print_text, say
 from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.wording import printable
 
 Runs = Annotated[
     list[Path] | None,

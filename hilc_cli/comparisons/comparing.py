@@ -11,14 +11,14 @@ import numpy as np
 
 from hilc_cli.comparisons.formats import FILES, WRITERS
 from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
-from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
-from hilc_cli.names import listed
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRICS
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.results.summary import summarise
 from hilc_cli.runs.running import RunSource, as_runs
+from hilc_cli.wording import listed, suggestion
 
 SETTINGS = "Settings"
 ERRORS, LEARNING = "Errors of the last iteration", "Wheel speeds and learning"

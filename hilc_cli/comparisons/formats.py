@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from hilc_cli.comparisons.table import Column, ComparisonTable, Value
-from hilc_cli.errors import printable
 from hilc_cli.reporting.terminal import is_decorated, print_table, print_text
 from hilc_cli.results.tables import text_cell
+from hilc_cli.wording import printable
 
 if TYPE_CHECKING:
     from rich.console import Group

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from hilc_cli.errors import UnknownNameError
-from hilc_cli.names import in_short, listed
+from hilc_cli.wording import in_short, listed
 
 _LONG = 1e6  # numbers from here on are written with an exponent
 

@@ -1,4 +1,4 @@
-"""Pictures of results: one kind a file, arrays in, a Matplotlib figure out."""
+"""What pictures of all kinds share: style, labels, layout, saving."""
 
 from hilc_cli.drawing.loading import load_matplotlib
 

@@ -14,8 +14,8 @@ from matplotlib.ticker import Formatter, MaxNLocator
 from numpy.typing import NDArray
 
 from hilc_cli.drawing.style import MARKER_SIZE, NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
-from hilc_cli.errors import printable
 from hilc_cli.results.run import RunData, distinct_names
+from hilc_cli.wording import printable
 
 Entitle = Callable[[Axes, str, Sequence[str]], None]
 """Titles a panel and puts notes that the reader must know beside it, as `set_title` does."""

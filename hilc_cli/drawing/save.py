@@ -15,8 +15,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from hilc_cli.drawing import style
-from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.errors import UsageError
 from hilc_cli.results.folder import PICTURE_FORMATS
+from hilc_cli.wording import suggestion
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _LEVEL = 3

@@ -15,10 +15,10 @@ import numpy as np
 from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from hilc_cli.errors import near_word
 from hilc_cli.laws.law import Iteration, Plan, WheelController
 from hilc_cli.plants.kinematic import Number, Robot
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.wording import near_word
 from hilc_cli.yaml_input.expressions import Affine, ExpressionError, evaluate
 from hilc_cli.yaml_input.model import Located, located, together, wrong, wrong_at
 

@@ -11,13 +11,14 @@ from typing import Any
 
 from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
 from hilc_cli.comparisons.table import ComparisonTable, Value
-from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.leaderboards.contests import Contests, LeaderboardData, compute_entries
 from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
 from hilc_cli.results.folder import COMPILED_WITH, origin
+from hilc_cli.wording import suggestion
 from hilc_cli.workers.crews import available_cores
 
 

@@ -13,9 +13,9 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.errors import DivergedError, HilcError
 from hilc_cli.leaderboards.plan import Contest
-from hilc_cli.names import in_short, listed
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import first_within, settled_at, share_within
+from hilc_cli.wording import in_short, listed
 from hilc_cli.workers.crews import Alone, Crew, Processes, hand_out
 
 

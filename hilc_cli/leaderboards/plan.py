@@ -13,13 +13,13 @@ from pydantic import Field, ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.laws.registry import ControllerSpec, packages_of
-from hilc_cli.names import in_short, listed
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plug_ins import trusting
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
 from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
+from hilc_cli.wording import in_short, listed
 from hilc_cli.yaml_input.model import Located, Model, Name, Text
 from hilc_cli.yaml_input.nodes import MapNode, Node, nearest, to_data
 from hilc_cli.yaml_input.problems import located_problem, problems_of

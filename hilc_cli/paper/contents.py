@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.errors import UsageError
 from hilc_cli.paper.panel import PanelKind
 from hilc_cli.results.folder import ResultFolder
+from hilc_cli.wording import suggestion
 
 MOTOR_LIMIT = 180.0
 """u_max [rad/s] of the platform's motors, Eq. 44."""

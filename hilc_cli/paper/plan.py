@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hilc_cli.names import in_short, listed
 from hilc_cli.paper.claim import Claim
 from hilc_cli.paper.contents import FIGURE_NAMES, PaperFigure, figures_named
 from hilc_cli.paper.panel import SHOWN_ITERATIONS
@@ -15,6 +14,7 @@ from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
 from hilc_cli.shipped_files import PREFIX
+from hilc_cli.wording import in_short, listed
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.names import in_short, listed
 from hilc_cli.paper.claim import Claim, Finding
 from hilc_cli.paper.contents import (
     CLAIMS_CSV,
@@ -40,6 +39,7 @@ from hilc_cli.results.folder import DRAWN_WITH, origin, versions
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.running import Run, run
 from hilc_cli.scenario.experiment import Scenario
+from hilc_cli.wording import in_short, listed
 
 DPI = 300
 """Resolution of pictures in print [dots per inch]."""

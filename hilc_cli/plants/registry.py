@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import reduce
+from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import (
@@ -20,6 +22,7 @@ from hilc_cli.plug_ins import PlugInError
 from hilc_cli.yaml_input.model import of_named_model
 
 OWN: Mapping[str, type[RobotSpec]] = {"kinematic": KinematicSpec}
+"""The parameters of each of hilc's own plants; all else about plants follows from here."""
 
 
 class InstalledRobot(RobotSpec):
@@ -71,5 +74,7 @@ if TYPE_CHECKING:
     RobotSection = RobotSpec
 else:
     RobotSection = Annotated[
-        SerializeAsAny[KinematicSpec | InstalledRobot], WrapValidator(_of_its_plant)
+        reduce(or_, (*OWN.values(), InstalledRobot)),
+        WrapValidator(_of_its_plant),
+        SerializeAsAny(),
     ]

@@ -15,8 +15,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TextIO
 
-from hilc_cli.errors import FileAccessError, printable
+from hilc_cli.errors import FileAccessError
 from hilc_cli.files import reason
+from hilc_cli.wording import printable
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType, RenderResult

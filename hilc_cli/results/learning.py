@@ -17,10 +17,11 @@ from pathlib import Path
 import numpy as np
 
 from hilc_cli.errors import UsageError
-from hilc_cli.names import in_short, listed, named
+from hilc_cli.names import named
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import stem_and_unit
 from hilc_cli.results.reading import Numbers, check_counted, parse_numbers, table_rows
+from hilc_cli.wording import in_short, listed
 
 _ITERATION = "iteration"
 _MOST = 1e200

@@ -1,7 +1,7 @@
 """The metrics of an iteration: what each is, how it is computed, and the table of all iterations.
 
-`METRICS` is the one list of them: columns, their order and units, labels of axes, headings of
-tables, completion and what both engines compute follow from it.
+`METRICS` is the one list of them: columns, their order and units, labels of axes, completion and
+what both engines compute follow from it. Which of them reports and comparisons show, they say.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hilc_cli.names import Named, in_short, listed
+from hilc_cli.names import Named
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
+from hilc_cli.wording import in_short, listed
 
 _UNITS = {"_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad", "_m": "m", "_s": "s", "_percent": "%"}
 

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hilc_cli.names import in_short, named
+from hilc_cli.names import named
 from hilc_cli.plants.kinematic import gravity_center_position
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, MetricsTable
 from hilc_cli.results.trial import Trial
+from hilc_cli.wording import in_short
 
 _SAME_POSE = 1e-9  # of the path's size, or in radians
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hilc_cli.errors import UsageError, printable
+from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file
 from hilc_cli.laws.law import Plan
 from hilc_cli.reference.sampled import Floats, Reference
@@ -26,6 +26,7 @@ from hilc_cli.results.reading import (
 )
 from hilc_cli.results.trial import LARGEST, Trial
 from hilc_cli.variation import Value
+from hilc_cli.wording import printable
 
 ITERATIONS_HEADER = ("iteration", *METRICS)
 SAMPLES_HEADER = (

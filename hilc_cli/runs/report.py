@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from hilc_cli.errors import printable
 from hilc_cli.reporting.terminal import two_columns
 from hilc_cli.results.learning import quantities, says_more
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF
+from hilc_cli.wording import printable
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -8,8 +8,9 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.errors import UsageError
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRICS, stem_and_unit
+from hilc_cli.wording import suggestion
 from hilc_cli.yaml_input.expressions import PLAIN, ExpressionError, evaluate
 
 _RELATIONS: Mapping[str, Callable[[float, float], bool]] = {

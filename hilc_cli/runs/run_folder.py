@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from hilc_cli.errors import UsageError, printable
+from hilc_cli.errors import UsageError
 from hilc_cli.files import folder_to_read, is_there, read_file
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
@@ -22,6 +22,7 @@ from hilc_cli.results.tables import (
     read_samples,
     read_stored_input,
 )
+from hilc_cli.wording import printable
 
 MANIFEST = "manifest.json"
 ITERATIONS = "iterations.csv"

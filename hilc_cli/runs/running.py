@@ -14,7 +14,7 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.learning import Learning
 from hilc_cli.engine.loop import MeasuredTrials
-from hilc_cli.errors import DivergedError, UsageError, printable
+from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.laws.law import Plan
 from hilc_cli.results.folder import DRAWN_WITH, INITIAL_INPUT, SCENARIO, origin
@@ -46,6 +46,7 @@ from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
 from hilc_cli.theory.feasibility.feasibility import beyond_wheels
 from hilc_cli.theory.wheel_noise import seen_in, seen_warnings
+from hilc_cli.wording import printable
 
 __all__ = [
     "Run",

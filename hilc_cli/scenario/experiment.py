@@ -16,7 +16,6 @@ from hilc_cli.engine.learning import Learning
 from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import packages_of
-from hilc_cli.names import in_short
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.parameters import DEFAULT_PLANT
 from hilc_cli.plants.registry import OWN as PLANTS
@@ -26,6 +25,7 @@ from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
 from hilc_cli.theory.feasibility.plausibility import implausible, is_plain
+from hilc_cli.wording import in_short
 from hilc_cli.yaml_input.nodes import Place
 from hilc_cli.yaml_input.tree import to_yaml
 

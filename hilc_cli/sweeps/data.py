@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.names import in_short, listed, named
+from hilc_cli.names import named
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE
 from hilc_cli.variation import Axis, Cases, ListedCases, Value, is_value
+from hilc_cli.wording import in_short, listed
 
 BEST = "best.yaml"
 """The scenario of the best case, in the folder of a sweep that was a search."""

@@ -20,7 +20,6 @@ from pydantic import BaseModel, ValidationError
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
-from hilc_cli.names import in_short, listed
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.scenario.experiment import Scenario
@@ -30,6 +29,7 @@ from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.data import SEED_KEY
 from hilc_cli.variation import Axis, Cases, Value, axis_to_data
 from hilc_cli.version import __version__
+from hilc_cli.wording import in_short, listed
 from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, Place, Source, from_data, to_data
 from hilc_cli.yaml_input.problems import problems_of
 from hilc_cli.yaml_input.reading import apply_override

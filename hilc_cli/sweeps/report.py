@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import typer
 
-from hilc_cli.errors import printable
 from hilc_cli.reporting.terminal import (
     print_json,
     print_table,
@@ -24,6 +23,7 @@ from hilc_cli.reporting.terminal import (
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.sweeps.data import BEST, summarise_sweep, tied
 from hilc_cli.variation import Range
+from hilc_cli.wording import printable
 
 if TYPE_CHECKING:
     from rich.table import Table

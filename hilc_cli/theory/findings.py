@@ -1,4 +1,4 @@
-"""What a part of the analysis has to say to people."""
+"""What a part of theory has to say to people."""
 
 from __future__ import annotations
 

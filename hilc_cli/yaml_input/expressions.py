@@ -24,7 +24,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from hilc_cli.errors import near_word
+from hilc_cli.wording import near_word
 
 LONGEST_EXPRESSION = 120
 _DEEPEST = 20

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import get_args, get_origin
 
-from hilc_cli.errors import near_word
+from hilc_cli.wording import near_word
 from hilc_cli.yaml_input.model import Model, Step, model_in, models_in, steps_to
 from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, nearest, to_data
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from hilc_cli.errors import printable, shortened
+from hilc_cli.wording import printable, shortened
 
 PathKeys = tuple[str | int, ...]
 

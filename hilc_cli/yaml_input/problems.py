@@ -9,8 +9,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from hilc_cli.errors import MOST_PROBLEMS, Problem, near_name
+from hilc_cli.errors import MOST_PROBLEMS, Problem
 from hilc_cli.names import NAME_PATTERN, name_remedy
+from hilc_cli.wording import near_name
 from hilc_cli.yaml_input.known_keys import KnownKey, known_keys, meant
 from hilc_cli.yaml_input.model import Model, listed, steps_to
 from hilc_cli.yaml_input.nodes import (
@@ -159,8 +160,8 @@ def _at(
 def _how_to_give(tree: Node, keys: PathKeys, model: type[Model]) -> str:
     if isinstance(keys[-1], int):
         return "the list has too few entries"
-    description = steps_to(tree, keys[:-1], model)[-1].fields[keys[-1]].description
-    return f"give it ({description})" if description else "give it"
+    field = steps_to(tree, keys[:-1], model)[-1].fields.get(keys[-1])
+    return f"give it ({field.description})" if field and field.description else "give it"
 
 
 def _unknown(

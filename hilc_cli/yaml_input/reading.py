@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError, shortened
+from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
 from hilc_cli.files import read_file, reason, resolved
 from hilc_cli.shipped_files import (
     KINDS,
@@ -22,6 +22,7 @@ from hilc_cli.shipped_files import (
     is_example,
     resolve_example,
 )
+from hilc_cli.wording import shortened
 from hilc_cli.yaml_input.nodes import (
     ListNode,
     MapNode,

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from hilc_cli import __version__
+from hilc_cli.cli.app import app
 from hilc_cli.shipped_files import examples
 from tests.cli.processes import environment, run_hilc
 from tests.conftest import Hilc, Outcome, Write
 
-COMMANDS = ["run", "check", "plot", "compare", "sweep", "reproduce", "examples", "schema"]
+COMMANDS = [str(command.callback.__name__) for command in app.registered_commands]  # type: ignore[union-attr]
+PROJECT = Path(__file__).resolve().parents[2] / "pyproject.toml"
 HEAVY = {"numpy", "matplotlib", "pydantic", "yaml"}
 
 
@@ -32,6 +35,12 @@ def test_every_help_carries_an_example(
     assert max(map(len, lines)) <= 80
     # The usage has dots behind what may be repeated; anywhere else they are a text cut short.
     assert not [line for line in lines[1:] if line.endswith(("...", "\N{HORIZONTAL ELLIPSIS}"))]
+
+
+def test_no_command_imports_another() -> None:
+    contracts = tomllib.loads(PROJECT.read_text())["tool"]["importlinter"]["contracts"]
+    modules = next(each["modules"] for each in contracts if "command" in each["name"])
+    assert sorted(modules) == sorted(f"hilc_cli.cli.{command}" for command in COMMANDS)
 
 
 def test_no_command_shows_the_help(hilc: Hilc) -> None:

@@ -19,7 +19,7 @@ from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.theory.law_theory import law_theory
 from tests.engine.experiments import law_of, matrix_of
-from tests.theory.laws.test_tracking_response import LEFT, ROBOT, STRAIGHT, WRONG, experiment, path
+from tests.theory.laws.test_feedback_response import LEFT, ROBOT, STRAIGHT, WRONG, experiment, path
 
 BENDS = path((STRAIGHT, 120), (LEFT, 15), (STRAIGHT, 60))
 NOISE = Disturbance(0, Bounded((3e-4, 3e-4, 5e-4)), Bounded((3e-3, 3e-3, 6e-3)))

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from hilc_cli.names import counted
 from hilc_cli.reporting.terminal import Grid, Section
 from hilc_cli.theory.feasibility.feasibility import GRAVITY, in_degrees, rounded
+from hilc_cli.wording import counted
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check

@@ -13,7 +13,10 @@ from hilc_cli.theory.wheel_noise import wheel_document, wheel_rows
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
+    from hilc_cli.checks.simulation import Simulated
     from hilc_cli.results.summary import Summary
+    from hilc_cli.theory.learning.forecast import Forecast
+    from hilc_cli.theory.learning.transient import Transient
 
 
 def learning_section(check: Check) -> Section:
@@ -50,13 +53,6 @@ def _summary_document(summary: Summary) -> dict[str, object]:
         "settled_at": summary.settled_at,
         "diverged_at": summary.diverged_at,
     }
-
-
-if TYPE_CHECKING:
-    from hilc_cli.checks.checking import Check
-    from hilc_cli.checks.simulation import Simulated
-    from hilc_cli.theory.learning.forecast import Forecast
-    from hilc_cli.theory.learning.transient import Transient
 
 
 _BELOW_LAST = 3 + len(RELATIVE_TOLERANCES)  # rows below that of the last iteration

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from hilc_cli.checks.report.feasibility import feasibility_section
 from hilc_cli.checks.report.learning import errors_grid, learning_section
 from hilc_cli.checks.report.theory import theory_section
-from hilc_cli.names import counted
 from hilc_cli.reporting.terminal import (
     finding_lines,
     is_decorated,
@@ -21,6 +20,7 @@ from hilc_cli.reporting.terminal import (
     title,
     two_columns,
 )
+from hilc_cli.wording import counted
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check

@@ -10,9 +10,10 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from hilc_cli.drawing.save import save_pictures
-from hilc_cli.errors import UsageError, suggestion
+from hilc_cli.errors import UsageError
 from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.sweeps.data import SweepData
+from hilc_cli.wording import suggestion
 
 
 @dataclass(frozen=True, slots=True)

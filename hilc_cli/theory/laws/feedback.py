@@ -33,7 +33,7 @@ from hilc_cli.plants.kinematic import reference_twist
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, Findings, Rows, disturbed_rows, joined
 from hilc_cli.theory.law_theory import LawTheory
-from hilc_cli.theory.laws.tracking_response import (
+from hilc_cli.theory.laws.feedback_response import (
     TrackingResponse,
     response_rows,
     tracking_response,

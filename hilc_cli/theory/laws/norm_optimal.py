@@ -26,8 +26,8 @@ from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, Findings, Rows, expected_rows, joined
 from hilc_cli.theory.law_theory import LawTheory
-from hilc_cli.theory.laws.last_iteration import expected_of_norm_optimal
-from hilc_cli.theory.laws.merging import Merging, merging, merging_findings
+from hilc_cli.theory.laws.norm_optimal_merging import Merging, merging, merging_findings
+from hilc_cli.theory.laws.norm_optimal_noise import expected_of_norm_optimal
 from hilc_cli.theory.learning.outcome import Outcome
 from hilc_cli.theory.noise import Remedies, noise_findings
 from hilc_cli.theory.wheel_noise import WheelNoise, wheel_findings, wheel_rows

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.names import counted, in_short
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, expected_of_seeds, extent
 from hilc_cli.theory.learning.ensemble import NoisyLearning, noisy_learning
@@ -18,6 +17,7 @@ from hilc_cli.theory.learning.norms import SingularValue, SpectralRadius
 from hilc_cli.theory.learning.outcome import Outcome, Prospects, predicted_outcome
 from hilc_cli.theory.learning.transient import Transient, predict_transient
 from hilc_cli.theory.linear_law import linear_law
+from hilc_cli.wording import counted, in_short
 
 _LINEAR_HEADING = 0.7
 """Heading errors up to which the last iteration is as the linear theory has it [rad]."""

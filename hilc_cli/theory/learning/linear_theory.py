@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.names import counted
 from hilc_cli.results.metrics import first_within, settled_at
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 from hilc_cli.theory.findings import (
@@ -30,6 +29,7 @@ from hilc_cli.theory.linear_law import LinearLaw
 from hilc_cli.theory.matrices import desired_motion
 from hilc_cli.theory.noise import Remedies, noise_findings
 from hilc_cli.theory.wheel_noise import WheelNoise, wheel_findings, wheel_rows
+from hilc_cli.wording import counted
 
 WHERE = "along the reference, without limit and disturbances"
 NO_EFFECT_IN_FIRST = (

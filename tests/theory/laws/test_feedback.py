@@ -16,7 +16,7 @@ from hilc_cli.reference.path import ArcPlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.theory.findings import Findings
 from hilc_cli.theory.laws.feedback import TrackingLoop, tracking_findings, tracking_loop
-from hilc_cli.theory.laws.tracking_response import tracking_response
+from hilc_cli.theory.laws.feedback_response import tracking_response
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import Pose
 from tests.theory.cases import line, spot

@@ -12,7 +12,7 @@ from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.plants.kinematic import feedforward, step_gains
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings, extent
-from hilc_cli.theory.laws.last_iteration import planned_motion
+from hilc_cli.theory.laws.norm_optimal_noise import planned_motion
 from hilc_cli.theory.learning.outcome import CLEARLY
 from hilc_cli.theory.matrices import desired_motion, starts_off
 from hilc_cli.theory.noise import open_loop_error

@@ -15,7 +15,7 @@ from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import LinePlan, build_reference
 from hilc_cli.theory.findings import Findings
-from hilc_cli.theory.laws.merging import Merging, merging, merging_findings
+from hilc_cli.theory.laws.norm_optimal_merging import Merging, merging, merging_findings
 from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.reference.paths import Pose
 

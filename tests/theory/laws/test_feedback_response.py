@@ -18,7 +18,7 @@ from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import joined
 from hilc_cli.theory.laws.feedback import tracking_findings, tracking_loop, way_findings
-from hilc_cli.theory.laws.tracking_response import TrackingResponse, tracking_response
+from hilc_cli.theory.laws.feedback_response import TrackingResponse, tracking_response
 from hilc_cli.theory.wheel_noise import seen_in, seen_warnings, wheel_findings
 from tests.engine.experiments import experiment_of, law_of
 

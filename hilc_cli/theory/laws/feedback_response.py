@@ -1,6 +1,6 @@
 """What the tracking controller without learning does along the very path of an experiment.
 
-The point of rest of `tracking_loop` is where a line or a circle that lasts would leave the
+The point of rest of `feedback` is where a line or a circle that lasts would leave the
 platform; most arcs are too short for it. Here the path is driven instead, nonlinear and within the
 limit: once undisturbed, once from the trajectory's own start, and with disturbances by many seeds.
 """
