@@ -47,7 +47,7 @@ def draft_folder(place: Path, parent: Path, salvage: Salvage = _nothing) -> Iter
 
 @contextmanager
 def draft_file(place: Path) -> Iterator[Path]:
-    """The same for a file, which is empty at first."""
+    """Makes a draft of a file, which is empty at first, as `draft_folder` does of a folder."""
 
     def make() -> str:
         suffix = place.suffix

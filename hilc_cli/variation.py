@@ -29,7 +29,7 @@ _KEY = re.compile(r"\w[\w-]*(\.\w[\w-]*)*")
 _LONGEST_KEY, _LONGEST_TEXT = 200, 10_000
 MOST_KEYS = 100
 MOST_VALUES = 1_000_000
-"""Of one key, so that they can be listed."""
+"""A key has no more values, so that they can be listed."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,7 +48,7 @@ class Simulated:
 
     @property
     def telling_errors_m(self) -> Floats:
-        """Likewise those by which the run is judged, from a wrong start of the second half."""
+        """Errors by which the run is judged: from a wrong start, of the second half [m]."""
         return self._to_the_end(self.run.telling_errors_m)
 
     @property

@@ -141,7 +141,7 @@ class MeasuredTrials:
     """
 
     def __init__(self, experiment: Experiment, learning: Learning | None = None) -> None:
-        """With an experiment, and its learning if that is to be asked for plans, see `simulate`."""
+        """Takes an experiment, and its learning if plans are to be asked for, see `simulate`."""
         self._experiment, self._learning = experiment, learning
         self.last: Trial | None = None
         self.diverged_at: int | None = None

@@ -161,7 +161,7 @@ class LastIteration:
     """A learner that remembers the last iteration alone, and has nothing to tell."""
 
     def __init__(self, task: Task, after: Callable[[Iteration], Plan]) -> None:
-        """With what makes a plan of the iteration before."""
+        """Begins with what makes a plan of the iteration before."""
         self._last = task.before_first
         self._after = after
 

@@ -80,7 +80,7 @@ class LowPass:
     """
 
     def __init__(self, cutoff: float, sample_time: float) -> None:
-        """With f_c [Hz], above 0 and below the Nyquist frequency, and d_t [s]."""
+        """Designs it for f_c [Hz], above 0 and below the Nyquist frequency, and d_t [s]."""
         self._cutoff = math.tan(math.pi * cutoff * sample_time)
         self._factors: Floats = np.empty(0)  # those of the last length, which is seldom another
 

@@ -1,4 +1,4 @@
-"""From a list of segments to the sampled reference, with its continuity checks.
+"""Makes the sampled reference of a list of segments, and checks that it has no jumps.
 
 A segment is placed once, with its start in the world frame, and then evaluated at any fraction
 of its length from its closed form: samples do not accumulate rounding errors.

@@ -299,7 +299,7 @@ def _table(grid: Grid) -> Table:
 
 
 def _width() -> int:
-    """Of the terminal, or what is read well where there is none."""
+    """The width of the terminal, or what is read well where there is none."""
     if not is_decorated(sys.stdout):
         return _WIDEST
     return max(40, min(_WIDEST, shutil.get_terminal_size().columns))

@@ -29,7 +29,7 @@ from hilc_cli.reference.sampled import Floats
 MAX_CSV_BYTES = 2_000_000_000
 MAX_JSON_BYTES = 100_000_000
 _MOST_JSON_VALUES = 5_000_000
-"""In a document: a list of a million values in each of a few keys of a sweep."""
+"""A document has no more: a few keys of a sweep may have lists of a million values."""
 _MOST_JSON_LISTS = 500_000
 """Lists and mappings, of which each takes many times the memory that it takes on the disk."""
 

@@ -1,4 +1,4 @@
-"""From YAML, a dictionary of overrides and the files they name to a valid scenario."""
+"""Makes a valid scenario of YAML, of overrides, and of the files that they name."""
 
 from __future__ import annotations
 

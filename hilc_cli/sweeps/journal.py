@@ -42,7 +42,7 @@ class Journal:
 
     @property
     def descriptor(self) -> int:
-        """Of the open file, to lock it."""
+        """The number of the open file, by which it is locked."""
         return self._descriptor
 
     def append(self, entry: dict[str, Any]) -> None:

@@ -314,7 +314,7 @@ class FolderStore(Store):
             self._count(chunk, failures)
 
     def _checksum(self, chunk: Chunk) -> int | None:
-        """Of what the files hold of a chunk; None if they end before it, whatever is said of it."""
+        """Returns the checksum of what the files hold of a chunk; None if they end before it."""
         offset = chunk.first - self.cases.first
         parts = [(ROWS, offset * _COLUMNS, len(chunk) * _COLUMNS)]
         if self._bands:

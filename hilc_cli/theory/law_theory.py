@@ -27,7 +27,7 @@ class LawTheory:
     linear: LinearLaw | None = None
 
     def __init__(self, experiment: Experiment) -> None:
-        """With an experiment of the law."""
+        """Takes an experiment of the law."""
         self.experiment = experiment
 
     @property

@@ -57,7 +57,7 @@ class DisturbanceDraws:
     """Draws of all three disturbances of an experiment."""
 
     def __init__(self, disturbance: Disturbance, seeds: int) -> None:
-        """For so many seeds, the first of which is not disturbed."""
+        """Draws for so many seeds, the first of which is not disturbed."""
         self.start = NoiseDraws(disturbance.initial_pose, seeds, 1)
         self.state = NoiseDraws(disturbance.state, seeds, 2)
         self.output = NoiseDraws(disturbance.output, seeds, 3)

@@ -68,7 +68,7 @@ _OTHER_UNITS: Mapping[str, str] = {
     **_names("km", "km", "kilometer", "kilometers", "kilometre", "kilometres"),
     **_names("h", "h", "hr", "hrs", "hour", "hours"),
 }
-"""By names in lower case; ``*`` in front goes on from the number before."""
+"""Units by their names in lower case; ``*`` in front goes on from the number before."""
 _ALONE: Mapping[str, str] = {"km": "*1000 m", "h": "*3600 s"}
 """Units that are known only as parts of km/h."""
 _SAME_IN_CAPITALS = {name.lower(): name for name in UNITS}

@@ -44,7 +44,7 @@ def compiled(function: Callable[..., Any]) -> Any:
 
 
 def cached(function: Callable[..., Any], parts: Iterable[Callable[..., Any]]) -> Any:
-    """The same, kept for later processes.
+    """A function with lane loops as machine code that is kept for later processes.
 
     Args:
         function: With lane loops.

@@ -46,11 +46,15 @@ class EarlierMotion:
     of_distance: Contrasts
 
     def turning(self) -> Earlier:
-        """For the fit of the turn gain."""
+        """Returns what the fit of the turn gain needs of them."""
         return Earlier(self.iterations, self.mean.headings, self.mean.turned, self.of_turn)
 
     def ahead(self, along: Floats) -> Earlier:
-        """For the fit of the distance gain, along the unit vectors of the steps, shape (n, 2)."""
+        """Returns what the fit of the distance gain needs of them.
+
+        Args:
+            along: Unit vectors of the steps, shape (n, 2).
+        """
         went, drove = (
             summed(np.sum(parts * along, axis=1)) for parts in (self.mean.steps, self.mean.driven)
         )
@@ -173,7 +177,7 @@ def _slack(
     foretold: float,
     earlier: EarlierMotion | None,
 ) -> float:
-    """By what share of it the distance gain may be wrong through the heading's error.
+    """Returns by what share the distance gain may be wrong through the heading's error.
 
     To first order what was driven aside of the direction counts, to second order what was driven
     along it, as far as the mean square of the error is not known. All errors are taken to work

@@ -44,5 +44,5 @@ class NormOptimalParameters:
 
     @property
     def squared_weights(self) -> tuple[float, float, float]:
-        """Of a squared position error, heading error and wheel speed in learning."""
+        """The weights of a squared position error, heading error and wheel speed in learning."""
         return self.position**-2, self.heading**-2, self.input_change**-2

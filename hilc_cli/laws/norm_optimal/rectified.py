@@ -84,7 +84,7 @@ tracked = cached(_tracked, parts=[drifting_step])
 
 
 MERGED = 1e-3
-"""On the trajectory is who is no further from it than this [m]."""
+"""Whoever is no further from the trajectory than this [m] is on it."""
 
 _FINER = 10.0  # the position is held so much closer than in learning, so that it merges in time
 _RATE = 6.0  # the first guess's errors fall by exp(-6) within h

@@ -21,7 +21,7 @@ ZERO_LABEL = "Exactly zero"
 STRIP_LABEL = "Samples at speed limit (0 to 100 %)"
 SEVERAL_STRIPS = ", colours of the runs"
 MOST_DETAILED = 5
-"""Of so many runs mean errors and shares at the limit are drawn; those of more hide the lines."""
+"""Mean errors and shares at the limit are drawn of so many runs; those of more hide the lines."""
 MARKED_UP_TO = 30
 """So many iterations are marked one by one."""
 

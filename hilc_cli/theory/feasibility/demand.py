@@ -146,12 +146,12 @@ class Demand:
 
     @property
     def duration(self) -> float:
-        """Of the path [s]."""
+        """Duration of the path [s]."""
         return self.samples * self.sample_time
 
     @property
     def length(self) -> float:
-        """Of the path [m]."""
+        """Length of the path [m]."""
         return sum(segment.length for segment in self.segments)
 
     @property

@@ -109,7 +109,7 @@ class FeedbackTheory(LawTheory):
 
     @property
     def document(self) -> dict[str, object]:
-        """The same as JSON."""
+        """What is known, as JSON."""
         found, response = self.loop, self.response
         return {
             "path_max_position_error_m": response.error_m,

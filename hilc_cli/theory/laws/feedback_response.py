@@ -101,7 +101,7 @@ class _Draws:
     """Draws of one disturbance for all passes, some of which do not have it."""
 
     def __init__(self, source: Bounded, name: str, kinds: Sequence[Kind], key: int) -> None:
-        """For the disturbance of a name, with a key of its own."""
+        """Draws the disturbance of a name, with a key of its own."""
         # Block by block, of which a repeated disturbance would be the same.
         self._noise = NoiseDraws(replace(source, repeat=False), 1 + SEEDS, key)
         self._active = source.active and any(name in kind for kind in kinds)

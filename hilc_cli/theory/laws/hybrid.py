@@ -33,7 +33,7 @@ class HybridLearning(LinearLaw):
     """
 
     def __init__(self, experiment: Experiment) -> None:
-        """With an experiment of the law."""
+        """Takes an experiment of the law."""
         law = cast("HybridLaw", experiment.law)
         super().__init__(experiment, law.matrix, law.gain_heading)
         self._law = self.paper = law

@@ -100,7 +100,7 @@ class NormOptimalTheory(LawTheory):
 
     @property
     def brief(self) -> Rows:
-        """The same in short, and the error to be expected."""
+        """The way in and what learning does in short, and the error to be expected."""
         found = self.merging
         told = self._learning()
         if self.mismatch is None:
@@ -123,7 +123,7 @@ class NormOptimalTheory(LawTheory):
 
     @property
     def document(self) -> dict[str, object]:
-        """The same as JSON."""
+        """What is known, as JSON."""
         found, mismatch = self.merging, self.mismatch
         document: dict[str, object] = {
             "initial_position_error_m": found.position_error,

@@ -88,7 +88,7 @@ class PidLearning(LinearLaw):
     """Q[(1 - gamma) u + gamma u_0](k) + G_k Q[w](k) of PID-type learning."""
 
     def __init__(self, experiment: Experiment) -> None:
-        """With an experiment of the law."""
+        """Takes an experiment of the law."""
         law = cast("PidLaw", experiment.law)
         super().__init__(experiment, law.matrix, law.gain_heading)
         self._law = law
@@ -256,7 +256,7 @@ class PidTheory(LinearTheory):
 
     @property
     def document(self) -> dict[str, object]:
-        """The same as JSON, in that order behind the verdict."""
+        """The verdict, the condition and the figures of the linear theory, as JSON."""
         figures = super().document
         condition = _step_gain_document(self.linear.step_gain)
         return {"verdict": figures["verdict"], **condition, **figures}

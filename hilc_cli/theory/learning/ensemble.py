@@ -22,7 +22,7 @@ from hilc_cli.theory.wheel_noise import changes_beside_first
 _MOST_STEPS = 30_000
 """Samples that may be followed one by one: about 1 s. More is done without the limit."""
 _MOST_SAMPLES = 6_000_000
-"""Of all iterations and seeds: 1 to 2.5 s. What is longer is not followed to its end."""
+"""Samples of all iterations and seeds, 1 to 2.5 s: what is longer is not followed to its end."""
 _SAMPLES_AS_LONG_AS_A_CALL = 300
 """What an iteration costs beside its samples, counted in samples."""
 _FEWEST = 7

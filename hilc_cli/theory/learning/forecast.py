@@ -112,7 +112,7 @@ class Forecast:
 
     @property
     def later_m(self) -> Floats:
-        """Likewise of the iterations after the experiment, as far as they can be foretold [m]."""
+        """Largest errors after the experiment, as far as they can be foretold [m]."""
         if self.ensemble.at_limit[-1, 0] > 0:
             return np.zeros(0)
         return self.transient.max_position_error_m[self.iterations + 1 :]

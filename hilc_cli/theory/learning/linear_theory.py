@@ -51,7 +51,7 @@ class LinearTheory(LawTheory):
     linear: LinearLaw
 
     def __init__(self, experiment: Experiment) -> None:
-        """With an experiment of the law."""
+        """Takes an experiment of the law."""
         super().__init__(experiment)
         self.linear = type(self).law_class(experiment)
 

@@ -18,9 +18,9 @@ KNOWN = 1e-5
 """Up to this residual, as a share of the value, more of its digits are known than are printed."""
 MOST_STEPS = 500
 MOST_PRODUCTS = 3e8
-"""Of numbers, to keep the vectors of all steps orthogonal: less than a second."""
+"""Products of numbers that may keep the vectors of all steps orthogonal: less than a second."""
 MOST_NUMBERS = 1.2e7
-"""Kept of the vectors of all steps: 100 MB."""
+"""Numbers that are kept of the vectors of all steps: 100 MB."""
 _SMALL = 50  # steps
 _ROUNDING = 1e-14  # of the value
 

@@ -19,7 +19,7 @@ SAMPLES_OF_ALL_ITERATIONS = 12_000_000
 RANGE = 2.0
 """Times the path's size: larger predicted errors are out of the linear theory's range."""
 MOST_SAMPLES = 36_000_000
-"""Of all iterations of a longer experiment: a few seconds."""
+"""No more samples of all iterations are followed of a longer experiment: a few seconds."""
 SAMPLES_AS_LONG_AS_A_CALL = 1000
 """What an iteration costs beside its samples, counted in samples."""
 FAR_HEADING = 1.0
