@@ -7,6 +7,7 @@ import importlib.util
 import logging
 import os
 import pickle
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,7 @@ def code(tmp_path_factory: pytest.TempPathFactory) -> Any:
 def new_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], CodeCache]:
     """Gives the cache as a new process has it."""
     monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # else it lies in the same folder
 
     def new() -> CodeCache:
         code_cache._told.clear()

@@ -94,6 +94,7 @@ def test_a_new_metric_is_one_entry(copy: Path) -> None:
     assert name in schema
 
 
+@pytest.mark.slow
 def test_a_new_kind_of_picture_is_a_file_and_an_entry(copy: Path) -> None:
     insert(copy / "hilc_cli/results/picture_kinds.py", LAST_KIND, KIND)
     (copy / "hilc_cli/runs/pictures/still_life.py").write_text(STILL_LIFE, encoding="utf-8")

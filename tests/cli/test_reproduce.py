@@ -246,6 +246,7 @@ def test_bar_tells_what_is_going_on() -> None:
     assert "compiled" in stages[2]
 
 
+@pytest.mark.slow
 def test_a_second_time_gives_the_same_bytes(hilc: Hilc, folder: Path, few: None) -> None:
     formats = ("--format", "png", "--format", "svg", "--format", "pdf", "--dpi", "20")
     for out in ("one", "two"):

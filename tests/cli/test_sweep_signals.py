@@ -45,10 +45,10 @@ def quit_group(process: subprocess.Popen[bytes]) -> None:
 
 
 SIGNALS = [
-    pytest.param(hang_up_group, 129, "hung up", id="SIGHUP"),
     pytest.param(terminate, 143, "terminated", id="SIGTERM"),
     pytest.param(interrupt_group, 130, "interrupted", id="Ctrl-C"),
     # Whoever hears one signal of a terminal hears the others: they are one list.
+    pytest.param(hang_up_group, 129, "hung up", id="SIGHUP", marks=pytest.mark.slow),
     pytest.param(quit_group, 131, "quit", id="Ctrl-backslash", marks=pytest.mark.slow),
 ]
 

@@ -20,6 +20,8 @@ from hilc_cli.theory.proof.constants import constants
 from hilc_cli.theory.proof.measured import Comparison, compare
 from tests.theory.experiments import along_run, completed_trials, random_experiment
 
+pytestmark = pytest.mark.slow
+
 CASES = 240
 DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
 LAST = 5

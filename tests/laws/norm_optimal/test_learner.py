@@ -159,6 +159,7 @@ def test_noise_does_not_add_up_over_a_hundred_iterations(identify: bool) -> None
     assert errors[5:].max() < 0.03
 
 
+@pytest.mark.slow
 def test_all_iterations_together_are_as_sure_as_they_say() -> None:
     # Noises that few samples can hardly tell apart: if each iteration judged them by itself, those
     # that judge too well of themselves would count most, and the mean be 1.5 standard errors off.
