@@ -178,6 +178,7 @@ def test_wrong_start_is_judged_by_the_second_half_as_runs_are(aside: str) -> Non
     assert found.verdict == hilc.check(given).verdict == "nothing wrong"
 
 
+@pytest.mark.slow
 def test_error_that_is_noise_alone_has_nothing_to_halve() -> None:
     # A turn on the spot leaves no position error but that of disturbances.
     spin = {"radius": 1e-9, "turn": "left", "sweep": "500 deg", "duration": "15 s"}

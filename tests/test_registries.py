@@ -75,6 +75,7 @@ def problem(folder: Path, *arguments: str) -> str:
     return done.stderr
 
 
+@pytest.mark.slow
 def test_a_new_metric_is_one_entry(copy: Path) -> None:
     insert(copy / "hilc_cli/results/metrics.py", LAST_METRIC, METRIC)
     name = "median_position_error_m"

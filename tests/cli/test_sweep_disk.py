@@ -70,8 +70,10 @@ def resize(folder: Path) -> Iterator[Resize]:
 
 @pytest.mark.parametrize(
     ("size", "is_computed"),
-    [("60k", False), ("120k", True)],
-    ids=["while it computes", "while results are written"],
+    [
+        pytest.param("60k", False, id="while it computes", marks=pytest.mark.slow),
+        pytest.param("120k", True, id="while results are written"),
+    ],
 )
 def test_full_disk(hilc: Hilc, folder: Path, resize: Resize, size: str, is_computed: bool) -> None:
     sweeps.put_sweep(folder)

@@ -96,8 +96,7 @@ OF_SHIPPED = [
 SOME = [
     *OF_SHIPPED,
     Code(True, False, "reference", False),
-    Code(False, False, "previous", False),
-    Code(True, True, "previous", True),
+    Code(True, True, "previous", False),
 ]
 """Each choice at least once; all mixtures take minutes to compile."""
 

@@ -151,7 +151,7 @@ def test_closed_loop_feeds_back_within_the_limit() -> None:
     assert applied[0] == pytest.approx([0, 15])
 
 
-@pytest.mark.parametrize("share", [0.35, 0.6])
+@pytest.mark.parametrize("share", [0.35, pytest.param(0.6, marks=pytest.mark.slow)])
 def test_search_settles_where_the_wheels_are_far_too_slow(share: float) -> None:
     """A circle in one second, of which the wheels can roll a share; a quasi-Newton method goes on.
 
