@@ -328,6 +328,7 @@ def test_run_agrees_with_the_equations_written_down_a_second_time(name: str) -> 
         initial_pose_noise=[disturbance.of_initial_pose(i) for i in range(iterations + 1)],
         gain_heading=law.gain_heading,
         learn_in_first=spec.initial_trial == "feedback",
+        derivative=law.gains.derivative,
     )
 
     assert sorted(run.trials) == list(range(iterations + 1))

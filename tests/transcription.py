@@ -66,6 +66,7 @@ def transcribe(
     initial_pose_noise: Sequence[tuple[float, float, float]] | None = None,
     gain_heading: Literal["measured", "previous", "reference"] = "measured",
     learn_in_first: bool = False,
+    derivative: float = 0.0,
 ) -> list[Pass]:
     """Iterations 0..N of Eqs. 8, 11, 17, 21, 22 and 25.
 
@@ -92,6 +93,8 @@ def transcribe(
         initial_pose_noise: Offset of q(0) of each iteration.
         gain_heading: The "q" of Eq. 45.
         learn_in_first: Whether iteration 0 runs the law, from u_0 and no error.
+        derivative: tau [s], where L1 acts on e + tau de/dt of the iteration before, and the
+            compensation is taken times tau; 0 for the paper.
     """
     desired = np.column_stack([reference_x, reference_y, reference_heading])
     n = len(desired) - 1
@@ -118,14 +121,19 @@ def transcribe(
                     gain_heading
                 ]
                 gain = gain_matrix(math.cos(angle), math.sin(angle))
+                past = e_before[k + 1]
+                if derivative > 0:
+                    past = past + derivative * (e_before[k + 1] - e_before[k]) / sample_time
                 if compensation:  # Eq. 21 with Eq. 22
-                    u = u + (l1 * gain) @ e_before[k + 1]
+                    u = u + (l1 * gain) @ past
                     if k <= h:
                         theta = 2 / (sample_time * h) * (1 - k / h)
+                        if derivative > 0:
+                            theta = derivative * theta
                         u = u + math.exp(-k * sample_time) * theta * (l1 * gain) @ e_before[0]
                 else:  # Eq. 17
                     e = desired[k] - y
-                    u = u + (l1 * gain) @ e_before[k + 1]
+                    u = u + (l1 * gain) @ past
                     if l2 or l3:
                         u = u + (l2 * gain) @ e + (l3 * gain) @ e_last
                     e_last = e

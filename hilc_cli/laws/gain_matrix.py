@@ -271,12 +271,14 @@ class LaneParameters(NamedTuple):
         matrix: The 2x3 gain matrix.
         gain_heading: Heading at which the matrix is taken.
         compensation: Length of the compensation of Eq. 21 in samples; None for Eq. 17.
+        derivative: tau [s], see `HybridLaw`.
     """
 
     gains: tuple[float, float, float]
     matrix: GainMatrix
     gain_heading: GainHeading
     compensation: int | None
+    derivative: float
 
 
 def corrected_plan(

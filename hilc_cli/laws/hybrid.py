@@ -25,10 +25,10 @@ from hilc_cli.laws.gain_matrix import (
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
 from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
 from hilc_cli.plants.kinematic import Number, Robot
-from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.yaml_input.expressions import Affine
 from hilc_cli.yaml_input.model import Located, Model, valid
-from hilc_cli.yaml_input.quantities import Gain, LateralGain, Samples, Tolerance
+from hilc_cli.yaml_input.quantities import Duration, Gain, LateralGain, Samples, Tolerance
 
 
 def compensation_gain(k: int, h: int, sample_time: float) -> float:
@@ -92,6 +92,20 @@ def learned_error(
     return l1 * previous_next + l2 * now + l3 * before
 
 
+def with_derivative(ahead: Number, now: Number, rate: float) -> Number:
+    """One component of e_i(k+1) + tau [e_i(k+1) - e_i(k)] / d_t, on which l1 may act.
+
+    Args:
+        ahead: e_i(k+1).
+        now: e_i(k).
+        rate: tau / d_t.
+
+    Source:
+        Not in the paper: the reading under which most of what it says comes true, docs/paper.md.
+    """
+    return ahead + rate * (ahead - now)
+
+
 def compensated_error(l1: float, previous_next: Number, weight: Number, start: float) -> Number:
     """One component of l1 [e_i(k+1) + exp(-k d_t) theta(k) e_i(0)].
 
@@ -120,6 +134,8 @@ class HybridLaw:
             measured in the previous one, or the reference's.
         compensation: The position of Fig. 2's switch: Eq. 21 if true, Eq. 17 if not.
         h: Length of the compensation in samples.
+        derivative: tau [s]: with it l1 acts on e + tau de/dt of the iteration before, and the
+            compensation is taken times tau; 0 is the paper.
     """
 
     theory: ClassVar[str] = "hilc_cli.theory.laws.hybrid:HybridTheory"
@@ -131,6 +147,7 @@ class HybridLaw:
     gain_heading: GainHeading
     compensation: bool
     h: int
+    derivative: float = 0.0
 
     def lane_parameters(self) -> LaneParameters:
         """Returns what the batch engine runs: all that there is of the law."""
@@ -139,6 +156,7 @@ class HybridLaw:
             self.matrix,
             self.gain_heading,
             self.h if self.compensation else None,
+            self.derivative,
         )
 
     def learner(self, task: Task) -> Learner:
@@ -153,34 +171,51 @@ class HybridLaw:
             (previous.left, previous.right),
             self._compensated(previous, reference)
             if self.compensation
-            else self._learned(previous),
+            else self._learned(previous, reference),
             self.gain_heading,
             previous,
             reference,
-            self._with_feedback(previous) if has_feedback else None,
+            self._with_feedback(previous, reference) if has_feedback else None,
         )
 
-    def _learned(self, previous: Iteration) -> PastErrors:
+    def ahead(self, error: Floats, reference: Reference) -> Floats:
+        """Returns what l1 acts on of an iteration's error, shape (n + 1, ...): shape (n, ...)."""
+        if self.derivative == 0:
+            return error[1:]
+        return with_derivative(error[1:], error[:-1], self.derivative / reference.sample_time)
+
+    def compensations(self, reference: Reference) -> Floats:
+        """Returns what e_i(0) is multiplied by in Eq. 21 before l1, shape (n,)."""
+        steps, sample_time = reference.samples, reference.sample_time
+        weights = np.array([compensation_gain(k, self.h, sample_time) for k in range(steps)])
+        return weights if self.derivative == 0 else self.derivative * weights
+
+    def _learned(self, previous: Iteration, reference: Reference) -> PastErrors:
         """The errors of Eq. 17 where it has no feedback."""
         return per_component(
-            lambda error: learned_error(self.l1, error[1:], 0.0, 0.0, 0.0, 0.0), previous
+            lambda error: learned_error(self.l1, self.ahead(error, reference), 0.0, 0.0, 0.0, 0.0),
+            previous,
         )
 
     def _compensated(self, previous: Iteration, reference: Reference) -> PastErrors:
         """The errors of Eq. 21."""
-        steps, sample_time = reference.samples, reference.sample_time
-        weights = np.array([compensation_gain(k, self.h, sample_time) for k in range(steps)])
+        weights = self.compensations(reference)
         return per_component(
-            lambda error: compensated_error(self.l1, error[1:], weights, error[0]), previous
+            lambda error: compensated_error(
+                self.l1, self.ahead(error, reference), weights, error[0]
+            ),
+            previous,
         )
 
-    def _with_feedback(self, previous: Iteration) -> WheelController:
+    def _with_feedback(self, previous: Iteration, reference: Reference) -> WheelController:
         """Eq. 17 in full."""
         coefficients = self.matrix.coefficients
         l1, l2, l3 = self.l1, self.l2, self.l3
         left, right = previous.left.tolist(), previous.right.tolist()
-        next_x, next_y = previous.error_x[1:].tolist(), previous.error_y[1:].tolist()
-        next_heading = previous.error_heading[1:].tolist()
+        next_x, next_y, next_heading = (
+            self.ahead(error, reference).tolist()
+            for error in (previous.error_x, previous.error_y, previous.error_heading)
+        )
         before_x = before_y = before_heading = 0.0  # e_{i+1}(-1) = 0
 
         def wheel_speeds(
@@ -242,12 +277,16 @@ class HybridGains(Model):
     lateral: LateralGain = Field(
         0.0, description="kappa [rad/m]: heading error asked for by an error to the left; 0: none"
     )
+    derivative: Duration = Field(
+        0.0, description="tau [s]: l1 acts on e + tau de/dt of the previous iteration; 0: the paper"
+    )
 
     @property
     def in_words(self) -> str:
-        """All gains, the lateral one if it is used."""
+        """All gains, the lateral and the derivative one if they are used."""
         lateral = f", lateral {self.lateral:g} rad/m" if self.lateral else ""
-        return f"l1 {self.l1:g}, l2 {self.l2:g}, l3 {self.l3:g}{lateral}"
+        derivative = f", derivative {self.derivative:g} s" if self.derivative else ""
+        return f"l1 {self.l1:g}, l2 {self.l2:g}, l3 {self.l3:g}{lateral}{derivative}"
 
 
 class HybridController(Controller):
@@ -305,6 +344,7 @@ class HybridController(Controller):
             self.gain_heading,
             self.compensates(setting),
             default_length(self.h, setting.reference),
+            self.gains.derivative,
         )
 
     def in_words(self, setting: Setting) -> str:

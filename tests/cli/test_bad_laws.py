@@ -39,7 +39,7 @@ CASES = [
         law("  law: hybrid\n  gains: {kp: 1}\n"),
         (
             "scenario.yaml:7:3: controller.gains.l1: is missing; give it (of the previous iteration's error, e_i(k+1))\n"
-            "scenario.yaml:7:11: controller.gains.kp: is an unknown key of law hybrid, but one of law pid; known: l1, l2, l3, lateral"
+            "scenario.yaml:7:11: controller.gains.kp: is an unknown key of law hybrid, but one of law pid; known: derivative, l1, l2, l3, lateral"
         ),
     ),
     (

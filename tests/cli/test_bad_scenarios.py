@@ -242,7 +242,7 @@ CASES = [
     (
         "unknown-gain",
         scenario("{l1: 0.5}", "{l1: 0.5, l4: 1}"),
-        "scenario.yaml:6:20: controller.gains.l4: is an unknown key of law hybrid; known: l1, l2, l3, lateral",
+        "scenario.yaml:6:20: controller.gains.l4: is an unknown key of law hybrid; known: derivative, l1, l2, l3, lateral",
     ),
     (
         "unknown-record",

@@ -202,7 +202,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l4=0.1,0.2"],
         2,
-        "--vary controller.gains.l4=0.1,0.2: controller.gains.l4: is an unknown key of law hybrid; known: l1, l2, l3, lateral",
+        "--vary controller.gains.l4=0.1,0.2: controller.gains.l4: is an unknown key of law hybrid; known: derivative, l1, l2, l3, lateral",
     ),
     (
         ["--vary", "controller.gains=0.1,0.2"],
@@ -1172,7 +1172,7 @@ SECTIONS: list[tuple[str, str]] = [
     ),
     (
         "sweep: {vary: {controller.gains.l9: [1]}}",
-        "scenario.yaml:8:37: controller.gains.l9: is an unknown key of law hybrid; known: l1, l2, l3, lateral",
+        "scenario.yaml:8:37: controller.gains.l9: is an unknown key of law hybrid; known: derivative, l1, l2, l3, lateral",
     ),
     (
         "sweep: {vary: {a..b: [1]}}",

@@ -79,7 +79,7 @@ def test_keys_are_those_of_the_schema_and_of_all_laws(complete: Complete) -> Non
     keys = complete("hilc|run|x|--set|")
     assert len(keys) == len(set(keys)) > 50
     assert all(key.endswith("=") for key in keys)
-    gains = {"l1", "lateral", "kp", "ki", "kd", "k_x", "k_y"}
+    gains = {"l1", "lateral", "derivative", "kp", "ki", "kd", "k_x", "k_y"}
     assert {f"controller.gains.{name}=" for name in gains} <= set(keys)
     assert {"trajectory=", "sweep=", "name=", "controller.law="} <= set(keys)
     assert "controller=" not in keys

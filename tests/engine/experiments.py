@@ -91,10 +91,11 @@ def law_of(
     gain_heading: GainHeading = "measured",
     compensation: bool = False,
     h: int = 200,
+    derivative: float = 0.0,
 ) -> HybridLaw:
     """A law; its matrix is Eq. 45 with the platform's parameters if none is given."""
     gain = model_gain(PLATFORM) if matrix is None else matrix
-    return HybridLaw(l1, l2, l3, gain, gain_heading, compensation, h)
+    return HybridLaw(l1, l2, l3, gain, gain_heading, compensation, h, derivative)
 
 
 def experiment_of(

@@ -75,6 +75,7 @@ def assert_agrees(experiment: Experiment, law: HybridLaw, matrix: MatrixOfHeadin
         initial_pose_noise=[disturbance.of_initial_pose(i) for i in range(iterations + 1)],
         gain_heading=law.gain_heading,
         learn_in_first=experiment.learn_in_first,
+        derivative=law.derivative,
     )
     trials = list(simulate(experiment))
     assert len(trials) == len(passes) == iterations + 1
@@ -89,7 +90,9 @@ def assert_agrees(experiment: Experiment, law: HybridLaw, matrix: MatrixOfHeadin
         np.testing.assert_allclose(inputs, expected.inputs, rtol=0, atol=TOLERANCE * fastest)
 
 
-def run_situation(situation: Situation, sample_time: float, iterations: int) -> None:
+def run_situation(
+    situation: Situation, sample_time: float, iterations: int, derivative: float = 0.0
+) -> None:
     law = law_of(
         situation.l1,
         situation.l2,
@@ -97,6 +100,7 @@ def run_situation(situation: Situation, sample_time: float, iterations: int) -> 
         matrix=matrix_of(situation.matrix, PLATFORM),
         compensation=situation.compensation,
         h=round(0.2 / sample_time),
+        derivative=derivative,
     )
     experiment = experiment_of(
         paper_reference(situation.trajectory, sample_time),
@@ -111,6 +115,11 @@ def run_situation(situation: Situation, sample_time: float, iterations: int) -> 
 @pytest.mark.parametrize("name", SITUATIONS)
 def test_situation_of_the_paper_agrees(name: str) -> None:
     run_situation(SITUATIONS[name], sample_time=0.005, iterations=12)
+
+
+@pytest.mark.parametrize("name", SITUATIONS)
+def test_situation_agrees_with_the_derivative(name: str) -> None:
+    run_situation(SITUATIONS[name], sample_time=0.005, iterations=12, derivative=0.1)
 
 
 @pytest.mark.parametrize("name", ["2", "3-circle", "6c", "13"])
@@ -147,8 +156,9 @@ def test_each_disturbance_acts_where_equation_11_has_it(
 @pytest.mark.parametrize("learn_in_first", [False, True], ids=["open-loop", "feedback"])
 @pytest.mark.parametrize("gain_heading", ["measured", "previous", "reference"])
 @pytest.mark.parametrize("compensation", [False, True], ids=["eq17", "eq21"])
+@pytest.mark.parametrize("derivative", [0.0, 0.07])
 def test_every_choice_of_the_law_agrees_under_disturbance(
-    gain_heading: Heading, learn_in_first: bool, compensation: bool
+    derivative: float, gain_heading: Heading, learn_in_first: bool, compensation: bool
 ) -> None:
     # The controller believes in a wrong radius and half track, and the first input is not zero.
     law = law_of(
@@ -159,6 +169,7 @@ def test_every_choice_of_the_law_agrees_under_disturbance(
         gain_heading=gain_heading,
         compensation=compensation,
         h=40,
+        derivative=derivative,
     )
     reference = paper_reference("cardioid", 0.005)
     ramp = np.linspace(-50, 150, reference.samples)
@@ -193,6 +204,7 @@ def test_rep103_agrees_with_the_matrices_of_a_negative_half_track(matrix: Matrix
     speed_limit=st.sampled_from([20.0, 100.0, 180.0, math.inf]),
     model=st.builds(Robot, st.floats(0.15, 0.3), st.floats(0.4, 0.7)),
     h=st.integers(1, 100),
+    derivative=st.sampled_from([0.0, 0.01, 0.2]),
     seed=st.integers(0, 2**64 - 1),
 )
 @settings(max_examples=25, deadline=None)
@@ -205,6 +217,7 @@ def test_any_law_agrees(
     speed_limit: float,
     model: Robot,
     h: int,
+    derivative: float,
     seed: int,
 ) -> None:
     law = law_of(
@@ -213,6 +226,7 @@ def test_any_law_agrees(
         gain_heading=gain_heading,
         compensation=compensation,
         h=h,
+        derivative=derivative,
     )
     experiment = experiment_of(
         paper_reference("circle", 0.02),

@@ -44,6 +44,7 @@ class LinearLearning:
     l1: float
     l2: float = 0.0
     l3: float = 0.0
+    derivative: float = 0.0  # tau / d, of the past error
     weights: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
@@ -100,6 +101,7 @@ class LinearLearning:
         for k in range(self.steps):
             gain = self.gain_matrix(*self.cos_sin(k))
             u = inputs[k] + self.l1 * gain @ past[k + 1]
+            u = u + self.l1 * self.derivative * gain @ (past[k + 1] - past[k])
             if len(self.weights):
                 u = u + self.l1 * self.weights[k] * gain @ past[0]
             else:
@@ -151,6 +153,7 @@ class Case:
     h: int | None = None  # of Eq. 21; None for Eq. 17
     offset: tuple[float, float, float] = (0.0, 0.0, 0.0)  # initial error
     learn_in_first: bool = False
+    derivative: float = 0.0  # tau [s]
     cutoff: ClassVar[float | None] = None
     forgetting: ClassVar[float] = 0.0
 
@@ -166,6 +169,7 @@ class Case:
             matrix=matrix_of(self.matrix, self.model),
             compensation=self.h is not None,
             h=1 if self.h is None else self.h,
+            derivative=self.derivative,
         )
 
     def experiment(
@@ -205,12 +209,13 @@ class Case:
             self.l1,
             self.l2,
             self.l3,
+            self.derivative / reference.sample_time,
         )
         if self.h is None:
             return plain
         k, d, h = np.arange(reference.samples), reference.sample_time, self.h
         weights = np.exp(-k * d) * 2 / (d * h) * np.clip(1 - k / h, 0, None)  # Eq. 22
-        return replace(plain, weights=weights)
+        return replace(plain, weights=(self.derivative or 1.0) * weights)
 
 
 CASES: dict[str, Case] = {
@@ -222,6 +227,8 @@ CASES: dict[str, Case] = {
     "full-matrix": Case(0.1, 0.25, 0.25, matrix="contradicting"),
     "compensated": Case(0.5, h=40, offset=(0.02, -0.03, 0.01)),
     "off-the-start": Case(0.5, 0.25, 0.25, offset=(0.02, -0.03, 0.01)),
+    "derivative": Case(1.5, 1.0, 0.5, derivative=0.05),
+    "derivative-compensated": Case(0.5, derivative=0.05, h=40, offset=(0.02, -0.03, 0.01)),
     "rep103": Case(2.0, 1.0, robot=Robot(0.03, 0.08, "rep103"), model=Robot(0.035, 0.07, "rep103")),
 }
 

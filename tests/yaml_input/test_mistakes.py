@@ -107,7 +107,7 @@ LEVELS = [
     (
         "no gain of this number",
         scenario("{l1: 0.5}", "{l1: 0.5, l7: 1}"),
-        "6:20: controller.gains.l7: is an unknown key of law hybrid; known: l1, l2, l3, lateral",
+        "6:20: controller.gains.l7: is an unknown key of law hybrid; known: derivative, l1, l2, l3, lateral",
     ),
 ]
 

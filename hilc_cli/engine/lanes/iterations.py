@@ -24,6 +24,7 @@ from hilc_cli.engine.lanes.kernel import (
     LATER_SUM,
     LIMIT,
     OUTPUT_NOISE,
+    PAST_ERROR,
     REST,
     ROW,
     SATURATED,
@@ -85,6 +86,7 @@ def _begin(
             lanes[HEADING_GAINS + c * W + j] = gain * turning
             lanes[X + c * W + j] = lanes[POSE + c * W + j] + noise[POSE_NOISE + c * W + j]
             lanes[INITIAL + c * W + j] = history[ROW + ERROR + c * W + j]
+            lanes[PAST_ERROR + c * W + j] = history[ROW + ERROR + c * W + j]
         error_x = x_desired - lanes[X + j]
         error_y = y_desired - lanes[Y + j]
         heading = lanes[HEADING + j]
@@ -179,6 +181,7 @@ def _run_iterations(
     y_desired: Floats,
     heading_desired: Floats,
     decay: Floats | None,
+    derivative: bool | None,
     full_matrix: bool | None,
     own_heading: bool | None,
     reference_heading: bool | None,
@@ -207,14 +210,14 @@ def _run_iterations(
         if ends:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                decay, full_matrix, own_heading, reference_heading, previous_heading, disturbed,
-                True, state_kind, output_kind,
+                decay, derivative, full_matrix, own_heading, reference_heading,
+                previous_heading, disturbed, True, state_kind, output_kind,
             )  # fmt: skip
         else:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                decay, full_matrix, own_heading, reference_heading, previous_heading, disturbed,
-                None, state_kind, output_kind,
+                decay, derivative, full_matrix, own_heading, reference_heading,
+                previous_heading, disturbed, None, state_kind, output_kind,
             )  # fmt: skip
         goes_on = _compiled_note(
             lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], n, iteration

@@ -14,7 +14,12 @@ from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use
 from hilc_cli.engine.lanes.noise import draw_output, draw_state
 from hilc_cli.engine.lanes.trigonometry import cos_sin_near_zero, reduced, turned
 from hilc_cli.laws.gain_matrix import wheel_correction
-from hilc_cli.laws.hybrid import compensated_error, compensation_weight, learned_error
+from hilc_cli.laws.hybrid import (
+    compensated_error,
+    compensation_weight,
+    learned_error,
+    with_derivative,
+)
 from hilc_cli.plants.kinematic import advance, limit_wheel_means
 from hilc_cli.reference.sampled import Floats
 
@@ -25,6 +30,7 @@ FORMULAS = (
     compensation_weight,
     compensated_error,
     learned_error,
+    with_derivative,
     advance,
     limit_wheel_means,
     wheel_correction,
@@ -36,6 +42,7 @@ FORMULAS = (
     _compensation_weight,
     _compensated_error,
     _learned_error,
+    _with_derivative,
     _advance,
     _limit_wheel_means,
 ) = [formula(function) for function in FORMULAS[:-1]]
@@ -48,10 +55,11 @@ W = LANES
 LIMIT, TOLERATED = int(Field.SPEED_LIMIT) * W, int(Field.TOLERATED) * W
 DISTANCE, TURN = int(Field.DISTANCE_GAIN) * W, int(Field.TURN_GAIN) * W
 H, PEAK, SLOPE = int(Field.H) * W, int(Field.PEAK) * W, int(Field.SLOPE) * W
+RATE = int(Field.RATE) * W
 M = int(Field.MATRIX) * W
 GAINS, HEADING_GAINS = int(Field.POSITION_GAINS) * W, int(Field.HEADING_GAINS) * W
 X, Y, HEADING = int(Field.X) * W, int(Field.Y) * W, int(Field.HEADING) * W
-INITIAL = int(Field.INITIAL_ERROR) * W
+INITIAL, PAST_ERROR = int(Field.INITIAL_ERROR) * W, int(Field.PAST_ERROR) * W
 COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
 REST, SHIFTED = int(Field.REST) * W, int(Field.SHIFTED) * W
 PAST_MEAN, PAST_DIFFERENCE = int(Field.PAST_MEAN) * W, int(Field.PAST_HALF_DIFFERENCE) * W
@@ -77,6 +85,7 @@ def _follow(
     y_desired: Floats,
     heading_desired: Floats,
     decay: Floats | None,
+    derivative: bool | None,
     full_matrix: bool | None,
     own_heading: bool | None,
     reference_heading: bool | None,
@@ -98,6 +107,7 @@ def _follow(
         y_desired: Reference [m], likewise.
         heading_desired: Reference [rad], likewise.
         decay: exp(-k d_t), n numbers: the lanes run Eq. 21; None: they run Eq. 17.
+        derivative: Anything: l1 acts on the derivative of the error as well, see `HybridLaw`.
         full_matrix: Anything: the gain matrix has any entries; None: those of Eq. 45, which then
             are in the gains.
         own_heading: Anything: the gain matrix is taken at another heading than the true one: that
@@ -134,6 +144,16 @@ def _follow(
                 cos, sin = _turned(cos, sin, lanes[SHIFTED + W + j])
             past_x, past_y = history[after + ERROR + j], history[after + ERROR + W + j]
             past_heading = history[after + ERROR + 2 * W + j]
+            if derivative is not None:
+                rate = lanes[RATE + j]
+                now_x, now_y = lanes[PAST_ERROR + j], lanes[PAST_ERROR + W + j]
+                now_heading = lanes[PAST_ERROR + 2 * W + j]
+                # Where they stand this iteration's own will be by the next sample.
+                lanes[PAST_ERROR + j], lanes[PAST_ERROR + W + j] = past_x, past_y
+                lanes[PAST_ERROR + 2 * W + j] = past_heading
+                past_x = _with_derivative(past_x, now_x, rate)
+                past_y = _with_derivative(past_y, now_y, rate)
+                past_heading = _with_derivative(past_heading, now_heading, rate)
             l1, heading_l1 = lanes[GAINS + j], lanes[HEADING_GAINS + j]
             if decay is not None:
                 weight = _compensation_weight(

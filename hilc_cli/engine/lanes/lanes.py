@@ -24,38 +24,40 @@ class Field(IntEnum):
     H = 7
     PEAK = 8
     SLOPE = 9
-    POSE_X = 10  # then y, heading: without its disturbance
-    MATRIX = 13  # 18 rows: the row of the mean, then that of half the difference
+    RATE = 10  # tau / d_t of the derivative
+    POSE_X = 11  # then y, heading: without its disturbance
+    MATRIX = 14  # 18 rows: the row of the mean, then that of half the difference
     # Parameters of the disturbances, see `NoiseField`.
-    STATE = 31
-    OUTPUT = 43
-    POSE = 55
+    STATE = 32
+    OUTPUT = 44
+    POSE = 56
     # Gains of the running iteration, times the entries of Eq. 45 if the matrix has that form.
-    POSITION_GAINS = 67  # of the three errors of Eq. 17
-    HEADING_GAINS = 70
+    POSITION_GAINS = 68  # of the three errors of Eq. 17
+    HEADING_GAINS = 71
     # Running state.
-    X = 73
-    Y = 74
-    HEADING = 75
-    INITIAL_ERROR = 76  # e_i(0): x, y, heading
-    COS = 79
-    SIN = 80
-    PAST_MEAN = 81  # (left + right) / 2 in the iteration before
-    PAST_HALF_DIFFERENCE = 82  # (left - right) / 2, likewise
+    X = 74
+    Y = 75
+    HEADING = 76
+    INITIAL_ERROR = 77  # e_i(0): x, y, heading
+    PAST_ERROR = 80  # e_i(k): likewise, of the iteration before
+    COS = 83
+    SIN = 84
+    PAST_MEAN = 85  # (left + right) / 2 in the iteration before
+    PAST_HALF_DIFFERENCE = 86  # (left - right) / 2, likewise
     # What metrics of the running iteration are made of, in the order of `Sums`.
-    LARGEST_SQUARE = 83
-    ERROR_SUM = 84
-    SQUARE_SUM = 85
-    LARGEST_ERRORS = 86  # x, y, heading
-    FASTEST_WHEEL = 89
-    SATURATED = 90
-    CHANGE_SQUARES = 91
-    LATER_LARGEST_SQUARE = 92  # of the second half
-    LATER_ERROR_SUM = 93
-    FINAL_ERROR = 94
+    LARGEST_SQUARE = 87
+    ERROR_SUM = 88
+    SQUARE_SUM = 89
+    LARGEST_ERRORS = 90  # x, y, heading
+    FASTEST_WHEEL = 93
+    SATURATED = 94
+    CHANGE_SQUARES = 95
+    LATER_LARGEST_SQUARE = 96  # of the second half
+    LATER_ERROR_SUM = 97
+    FINAL_ERROR = 98
     # The heading, reduced for the cosine; second rows: that of the gain matrix.
-    REST = 95
-    SHIFTED = 97
+    REST = 99
+    SHIFTED = 101
 
 
 FIELDS = Field.SHIFTED + 2

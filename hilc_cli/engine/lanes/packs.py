@@ -40,6 +40,7 @@ class Kind(NamedTuple):
 
     Attributes:
         compensation: Whether they run Eq. 21, not Eq. 17.
+        derivative: Whether they learn from the derivative of the error as well.
         gain_heading: As in `LaneParameters`.
         full_matrix: Whether the gain matrix has another form than that of Eq. 45.
         learn_in_first: As in `Experiment`.
@@ -49,6 +50,7 @@ class Kind(NamedTuple):
     """
 
     compensation: bool
+    derivative: bool
     gain_heading: GainHeading
     full_matrix: bool
     learn_in_first: bool
@@ -66,6 +68,7 @@ class Kind(NamedTuple):
         law, disturbance = _known_parameters(experiment), experiment.disturbance
         return cls(
             law.compensation is not None,
+            law.derivative != 0,
             law.gain_heading,
             not law.matrix.is_kinematic,
             experiment.learn_in_first,
@@ -194,10 +197,11 @@ class Pack:
         distance_gain, turn_gain = gains
         sample_time, limit = self.sample_time, experiment.speed_limit
         length = law.compensation or 1  # which Eq. 17 does not look at
-        peak = 2 / (sample_time * length)
+        peak = (law.derivative or 1.0) * (2 / (sample_time * length))
         parameters = [
             *law.gains, limit, limit * (1 + _ROUNDING),
             2 * distance_gain, 2 * turn_gain, length, peak, peak / length,
+            law.derivative / sample_time,
             *experiment.initial_pose, *law.matrix.coefficients,
         ]  # fmt: skip
         if self.kind.drawn:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.hybrid import HybridLaw, compensated_error, compensation_gain, learned_error
+from hilc_cli.laws.hybrid import HybridLaw, compensated_error, learned_error, with_derivative
 from hilc_cli.reference.path import POSITION_TOLERANCE
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.learning.gains import (
@@ -26,7 +26,9 @@ from hilc_cli.theory.matrices import times
 
 
 class HybridLearning(LinearLaw):
-    """u(k) + G_k l1 [e(k+1) + w(k) e(0)]: Eq. 17 before its feedback, or Eq. 21.
+    """u(k) + G_k l1 [e(k+1) + r (e(k+1) - e(k)) + w(k) e(0)]: Eq. 17 before its feedback, or 21.
+
+    r is tau / d_t, 0 in the paper; w has the factor tau where that is not 0.
 
     Source:
         Qiao et al. 2021, Eqs. 17 and 21.
@@ -36,8 +38,9 @@ class HybridLearning(LinearLaw):
         """Takes an experiment of the law."""
         law = cast("HybridLaw", experiment.law)
         super().__init__(experiment, law.matrix, law.gain_heading)
-        self._law = self.paper = law
-        self.next_gain = law.l1
+        self._law, self._rate = law, law.derivative / self._sample_time
+        self.paper = law if law.derivative == 0 else None
+        self.next_gain = law.l1 * (1 + self._rate)
         if not law.compensation:
             self.feedback = law.l2, law.l3  # Eq. 21 has neither
             self.for_the_start = "set 'compensation: on'"
@@ -49,16 +52,15 @@ class HybridLearning(LinearLaw):
     @cached_property
     def _weights(self) -> Floats:
         """w(k) of Eq. 21, shape (n,)."""
-        samples = range(self._experiment.reference.samples)
-        h = self._law.h
-        return np.array([compensation_gain(k, h, self._sample_time) for k in samples])
+        return self._law.compensations(self._experiment.reference)
 
     def learned(self, inputs: Floats, errors: Floats) -> Floats:
         """The input with its correction."""
-        past = self.next_gain * errors[1:]
-        if self._law.compensation:
+        law, ahead = self._law, self._law.ahead(errors, self._experiment.reference)
+        past = law.l1 * ahead
+        if law.compensation:
             weights = self._weights.reshape(-1, *(1,) * (errors.ndim - 1))
-            past = compensated_error(self.next_gain, errors[1:], weights, errors[0])
+            past = compensated_error(law.l1, ahead, weights, errors[0])
         return inputs + times(self.gains, past)
 
     def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
@@ -66,8 +68,10 @@ class HybridLearning(LinearLaw):
         seen = times(self.gains.transpose(0, 2, 1), inputs)
         errors = np.zeros((len(seen) + 1, 3), order="F")
         errors[1:] = self.next_gain * seen
+        if self._rate:
+            errors[:-1] -= self._law.l1 * self._rate * seen
         if self._law.compensation:
-            errors[0] = self.next_gain * (self._weights @ seen)
+            errors[0] += self._law.l1 * (self._weights @ seen)
         return inputs, errors
 
     def weighed_errors(self, start: Triple) -> WeighedError:
@@ -76,8 +80,13 @@ class HybridLearning(LinearLaw):
 
         def weighed(k: int, ahead: Triple, now: Triple) -> Triple:
             nonlocal before
+            if law.derivative != 0:
+                x, y, heading = (
+                    with_derivative(a, n, self._rate) for a, n in zip(ahead, now, strict=True)
+                )
+                ahead = x, y, heading
             if law.compensation:
-                weight = compensation_gain(k, law.h, self._sample_time)
+                weight = float(self._weights[k])
                 x, y, heading = (
                     compensated_error(law.l1, a, weight, s)
                     for a, s in zip(ahead, start, strict=True)
@@ -96,7 +105,7 @@ class HybridLearning(LinearLaw):
         """What an iteration multiplies ripples by."""
         l2, l3 = self.feedback
         back, gains = np.exp(-1j * frequencies), self._sample_time * gains  # 1 / z
-        learned = np.abs(1 - back - self._law.l1 * gains)
+        learned = np.abs(1 - back - self._law.l1 * (1 + self._rate * (1 - back)) * gains)
         fed_back = np.abs(1 - back + gains * (l2 * back + l3 * back**2))
         factors: Floats = learned / fed_back
         return factors
@@ -115,8 +124,8 @@ class HybridLearning(LinearLaw):
         wrong = wrong_way(gains)
         if wrong:
             return wrong
-        # |1 - d l1 g| < 1 for all loop gains g
-        bound = float((2 * gains.real / np.abs(gains) ** 2).min()) / sample_time
+        # |1 - (d + tau) l1 g| < 1 for all loop gains g
+        bound = float((2 * gains.real / np.abs(gains) ** 2).min()) / (sample_time + law.derivative)
         if law.l1 < bound / 2:
             return (
                 f"controller.gains.l1 of {law.l1:g} changes wheel speeds by less than the "

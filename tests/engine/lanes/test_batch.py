@@ -83,6 +83,7 @@ class Code(NamedTuple):
     full_matrix: bool
     heading: GainHeading
     disturbed: bool
+    derivative: bool = False
 
 
 OF_SHIPPED = [
@@ -95,14 +96,14 @@ OF_SHIPPED = [
 
 SOME = [
     *OF_SHIPPED,
-    Code(True, False, "reference", False),
+    Code(True, False, "reference", False, derivative=True),
     Code(True, True, "previous", False),
 ]
 """Each choice at least once; all mixtures take minutes to compile."""
 
 FLAGS = [False, True]
 HEADINGS: list[GainHeading] = ["measured", "previous", "reference"]
-ALL = list(starmap(Code, product(FLAGS, FLAGS, HEADINGS, FLAGS)))
+ALL = list(starmap(Code, product(FLAGS, FLAGS, HEADINGS, FLAGS, FLAGS)))
 
 
 @st.composite
@@ -130,6 +131,7 @@ def experiments(draw: st.DrawFn, reference: Reference, code: Code) -> Experiment
         code.heading,
         code.compensation,
         draw(st.integers(1, reference.samples)),
+        draw(st.floats(1e-3, 0.1)) if code.derivative else 0.0,
     )
     start = (float(reference.x[0]), float(reference.y[0]), float(reference.heading[0]))
     offset = draw(st.tuples(*[st.floats(-0.3, 0.3)] * 3))
