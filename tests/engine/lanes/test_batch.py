@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from itertools import product, starmap
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -103,7 +103,10 @@ SOME = [
 
 FLAGS = [False, True]
 HEADINGS: list[GainHeading] = ["measured", "previous", "reference"]
-ALL = list(starmap(Code, product(FLAGS, FLAGS, HEADINGS, FLAGS, FLAGS)))
+ALL = [
+    Code(*mixture, derivative=number % 3 == 1)
+    for number, mixture in enumerate(product(FLAGS, FLAGS, HEADINGS, FLAGS))
+]
 
 
 @st.composite
