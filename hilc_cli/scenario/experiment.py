@@ -234,7 +234,7 @@ def _without_usual_plant(data: dict[str, Any]) -> None:
 _ELSEWHERE = frozenset({"law", "b_w", "compensation", "switch_tolerance"})
 
 # To the paper's law, which is told without them.
-_ADDED = frozenset({"lateral"})
+_ADDED = frozenset({"lateral", "derivative"})
 
 
 def settings_of(scenario: Scenario) -> dict[str, str]:
