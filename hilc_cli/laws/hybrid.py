@@ -101,7 +101,8 @@ def with_derivative(ahead: Number, now: Number, rate: float) -> Number:
         rate: tau / d_t.
 
     Source:
-        Not in the paper: the reading under which most of what it says comes true, docs/paper.md.
+        Not in the paper: under this reading most of what it says comes true, see
+        `benchmarks/readings.py`.
     """
     return ahead + rate * (ahead - now)
 
