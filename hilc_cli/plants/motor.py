@@ -53,10 +53,10 @@ class Motor:
             arrived = under_way.popleft() if len(under_way) > whole else 0.0
             driving = share_before * before + (1 - share_before) * arrived
             before = arrived
-            if abs(driving) > dead_zone:
-                driving -= math.copysign(dead_zone, driving)
-            else:
+            if abs(driving) <= dead_zone:
                 driving = 0.0
+            else:  # what is no number stays none
+                driving -= math.copysign(dead_zone, driving)
             change = followed * (driving - speed)
             if abs(change) > most:
                 change = math.copysign(most, change)
