@@ -143,6 +143,7 @@ def test_check_says_what_it_leaves_out(hilc: Hilc, folder: Path) -> None:
         "0.2 rad/s, slip.longitudinal 0.03, slip.lateral 0.02 s, integration exact before it "
         "is run; --simulate shows it; what the path asks of wheels is told of a robot without"
     ) in " ".join(out.split())
+    assert "  Theory   none: this is another robot\n" in checked("--theory", slip={"lateral": 0.1})
     learning = json.loads(checked("--json", "--simulate", motor={"lag": 0.1}))["learning"]
     assert learning["left_out"] == ["motor.lag 0.1 s"]
     assert "spectral_radius" not in json.dumps(learning) and learning["simulated"]
