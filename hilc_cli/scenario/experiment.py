@@ -21,6 +21,7 @@ from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.learning import BELIEVED, TRUE
+from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
@@ -194,6 +195,7 @@ class Scenario:
             del data["robot"]["friction"]
         _without_usual_plant(data, spec.robot)
         data["model"]["wheel_radius"] = model.wheel_radius
+        del data["model"][FROM]  # its numbers are in its place
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE

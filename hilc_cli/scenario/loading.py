@@ -13,6 +13,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.reading import MAX_CSV_BYTES
 from hilc_cli.results.tables import read_input
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
+from hilc_cli.scenario.identified import with_identified
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.shipped_files import SCENARIOS
 from hilc_cli.yaml_input.model import Model, model_in
@@ -72,6 +73,7 @@ def load_scenario(
         tree = inputs.with_trajectory(tree)
     except InvalidInputError as error:
         problems = list(error.problems)
+    tree = with_identified(tree, inputs.file)
     with trusting(trust):
         spec = _validated(tree, problems, inputs.problems)
     return Scenario(
