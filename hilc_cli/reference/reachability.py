@@ -1,0 +1,125 @@
+"""The highest speeds on a grid along a path under limits that are linear in x and u.
+
+x = (ds/dt)^2 is that of a node, u = d2s/dt2 that of the cell behind it: x of the next node is
+x + 2 length u. The limits are x <= ceiling and, for each row, |u + slope x| <= bound. Standing
+still keeps all of them, so that the speeds from which the end can be reached are an interval from
+0 on at each node, and its upper end follows from that of the next node by eliminating u, which
+leaves a minimum of functions that are affine in it. The way back from the start is of the same
+kind.
+
+Source:
+    Pham and Pham, A New Approach to Time-Optimal Path Parameterization Based on Reachability
+    Analysis, IEEE Transactions on Robotics 34 (2018).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hilc_cli.reference.sampled import Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """The limits of a stretch on a grid of n cells.
+
+    Attributes:
+        lengths: Of each cell in s, shape (n,).
+        ceilings: Highest x of each node, shape (n + 1,); infinity for none.
+        slopes: Of each row in each cell, shape (rows, n).
+        bounds: Likewise; infinity for a row that does not bind.
+    """
+
+    lengths: Floats
+    ceilings: Floats
+    slopes: Floats
+    bounds: Floats
+
+
+def fastest_squares(
+    cells: Cells, at_rest: tuple[bool, bool] = (True, True), periodic: bool = False
+) -> Floats:
+    """Returns x of each node where each is as high as the one before allows, shape (n + 1,).
+
+    Args:
+        cells: The limits; from rest some row must bind u in the first cell.
+        at_rest: Whether x is 0 at the start and at the end.
+        periodic: Whether it is to be the same at both, as high as can be.
+
+    Returns:
+        Infinity where nothing bounds it, and then from there to the end.
+    """
+    steps = 2 * cells.lengths
+    ceilings = cells.ceilings.copy()
+    ceilings[:-1] = np.minimum(ceilings[:-1], _row_ceilings(cells, steps))
+    ceilings[[0, -1]] = np.where(at_rest, 0.0, ceilings[[0, -1]])
+    shares = 1 - steps * cells.slopes
+    offsets = steps * cells.bounds
+    with np.errstate(divide="ignore"):
+        back = np.where(shares > 0, 1 / shares, np.inf)
+    backward = np.stack([back, offsets], axis=-1).swapaxes(0, 1)[::-1].tolist()
+    forward = np.stack([shares, offsets], axis=-1).swapaxes(0, 1).tolist()
+    if not periodic:
+        return _passes(ceilings, backward, forward)
+    squares = ceilings
+    for _ in range(_MOST_LAPS):
+        ceilings[[0, -1]] = min(squares[0], squares[-1])
+        squares = _passes(ceilings, backward, forward)
+        if squares[0] == squares[-1]:
+            return squares
+    # Any constant speed that keeps the rows does, too.
+    with np.errstate(divide="ignore"):
+        steady = cells.bounds / np.abs(cells.slopes)
+    return np.full_like(ceilings, min(np.min(ceilings), np.min(steady, initial=np.inf)))
+
+
+_MOST_LAPS = 1000
+
+_Rows = Sequence[Sequence[Sequence[float]]]  # factor and offset of each row of each cell
+
+
+def _passes(ceilings: Floats, backward: _Rows, forward: _Rows) -> Floats:
+    """Returns x of each node: from the end the highest that can still end, then from the start.
+
+    Plain Python, which does in a hundredth of a second what would wait a second for a compiler.
+    """
+    square = float(ceilings[-1])
+    controllable = [square]
+    for highest, rows in zip(ceilings[-2::-1].tolist(), backward, strict=True):
+        target, square = square, highest
+        for share, offset in rows:
+            reached = share * (target + offset)
+            if reached < square:
+                square = reached
+        controllable.append(square)
+    controllable.reverse()
+    square = controllable[0]
+    squares = [square]
+    for highest, rows in zip(controllable[1:], forward, strict=True):
+        before, square = square, highest
+        for share, offset in rows:
+            reached = share * before + offset
+            if reached < square:
+                square = reached
+        square = max(square, 0.0)  # It falls short of that by rounding only.
+        squares.append(square)
+    return np.array(squares)
+
+
+def _row_ceilings(cells: Cells, steps: Floats) -> Floats:
+    """Returns up to which x there is a u that keeps all rows and does not turn around."""
+    highest = np.full(len(steps), np.inf)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for slope, bound in zip(cells.slopes, cells.bounds, strict=True):
+            too_steep = slope * steps - 1
+            turning = np.where(too_steep > 0, bound * steps / too_steep, np.inf)
+            highest = np.minimum(highest, turning)
+        rows = zip(cells.slopes, cells.bounds, strict=True)
+        for (slope, bound), (other_slope, other_bound) in itertools.combinations(rows, 2):
+            meeting = (bound + other_bound) / np.abs(slope - other_slope)
+            highest = np.fmin(highest, meeting)
+    return highest

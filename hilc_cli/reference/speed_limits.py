@@ -1,0 +1,290 @@
+"""What limits the speed along a stretch of a path, put on a grid for `reachability`.
+
+A robot at s with curvature c turns its wheels by (1 + c half_track) / wheel_radius and
+(1 - c half_track) / wheel_radius for each metre, at a turn in place by half_track / wheel_radius
+for each radian: their rates. Where the rates are linear in s and u is constant, a wheel's
+acceleration, rate u + rate' x, is linear in s, so that it is highest at one of the ends of a cell.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.reference.reachability import Cells
+from hilc_cli.reference.sampled import Floats
+
+BOUNDS = (
+    "nothing",
+    "speed",
+    "lateral_acceleration",
+    "wheel_speed",
+    "wheel_acceleration",
+    "joint",
+    "acceleration",
+)
+"""What may bind a speed, by the number that stands for it."""
+NOTHING, _SPEED, _LATERAL, _WHEEL_SPEED, _WHEEL_ACCELERATION, _JOINT, _ACCELERATION = range(7)
+
+_EVEN_CELLS = 500  # over the length of a stretch
+_CURVATURE_STEP = 0.01  # most change of the curvature in a cell, of the highest in its piece
+_MOST_CELLS = 8000  # from which on they become coarser, but for the pieces that were given
+_LEAST_SHARE = 0.1  # of the wheel acceleration that is left beside a jump of the wheel speeds
+_SMALL_JUMP = 1e-5  # of what the wheel acceleration allows in a sample
+_ROUNDING = 1e-9
+_NO_RATE = 1e-12  # of a wheel that rolls: at most that, and it stands
+_BINDS = 1 - 1e-6  # of a limit
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a speed profile has to keep; infinity is no limit.
+
+    The first three are of the wheel midpoint and do not bind a turn in place.
+    """
+
+    speed: float = math.inf  # along the path [m/s]
+    acceleration: float = math.inf  # along the path, and braking [m/s^2]
+    lateral_acceleration: float = math.inf  # curvature times speed squared [m/s^2]
+    wheel_speed: float = math.inf  # of either wheel [rad/s]
+    wheel_acceleration: float = math.inf  # of either wheel [rad/s^2]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """A part of a path that is driven without a standstill, forwards or in reverse.
+
+    Attributes:
+        positions: Where its m pieces end, shape (m + 1,), from 0 on, increasing: arc length [m];
+            of a turn in place 0 and the angle turned [rad].
+        curvatures: Curvature at the start and at the end of each piece [1/m], shape (m, 2), linear
+            in between: lines, arcs and clothoids are one piece each. Empty for a turn in place.
+    """
+
+    positions: Floats
+    curvatures: Floats
+
+    @classmethod
+    def smooth(cls, positions: Floats, curvature: Floats) -> Stretch:
+        """A stretch whose curvature [1/m], given at positions [m], does not jump."""
+        return cls(positions, np.stack([curvature[:-1], curvature[1:]], axis=1))
+
+    @classmethod
+    def turn_in_place(cls, angle: float) -> Stretch:
+        """A turn on the spot by an angle [rad] to either side, not 0."""
+        return cls(np.array([0.0, abs(angle)]), np.empty((0, 2)))
+
+    @property
+    def in_place(self) -> bool:
+        """Whether it is a turn in place."""
+        return len(self.curvatures) == 0
+
+    @property
+    def length(self) -> float:
+        """Its arc length [m], of a turn in place its angle [rad]."""
+        return float(self.positions[-1])
+
+
+@dataclass(frozen=True, slots=True)
+class Wheels:
+    """The robot's measures that a wheel's speed depends on."""
+
+    radius: float  # R_c [m]
+    half_track: float  # B_c [m], of either sign
+
+    def rates(self, stretch: Stretch, curvatures: Floats) -> Floats:
+        """How fast each wheel turns with s [rad/m], of a turn in place of one; leading axis."""
+        if stretch.in_place:
+            return np.full((1, *curvatures.shape), abs(self.half_track) / self.radius)
+        turning = self.half_track * curvatures
+        rates: Floats = np.stack([1 + turning, 1 - turning]) / self.radius
+        return rates
+
+
+class SpeedLimits:
+    """The limits of one stretch, on any grid.
+
+    Where the curvature jumps, so do the wheel speeds. Mean wheel speeds of two samples in a row
+    differ by the wheel accelerations in both, weighted most in their midst, and by the jump.
+    So the speed at such a joint is limited, and for a sample before and behind it the wheels
+    get what the jump leaves of their acceleration.
+
+    Attributes:
+        joints: Positions of the joints [m], shape (j,).
+        jumps: Change of the curvature at each [1/m], shape (j,).
+    """
+
+    def __init__(
+        self, stretch: Stretch, limits: Limits, wheels: Wheels, sample_time: float, periodic: bool
+    ) -> None:
+        self._stretch = stretch
+        self._limits = limits
+        self._wheels = wheels
+        start, end = stretch.curvatures.T
+        if periodic and not stretch.in_place:  # The lap's end is a joint, too, seen from both.
+            before, after = np.append(end[-1], end), np.append(start, start[0])
+            positions = stretch.positions
+        else:
+            before, after, positions = end[:-1], start[1:], stretch.positions[1:-1]
+        jumps = after - before
+        allowed = limits.wheel_acceleration * sample_time
+        with np.errstate(invalid="ignore"):  # Without any limit there is infinity times 0.
+            rates = np.ptp(wheels.rates(stretch, np.stack([before, after])), axis=1).max(axis=0)
+            speeds = np.sqrt(self._ceilings(np.stack([before, after])).min(axis=0))
+            found = rates * speeds > _SMALL_JUMP * allowed
+        found &= np.abs(jumps) > _ROUNDING * np.maximum(np.abs(before), np.abs(after))
+        self.joints, self.jumps = positions[found], jumps[found]
+        rates, speeds = rates[found], speeds[found]
+        # Joints that are passed within one sample share what it allows.
+        most = (1 - _LEAST_SHARE) * allowed
+        gained = allowed * wheels.radius  # most that the speed can change in a sample
+        reach = 2 * sample_time * (np.minimum(speeds, most / rates) + gained)
+        sums = np.append(0.0, np.cumsum(rates))
+        last = np.searchsorted(self.joints, self.joints + reach, "right")
+        together = sums[last] - sums[np.searchsorted(self.joints, self.joints - reach)]
+        speeds = np.minimum(speeds, most / together)
+        self._squares = speeds**2
+        self._shares = 1 - together * speeds / allowed
+        self._reach = sample_time * (speeds + self._shares * gained)
+
+    def first_nodes(self) -> Floats:
+        """A grid that resolves the curvature of each piece, shape (n + 1,)."""
+        positions, length = self._stretch.positions, self._stretch.length
+        lengths = np.diff(positions)
+        wanted = lengths / length * _EVEN_CELLS
+        if not self._stretch.in_place:
+            start, end = self._stretch.curvatures.T
+            highest = np.maximum(np.maximum(np.abs(start), np.abs(end)), 0.01 / length)
+            wanted = np.maximum(wanted, np.abs(end - start) / highest / _CURVATURE_STEP)
+        counts = np.ceil(wanted * min(1.0, _MOST_CELLS / wanted.sum())).astype(int)
+        piece = np.repeat(np.arange(len(counts)), counts)
+        part = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
+        inner = (positions[piece] + lengths[piece] * (part / counts[piece]))[part > 0]
+        # Where the wheels get less for a joint begins and ends at a node, too.
+        marks = np.concatenate([self.joints - self._reach, self.joints + self._reach])
+        added = np.unique(np.concatenate([inner, marks[(marks > 0) & (marks < length)]]))
+        next_one = np.searchsorted(positions, added)
+        gaps = np.minimum(positions[next_one] - added, added - positions[next_one - 1])
+        return np.sort(np.append(positions, added[gaps > 8 * np.spacing(length)]))
+
+    def cells(self, nodes: Floats, *, joints: bool = True) -> LimitedCells:
+        """The limits on a grid.
+
+        Args:
+            nodes: Of the grid, shape (n + 1,); the ends of all pieces are among them.
+            joints: Whether wheel speeds may jump no further than they can.
+        """
+        limits = self._limits
+        lengths = np.diff(nodes)
+        curvatures = self._curvatures(nodes)
+        in_cells = np.full((_ACCELERATION, len(lengths)), np.inf)
+        in_cells[_SPEED : _WHEEL_SPEED + 1] = self._ceilings(curvatures)
+        slopes, bounds, kinds = [], [], []
+        share = np.ones_like(lengths)
+        if joints:
+            for joint, reach, least in zip(self.joints, self._reach, self._shares, strict=True):
+                first, last = np.searchsorted(nodes, [joint - reach, joint + reach])
+                share[first:last] = np.minimum(share[first:last], least)
+        if limits.acceleration < math.inf and not self._stretch.in_place:
+            slopes.append(np.zeros_like(lengths))
+            bounds.append(np.full_like(lengths, limits.acceleration))
+            kinds.append(_ACCELERATION)
+        if limits.wheel_acceleration < math.inf:
+            allowed = limits.wheel_acceleration * share
+            for start, end in self._wheels.rates(self._stretch, curvatures):
+                change = (end - start) / lengths
+                # At the end of a cell x is x + 2 length u.
+                for rate in (start, 3 * end - 2 * start):
+                    turns = np.abs(rate) > _NO_RATE / self._wheels.radius
+                    slopes.append(np.divide(change, rate, out=np.zeros_like(rate), where=turns))
+                    bounds.append(np.full_like(rate, np.inf))
+                    np.divide(allowed, np.abs(rate), out=bounds[-1], where=turns)
+                    standing = np.full_like(rate, np.inf)
+                    np.divide(allowed, np.abs(change), out=standing, where=~turns & (change != 0))
+                    kind = in_cells[_WHEEL_ACCELERATION]
+                    np.minimum(kind, standing, out=kind)
+                    kinds.append(_WHEEL_ACCELERATION)
+        ceilings = np.full((_ACCELERATION, len(nodes)), np.inf)
+        ceilings[:, :-1] = in_cells
+        ceilings[:, 1:] = np.minimum(ceilings[:, 1:], in_cells)
+        if joints:
+            ceilings[_JOINT, np.searchsorted(nodes, self.joints)] = self._squares
+        shape = (len(slopes), len(lengths))
+        cells = Cells(
+            lengths,
+            ceilings.min(axis=0),
+            np.reshape(slopes, shape),
+            np.reshape(bounds, shape),
+        )
+        return LimitedCells(cells, ceilings, np.array(kinds, dtype=np.int8), share < 1)
+
+    def _curvatures(self, nodes: Floats) -> Floats:
+        """Curvature at the start and at the end of each cell [1/m], shape (2, n)."""
+        if self._stretch.in_place:
+            return np.zeros((2, len(nodes) - 1))
+        positions = self._stretch.positions
+        piece = np.searchsorted(positions, nodes[:-1], "right") - 1
+        start, end = self._stretch.curvatures[piece].T
+        parts = np.stack([nodes[:-1], nodes[1:]]) - positions[piece]
+        curvatures: Floats = start + (end - start) * (parts / np.diff(positions)[piece])
+        return curvatures
+
+    def _ceilings(self, curvatures: Floats) -> Floats:
+        """Highest x for speed, lateral acceleration and wheel speed wherever it is that curved.
+
+        Args:
+            curvatures: Shape (2, n) [1/m], between which the curvature stays.
+
+        Returns:
+            Shape (3, n).
+        """
+        limits = self._limits
+        fastest = np.abs(self._wheels.rates(self._stretch, curvatures)).max(axis=(0, 1))
+        by_wheel = (limits.wheel_speed / fastest) ** 2
+        if self._stretch.in_place:
+            return np.stack([np.full_like(by_wheel, np.inf)] * 2 + [by_wheel])
+        with np.errstate(divide="ignore"):
+            lateral = limits.lateral_acceleration / np.abs(curvatures).max(axis=0)
+        return np.stack([np.full_like(lateral, np.square(limits.speed)), lateral, by_wheel])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimitedCells:
+    """Cells, and which limit is which.
+
+    Attributes:
+        cells: The limits.
+        ceilings: Highest x of each node by what it is for, an index into `BOUNDS`.
+        kinds: What each row is for, likewise.
+        by_joints: Whether a cell is so near a joint that the wheels get less, shape (n,).
+    """
+
+    cells: Cells
+    ceilings: Floats
+    kinds: NDArray[np.int8]
+    by_joints: NDArray[np.bool_]
+
+    def binding(self, squares: Floats) -> tuple[NDArray[np.int8], NDArray[np.bool_]]:
+        """What binds in each cell, and whether none binds from its one end to the other.
+
+        Args:
+            squares: x of each node, shape (n + 1,).
+
+        Returns:
+            Indices into `BOUNDS`, and whether there is a switch inside, shape (n,) each.
+        """
+        cells = self.cells
+        accelerations = np.diff(squares) / (2 * cells.lengths)
+        used = np.abs(accelerations + cells.slopes * squares[:-1]) / cells.bounds
+        used = np.concatenate([used, np.zeros((1, len(accelerations)))])
+        row = used.argmax(axis=0)
+        by_row = used.max(axis=0) > _BINDS
+        full = squares >= _BINDS * cells.ceilings
+        of_node = np.where(full, self.ceilings.argmin(axis=0), NOTHING).astype(np.int8)
+        of_cell = np.where(full[:-1], of_node[:-1], of_node[1:])
+        bound = np.where(by_row, np.append(self.kinds, NOTHING)[row], of_cell).astype(np.int8)
+        bound[self.by_joints & (bound == _WHEEL_ACCELERATION)] = _JOINT
+        return bound, ~by_row & ~(full[:-1] & full[1:])
