@@ -132,7 +132,7 @@ def fastest_profile(
     if not exact <= max_samples:
         raise TimingError(f"takes {exact:.4g} samples; the longest path has {max_samples}")
     n = max(1, math.ceil(exact * (1 - 1e-9)))  # Rounding does not cost a sample.
-    positions, speeds, cell = _motion(nodes, squares, times, np.arange(n + 1) * (fastest / n))
+    positions, speeds, cell = _motion(nodes, squares, times, np.linspace(0.0, fastest, n + 1))
     return SpeedProfile(
         positions,
         speeds * (exact / n),
