@@ -61,8 +61,9 @@ def fastest_squares(
     offsets = steps * cells.bounds
     with np.errstate(divide="ignore"):
         back = np.where(shares > 0, 1 / shares, np.inf)
-    backward = np.stack([back, offsets], axis=-1).swapaxes(0, 1)[::-1].tolist()
-    forward = np.stack([shares, offsets], axis=-1).swapaxes(0, 1).tolist()
+    # A flat list for each row: a list for each cell would take longer to make than to use.
+    backward = list(zip(back.tolist(), offsets.tolist(), strict=True))
+    forward = list(zip(shares.tolist(), offsets.tolist(), strict=True))
     if not periodic:
         return _passes(ceilings, backward, forward)
     squares = ceilings
@@ -79,34 +80,29 @@ def fastest_squares(
 
 _MOST_LAPS = 1000
 
-_Rows = Sequence[Sequence[Sequence[float]]]  # factor and offset of each row of each cell
+_Rows = Sequence[tuple[list[float], list[float]]]  # factors and offsets of each row
 
 
 def _passes(ceilings: Floats, backward: _Rows, forward: _Rows) -> Floats:
     """Returns x of each node: from the end the highest that can still end, then from the start.
 
-    Plain Python, which does in a hundredth of a second what would wait a second for a compiler.
+    Plain Python, which is done before a compiler is even loaded.
     """
-    square = float(ceilings[-1])
-    controllable = [square]
-    for highest, rows in zip(ceilings[-2::-1].tolist(), backward, strict=True):
-        target, square = square, highest
-        for share, offset in rows:
-            reached = share * (target + offset)
+    squares: list[float] = ceilings.tolist()
+    for cell in range(len(squares) - 2, -1, -1):
+        target, square = squares[cell + 1], squares[cell]
+        for factors, offsets in backward:
+            reached = factors[cell] * (target + offsets[cell])
             if reached < square:
                 square = reached
-        controllable.append(square)
-    controllable.reverse()
-    square = controllable[0]
-    squares = [square]
-    for highest, rows in zip(controllable[1:], forward, strict=True):
-        before, square = square, highest
-        for share, offset in rows:
-            reached = share * before + offset
+        squares[cell] = square
+    for cell in range(len(squares) - 1):
+        before, square = squares[cell], squares[cell + 1]
+        for factors, offsets in forward:
+            reached = factors[cell] * before + offsets[cell]
             if reached < square:
                 square = reached
-        square = max(square, 0.0)  # It falls short of that by rounding only.
-        squares.append(square)
+        squares[cell + 1] = max(square, 0.0)  # It falls short of that by rounding only.
     return np.array(squares)
 
 

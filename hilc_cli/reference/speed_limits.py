@@ -2,8 +2,9 @@
 
 A robot at s with curvature c turns its wheels by (1 + c half_track) / wheel_radius and
 (1 - c half_track) / wheel_radius for each metre, at a turn in place by half_track / wheel_radius
-for each radian: their rates. Where the rates are linear in s and u is constant, a wheel's
-acceleration, rate u + rate' x, is linear in s, so that it is highest at one of the ends of a cell.
+for each radian: their rates. A wheel's acceleration is rate u + rate' x. Where the curvature is
+linear in s and u is constant, so is that, and it is highest at one of the ends of a cell; where
+the curvature is not, the cells are so short that it hardly is anywhere else.
 """
 
 from __future__ import annotations
@@ -60,17 +61,24 @@ class Stretch:
     Attributes:
         positions: Where its m pieces end, shape (m + 1,), from 0 on, increasing: arc length [m];
             of a turn in place 0 and the angle turned [rad].
-        curvatures: Curvature at the start and at the end of each piece [1/m], shape (m, 2), linear
-            in between: lines, arcs and clothoids are one piece each. Empty for a turn in place.
+        curvatures: Curvature at the start and at the end of each piece [1/m], shape (m, 2). Empty
+            for a turn in place.
+        changes: Its derivative by s there [1/m^2], shape (m, 2), with which the curvature in
+            between is a cubic; None where it is linear, as that of lines, arcs and clothoids.
     """
 
     positions: Floats
     curvatures: Floats
+    changes: Floats | None = None
 
     @classmethod
-    def smooth(cls, positions: Floats, curvature: Floats) -> Stretch:
-        """A stretch whose curvature [1/m], given at positions [m], does not jump."""
-        return cls(positions, np.stack([curvature[:-1], curvature[1:]], axis=1))
+    def smooth(cls, positions: Floats, curvature: Floats, change: Floats) -> Stretch:
+        """A stretch whose curvature and its derivative, given at positions, do not jump."""
+
+        def both_ends(values: Floats) -> Floats:
+            return np.stack([values[:-1], values[1:]], axis=1)
+
+        return cls(positions, both_ends(curvature), both_ends(change))
 
     @classmethod
     def turn_in_place(cls, angle: float) -> Stretch:
@@ -124,6 +132,10 @@ class SpeedLimits:
         self._limits = limits
         self._wheels = wheels
         start, end = stretch.curvatures.T
+        linear = np.empty((0, 2))
+        if not stretch.in_place:
+            linear = np.repeat(((end - start) / np.diff(stretch.positions))[:, None], 2, axis=1)
+        self._changes = linear if stretch.changes is None else stretch.changes
         if periodic and not stretch.in_place:  # The lap's end is a joint, too, seen from both.
             before, after = np.append(end[-1], end), np.append(start, start[0])
             positions = stretch.positions
@@ -158,7 +170,8 @@ class SpeedLimits:
         if not self._stretch.in_place:
             start, end = self._stretch.curvatures.T
             highest = np.maximum(np.maximum(np.abs(start), np.abs(end)), 0.01 / length)
-            wanted = np.maximum(wanted, np.abs(end - start) / highest / _CURVATURE_STEP)
+            most = np.abs(self._changes).max(axis=1) * lengths
+            wanted = np.maximum(wanted, most / highest / _CURVATURE_STEP)
         counts = np.ceil(wanted * min(1.0, _MOST_CELLS / wanted.sum())).astype(int)
         piece = np.repeat(np.arange(len(counts)), counts)
         part = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -179,7 +192,7 @@ class SpeedLimits:
         """
         limits = self._limits
         lengths = np.diff(nodes)
-        curvatures = self._curvatures(nodes)
+        curvatures, changes = self._curvatures(nodes)
         in_cells = np.full((_ACCELERATION, len(lengths)), np.inf)
         in_cells[_SPEED : _WHEEL_SPEED + 1] = self._ceilings(curvatures)
         slopes, bounds, kinds = [], [], []
@@ -194,10 +207,13 @@ class SpeedLimits:
             kinds.append(_ACCELERATION)
         if limits.wheel_acceleration < math.inf:
             allowed = limits.wheel_acceleration * share
-            for start, end in self._wheels.rates(self._stretch, curvatures):
-                change = (end - start) / lengths
+            turning = np.array([1, -1]) * self._wheels.half_track / self._wheels.radius
+            rates = self._wheels.rates(self._stretch, curvatures)
+            for (start, end), sign in zip(rates, turning, strict=False):
+                at_start, at_end = sign * changes
                 # At the end of a cell x is x + 2 length u.
-                for rate in (start, 3 * end - 2 * start):
+                ahead = end + 2 * lengths * at_end
+                for rate, change in ((start, at_start), (ahead, at_end)):
                     turns = np.abs(rate) > _NO_RATE / self._wheels.radius
                     slopes.append(np.divide(change, rate, out=np.zeros_like(rate), where=turns))
                     bounds.append(np.full_like(rate, np.inf))
@@ -221,16 +237,23 @@ class SpeedLimits:
         )
         return LimitedCells(cells, ceilings, np.array(kinds, dtype=np.int8), share < 1)
 
-    def _curvatures(self, nodes: Floats) -> Floats:
-        """Curvature at the start and at the end of each cell [1/m], shape (2, n)."""
+    def _curvatures(self, nodes: Floats) -> tuple[Floats, Floats]:
+        """Curvature and its derivative at the start and at the end of each cell, (2, n) each."""
         if self._stretch.in_place:
-            return np.zeros((2, len(nodes) - 1))
+            return np.zeros((2, len(nodes) - 1)), np.zeros((2, len(nodes) - 1))
         positions = self._stretch.positions
         piece = np.searchsorted(positions, nodes[:-1], "right") - 1
+        length = np.diff(positions)[piece]
         start, end = self._stretch.curvatures[piece].T
-        parts = np.stack([nodes[:-1], nodes[1:]]) - positions[piece]
-        curvatures: Floats = start + (end - start) * (parts / np.diff(positions)[piece])
-        return curvatures
+        at_start, at_end = self._changes[piece].T
+        mean = (end - start) / length
+        t = (np.stack([nodes[:-1], nodes[1:]]) - positions[piece]) / length
+        # The cubic of Hermite, as what it adds to the straight line; nothing to a linear piece.
+        first, last = at_start - mean, at_end - mean
+        curve = length * t * (1 - t) * (first * (1 - t) - last * t)
+        curvatures: Floats = start + (end - start) * t + curve
+        changes: Floats = mean + first * (1 - t) * (1 - 3 * t) + last * t * (3 * t - 2)
+        return curvatures, changes
 
     def _ceilings(self, curvatures: Floats) -> Floats:
         """Highest x for speed, lateral acceleration and wheel speed wherever it is that curved.
