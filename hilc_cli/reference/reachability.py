@@ -66,19 +66,36 @@ def fastest_squares(
     forward = list(zip(shares.tolist(), offsets.tolist(), strict=True))
     if not periodic:
         return _passes(ceilings, backward, forward)
-    squares = ceilings
-    for _ in range(_MOST_LAPS):
-        ceilings[[0, -1]] = min(squares[0], squares[-1])
+
+    def lap(ends: float) -> tuple[Floats, float]:
+        """The passes of a lap whose ends are at most so high, and how high the lower one is."""
+        ceilings[[0, -1]] = ends
         squares = _passes(ceilings, backward, forward)
-        if squares[0] == squares[-1]:
+        return squares, float(min(squares[0], squares[-1]))
+
+    highest = float(min(ceilings[0], ceilings[-1]))
+    for _ in range(_MOST_LAPS):  # Mostly the second lap is the last one.
+        squares, lower = lap(highest)
+        if lower == highest:
             return squares
-    # Any constant speed that keeps the rows does, too.
+        highest = lower
+    # Ends that are possible are an interval again; a constant speed that keeps the rows is in it.
     with np.errstate(divide="ignore"):
-        steady = cells.bounds / np.abs(cells.slopes)
-    return np.full_like(ceilings, min(np.min(ceilings), np.min(steady, initial=np.inf)))
+        steady = np.min(cells.bounds / np.abs(cells.slopes), initial=np.inf)
+    lowest = float(min(steady, np.min(ceilings)))
+    squares = np.full_like(ceilings, lowest)
+    while highest - lowest > _ROUNDING * highest:
+        middle = (lowest + highest) / 2
+        found, lower = lap(middle)
+        if lower == middle:
+            squares, lowest = found, middle
+        else:
+            highest = middle
+    return squares
 
 
-_MOST_LAPS = 1000
+_MOST_LAPS = 4
+_ROUNDING = 1e-9
 
 _Rows = Sequence[tuple[list[float], list[float]]]  # factors and offsets of each row
 

@@ -30,8 +30,8 @@ BOUNDS = (
 """What may bind a speed, by the number that stands for it."""
 NOTHING, _SPEED, _LATERAL, _WHEEL_SPEED, _WHEEL_ACCELERATION, _JOINT, _ACCELERATION = range(7)
 
-_EVEN_CELLS = 500  # over the length of a stretch
-_CURVATURE_STEP = 0.01  # most change of the curvature in a cell, of the highest in its piece
+_EVEN_CELLS = 1000  # over the length of a stretch
+_CURVATURE_STEP = 0.003  # most change of the curvature in a cell, of the highest in its piece
 _MOST_CELLS = 8000  # from which on they become coarser, but for the pieces that were given
 _LEAST_SHARE = 0.1  # of the wheel acceleration that is left beside a jump of the wheel speeds
 _SMALL_JUMP = 1e-5  # of what the wheel acceleration allows in a sample
