@@ -10,6 +10,7 @@ the curvature is not, the cells are so short that it hardly is anywhere else.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,13 +73,35 @@ class Stretch:
     changes: Floats | None = None
 
     @classmethod
-    def smooth(cls, positions: Floats, curvature: Floats, change: Floats) -> Stretch:
-        """A stretch whose curvature and its derivative, given at positions, do not jump."""
+    def smooth(cls, positions: Floats, curvature: Floats, change: Floats | None = None) -> Stretch:
+        """A stretch whose curvature and its derivative do not jump.
+
+        Args:
+            positions: From 0 on, increasing [m], shape (m + 1,).
+            curvature: There [1/m].
+            change: Its derivative there [1/m^2]; None for that of a cubic spline through them.
+        """
+        if change is None:
+            # Lines and arcs do without what takes long to load.
+            from scipy.interpolate import CubicSpline
+
+            change = CubicSpline(positions, curvature)(positions, 1)
 
         def both_ends(values: Floats) -> Floats:
             return np.stack([values[:-1], values[1:]], axis=1)
 
         return cls(positions, both_ends(curvature), both_ends(change))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Stretch]) -> Stretch:
+        """One stretch of several that follow one another, none of them a turn in place."""
+        starts = np.cumsum([0.0, *(part.length for part in parts)])
+        ends = [start + part.positions[1:] for start, part in zip(starts, parts, strict=False)]
+        return cls(
+            np.concatenate([[0.0], *ends]),
+            np.concatenate([part.curvatures for part in parts]),
+            np.concatenate([part.slopes for part in parts]),
+        )
 
     @classmethod
     def turn_in_place(cls, angle: float) -> Stretch:
@@ -89,6 +112,14 @@ class Stretch:
     def in_place(self) -> bool:
         """Whether it is a turn in place."""
         return len(self.curvatures) == 0
+
+    @property
+    def slopes(self) -> Floats:
+        """Derivative of the curvature at both ends of each piece [1/m^2], shape (m, 2)."""
+        if self.changes is not None:
+            return self.changes
+        rises, runs = np.diff(self.curvatures, axis=1), np.diff(self.positions)
+        return np.repeat(rises / runs[: len(rises), None], 2, axis=1)
 
     @property
     def length(self) -> float:
@@ -132,10 +163,6 @@ class SpeedLimits:
         self._limits = limits
         self._wheels = wheels
         start, end = stretch.curvatures.T
-        linear = np.empty((0, 2))
-        if not stretch.in_place:
-            linear = np.repeat(((end - start) / np.diff(stretch.positions))[:, None], 2, axis=1)
-        self._changes = linear if stretch.changes is None else stretch.changes
         if periodic and not stretch.in_place:  # The lap's end is a joint, too, seen from both.
             before, after = np.append(end[-1], end), np.append(start, start[0])
             positions = stretch.positions
@@ -170,7 +197,7 @@ class SpeedLimits:
         if not self._stretch.in_place:
             start, end = self._stretch.curvatures.T
             highest = np.maximum(np.maximum(np.abs(start), np.abs(end)), 0.01 / length)
-            most = np.abs(self._changes).max(axis=1) * lengths
+            most = np.abs(self._stretch.slopes).max(axis=1) * lengths
             wanted = np.maximum(wanted, most / highest / _CURVATURE_STEP)
         counts = np.ceil(wanted * min(1.0, _MOST_CELLS / wanted.sum())).astype(int)
         piece = np.repeat(np.arange(len(counts)), counts)
@@ -245,7 +272,7 @@ class SpeedLimits:
         piece = np.searchsorted(positions, nodes[:-1], "right") - 1
         length = np.diff(positions)[piece]
         start, end = self._stretch.curvatures[piece].T
-        at_start, at_end = self._changes[piece].T
+        at_start, at_end = self._stretch.slopes[piece].T
         mean = (end - start) / length
         t = (np.stack([nodes[:-1], nodes[1:]]) - positions[piece]) / length
         # The cubic of Hermite, as what it adds to the straight line; nothing to a linear piece.

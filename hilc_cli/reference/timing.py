@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Literal
 
@@ -27,10 +28,12 @@ class TimingError(ValueError):
 
     Attributes:
         field: Name of the limit that is missing or does not fit; empty for all of them.
+        stretch: Number of the stretch that it is about, from 0 on.
     """
 
     def __init__(self, message: str, field: str = "") -> None:
         self.field = field
+        self.stretch = 0
         super().__init__(message)
 
 
@@ -130,7 +133,7 @@ def fastest_profile(
     fastest = float(times[-1])
     exact = fastest / sample_time
     if not exact <= max_samples:
-        raise TimingError(f"takes {exact:.4g} samples; the longest path has {max_samples}")
+        raise TimingError(f"takes {exact:.4g} samples; it may take {max_samples}")
     n = max(1, math.ceil(exact * (1 - 1e-9)))  # Rounding does not cost a sample.
     positions, speeds, cell = _motion(nodes, squares, times, np.linspace(0.0, fastest, n + 1))
     return SpeedProfile(
@@ -140,6 +143,49 @@ def fastest_profile(
         fastest,
         _joints(speed_limits, nodes, squares, at_rest, periodic),
     )
+
+
+def fastest_profiles(
+    stretches: Sequence[Stretch],
+    limits: Limits,
+    wheels: Wheels,
+    sample_time: float,
+    *,
+    max_samples: int,
+    start: End = "rest",
+    end: End = "rest",
+) -> list[SpeedProfile]:
+    """Returns the fastest profile of each of some stretches with standstills in between.
+
+    Args:
+        stretches: In their order, such as the ways to and from a reversal, or a turn in place.
+        limits: What is to be kept.
+        wheels: The robot's measures.
+        sample_time: d_t [s], > 0.
+        max_samples: Most samples of all of them together.
+        start: Whether the first starts at rest.
+        end: Whether the last ends at rest.
+
+    Raises:
+        TimingError: As for `fastest_profile`.
+    """
+    profiles: list[SpeedProfile] = []
+    for number, stretch in enumerate(stretches):
+        try:
+            profile = fastest_profile(
+                stretch,
+                limits,
+                wheels,
+                sample_time,
+                max_samples=max_samples - sum(each.samples for each in profiles),
+                start=start if number == 0 else "rest",
+                end=end if number == len(stretches) - 1 else "rest",
+            )
+        except TimingError as error:
+            error.stretch = number
+            raise
+        profiles.append(profile)
+    return profiles
 
 
 def _check(stretch: Stretch, limits: Limits, rests: bool) -> None:
