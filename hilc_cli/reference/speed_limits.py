@@ -10,7 +10,7 @@ the curvature is not, the cells are so short that it hardly is anywhere else.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -220,49 +220,51 @@ class SpeedLimits:
         limits = self._limits
         lengths = np.diff(nodes)
         curvatures, changes = self._curvatures(nodes)
-        in_cells = np.full((_ACCELERATION, len(lengths)), np.inf)
-        in_cells[_SPEED : _WHEEL_SPEED + 1] = self._ceilings(curvatures)
-        slopes, bounds, kinds = [], [], []
         share = np.ones_like(lengths)
         if joints:
-            for joint, reach, least in zip(self.joints, self._reach, self._shares, strict=True):
-                first, last = np.searchsorted(nodes, [joint - reach, joint + reach])
-                share[first:last] = np.minimum(share[first:last], least)
+            first = np.searchsorted(nodes, self.joints - self._reach)
+            last = np.searchsorted(nodes, self.joints + self._reach)
+            for begin, end, least in zip(first, last, self._shares, strict=True):
+                share[begin:end] = np.minimum(share[begin:end], least)
+        slopes, bounds, kinds = [], [], []
         if limits.acceleration < math.inf and not self._stretch.in_place:
             slopes.append(np.zeros_like(lengths))
             bounds.append(np.full_like(lengths, limits.acceleration))
             kinds.append(_ACCELERATION)
+        highest = np.full((_ACCELERATION, len(lengths)), np.inf)  # of each cell
+        highest[_SPEED : _WHEEL_SPEED + 1] = self._ceilings(curvatures)
         if limits.wheel_acceleration < math.inf:
             allowed = limits.wheel_acceleration * share
-            turning = np.array([1, -1]) * self._wheels.half_track / self._wheels.radius
-            rates = self._wheels.rates(self._stretch, curvatures)
-            for (start, end), sign in zip(rates, turning, strict=False):
-                at_start, at_end = sign * changes
-                # At the end of a cell x is x + 2 length u.
-                ahead = end + 2 * lengths * at_end
-                for rate, change in ((start, at_start), (ahead, at_end)):
-                    turns = np.abs(rate) > _NO_RATE / self._wheels.radius
-                    slopes.append(np.divide(change, rate, out=np.zeros_like(rate), where=turns))
-                    bounds.append(np.full_like(rate, np.inf))
-                    np.divide(allowed, np.abs(rate), out=bounds[-1], where=turns)
-                    standing = np.full_like(rate, np.inf)
-                    np.divide(allowed, np.abs(change), out=standing, where=~turns & (change != 0))
-                    kind = in_cells[_WHEEL_ACCELERATION]
-                    np.minimum(kind, standing, out=kind)
-                    kinds.append(_WHEEL_ACCELERATION)
+            for rate, change in self._turning(lengths, curvatures, changes):
+                turns = np.abs(rate) > _NO_RATE / self._wheels.radius
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    slopes.append(np.where(turns, change / rate, 0.0))
+                    bounds.append(np.where(turns, allowed / np.abs(rate), np.inf))
+                    standing = np.where(turns, np.inf, allowed / np.abs(change))
+                kinds.append(_WHEEL_ACCELERATION)
+                highest[_WHEEL_ACCELERATION] = np.minimum(highest[_WHEEL_ACCELERATION], standing)
         ceilings = np.full((_ACCELERATION, len(nodes)), np.inf)
-        ceilings[:, :-1] = in_cells
-        ceilings[:, 1:] = np.minimum(ceilings[:, 1:], in_cells)
+        ceilings[:, :-1] = highest
+        ceilings[:, 1:] = np.minimum(ceilings[:, 1:], highest)
         if joints:
             ceilings[_JOINT, np.searchsorted(nodes, self.joints)] = self._squares
-        shape = (len(slopes), len(lengths))
-        cells = Cells(
-            lengths,
-            ceilings.min(axis=0),
-            np.reshape(slopes, shape),
-            np.reshape(bounds, shape),
-        )
+        shape = (len(kinds), len(lengths))
+        rows = np.reshape(slopes, shape), np.reshape(bounds, shape)
+        cells = Cells(lengths, ceilings.min(axis=0), *rows)
         return LimitedCells(cells, ceilings, np.array(kinds, dtype=np.int8), share < 1)
+
+    def _turning(
+        self, lengths: Floats, curvatures: Floats, changes: Floats
+    ) -> Iterator[tuple[Floats, Floats]]:
+        """What u and x of each cell's start are multiplied by in a wheel's acceleration.
+
+        Of each wheel at the start of the cell and at its end, where x is x + 2 length u.
+        """
+        rates = self._wheels.rates(self._stretch, curvatures)
+        turning = self._wheels.half_track / self._wheels.radius * changes
+        for (start, end), (at_start, at_end) in zip(rates, (turning, -turning), strict=False):
+            yield start, at_start
+            yield end + 2 * lengths * at_end, at_end
 
     def _curvatures(self, nodes: Floats) -> tuple[Floats, Floats]:
         """Curvature and its derivative at the start and at the end of each cell, (2, n) each."""
