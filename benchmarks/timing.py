@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.speed_limits import Limits, Stretch, Wheels
 from hilc_cli.reference.timing import SpeedProfile, fastest_profile
 
@@ -27,14 +28,18 @@ REPEATS = 5
 def wave(points: int) -> Stretch:
     """A path whose curvature is a sine that makes each wheel stand in turn."""
     s = np.linspace(0.0, LENGTH, points)
-    return Stretch.smooth(s, 8 * np.sin(3 * s))
+    return linear(s, 8 * np.sin(3 * s))
 
 
 def noise(points: int) -> Stretch:
     """A path whose curvature changes from point to point."""
-    s = np.linspace(0.0, LENGTH, points)
-    values = np.random.default_rng(1).normal(size=points)
-    return Stretch(s, np.stack([values[:-1], values[1:]], axis=1))
+    numbers = np.random.default_rng(1)
+    return linear(np.linspace(0.0, LENGTH, points), numbers.normal(size=points))
+
+
+def linear(s: Floats, curvature: Floats) -> Stretch:
+    """A path whose curvature is linear between positions."""
+    return Stretch(s, np.stack([curvature[:-1], curvature[1:]], axis=1))
 
 
 PATHS = {"wave": wave, "noise": noise}

@@ -10,7 +10,7 @@ the curvature is not, the cells are so short that it hardly is anywhere else.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +39,15 @@ _SMALL_JUMP = 1e-5  # of what the wheel acceleration allows in a sample
 _ROUNDING = 1e-9
 _NO_RATE = 1e-12  # of a wheel that rolls: at most that, and it stands
 _BINDS = 1 - 1e-6  # of a limit
+
+_MOST_HALVINGS = 20
+_CUBIC_ERROR = 1e-5  # of the change of the curvature in a piece
+# A cubic has its values at four places of a piece, is held against the curvature at two others,
+# and has its slope at both ends.
+_PLACES = np.array([0, 1 / 3, 2 / 3, 1, 1 / 6, 5 / 6])
+_CUBIC = np.linalg.inv(np.vander(_PLACES[:4]))
+_CUBIC_BETWEEN = (np.vander(_PLACES[4:], 4) @ _CUBIC).T
+_CUBIC_SLOPES = (np.array([[0.0, 0.0, 1.0, 0.0], [3.0, 2.0, 1.0, 0.0]]) @ _CUBIC).T
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,24 +82,30 @@ class Stretch:
     changes: Floats | None = None
 
     @classmethod
-    def smooth(cls, positions: Floats, curvature: Floats, change: Floats | None = None) -> Stretch:
-        """A stretch whose curvature and its derivative do not jump.
+    def curved(cls, curvature: Callable[[Floats], Floats], borders: Floats) -> Stretch:
+        """A stretch whose curvature is a smooth function, in as many pieces as it takes.
 
         Args:
-            positions: From 0 on, increasing [m], shape (m + 1,).
-            curvature: There [1/m].
-            change: Its derivative there [1/m^2]; None for that of a cubic spline through them.
+            curvature: Of s [m], an array, [1/m].
+            borders: Where its derivatives may jump, such as at the points of a spline, with 0 and
+                the length [m], increasing.
         """
-        if change is None:
-            # Lines and arcs do without what takes long to load.
-            from scipy.interpolate import CubicSpline
-
-            change = CubicSpline(positions, curvature)(positions, 1)
-
-        def both_ends(values: Floats) -> Floats:
-            return np.stack([values[:-1], values[1:]], axis=1)
-
-        return cls(positions, both_ends(curvature), both_ends(change))
+        nodes = np.interp(
+            np.arange(0, len(borders) - 1 + 1e-9, 0.125), np.arange(len(borders)), borders
+        )
+        for _ in range(_MOST_HALVINGS):
+            lengths = np.diff(nodes)[:, np.newaxis]
+            places = np.minimum(nodes[:-1, np.newaxis] + lengths * _PLACES, borders[-1])
+            values = curvature(places.ravel()).reshape(places.shape)
+            given, between = values[:, :4], values[:, 4:]
+            off = np.abs(given @ _CUBIC_BETWEEN - between).max(axis=1)
+            size = np.ptp(given, axis=1) + 0.01 * np.abs(given).max(axis=1)
+            rounding = _ROUNDING * (np.abs(given).max() + 1 / borders[-1])
+            split = off > _CUBIC_ERROR * size + rounding
+            if not split.any() or len(nodes) > _MOST_CELLS:
+                break
+            nodes = np.sort(np.append(nodes, (nodes[:-1] + nodes[1:])[split] / 2))
+        return cls(nodes, given[:, [0, 3]], given @ _CUBIC_SLOPES / lengths)
 
     @classmethod
     def joined(cls, parts: Sequence[Stretch]) -> Stretch:
@@ -163,11 +178,12 @@ class SpeedLimits:
         self._limits = limits
         self._wheels = wheels
         start, end = stretch.curvatures.T
-        if periodic and not stretch.in_place:  # The lap's end is a joint, too, seen from both.
-            before, after = np.append(end[-1], end), np.append(start, start[0])
-            positions = stretch.positions
-        else:
-            before, after, positions = end[:-1], start[1:], stretch.positions[1:-1]
+        before, after, positions = end[:-1], start[1:], stretch.positions[1:-1]
+        if periodic and not stretch.in_place:
+            # The end is a joint, too, and those of the laps before and behind are near the ends.
+            before, after = np.tile(end, 3), np.tile(np.append(start[1:], start[0]), 3)
+            ends = stretch.positions[1:]
+            positions = np.concatenate([ends - stretch.length, ends, ends + stretch.length])
         jumps = after - before
         allowed = limits.wheel_acceleration * sample_time
         with np.errstate(invalid="ignore"):  # Without any limit there is infinity times 0.
@@ -175,19 +191,20 @@ class SpeedLimits:
             speeds = np.sqrt(self._ceilings(np.stack([before, after])).min(axis=0))
             found = rates * speeds > _SMALL_JUMP * allowed
         found &= np.abs(jumps) > _ROUNDING * np.maximum(np.abs(before), np.abs(after))
-        self.joints, self.jumps = positions[found], jumps[found]
-        rates, speeds = rates[found], speeds[found]
+        places, jumps, rates, speeds = (x[found] for x in (positions, jumps, rates, speeds))
         # Joints that are passed within one sample share what it allows.
         most = (1 - _LEAST_SHARE) * allowed
         gained = allowed * wheels.radius  # most that the speed can change in a sample
         reach = 2 * sample_time * (np.minimum(speeds, most / rates) + gained)
         sums = np.append(0.0, np.cumsum(rates))
-        last = np.searchsorted(self.joints, self.joints + reach, "right")
-        together = sums[last] - sums[np.searchsorted(self.joints, self.joints - reach)]
+        last = np.searchsorted(places, places + reach, "right")
+        together = sums[last] - sums[np.searchsorted(places, places - reach)]
         speeds = np.minimum(speeds, most / together)
-        self._squares = speeds**2
         self._shares = 1 - together * speeds / allowed
-        self._reach = sample_time * (speeds + self._shares * gained)
+        reach = sample_time * (speeds + self._shares * gained)
+        self._around = np.stack([places - reach, places + reach])
+        inside = (places >= 0) & (places <= stretch.length)
+        self.joints, self.jumps, self._squares = places[inside], jumps[inside], speeds[inside] ** 2
 
     def first_nodes(self) -> Floats:
         """A grid that resolves the curvature of each piece, shape (n + 1,)."""
@@ -204,7 +221,7 @@ class SpeedLimits:
         part = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
         inner = (positions[piece] + lengths[piece] * (part / counts[piece]))[part > 0]
         # Where the wheels get less for a joint begins and ends at a node, too.
-        marks = np.concatenate([self.joints - self._reach, self.joints + self._reach])
+        marks = self._around.ravel()
         added = np.unique(np.concatenate([inner, marks[(marks > 0) & (marks < length)]]))
         next_one = np.searchsorted(positions, added)
         gaps = np.minimum(positions[next_one] - added, added - positions[next_one - 1])
@@ -222,9 +239,8 @@ class SpeedLimits:
         curvatures, changes = self._curvatures(nodes)
         share = np.ones_like(lengths)
         if joints:
-            first = np.searchsorted(nodes, self.joints - self._reach)
-            last = np.searchsorted(nodes, self.joints + self._reach)
-            for begin, end, least in zip(first, last, self._shares, strict=True):
+            around = np.searchsorted(nodes, self._around)
+            for begin, end, least in zip(*around, self._shares, strict=True):
                 share[begin:end] = np.minimum(share[begin:end], least)
         slopes, bounds, kinds = [], [], []
         if limits.acceleration < math.inf and not self._stretch.in_place:

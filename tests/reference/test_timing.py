@@ -158,10 +158,10 @@ def smooth(
     heading: Callable[[Floats], Floats],
     curvature: Callable[[Floats], Floats],
     change: Callable[[Floats], Floats],
-    points: int = 1001,
+    borders: Floats | None = None,
 ) -> Path:
-    s = np.linspace(0.0, length, points)
-    return Path(length, heading, curvature, change, Stretch.smooth(s, curvature(s), change(s)))
+    ends = np.array([0.0, length]) if borders is None else borders
+    return Path(length, heading, curvature, change, Stretch.curved(curvature, ends))
 
 
 def wave(mean: float, height: float, number: float, length: float = 10.0) -> Path:
@@ -203,8 +203,9 @@ def piecewise(*each: tuple[float, float, float]) -> Path:
 def wandering(seed: int, scale: float) -> Path:
     """A path whose curvature is a spline through random values."""
     values = np.random.default_rng(seed).normal(size=12) * scale
-    spline = CubicSpline(np.linspace(0.0, 8.0, 12), values)
-    return smooth(8.0, spline.antiderivative(), spline, spline.derivative())
+    knots = np.linspace(0.0, 8.0, 12)
+    spline = CubicSpline(knots, values)
+    return smooth(8.0, spline.antiderivative(), spline, spline.derivative(), knots)
 
 
 def through_points(seed: int) -> Path:
@@ -220,16 +221,12 @@ def through_points(seed: int) -> Path:
     # The third derivative jumps at knots, and is constant from each to the next.
     dddx, dddy = curve(t, 3).T
     slope = (dx * dddy - dy * dddx) / speed**4 - 3 * bend * (dx * ddx + dy * ddy) / speed**6
-    parts = [
-        Stretch.smooth(s[first : first + 2001 : 5] - s[first], curvature[first : first + 2001 : 5])
-        for first in range(0, len(s) - 1, 2000)
-    ]
-    return Path(
+    return smooth(
         float(s[-1]),
         CubicHermiteSpline(s, heading, curvature),
-        lambda where: np.interp(where, s, curvature),
+        CubicHermiteSpline(s, curvature, slope),
         lambda where: np.interp(where, s, slope),
-        Stretch.joined(parts),
+        s[::2000],
     )
 
 
@@ -279,7 +276,9 @@ def time_by_toppra(path: Path, limits: Limits, jumps: bool = False) -> float:
             np.stack([-accelerations, accelerations], axis=1)
         ),
     ]
-    grid = np.union1d(np.linspace(0.0, path.length, 2001), path.stretch.positions)
+    ends = path.stretch.positions
+    parts = np.interp(np.arange(0, len(ends) - 0.95, 0.1), np.arange(len(ends)), ends)
+    grid = np.union1d(np.linspace(0.0, path.length, 2001), parts)
     instance = toppra.algorithm.TOPPRA(constraints, Wheeled(), grid, solver_wrapper="seidel")
     _, speeds, _ = instance.compute_parameterization(0.0, 0.0)
     return float(np.sum(2 * np.diff(grid) / (speeds[:-1] + speeds[1:])))
@@ -347,8 +346,9 @@ def test_jumps_of_the_curvature_cost_nothing_where_wheel_acceleration_is_free() 
 @pytest.mark.parametrize("name", ["wave over a standing wheel", "about a standing wheel"])
 @pytest.mark.parametrize("limits", [LIMITS, SOFT_WHEELS], ids=["all", "wheels"])
 def test_two_passes_find_the_highest_squares_of_a_linear_program(name: str, limits: Limits) -> None:
-    stretch, n = PATHS[name].stretch, 250
-    nodes = stretch.positions[:: 1000 // n]
+    stretch = PATHS[name].stretch
+    nodes = np.union1d(stretch.positions, np.linspace(0.0, stretch.length, 601))
+    n = len(nodes) - 1
     cells = SpeedLimits(stretch, limits, WHEELS, DT, False).cells(nodes).cells
     change = diags_array(
         [-0.5 / cells.lengths, 0.5 / cells.lengths], offsets=[0, 1], shape=(n, n + 1)
