@@ -11,15 +11,21 @@ import typer
 
 from hilc_cli.cli.completion import complete_leaderboard, complete_results
 from hilc_cli.cli.options import (
+    Font,
+    FontSize,
     Force,
     Formats,
     Json,
+    NoTitle,
     OutputFolder,
     Quiet,
+    Style,
     Trust,
     Verbose,
     Version,
+    Width,
     picture_formats,
+    picture_look,
 )
 from hilc_cli.cli.session import Session
 from hilc_cli.errors import UsageError
@@ -80,6 +86,11 @@ def compare(
     table: Table = None,
     formats: Formats = None,
     no_plots: NoPlots = False,
+    width: Width = None,
+    font: Font = "",
+    font_size: FontSize = None,
+    style: Style = None,
+    no_title: NoTitle = False,
     out: OutputFolder = None,
     force: Force = False,
     workers: Workers = None,
@@ -108,7 +119,12 @@ def compare(
     """
     if json and table is not None:
         raise UsageError("--json and --table both say what is printed; give one of them")
-    writing = {"force": force, "formats": picture_formats(formats), "plots": not no_plots}
+    writing: dict[str, Any] = {
+        "force": force,
+        "formats": picture_formats(formats),
+        "plots": not no_plots,
+        "look": picture_look(width, font, font_size, style, no_title),
+    }
     if laws is not None:
         if runs:
             raise UsageError(f"--laws runs what it compares; leave out {runs[0]}")

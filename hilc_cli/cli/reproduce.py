@@ -43,6 +43,11 @@ def reproduce(
     force: options.Force = False,
     formats: options.Formats = None,
     dpi: options.Dpi = 300,
+    width: options.Width = None,
+    font: options.Font = "",
+    font_size: options.FontSize = None,
+    style: options.Style = None,
+    no_title: options.NoTitle = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
@@ -62,6 +67,7 @@ def reproduce(
     from hilc_cli.paper.report import document, print_claims
     from hilc_cli.paper.reproducing import check_reproduction, reproduce
 
+    look = options.picture_look(width, font, font_size, style, no_title)
     plan = plan_reproduction(figures or [])
     folder = out or Path("runs") / "reproduce"
     chosen = options.picture_formats(formats)
@@ -76,7 +82,13 @@ def reproduce(
 
         result = reproduce(plan, on_step=on_step)
         timings = result.write(
-            folder, force=force, formats=chosen, dpi=dpi, command=sys.argv, on_step=on_step
+            folder,
+            force=force,
+            formats=chosen,
+            dpi=dpi,
+            look=look,
+            command=sys.argv,
+            on_step=on_step,
         )
     if json:
         print_json(document(result, folder, chosen))

@@ -14,14 +14,20 @@ import typer
 
 from hilc_cli.cli.completion import complete_case_metric, complete_scenario, complete_varied_key
 from hilc_cli.cli.options import (
+    Font,
+    FontSize,
     Force,
     Json,
+    NoTitle,
     OutputFolder,
     Overrides,
     Quiet,
+    Style,
     Trust,
     Verbose,
     Version,
+    Width,
+    picture_look,
 )
 from hilc_cli.cli.session import Session
 from hilc_cli.errors import ExistingResultsError, UsageError
@@ -165,6 +171,11 @@ def sweep(
     force: Force = False,
     formats: Formats = None,
     no_plots: NoPlots = False,
+    width: Width = None,
+    font: Font = "",
+    font_size: FontSize = None,
+    style: Style = None,
+    no_title: NoTitle = False,
     workers: Workers = None,
     scheduler: Scheduler = None,
     shard: Shard = None,
@@ -225,6 +236,7 @@ def sweep(
         "force": force,
         "formats": chosen,
         "plots": not no_plots,
+        "look": picture_look(width, font, font_size, style, no_title),
         "command": sys.argv,
         "go_on": session.go_on,
     }

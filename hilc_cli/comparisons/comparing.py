@@ -14,6 +14,7 @@ from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
 from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRICS
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.results.summary import summarise
@@ -202,6 +203,7 @@ class Comparison:
         force: bool = False,
         formats: Sequence[str] = ("png",),
         plots: bool = True,
+        look: Look = USUAL,
     ) -> list[Path]:
         """Writes comparison.csv, comparison.md, comparison.tex and the picture.
 
@@ -210,6 +212,7 @@ class Comparison:
             force: Replace files of the same name and other content.
             formats: Of the picture: png, svg, pdf.
             plots: Whether to draw it.
+            look: How it is to look, from `picture_look`.
 
         Returns:
             The files.
@@ -227,7 +230,7 @@ class Comparison:
             if plots:
                 from hilc_cli.comparisons.picture import save_comparison  # Matplotlib starts slowly
 
-                files += save_comparison(self.runs, into, formats)
+                files += save_comparison(self.runs, into, formats, look=look)
             return files
 
         return merge_folder(Path(folder), fill, lambda file: force, or_same=True)

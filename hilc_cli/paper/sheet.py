@@ -20,6 +20,7 @@ from matplotlib.transforms import ScaledTranslation
 from hilc_cli.drawing import layout, style, view
 from hilc_cli.drawing.labels import number_text
 from hilc_cli.paper.panel import ERROR_METRICS, Panel, PanelKind, PanelRow, shown_trials
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.runs.pictures.error import draw_error
 from hilc_cli.runs.pictures.final_path import draw_final_path
 from hilc_cli.runs.pictures.path_change import draw_color_bar, draw_path_change, iteration_scale
@@ -36,6 +37,10 @@ _LEGEND_ROW, _LEGEND_ROWS = 0.16, 2
 _BAR_WIDTH, _BAR_HEIGHT, _BAR_ROOM = 1.75, 0.09, 0.42
 _EDGE, _FOOT = 0.15, 0.06  # left of headings; around what stands below all panels
 _LARGEST = 1.95  # height of a panel
+_LEAST = 1.0  # width of a panel
+_NARROW, _NARROW_COLUMNS = 5.0, 2  # page below which bar and legend stand below each other
+_HEADING_LINE = 0.115  # of the heading of a row that is broken
+_BOLD_CHARACTER = 0.6  # mean width of a bold letter, in sizes of the text
 _PATHS = frozenset({PanelKind.PATH_CHANGE, PanelKind.PATHS})
 
 
@@ -52,25 +57,38 @@ class _Row:
     above: float
 
 
-def sheet_figure(heading: str, rows: Sequence[PanelRow]) -> Figure:
+def sheet_figure(heading: str, rows: Sequence[PanelRow], look: Look = USUAL) -> Figure:
     """A page of panels.
 
     Args:
         heading: What stands above everything.
         rows: At least one, all of one number of panels.
+        look: What the user asks for; on a narrow sheet rows are broken, and it may be longer than
+            a page.
     """
-    with style.applied(in_print=True):
+    with style.applied(look, in_print=True):
         kinds = {panel.kind for row in rows for panel in row.panels}
         gutter = _LIMIT if PanelKind.WHEEL_SPEEDS in kinds else 0.0
+        page = layout.room_on(look, PAGE_WIDTH, style.PRINT_SIZE)
         columns = len(rows[0].panels)
-        width = (PAGE_WIDTH - gutter) / columns - _LEFT - _RIGHT
-        height = min(width, _LARGEST, _highest(len(rows)))
-        figure = layout.new_sheet(PAGE_WIDTH, PAGE_HEIGHT, heading)
+        broken = min(columns, max(1, int((page - gutter) / (_LEAST + _LEFT + _RIGHT))))
+        width = (page - gutter) / broken - _LEFT - _RIGHT
+        height = min(width, _LARGEST, _highest(len(rows)) if broken == columns else width)
+        rows = [part for row in rows for part in _in_parts(row, broken)]
+        figure = layout.new_sheet(page, PAGE_HEIGHT, heading, look, style.PRINT_SIZE)
         scale = iteration_scale([panel.run for row in rows for panel in row.panels])
         drawn = [_draw_row(figure, row, (width, height), gutter, scale) for row in rows]
         legend = _legend_entries([axes for row in drawn for axes in row.panels])
         _arrange(figure, drawn, height, scale, legend)
         return figure
+
+
+def _in_parts(row: PanelRow, columns: int) -> list[PanelRow]:
+    """A row as rows of so many panels at most."""
+    return [
+        PanelRow("" if first else row.heading, row.panels[first : first + columns])
+        for first in range(0, len(row.panels), columns)
+    ]
 
 
 def _highest(rows: int) -> float:
@@ -99,16 +117,20 @@ def _draw_row(
         left += width + _RIGHT + _LEFT
         left += gutter if panel.kind is PanelKind.WHEEL_SPEEDS else 0
     above = _TITLE + NOTE_LINE * most
-    if row.heading:
+    page = float(figure.get_size_inches()[0])
+    longest = int(72 * (page - 2 * _EDGE) / (_BOLD_CHARACTER * style.PRINT_SIZE))
+    heading = textwrap.wrap(row.heading, longest)
+    if heading:
         shift = ScaledTranslation(_EDGE - _LEFT, above + 0.02, figure.dpi_scale_trans)
         panels[0].text(
-            *(0, 1, row.heading),
+            *(0, 1, "\n".join(heading)),
             transform=panels[0].transAxes + shift,
             fontweight="bold",
             fontsize=style.PRINT_SIZE,
             va="bottom",
         )
-    return _Row(panels, above + (_ROW_HEADING if row.heading else 0))
+        above += _ROW_HEADING + (len(heading) - 1) * _HEADING_LINE
+    return _Row(panels, above)
 
 
 def _legend_entries(panels: Sequence[Axes]) -> dict[str, Artist]:
@@ -128,11 +150,16 @@ def _arrange(
     legend: dict[str, Artist],
 ) -> None:
     """Puts the rows below each other, bar and legend below them, and cuts the page to that."""
-    foot = max(_BAR_ROOM if scale is not None else 0.0, _LEGEND_ROW * _LEGEND_ROWS) + _FOOT
-    total = _HEADING + sum(row.above + height + _LABELS for row in rows) + foot
+    page = float(figure.get_size_inches()[0])
+    is_narrow = page < _NARROW
+    legend_rows = _LEGEND_ROWS if not is_narrow else -(-len(legend) // _NARROW_COLUMNS)
+    rooms = (_BAR_ROOM if scale is not None else 0.0, _LEGEND_ROW * legend_rows)
+    foot = (sum(rooms) if is_narrow else max(rooms)) + _FOOT
+    heading = _HEADING if figure.texts else 0.0
+    total = heading + sum(row.above + height + _LABELS for row in rows) + foot
     boxes = [[axes.get_position(original=True) for axes in row.panels] for row in rows]
-    figure.set_size_inches(PAGE_WIDTH, total)
-    top = _HEADING
+    figure.set_size_inches(page, total)
+    top = heading
     for row, places in zip(rows, boxes, strict=True):
         top += row.above
         for axes, box in zip(row.panels, places, strict=True):
@@ -144,7 +171,10 @@ def _arrange(
         bar = layout.add_panel(figure, left, top + _FOOT, _BAR_WIDTH, _BAR_HEIGHT)
         draw_color_bar(bar, scale, lying=True)
         bar.tick_params(labelsize=style.PRINT_SIZE, length=2.0, pad=1.5)
-        left += _BAR_WIDTH + 0.4
+        if is_narrow:
+            top += _BAR_ROOM
+        else:
+            left += _BAR_WIDTH + 0.4
     if legend:
         corner = ScaledTranslation(left, -top - 0.03, figure.dpi_scale_trans)
         figure.legend(
@@ -156,7 +186,7 @@ def _arrange(
             borderaxespad=0,
             borderpad=0,
             columnspacing=1.5,
-            ncols=-(-len(legend) // _LEGEND_ROWS),
+            ncols=-(-len(legend) // legend_rows),
         )
 
 
