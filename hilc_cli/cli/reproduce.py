@@ -36,6 +36,11 @@ Figures = Annotated[
 ]
 
 
+Bibtex = Annotated[
+    bool, typer.Option("--bibtex", help="Print how to cite the paper, and do nothing else.")
+]
+
+
 def reproduce(
     context: typer.Context,
     figures: Figures = None,
@@ -48,6 +53,7 @@ def reproduce(
     font_size: options.FontSize = None,
     style: options.Style = None,
     no_title: options.NoTitle = False,
+    bibtex: Bibtex = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
@@ -62,7 +68,14 @@ def reproduce(
     Examples:
       hilc reproduce
       hilc reproduce fig3 fig7 --format svg --out runs/two-figures
+      hilc reproduce fig6 --format pdf --width 175mm --font "DejaVu Serif"
+      hilc reproduce --bibtex >> thesis.bib
     """
+    if bibtex:
+        from hilc_cli.paper.citation import BIBTEX
+
+        print_text(BIBTEX.rstrip("\n"))
+        return
     from hilc_cli.paper.plan import plan_reproduction
     from hilc_cli.paper.report import document, print_claims
     from hilc_cli.paper.reproducing import check_reproduction, reproduce

@@ -34,11 +34,15 @@ class Cell:
         text: On one line.
         is_best: Whether it is to be marked.
         is_real: Whether it is a number that need not be whole.
+        is_setting: Whether it is a list of symbols with their values, such as ``l1=0.5 l2=0``.
+        is_title: Whether it is the title of a column, with its unit in brackets.
     """
 
     text: str
     is_best: bool = False
     is_real: bool = False
+    is_setting: bool = False
+    is_title: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +91,7 @@ def side_by_side(table: ComparisonTable) -> Grid:
         heads=(("", *(row[head].text for row in cells)),),
         at_right=(False, *(True for _ in cells)),
         rows=tuple(
-            (Cell(_title(column)), *(row[place] for row in cells))
+            (Cell(_title(column), is_title=True), *(row[place] for row in cells))
             for place, column in zip(others, columns, strict=True)
         ),
     )
@@ -145,7 +149,12 @@ def _cells(table: ComparisonTable) -> list[list[Cell]]:
     best = [table.best(place) for place in range(len(table.columns))]
     return [
         [
-            Cell(printable(column.text(value)), number in best[place], isinstance(value, float))
+            Cell(
+                printable(column.text(value)),
+                number in best[place],
+                isinstance(value, float),
+                column.is_setting,
+            )
             for place, (column, value) in enumerate(zip(table.columns, row.values, strict=True))
         ]
         for number, row in enumerate(table.rows)
@@ -190,6 +199,13 @@ def markdown_text(table: ComparisonTable) -> str:
     """Tables of GitHub's Markdown, the best values in bold."""
     parts = [_markdown_grid(grid) for grid in for_page(table)]
     return "\n\n".join([*parts, note_of(table, "Bold")]) + "\n"
+
+
+_SYMBOL = re.compile(r"(?P<letter>[A-Za-z])_?(?P<index>[0-9]{1,2}|[A-Za-z]|theta)?")
+_GREEK = {"theta": r"\theta"}
+_UNIT_PART = re.compile(r"(?P<name>[A-Za-z]{1,4})(?:\^(?P<power>-?[0-9]))?")
+_SETTING = re.compile(r"(?P<name>[^=\s]+)=(?P<value>\S+)(?: (?P<unit>m|rad|s|rad/s|Hz)(?=\s|$))?")
+_NUMBER = re.compile(r"(?P<mantissa>-?[0-9]+(?:\.[0-9]+)?)(?:e(?P<power>[+-]?[0-9]{1,3}))?")
 
 
 def latex_text(table: ComparisonTable) -> str:
@@ -257,9 +273,11 @@ def _latex_grid(grid: Grid) -> list[str]:
     kinds = "".join("r" if right else "l" for right in grid.at_right)
     lines = [f"\\begin{{tabular}}{{{kinds}}}", r"  \toprule"]
     if grid.title:
-        lines += [_latex_row([f"\\multicolumn{{{len(kinds)}}}{{l}}{{{_latex(grid.title)}}}"])]
+        lines += [_latex_row([f"\\multicolumn{{{len(kinds)}}}{{l}}{{{_latex_title(grid.title)}}}"])]
         lines += [r"  \midrule"]
-    lines += [_latex_row([_latex(head) for head in heads]) for heads in grid.heads]
+    # On one line there are names, which may look like anything; units have a line of their own.
+    set_head = _latex if len(grid.heads) == 1 else _latex_title
+    lines += [_latex_row([set_head(head) for head in heads]) for heads in grid.heads]
     lines += [r"  \midrule"]
     lines += [_latex_row([_latex_cell(cell) for cell in row]) for row in grid.rows]
     return [*lines, r"  \bottomrule", r"\end{tabular}"]
@@ -272,7 +290,73 @@ def _latex_row(cells: Sequence[str]) -> str:
     return f"  {guard}{row} \\\\"
 
 
+def _latex_title(text: str) -> str:
+    """A title, the unit in brackets at its end as it is set in print."""
+    words, bracket, unit = text.rpartition("[")
+    if not bracket or not unit.endswith("]"):
+        return _latex(text)
+    return f"{_latex(words)}[{_latex_unit(unit[:-1])}]"
+
+
+def _latex_unit(unit: str) -> str:
+    """A unit upright, its quotients as powers: rad/s becomes rad s^-1."""
+    above, *below = unit.split("/")
+    parts = [_UNIT_PART.fullmatch(part) for part in (*above.split(), *below)]
+    if not all(parts):
+        return _latex(unit)
+    texts = []
+    for place, part in enumerate(parts):
+        assert part is not None
+        power = int(part["power"] or 1) * (1 if place < len(above.split()) else -1)
+        texts.append(part["name"] + ("" if power == 1 else f"$^{{{power}}}$"))
+    return r"\,".join(texts)
+
+
+def _latex_settings(text: str) -> str:
+    """Symbols with their values as formulas; what has another form stays as it is, escaped."""
+    parts, end = [], 0
+    for found in _SETTING.finditer(text):
+        parts += [_latex(word) for word in text[end : found.start()].split()]
+        end = found.end()
+        unit = f"\\,{_latex_unit(found['unit'])}" if found["unit"] else ""
+        symbol, number = _latex_symbol(found["name"]), _latex_number(found["value"])
+        if symbol and number:
+            parts.append(f"${symbol} = {number}${unit}")
+        else:
+            value = f"${number}$" if number else _latex(found["value"])
+            parts.append(f"{_latex(found['name'])} = {value}{unit}")
+    parts += [_latex(word) for word in text[end:].split()]
+    return ", ".join(parts)
+
+
+def _latex_symbol(name: str) -> str:
+    """A letter with an index, such as l_1 of l1; empty for a word."""
+    found = _SYMBOL.fullmatch(name)
+    if found is None:
+        return ""
+    index = found["index"] or ""
+    index = _GREEK.get(index, index)
+    return (
+        f"{found['letter']}_{{{index}}}"
+        if len(index) > 1
+        else (f"{found['letter']}_{index}" if index else found["letter"])
+    )
+
+
+def _latex_number(text: str) -> str:
+    """A number within a formula; empty for what is none."""
+    found = _NUMBER.fullmatch(text)
+    if found is None:
+        return ""
+    power = f" \\times 10^{{{int(found['power'])}}}" if found["power"] else ""
+    return found["mantissa"] + power
+
+
 def _latex_cell(cell: Cell) -> str:
+    if cell.is_title:
+        return _latex_title(cell.text)
+    if cell.is_setting:
+        return _latex_settings(cell.text)
     mantissa, exponent, power = cell.text.partition("e")
     if cell.is_real and exponent:
         formula = f"{mantissa} \\times 10^{{{power}}}"

@@ -39,7 +39,13 @@ _PALE = "0.6"  # of runs that have no lines
 _LONGEST_TRAJECTORY = 24
 
 
-def draw_last_errors(axes: Axes, runs: Sequence[RunData], lined: Sequence[RunData] = ()) -> None:
+def draw_last_errors(
+    axes: Axes,
+    runs: Sequence[RunData],
+    lined: Sequence[RunData] = (),
+    *,
+    with_paths: bool = True,
+) -> None:
     """Draws the last maximum (full mark) and mean error (open mark) of each run.
 
     Args:
@@ -47,6 +53,7 @@ def draw_last_errors(axes: Axes, runs: Sequence[RunData], lined: Sequence[RunDat
         runs: The runs, from the top down.
         lined: Those of them that have lines in other panels, in the order of their colours there:
             their rows are the legend of these lines.
+        with_paths: As of `row_names`.
     """
     for row, run in enumerate(runs):
         place = next((place for place, other in enumerate(lined) if other is run), None)
@@ -56,7 +63,7 @@ def draw_last_errors(axes: Axes, runs: Sequence[RunData], lined: Sequence[RunDat
         if place is not None:
             _draw_key(axes, row, color, marker)
     _legend_proxies(axes, zeros=any(line.get_label() == "_zero" for line in axes.lines))
-    axes.set_yticks(range(len(runs)), row_names(runs))
+    axes.set_yticks(range(len(runs)), row_names(runs, with_paths=with_paths))
     axes.set_ylim(len(runs) - 0.4, -0.6)
     axes.tick_params(axis="y", length=0, pad=3 + 72 * _KEY)
     _scale(axes, runs)
@@ -65,20 +72,25 @@ def draw_last_errors(axes: Axes, runs: Sequence[RunData], lined: Sequence[RunDat
     labels.set_title(axes, f"Position error, {labels.last_iteration_text(runs)}")
 
 
-def row_names(runs: Sequence[RunData]) -> list[str]:
-    """The names of the runs, and of what they were to follow if that is not the same."""
+def row_names(runs: Sequence[RunData], *, with_paths: bool = True) -> list[str]:
+    """The names of the runs, and of what they were to follow if that is not the same.
+
+    Args:
+        runs: The runs.
+        with_paths: Whether there is room for the latter.
+    """
     names = labels.run_labels(runs)
-    if same_path([run.reference for run in runs]):
+    if not with_paths or same_path([run.reference for run in runs]):
         return names
     paths = [labels.shortened(run.reference.name, _LONGEST_TRAJECTORY) for run in runs]
     return [f"{name} ({path})" for name, path in zip(names, paths, strict=True)]
 
 
-def room_for_names(runs: Sequence[RunData]) -> float:
+def room_for_names(runs: Sequence[RunData], *, with_paths: bool = True) -> float:
     """How far from the edge of the sheet the rows begin [inch]."""
     widths = [
         TextPath((0, 0), name, size=style.SMALL_SIZE).get_extents().width
-        for name in row_names(runs)
+        for name in row_names(runs, with_paths=with_paths)
     ]
     return max(layout.LEFT, _EDGE + _HINTED * max(widths) / 72 + _KEY)
 
@@ -208,7 +220,14 @@ def comparison_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
         rows = best_runs(_told_apart(runs, sheet), MOST_ROWS)
         lines = best_runs(rows, MOST_LINES)
         groups = _by_trajectory(lines)
-        figure = layout.new_sheet(sheet, layout.HEADING, _heading(runs), look)
+        figure = layout.new_sheet(
+            sheet,
+            layout.HEADING,
+            _heading(
+                runs, _LONGEST_HEADING if look.width is None else layout.longest_heading(sheet) - 9
+            ),
+            look,
+        )
         is_narrow = sheet < _NARROW
         if is_narrow:
             above = _draw_below_each_other(figure, lines, groups)
@@ -217,11 +236,11 @@ def comparison_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
         else:
             above = _draw_paths_below(figure, lines, groups)
         first = list(figure.axes)
-        left, height = room_for_names(rows), PITCH * (len(rows) + 0.4)
+        left, height = room_for_names(rows, with_paths=not is_narrow), PITCH * (len(rows) + 0.4)
         right = sheet - layout.RIGHT
         layout.resize_sheet(figure, bottom=layout.TOP + height + layout.BOTTOM)
         below = layout.add_panel(figure, left, above + layout.TOP, right - left, height)
-        draw_last_errors(below, rows, lines)
+        draw_last_errors(below, rows, lines, with_paths=not is_narrow)
         _note_what_is_left_out(below, len(runs), len(rows), len(lines), len(groups))
         legend = layout.legend_below([below], right - left)
         beside = first if len(groups) == 1 else first[:1]  # what stands at the upper edge
@@ -320,7 +339,7 @@ def _by_trajectory(runs: Sequence[RunData]) -> list[list[RunData]]:
     return groups
 
 
-def _heading(runs: Sequence[RunData]) -> str:
+def _heading(runs: Sequence[RunData], longest: int) -> str:
     """The names of the runs, as many as there is room for."""
     names = labels.run_labels(runs)
     if len(names) == 1:
@@ -328,7 +347,7 @@ def _heading(runs: Sequence[RunData]) -> str:
     for shown in range(len(names), 0, -1):
         left = len(names) - shown
         text = ", ".join(names[:shown]) + (f" and {left} more" if left else "")
-        if len(text) <= _LONGEST_HEADING:
+        if len(text) <= longest:
             return f"{len(names)} runs: {text}"
     return f"{len(names)} runs"
 

@@ -25,6 +25,7 @@ LONGEST_LABEL = 64
 _LONG = 1e5  # numbers from here on are written with an exponent
 _TITLE_PAD = 5.0  # [pt]
 _LINE_PITCH = 10.5  # [pt], of notes
+_BESIDE = 0.25  # that titles and notes may reach beyond their panel to the right [inch]
 _NOTES = "notes"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -236,6 +237,7 @@ def set_title(
         title = ""
     if is_fitted(axes):
         width, _ = panel_size(axes)
+        width += _BESIDE
         title = wrapped(title, width) if "\n" not in title else title
         longest = int(width * 72 / (0.56 * (SMALL_SIZE - 0.5)))
         notes = [line for note in notes for line in textwrap.wrap(note, longest)]

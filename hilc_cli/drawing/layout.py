@@ -51,7 +51,7 @@ def new_sheet(
     """
     figure = Sheet(width, height, look, text_size)
     if look.width is not None:
-        heading = shortened(heading, int(72 * (width - 0.3) / (0.86 * SMALL_SIZE)))
+        heading = shortened(heading, longest_heading(width))
     if heading and look.title:
         below_top = figure.transFigure + ScaledTranslation(0.15, -0.1, figure.dpi_scale_trans)
         figure.text(
@@ -62,6 +62,11 @@ def new_sheet(
             fontweight="bold",
         )
     return figure
+
+
+def longest_heading(width: float) -> int:
+    """How many letters of a heading fit a sheet of so many inches, if they are to be read."""
+    return int(72 * (width - 0.3) / (0.86 * SMALL_SIZE))
 
 
 def add_panel(figure: Figure, left: float, top: float, width: float, height: float) -> Axes:

@@ -140,6 +140,8 @@ def _print_pdf(figure: Figure, buffer: BytesIO, dpi: float, scale: float) -> Non
     )
     try:
         file.newPage(scale * width, scale * height)
+        # What lies off the page is left out, before it is scaled.
+        file.width, file.height = width, height
         if scale != 1:
             file.output(scale, 0, 0, scale, 0, 0, backend.Op.concat_matrix)
         page = backend.RendererPdf(file, dpi * scale, height, width)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -39,6 +40,7 @@ _LEAST_COLUMN = 1.0  # on a narrow sheet [inch]
 _WIDTH, _GUTTER = 1.15, 0.2  # of a column, and between two [inch]
 _LEFT, _KEY_ROOM, _RANGE_ROOM = 0.95, 0.36, 0.3  # beside the rows, above and below them [inch]
 _TITLE_ROOM, _NOTE_ROOM, _LEAST_WIDTH = 0.3, 0.17, 6.0  # [inch]
+_LETTER = 0.078  # of the title [inch]
 _LETTERS = 19  # of a key in a line above its column
 _TEXT_SIZE = 7.0  # [pt], of values
 _INSET = 0.16  # from the edges of a column to the ends of its range, of its width
@@ -70,8 +72,12 @@ def best_figure(data: SweepData, look: Look = USUAL) -> Figure:
         rows, columns = max(1, len(best.cases)), 1 + len(keys)
         left_out = len(varied_keys(data)) - len(keys)
         height = rows * _PITCH
-        top = layout.HEADING + _TITLE_ROOM + (_NOTE_ROOM if left_out else 0.0) + _KEY_ROOM
         width = layout.room_on(look, max(_LEAST_WIDTH, _LEFT + columns * (_WIDTH + _GUTTER)))
+        title = _title(data, best, left_out)
+        if look.width is not None:
+            title = [part for line in title for part in textwrap.wrap(line, int(width / _LETTER))]
+        top = layout.HEADING + _TITLE_ROOM + _NOTE_ROOM * (len(title) - 1) + _KEY_ROOM
+        top -= 0 if look.title else layout.HEADING
         across, column = columns, _WIDTH
         if look.width is not None:
             across = min(columns, max(2, int((width - _LEFT) / (_LEAST_COLUMN + _GUTTER))))
@@ -92,7 +98,7 @@ def best_figure(data: SweepData, look: Look = USUAL) -> Figure:
         for axes, where in zip(panels[1:], keys, strict=True):
             draw_key(axes, data, where, best.cases)
             axes.set_title(names[where.key], fontsize=style.SMALL_SIZE, pad=3)
-        _draw_title(figure, data, best, left_out)
+        _draw_title(figure, title, layout.HEADING if look.title else 0.0)
         return figure
 
 
@@ -190,17 +196,21 @@ def _draw_rows(axes: Axes, rows: int) -> None:
     axes.spines[:].set_visible(False)
 
 
-def _draw_title(figure: Figure, data: SweepData, best: Combinations, left_out: int) -> None:
-    """Says above the table what it shows."""
+def _title(data: SweepData, best: Combinations, left_out: int) -> list[str]:
+    """What the table shows: the only place where the metric is named."""
     what = (
         f"median over the seeds of the {metric_name(data)}" if best.is_median else metric_name(data)
     )
     lines = [f"Smallest {what}" if len(best.cases) else "No case has a value"]
     if left_out:
         lines.append(f"{left_out} keys with smaller effects are left out")
-    below = ScaledTranslation(0.15, -layout.HEADING - 0.06, figure.dpi_scale_trans)
-    place = figure.transFigure + below
-    figure.text(0, 1, "\n".join(lines), transform=place, va="top", fontsize=style.TITLE_SIZE)
+    return lines
+
+
+def _draw_title(figure: Figure, title: Sequence[str], heading: float) -> None:
+    """Writes above the table what it shows, below a heading of some height [inch]."""
+    place = figure.transFigure + ScaledTranslation(0.15, -heading - 0.06, figure.dpi_scale_trans)
+    figure.text(0, 1, "\n".join(title), transform=place, va="top", fontsize=style.TITLE_SIZE)
 
 
 PICTURE = SweepPicture(
