@@ -100,4 +100,14 @@ def fit_axis_labels(figure: Figure) -> None:
             text = axis.get_label_text()
             longest = max(12, int((length + 0.2) / _LINE))
             if len(text) > longest and "\n" not in text:
-                axis.set_label_text("\n".join(textwrap.wrap(text, longest)))
+                axis.set_label_text("\n".join(_balanced(text, longest)))
+
+
+def _balanced(text: str, longest: int) -> list[str]:
+    """A text in as few lines as it takes, all of about one length: no unit stands alone."""
+    lines = textwrap.wrap(text, longest)
+    for width in range(-(-len(text) // len(lines)), longest):
+        even = textwrap.wrap(text, width, break_long_words=False)
+        if len(even) == len(lines) and max(map(len, even)) <= longest:
+            return even
+    return lines

@@ -38,7 +38,7 @@ _BAR_WIDTH, _BAR_HEIGHT, _BAR_ROOM = 1.75, 0.09, 0.42
 _EDGE, _FOOT = 0.15, 0.06  # left of headings; around what stands below all panels
 _LARGEST = 1.95  # height of a panel
 _LEAST = 1.0  # width of a panel
-_NARROW, _NARROW_COLUMNS = 5.0, 2  # page below which bar and legend stand below each other
+_NARROW = 5.0  # page below which bar and legend stand below each other
 _HEADING_LINE = 0.115  # of the heading of a row that is broken
 _BOLD_CHARACTER = 0.6  # mean width of a bold letter, in sizes of the text
 _PATHS = frozenset({PanelKind.PATH_CHANGE, PanelKind.PATHS})
@@ -152,7 +152,7 @@ def _arrange(
     """Puts the rows below each other, bar and legend below them, and cuts the page to that."""
     page = float(figure.get_size_inches()[0])
     is_narrow = page < _NARROW
-    legend_rows = _LEGEND_ROWS if not is_narrow else -(-len(legend) // _NARROW_COLUMNS)
+    legend_rows = _LEGEND_ROWS if not is_narrow else len(legend)
     rooms = (_BAR_ROOM if scale is not None else 0.0, _LEGEND_ROW * legend_rows)
     foot = (sum(rooms) if is_narrow else max(rooms)) + _FOOT
     heading = _HEADING if figure.texts else 0.0

@@ -218,9 +218,9 @@ def test_rows_are_those_that_are_asked_for_in_their_order() -> None:
     assert "| Compensation |  |  |" in markdown_text(none), "told though there is nothing to tell"
     assert set(METRICS) < set(ROWS)
     with pytest.raises(
-        UsageError, match=r"no row 'rms_eror' .* did you mean 'rms_position_error_m'"
+        UsageError, match=r"no row 'rms_position_eror_m' .* did you mean 'rms_position_error_m'"
     ):
-        compare_runs([ONE, TWO], ["gains", "rms_eror"])
+        compare_runs([ONE, TWO], ["gains", "rms_position_eror_m"])
     with pytest.raises(UsageError, match="no row 'run' in a table of runs; known: law, gains, "):
         compare_runs([ONE, TWO], ["run"])
 

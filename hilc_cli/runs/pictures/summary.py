@@ -22,6 +22,7 @@ _WIDTH_OF_SEVERAL = 13.95  # [inch]
 _BAR = 0.75  # right of a panel of paths, for the colours of the iterations [inch]
 _GUTTER = 0.55  # right of the other panels, for the speed limit [inch]
 _LEAST = 1.7  # width of panels that stand side by side [inch]
+_LONG_LEGEND = 0.85  # the same where panels are narrow [inch]
 _LEGEND = 0.45  # room for the legends between the two rows [inch]
 
 
@@ -56,11 +57,11 @@ def _summary_of_one(
         height = layout.panel_height(width, *_PANEL)
     column = layout.LEFT + width + _BAR
     row = layout.TOP + height + layout.BOTTOM
-    top = layout.HEADING
-    figure = layout.new_sheet(sheet, top + 2 * row + _LEGEND, labels.shortened(run.name), look)
+    top, between = layout.HEADING, _LEGEND if look.width is None else _LONG_LEGEND
+    figure = layout.new_sheet(sheet, top + 2 * row + between, labels.shortened(run.name), look)
     panels = [
         layout.add_panel(figure, left, below, width, height)
-        for below in (top + layout.TOP, top + row + _LEGEND + layout.TOP)
+        for below in (top + layout.TOP, top + row + between + layout.TOP)
         for left in (layout.LEFT, layout.LEFT + column)
     ]
     scale = path_change.iteration_scale(runs, iterations)
@@ -119,24 +120,36 @@ def _summary_of_several(
     names = labels.run_labels(runs)
     grid = path_change.grid_of(len(runs))
     sheet = layout.room_on(look, max(grid.width, _WIDTH_OF_SEVERAL))
-    if sheet < 3 * (layout.LEFT + _LEAST + _GUTTER):
+    columns = min(3, int(sheet / (layout.LEFT + _LEAST + _GUTTER)))
+    if columns < 2:
         return _summary_below_each_other(runs, iterations, look, sheet)
     if look.width is not None:
         grid = path_change.grid_of(len(runs), sheet)
-    column = sheet / 3
+    column = sheet / columns
     width, height = column - layout.LEFT - _GUTTER, _PANEL[1]
-    top = layout.HEADING + grid.height + _LEGEND
-    height_above = top + layout.TOP + height + layout.BOTTOM
+    if look.width is not None:
+        height = layout.panel_height(width, *_PANEL)
+    head = layout.HEADING if look.title else 0.05
+    top = head + grid.height + _LEGEND
+    row = layout.TOP + height + layout.BOTTOM + _LONG_LEGEND
+    height_above = top + -(-3 // columns) * row - _LONG_LEGEND
     figure = layout.new_sheet(sheet, height_above, layout.heading_of(names), look)
-    path_change.draw_grid(figure, runs, iterations, layout.HEADING, grid)
+    path_change.draw_grid(figure, runs, iterations, head, grid)
     panels = [
-        layout.add_panel(figure, layout.LEFT + place * column, top + layout.TOP, width, height)
+        layout.add_panel(
+            figure,
+            layout.LEFT + place % columns * column,
+            top + place // columns * row + layout.TOP,
+            width,
+            height,
+        )
         for place in range(3)
     ]
     draw_final_path(panels[0], runs)
     draw_error(panels[1], runs)
     draw_wheel_speeds(panels[2], runs)
-    own = max(layout.legend_below([panel], width, without=names) for panel in panels)
+    legends = [layout.legend_below([panel], width, without=names) for panel in panels]
+    own = max(legends[-(-3 // columns) * columns - columns :])
     shared = layout.shared_legend(
         panels[1], names, layout.LEFT, height_above + own, sheet - 2 * layout.LEFT
     )
