@@ -152,7 +152,9 @@ def _arrange(
     """Puts the rows below each other, bar and legend below them, and cuts the page to that."""
     page = float(figure.get_size_inches()[0])
     is_narrow = page < _NARROW
-    legend_rows = _LEGEND_ROWS if not is_narrow else len(legend)
+    legend_rows = len(legend) if is_narrow else _LEGEND_ROWS
+    if not is_narrow and page < PAGE_WIDTH:
+        legend_rows = max(legend_rows, -(-len(legend) // 3))
     rooms = (_BAR_ROOM if scale is not None else 0.0, _LEGEND_ROW * legend_rows)
     foot = (sum(rooms) if is_narrow else max(rooms)) + _FOOT
     heading = _HEADING if figure.texts else 0.0
