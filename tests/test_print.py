@@ -16,6 +16,7 @@ from hilc_cli.checks.picture import transient_figure
 from hilc_cli.comparisons.picture import comparison_figure
 from hilc_cli.drawing.looks import picture_look
 from hilc_cli.drawing.sheet import Sheet
+from hilc_cli.leaderboards.comparing import LawComparison
 from hilc_cli.leaderboards.picture import leaderboard_figure
 from hilc_cli.paper.citation import BIBTEX
 from hilc_cli.paper.sheet import sheet_figure
@@ -175,3 +176,9 @@ def test_the_citation_file_is_one_of_cff_1_2_0() -> None:
     people = " and ".join(f"{p['family-names']}, {p['given-names']}" for p in paper["authors"])
     for text in (people, paper["journal"], paper["year"], paper["volume"], paper["doi"]):
         assert f"{{{text}}}" in BIBTEX
+
+
+def test_each_table_of_a_leaderboard_has_a_label_of_its_own() -> None:
+    text = LawComparison(DATA, "", {}).text("latex")
+    labels = re.findall(r"\\label\{tab:(.*)\}", text)
+    assert labels == ["test-none", "test-noise", "test-worst"]

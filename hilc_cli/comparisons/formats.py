@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import sys
 import textwrap
@@ -10,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from hilc_cli.comparisons.latex import latex_escaped, latex_settings, latex_title
 from hilc_cli.comparisons.table import Column, ComparisonTable, Value
 from hilc_cli.reporting.terminal import is_decorated, print_table, print_text
 from hilc_cli.results.tables import text_cell
@@ -174,18 +174,6 @@ def _title(column: Column) -> str:
 
 
 _MARKDOWN = str.maketrans({character: f"\\{character}" for character in "\\`*_<>|#~&$"})
-_LATEX = str.maketrans(
-    {
-        **{character: f"\\{character}" for character in "{}$&#_%"},
-        "\\": r"\textbackslash{}",
-        "^": r"\textasciicircum{}",
-        "~": r"\textasciitilde{}",
-        "<": r"\textless{}",
-        ">": r"\textgreater{}",
-        "|": r"\textbar{}",
-        "`": r"\textasciigrave{}",
-    }
-)
 
 
 def csv_text(table: ComparisonTable) -> str:
@@ -201,25 +189,22 @@ def markdown_text(table: ComparisonTable) -> str:
     return "\n\n".join([*parts, note_of(table, "Bold")]) + "\n"
 
 
-_SYMBOL = re.compile(r"(?P<letter>[A-Za-z])_?(?P<index>[0-9]{1,2}|[A-Za-z]|theta)?")
-_GREEK = {"theta": r"\theta"}
-_UNIT_PART = re.compile(r"(?P<name>[A-Za-z]{1,4})(?:\^(?P<power>-?[0-9]))?")
-_SETTING = re.compile(r"(?P<name>[^=\s]+)=(?P<value>\S+)(?: (?P<unit>m|rad|s|rad/s|Hz)(?=\s|$))?")
-_NUMBER = re.compile(r"(?P<mantissa>-?[0-9]+(?:\.[0-9]+)?)(?:e(?P<power>[+-]?[0-9]{1,3}))?")
-
-
-def latex_text(table: ComparisonTable) -> str:
+def latex_text(table: ComparisonTable, label: str = "comparison") -> str:
     r"""A float with tables in the style of booktabs, the best values in bold.
 
     The document needs ``\usepackage{booktabs}``, and a font that has the letters of the names.
+
+    Args:
+        table: The table.
+        label: By which the document refers to it, behind ``tab:``; of letters, digits, . _ and -.
     """
-    caption = _latex(f"{table.title}. {note_of(table, 'Bold')}")
+    caption = latex_escaped(f"{table.title}. {note_of(table, 'Bold')}")
     lines = [
         r"% Needs \usepackage{booktabs} in the preamble.",
         r"\begin{table}",
         r"  \centering",
         f"  \\caption{{{caption}}}",
-        r"  \label{tab:comparison}",
+        f"  \\label{{tab:{label}}}",
         r"  \footnotesize",
         r"  \setlength{\tabcolsep}{4pt}",
     ]
@@ -273,10 +258,10 @@ def _latex_grid(grid: Grid) -> list[str]:
     kinds = "".join("r" if right else "l" for right in grid.at_right)
     lines = [f"\\begin{{tabular}}{{{kinds}}}", r"  \toprule"]
     if grid.title:
-        lines += [_latex_row([f"\\multicolumn{{{len(kinds)}}}{{l}}{{{_latex_title(grid.title)}}}"])]
+        lines += [_latex_row([f"\\multicolumn{{{len(kinds)}}}{{l}}{{{latex_title(grid.title)}}}"])]
         lines += [r"  \midrule"]
     # On one line there are names, which may look like anything; units have a line of their own.
-    set_head = _latex if len(grid.heads) == 1 else _latex_title
+    set_head = latex_escaped if len(grid.heads) == 1 else latex_title
     lines += [_latex_row([set_head(head) for head in heads]) for heads in grid.heads]
     lines += [r"  \midrule"]
     lines += [_latex_row([_latex_cell(cell) for cell in row]) for row in grid.rows]
@@ -290,84 +275,17 @@ def _latex_row(cells: Sequence[str]) -> str:
     return f"  {guard}{row} \\\\"
 
 
-def _latex_title(text: str) -> str:
-    """A title, the unit in brackets at its end as it is set in print."""
-    words, bracket, unit = text.rpartition("[")
-    if not bracket or not unit.endswith("]"):
-        return _latex(text)
-    return f"{_latex(words)}[{_latex_unit(unit[:-1])}]"
-
-
-def _latex_unit(unit: str) -> str:
-    """A unit upright, its quotients as powers: rad/s becomes rad s^-1."""
-    above, *below = unit.split("/")
-    parts = [_UNIT_PART.fullmatch(part) for part in (*above.split(), *below)]
-    if not all(parts):
-        return _latex(unit)
-    texts = []
-    for place, part in enumerate(parts):
-        assert part is not None
-        power = int(part["power"] or 1) * (1 if place < len(above.split()) else -1)
-        texts.append(part["name"] + ("" if power == 1 else f"$^{{{power}}}$"))
-    return r"\,".join(texts)
-
-
-def _latex_settings(text: str) -> str:
-    """Symbols with their values as formulas; what has another form stays as it is, escaped."""
-    parts, end = [], 0
-    for found in _SETTING.finditer(text):
-        parts += [_latex(word) for word in text[end : found.start()].split()]
-        end = found.end()
-        unit = f"\\,{_latex_unit(found['unit'])}" if found["unit"] else ""
-        symbol, number = _latex_symbol(found["name"]), _latex_number(found["value"])
-        if symbol and number:
-            parts.append(f"${symbol} = {number}${unit}")
-        else:
-            value = f"${number}$" if number else _latex(found["value"])
-            parts.append(f"{_latex(found['name'])} = {value}{unit}")
-    parts += [_latex(word) for word in text[end:].split()]
-    return ", ".join(parts)
-
-
-def _latex_symbol(name: str) -> str:
-    """A letter with an index, such as l_1 of l1; empty for a word."""
-    found = _SYMBOL.fullmatch(name)
-    if found is None:
-        return ""
-    index = found["index"] or ""
-    index = _GREEK.get(index, index)
-    return (
-        f"{found['letter']}_{{{index}}}"
-        if len(index) > 1
-        else (f"{found['letter']}_{index}" if index else found["letter"])
-    )
-
-
-def _latex_number(text: str) -> str:
-    """A number within a formula; empty for what is none."""
-    found = _NUMBER.fullmatch(text)
-    if found is None:
-        return ""
-    power = f" \\times 10^{{{int(found['power'])}}}" if found["power"] else ""
-    return found["mantissa"] + power
-
-
 def _latex_cell(cell: Cell) -> str:
     if cell.is_title:
-        return _latex_title(cell.text)
+        return latex_title(cell.text)
     if cell.is_setting:
-        return _latex_settings(cell.text)
+        return latex_settings(cell.text)
     mantissa, exponent, power = cell.text.partition("e")
     if cell.is_real and exponent:
         formula = f"{mantissa} \\times 10^{{{power}}}"
         return f"$\\mathbf{{{formula}}}$" if cell.is_best else f"${formula}$"
-    text = _latex(cell.text)
+    text = latex_escaped(cell.text)
     return f"\\textbf{{{text}}}" if cell.is_best else text
-
-
-def _latex(text: str) -> str:
-    # Two hyphens would become a dash.
-    return re.sub("-(?=-)", "-{}", text.translate(_LATEX))
 
 
 def print_comparison(table: ComparisonTable) -> None:

@@ -91,7 +91,11 @@ class LawComparison:
         if kind not in TABLES:
             raise UsageError(f"unknown kind of table '{kind}'; {suggestion(kind, TABLES)}")
         if kind == "latex":
-            return "\n".join(map(latex_text, self.printed()))
+            labels = [*self.data.disturbances, "worst"]
+            tables = zip(self.printed(), labels, strict=True)
+            return "\n".join(
+                latex_text(each, f"{self.data.name}-{label}") for each, label in tables
+            )
         return "\n".join(f"## {table.title}\n\n{markdown_text(table)}" for table in self.printed())
 
     def write(

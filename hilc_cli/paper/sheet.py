@@ -34,6 +34,7 @@ _LEFT, _RIGHT = 0.44, 0.1  # beside a panel, for its labels
 _LIMIT = 0.24  # right of wheel speeds, for the values of the limit
 _HEADING, _ROW_HEADING, _TITLE, _LABELS = 0.28, 0.17, 0.17, 0.36
 _LEGEND_ROW, _LEGEND_ROWS = 0.16, 2
+_HANDLE, _LETTER = 0.45, 0.05  # of an entry of the legend: line with gaps, and mean letter
 _BAR_WIDTH, _BAR_HEIGHT, _BAR_ROOM = 1.75, 0.09, 0.42
 _EDGE, _FOOT = 0.15, 0.06  # left of headings; around what stands below all panels
 _LARGEST = 1.95  # height of a panel
@@ -142,6 +143,15 @@ def _legend_entries(panels: Sequence[Axes]) -> dict[str, Artist]:
     return entries
 
 
+def _rows_of(labels: Sequence[str], width: float) -> int:
+    """How many rows a legend needs on so many inches, filled column by column."""
+    for rows in range(_LEGEND_ROWS, len(labels)):
+        columns = [labels[first : first + rows] for first in range(0, len(labels), rows)]
+        if sum(_HANDLE + _LETTER * max(map(len, column)) for column in columns) <= width:
+            return rows
+    return max(_LEGEND_ROWS, len(labels))
+
+
 def _arrange(
     figure: Figure,
     rows: Sequence[_Row],
@@ -152,9 +162,8 @@ def _arrange(
     """Puts the rows below each other, bar and legend below them, and cuts the page to that."""
     page = float(figure.get_size_inches()[0])
     is_narrow = page < _NARROW
-    legend_rows = len(legend) if is_narrow else _LEGEND_ROWS
-    if not is_narrow and page < PAGE_WIDTH:
-        legend_rows = max(legend_rows, -(-len(legend) // 3))
+    beside = 0.0 if is_narrow or scale is None else _BAR_WIDTH + 0.4
+    legend_rows = _rows_of(list(legend), page - _LEFT - beside)
     rooms = (_BAR_ROOM if scale is not None else 0.0, _LEGEND_ROW * legend_rows)
     foot = (sum(rooms) if is_narrow else max(rooms)) + _FOOT
     heading = _HEADING if figure.texts else 0.0
@@ -176,7 +185,7 @@ def _arrange(
         if is_narrow:
             top += _BAR_ROOM
         else:
-            left += _BAR_WIDTH + 0.4
+            left += beside
     if legend:
         corner = ScaledTranslation(left, -top - 0.03, figure.dpi_scale_trans)
         figure.legend(

@@ -226,7 +226,7 @@ def test_saved_files_have_the_true_size_and_embedded_fonts(make_run: MakeRun) ->
 def smallest_text(figure: Sheet) -> float:
     """Size on paper of the smallest text that is there [pt]."""
     found = [
-        text.get_fontsize()
+        float(text.get_fontsize())
         for text in figure.findobj(Text)
         if isinstance(text, Text) and text.get_text().strip() and text.get_visible()
     ]
