@@ -99,7 +99,7 @@ def test_a_style_file_sets_how_axes_look(tmp_path: Path, make_run: MakeRun) -> N
     figure = draw("error", [make_run()], look=look)
     (axes,) = figure.axes
     assert isinstance(figure, Sheet)
-    assert axes.xaxis.label.get_fontsize() * figure.scale == pytest.approx(9)
+    assert float(axes.xaxis.label.get_fontsize()) * figure.scale == pytest.approx(9)
     assert axes.xaxis.label.get_fontname() == "DejaVu Serif"
     # Points are those of the page, and the whole sheet is scaled to it.
     assert axes.spines["left"].get_linewidth() * figure.scale == pytest.approx(0.5)
