@@ -15,6 +15,7 @@ from hilc_cli.drawing.labels import shortened, spare_room
 from hilc_cli.drawing.sheet import (
     Sheet,
     fit_axis_labels,
+    is_fitted,
     panel_size as panel_size,
     room_on as room_on,
     root_figure as root_figure,
@@ -113,7 +114,7 @@ def legend_below(
     if not found:
         return 0.0
     entries = {label: found[label] for label in sorted(found, key=lambda name: name not in first)}
-    entries = _fitted(entries, width + RIGHT)
+    entries = _fitted(panels[-1], entries, width + RIGHT)
     columns = _columns(entries, width + RIGHT)
     offset = ScaledTranslation(0, -BOTTOM, root_figure(panels[-1]).dpi_scale_trans)
     corner = (panels[-1] if below is None else below).transAxes + offset
@@ -137,7 +138,7 @@ def shared_legend(
         Height of the legend [inch].
     """
     figure = root_figure(axes)
-    entries = _fitted(_entries(axes, only=only), width)
+    entries = _fitted(axes, _entries(axes, only=only), width)
     columns = _columns(entries, width)
     corner = figure.transFigure + ScaledTranslation(left, -top, figure.dpi_scale_trans)
     _draw_legend(figure, entries, (0, 1), corner, columns)
@@ -175,8 +176,10 @@ def _entries(
     }
 
 
-def _fitted(entries: dict[str, Artist], width: float) -> dict[str, Artist]:
-    """The entries, with labels that are longer than all the room broken into lines."""
+def _fitted(axes: Axes, entries: dict[str, Artist], width: float) -> dict[str, Artist]:
+    """The entries; on a sheet of the user's width, labels that are too long are broken."""
+    if not is_fitted(axes):
+        return entries
     longest = max(8, int((width - _HANDLE) / _CHARACTER))
     return {
         "\n".join(textwrap.wrap(label, longest)) if len(label) > longest else label: handle
@@ -306,10 +309,9 @@ def single_panel(
 ) -> tuple[Figure, Axes]:
     """A figure of one panel, with axes of the given size [inch], as far as the look allows."""
     top = TOP + (HEADING if heading else 0)
-    beside = LEFT + RIGHT + extra_right
-    sheet = room_on(look, beside + width)
-    # Without rounding where nothing is asked for: the same picture to the bit.
-    true_width = width if sheet == beside + width else sheet - beside
+    usual = LEFT + width + RIGHT + extra_right
+    sheet = room_on(look, usual)
+    true_width = width + (sheet - usual)
     true_height = panel_height(true_width, width, height)
     figure = new_sheet(sheet, top + true_height + BOTTOM, heading, look)
     return figure, add_panel(figure, LEFT, top, true_width, true_height)

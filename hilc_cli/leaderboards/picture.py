@@ -40,7 +40,8 @@ def leaderboard_figure(data: LeaderboardData, look: Look = USUAL) -> Figure:
         top = layout.HEADING + layout.TOP
         panels = len(disturbances)
         beside = layout.LEFT + layout.RIGHT
-        width = layout.room_on(look, beside + panels * _WIDTH + (panels - 1) * _GAP)
+        usual = layout.LEFT + panels * _WIDTH + (panels - 1) * _GAP + layout.RIGHT
+        width = layout.room_on(look, usual)
         across, panel_width, height = panels, _WIDTH, _HEIGHT
         if look.width is not None:
             room = width - beside + _GAP

@@ -107,7 +107,8 @@ def effects_figure(data: SweepData, look: Look = USUAL) -> Figure:
         rows = -(-len(shown) // _MOST_COLUMNS)
         columns = -(-len(shown) // rows)
         beside = layout.LEFT + layout.RIGHT - _GUTTER
-        width = layout.room_on(look, beside + columns * (_WIDTH + _GUTTER))
+        usual = layout.LEFT + columns * (_WIDTH + _GUTTER) + layout.RIGHT - _GUTTER
+        width = layout.room_on(look, usual)
         panel_width = _WIDTH
         if look.width is not None:
             columns = max(1, min(columns, int((width - beside) / (_LEAST_WIDTH + _GUTTER))))
