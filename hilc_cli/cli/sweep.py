@@ -256,7 +256,7 @@ def sweep(
         if any(option not in (None, False) for option in others):
             raise UsageError(
                 "--merge takes the folders of all shards and no scenario, so that only --out, "
-                "--force, --format, --no-plots, --json and -q go with it"
+                "--force, --json, -q and what is about pictures go with it"
             )
         _merge(list(map(Path, targets)), out, writing, report)
         return
