@@ -39,7 +39,7 @@ class HybridLearning(LinearLaw):
         law = cast("HybridLaw", experiment.law)
         super().__init__(experiment, law.matrix, law.gain_heading)
         self._law, self._rate = law, law.derivative / self._sample_time
-        self.paper = law if law.derivative == 0 else None
+        self.paper = law
         self.next_gain = law.l1 * (1 + self._rate)
         if not law.compensation:
             self.feedback = law.l2, law.l3  # Eq. 21 has neither
