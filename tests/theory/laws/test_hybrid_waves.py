@@ -124,6 +124,7 @@ def test_heading_errors_stay_below_what_is_told() -> None:
         slow = replace(reference, sample_time=duration / reference.samples)
         told = waves_of(experiment_of(slow, law_of(l1))).growth
         assert told == pytest.approx(math.exp(l1 * duration / 2))
+        assert told is not None
         assert largest <= told
 
 
