@@ -24,15 +24,21 @@ _LONG = 1000  # iterations
 def _without_parameters(evidence: Evidence) -> Finding:
     error = relative_error(evidence["fig8b"])
     verdict = tracking([error])
-    experiment = shipped("fig8b", f"iterations={_LONG}")
-    (errors,) = errors_of([experiment])
+    experiment, informed = (
+        shipped(evidence.reading, "fig8b", f"iterations={_LONG}", *values)
+        for values in ((), ("controller.gain_matrix=model",))
+    )
+    errors, with_both = errors_of([experiment, informed])
     size = experiment.reference.size
     tracked_at = settled_at(errors, TRACKED * size)
+    nearly, tracked = (settled_at(with_both, share * size) for share in (NEARLY, TRACKED))
     figures = (
         percent("maximum error (8b)", error),
-        percent("maximum error with R and B (8a)", relative_error(evidence["fig8a"])),
+        percent("that with R and B, smaller scalars (8a)", relative_error(evidence["fig8a"])),
         count("iterations to 5 % (8b)", iterations_needed_by(errors, size)),
         count("iterations to 1 % (8b)", tracked_at),
+        count("iterations to 5 % with R and B, scalars of 8b", nearly),
+        count("iterations to 1 % with R and B, scalars of 8b", tracked),
     )
     if verdict is Verdict.HOLDS:
         return Finding(verdict, figures)
