@@ -203,7 +203,7 @@ def draw_panel(axes: Axes, panel: Panel, scale: Normalize | None) -> int:
             axes.plot(
                 *(run.last.x, run.last.y),
                 color=FINAL_COLOR,
-                linewidth=1.5 * style.PATH_WIDTH,
+                linewidth=2 * style.PATH_WIDTH,
                 label=FINAL_PATH,
                 zorder=4,
             )

@@ -97,8 +97,6 @@ def setting_texts(scenario: Scenario) -> list[str]:
         texts.append(f"matrix [{rows}]".replace("-", "\N{MINUS SIGN}"))
     if any(scenario.spec.initial_error) and not scenario.compensates:
         texts.append("compensation off")
-    if controller.gains.derivative:
-        texts.append(f"τ = {number_text(controller.gains.derivative)} s")
     limit = scenario.speed_limit
     texts.append("no speed limit" if limit is None else f"limit {number_text(limit)} rad/s")
     return texts

@@ -374,7 +374,7 @@ def test_derivative_reading_is_judged_by_experiments_of_its_own(
     assert "errors of up to 0.93 m, where the run has" in circle.reason
     others = judge("F5-1", DERIVATIVE, fig5_spiral=after_h(0.4))
     # The second half begins with sample h, which is still 5 m off.
-    assert "it is 0 % (arc-and-line), 0 % (cardioid), 50 % (spiral) of" in others.reason
+    assert "it is 0.00 % (arc-and-line), 0.00 % (cardioid), 50.00 % (spiral) of" in others.reason
     assert "would turn the platform" not in others.reason  # with the starts that are read
 
 

@@ -177,7 +177,7 @@ def _why(evidence: Evidence, runs: Mapping[str, str]) -> str:
     )
     if tau:
         later = ", ".join(
-            f"{100 * relative_error_in_second_half(evidence[run]):.2g} %"
+            f"{100 * relative_error_in_second_half(evidence[run]):.2f} %"
             + (f" ({name})" if len(runs) > 1 else "")
             for name, run in runs.items()
         )
