@@ -15,6 +15,7 @@ from scipy.special import eval_laguerre
 import hilc_cli as hilc
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import simulate_batch
+from hilc_cli.paper.measuring import shipped
 from hilc_cli.paper.reading import DERIVATIVE
 from hilc_cli.results.metrics import settled_at
 from hilc_cli.theory.learning.fixed_point import fixed_point
@@ -111,14 +112,7 @@ def test_derivative_reading_ends_where_an_independent_simulation_did(reproductio
         for claim, panel in (("F8-1", "8b"), ("F8-2", "8c"))
     )
     assert (round(without, 2), round(contradicting)) == (0.15, 21)
-    too_large = [
-        experiment(
-            "fig6a",
-            f"controller.gains.l1={gain}",
-            f"controller.gains.derivative={DERIVATIVE.derivative}",
-        )
-        for gain in (25, 40)
-    ]
+    too_large = [shipped(DERIVATIVE, "fig6a", f"controller.gains.l1={gain}") for gain in (25, 40)]
     for error in simulate_batch(too_large).errors[:, -1]:
         assert 20.5 <= error <= 23
 

@@ -267,7 +267,8 @@ def test_more_figures_of_the_same_scenarios_complete_a_folder(
     assert not [name for name in alone if "literal" in name]
     text = (mine / "index.md").read_text(encoding="utf-8")
     assert "\nhilc reproduce fig4 --reading derivative --dpi 20\n" in text
-    assert json.loads(alone["manifest.json"])["readings"] == ["derivative"]
+    manifest = json.loads((mine / "manifest.json").read_text())
+    assert manifest["readings"] == ["derivative"]
     (mine / "notes.txt").write_text("mine")
     # Another reading alone would take away what is there; with it beside, it is completed.
     other = hilc("reproduce", "fig4", *options, "--reading", "literal")

@@ -61,7 +61,7 @@ def reached(iteration: int | None, of: int = 100) -> RunData:
     return run_of([0.5 if i < first else 0.02 for i in range(of + 1)])
 
 
-def evidence(reading: Reading = LITERAL, **runs: RunData) -> Evidence:
+def evidence(reading: Reading = LITERAL, /, **runs: RunData) -> Evidence:
     """Evidence of some runs, named with underscores for hyphens; all others are perfect."""
     found: dict[str, RunData] = defaultdict(run_of)
     found.update({name.replace("_", "-"): run for name, run in runs.items()})

@@ -27,7 +27,7 @@ NAMES = [
 ]
 
 
-def judge(name: str, reading: Reading = LITERAL, **runs: RunData) -> Finding:
+def judge(name: str, reading: Reading = LITERAL, /, **runs: RunData) -> Finding:
     """What a claim makes of made-up runs; a verdict that is not the best must say why."""
     finding = BY_NAME[name].judge(evidence(reading, **runs))
     assert finding.figures
