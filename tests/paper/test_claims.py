@@ -375,6 +375,11 @@ def test_derivative_reading_is_judged_by_experiments_of_its_own(
     others = judge("F5-1", DERIVATIVE, fig5_spiral=after_h(0.4))
     # The second half begins with sample h, which is still 5 m off.
     assert "it is 0.00 % (arc-and-line), 0.00 % (cardioid), 50.00 % (spiral) of" in others.reason
+    assert others.reason.endswith(
+        "Not all start as printed: cardioid at 7π/15, printed: 14π/15; spiral at 31π/60, printed: "
+        "31π/30."
+    )
+    assert "Not all start as printed" not in judge("F5-1", fig5_spiral=after_h(0.4)).reason
     assert "would turn the platform" not in others.reason  # with the starts that are read
 
 

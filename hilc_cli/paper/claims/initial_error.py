@@ -154,9 +154,18 @@ def _others_are_tracked(evidence: Evidence) -> Finding:
         for name, run in OTHERS.items()
     ]
     verdict = tracking(list(errors.values()))
-    return Finding(
-        verdict, tuple(figures), "" if verdict is Verdict.HOLDS else _why(evidence, OTHERS)
-    )
+    if verdict is Verdict.HOLDS:
+        return Finding(verdict, tuple(figures))
+    reason = _why(evidence, OTHERS) + misprints(evidence.reading, OTHERS)
+    return Finding(verdict, tuple(figures), reason)
+
+
+def misprints(reading: Reading, runs: Mapping[str, str]) -> str:
+    """Which runs do not start as printed, as one more sentence; empty if all of them do."""
+    starts = [
+        f"{name} at {reading.starts[run]}" for name, run in runs.items() if run in reading.starts
+    ]
+    return f" Not all start as printed: {'; '.join(starts)}." if starts else ""
 
 
 def _why(evidence: Evidence, runs: Mapping[str, str]) -> str:

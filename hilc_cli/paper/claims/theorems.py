@@ -137,7 +137,8 @@ def _with_initial_error(evidence: Evidence) -> Finding:
             "That equilibrium can be solved sample by sample; in the last iteration the errors "
             f"are within {100 * max(apart):.2g} % of the path's size of its own."
         )
-    return Finding(verdict, tuple(figures), reason.strip())
+    reason = reason.strip() + initial_error.misprints(evidence.reading, runs)
+    return Finding(verdict, tuple(figures), reason)
 
 
 CLAIMS = (
