@@ -44,13 +44,17 @@ def _without_parameters(evidence: Evidence) -> Finding:
         return Finding(verdict, figures)
     robot = experiment.robot
     along, turning = robot.wheel_radius, robot.wheel_radius / robot.half_track
-    when = f"after {tracked_at} iterations" if tracked_at is not None else f"not in {_LONG} either"
     reason = (
         "The right shape is learned, but slowly: with R = B = 1 in the matrix the same scalars are "
         f"worth R = {along:g} of a gain along the path and R / B = {turning:.2g} in turning. After "
-        f"100 iterations {100 * error:.1f} % are left; 1 % is reached {when}."
+        f"100 iterations {100 * error:.1f} % are left; 1 % is reached {_when(tracked_at)}, "
+        f"with R and B and the same scalars {_when(tracked)}."
     )
     return Finding(verdict, figures, reason)
+
+
+def _when(iteration: int | None) -> str:
+    return f"not in {_LONG} either" if iteration is None else f"after {iteration} iterations"
 
 
 def _contradicting_matrix(evidence: Evidence) -> Finding:
