@@ -39,6 +39,17 @@ class Identification:
     ratio: float
     ratio_error: float
 
+    @property
+    def figures(self) -> tuple[float, ...]:
+        """Each number with its standard error; not-a-number where the iteration tells nothing."""
+        pairs = (
+            (self.wheel_radius, self.wheel_radius_error),
+            (self.half_track, self.half_track_error),
+            (self.ratio, self.ratio_error),
+        )
+        none = math.nan, math.nan
+        return tuple(n for pair in pairs for n in (pair if math.isfinite(pair[1]) else none))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Belief:
@@ -82,6 +93,20 @@ class Belief:
     def ratio_error(self) -> float:
         """Standard error of R / B; infinity as long as it has not been measured."""
         return self.ratio * _measured(float(self.covariance[1, 1]))
+
+    @property
+    def figures(self) -> tuple[float, ...]:
+        """R, B and R / B with their standard errors; not-a-number for what is only believed."""
+        pairs = (
+            (self.robot.wheel_radius, self.wheel_radius_error),
+            (self.robot.half_track, self.half_track_error),
+            (self.ratio, self.ratio_error),
+        )
+        return tuple(
+            n
+            for number, error in pairs
+            for n in (number, error if math.isfinite(error) else math.nan)
+        )
 
     def updated(self, fit: MotionFit, sample_time: float) -> tuple[Belief, Identification]:
         """The belief after an iteration, and what that iteration alone says.

@@ -107,7 +107,7 @@ class NormOptimalTheory(LawTheory):
             told[-1] = (
                 "Learning",
                 "identifies wheel radius and half track"
-                if self.law.parameters.identify
+                if self.law.identify
                 else "feedback makes up for a wrong model",
             )
         if found.is_off:
@@ -160,7 +160,7 @@ class NormOptimalTheory(LawTheory):
         if mismatch is None:
             why = (
                 "wheel radius and half track are identified"
-                if self.law.parameters.identify
+                if self.law.identify
                 else "the feedback makes up for a wrong model"
             )
             return [*rows, ("Theory", f"no condition is evaluated: {why}")]
@@ -174,7 +174,7 @@ class NormOptimalTheory(LawTheory):
 
 def _remedies(law: NormOptimalLaw) -> Remedies:
     """Returns what can be done about disturbances."""
-    if law.parameters.feedback == "none":
+    if law.feedback == "none":
         return Remedies(
             start="place the robot better, or set controller.feedback: lqr",
             readings="measure better, or raise iterations",
@@ -255,7 +255,7 @@ def model_mismatch(experiment: Experiment, law: NormOptimalLaw) -> ModelMismatch
         None where no theory is evaluated: R and B are identified, or a feedback in the iteration
         makes up for what is wrong with them.
     """
-    if law.parameters.identify or law.parameters.feedback != "none":
+    if law.identify or law.feedback != "none":
         return None
     along, turning = _shares(experiment, law)
     return ModelMismatch(along, turning, _strongest(experiment, law, along, turning))
@@ -263,7 +263,7 @@ def model_mismatch(experiment: Experiment, law: NormOptimalLaw) -> ModelMismatch
 
 def untried_findings(experiment: Experiment, law: NormOptimalLaw) -> Findings:
     """Tells whether feedback is asked to make up for more than it has been seen to."""
-    if law.parameters.identify or law.parameters.feedback == "none":
+    if law.identify or law.feedback == "none":
         return Findings()
     shares = _shares(experiment, law)
     tried = (_TRIED_ALONG, _TRIED_TURNING)
@@ -329,7 +329,7 @@ def _strongest(experiment: Experiment, law: NormOptimalLaw, along: float, turnin
     gains = step_gains(
         model.wheel_radius, model.signed_half_track, experiment.reference.sample_time
     )
-    position, heading, wheel = law.parameters.squared_weights
+    position, heading, wheel = law.squared_weights
     motion = linearised(experiment.reference.poses, *gains)
     pose_weights = np.tile([position, heading], (samples + 1, 1))
     input_weights, none = np.full((samples, 2), wheel), np.zeros((samples, 2))
