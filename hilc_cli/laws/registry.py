@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import reduce
 from importlib import import_module
 from operator import or_
@@ -69,15 +69,6 @@ def controller_model(data: object) -> type[Controller] | None:
         return _named(law_named(data))
     except PlugInError:
         return None
-
-
-def packages_of(laws: Iterable[str]) -> dict[str, dict[str, str | None]]:
-    """Returns package and version of laws that are not hilc's own, by name, for manifests.
-
-    Args:
-        laws: Names of laws that have been found before.
-    """
-    return plug_ins.packages_of("law", laws, OWN)
 
 
 def _named(law: object) -> type[Controller]:

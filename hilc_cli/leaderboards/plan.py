@@ -12,9 +12,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
-from hilc_cli.laws.registry import ControllerSpec, packages_of
+from hilc_cli.laws.registry import OWN, ControllerSpec
 from hilc_cli.plants.kinematic import Robot
-from hilc_cli.plug_ins import trusting
+from hilc_cli.plug_ins import packages_of, trusting
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
 from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec
@@ -141,7 +141,8 @@ class Leaderboard:
     @property
     def plug_ins(self) -> dict[str, dict[str, str | None]]:
         """Package and version of each law that is not one of hilc's own, as manifests note them."""
-        return packages_of(controller.law for controller in self.spec.laws.values())
+        laws = [controller.law for controller in self.spec.laws.values()]
+        return packages_of("law", laws, OWN)
 
     def checksum(self) -> str:
         """SHA-256 of what tells this leaderboard from others."""
