@@ -24,7 +24,8 @@ def compiled(function: Callable[..., Any], liberties: frozenset[str] = EXACT) ->
         liberties: That may be taken with floating-point numbers, as Numba's ``fastmath`` names
             them.
     """
-    return njit(function, **_options(liberties))
+    # With Python's rules of division each of them would bring a branch.
+    return njit(function, error_model="numpy", fastmath=set(liberties))
 
 
 def cached(
@@ -64,11 +65,6 @@ def is_at_hand(code: Any, signature: tuple[Any, ...]) -> bool:
     return signature in code.overloads or (
         isinstance(cache, CodeCache) and cache.has(signature, code.targetctx.codegen())
     )
-
-
-def _options(liberties: frozenset[str]) -> dict[str, Any]:
-    # With Python's rules of division each of them would bring a branch.
-    return {"error_model": "numpy", "fastmath": set(liberties)}
 
 
 def _digest(parts: Iterable[Callable[..., Any]]) -> str:

@@ -321,7 +321,7 @@ def merge_folder(
                 if (
                     os.path.lexists(there)
                     and not may_replace(there)
-                    and not (or_same and _is_same(file, there))
+                    and not (or_same and is_same(file, there))
                 ):
                     raise ExistingResultsError(
                         f"{there}: exists; choose another folder with --out, "
@@ -334,7 +334,7 @@ def merge_folder(
             return [path / file.name for file in filled]
 
 
-def _is_same(one: Path, other: Path) -> bool:
+def is_same(one: Path, other: Path) -> bool:
     """Whether two files, of which the other may be anything, have the same content."""
     return other.is_file() and filecmp.cmp(one, other, shallow=False)
 

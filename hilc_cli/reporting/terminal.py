@@ -240,15 +240,10 @@ class Section:
         """What the report of one screen has of it."""
         return self.rows if self.brief is None else self.brief
 
-    @property
-    def beyond_brief(self) -> Sequence[tuple[str, str]]:
-        """The rows that the report of one screen leaves out."""
-        return () if self.brief is None else self.rows
-
 
 def print_section(section: Section) -> None:
     """What the report of one screen leaves out of a section, if anything, to stdout."""
-    rows = section.beyond_brief
+    rows = () if section.brief is None else section.rows
     if not (rows or section.grids or section.notes):
         return
     print_text("")

@@ -199,15 +199,11 @@ def value_of(resolved: Mapping[str, Any], key: str) -> Value:
         return 2 * float(resolved[platform]["half_track"])
     found: Any = resolved
     for part in parts(key):
-        is_there = part in found if isinstance(found, Mapping) else _is_place(part, found)
-        if not is_there:
+        is_place = isinstance(found, list) and isinstance(part, int) and part < len(found)
+        if not is_place and not (isinstance(found, Mapping) and part in found):
             return None
         found = found[part]
     return found if isinstance(found, bool | int | float | str) else None
-
-
-def _is_place(part: str | int, data: Any) -> bool:
-    return isinstance(data, list) and isinstance(part, int) and part < len(data)
 
 
 def batches(cases: int) -> Iterator[tuple[Chunk, int]]:
@@ -250,7 +246,8 @@ class Sampler:
         """
         self._optuna = require_optuna()
         self._axes = cases.axes
-        self._drawn = _points(cases)
+        blocks = itertools.count(0, _BLOCK)
+        self._drawn = (point for at in blocks for point in cases.values(at, at + _BLOCK))
         self._space = {key: _distribution(axis, self._optuna) for key, axis in cases.axes.items()}
         self._batch: list[tuple[_Params, Trial | None]] = []
         self._tried: set[tuple[Any, ...]] = set()
@@ -284,7 +281,10 @@ class Sampler:
                 self._tried.add(tuple(params.values()))
                 self._batch.append((params, trial))
         return tuple(
-            tuple(_value(axis, params[key]) for key, axis in self._axes.items())
+            tuple(
+                _ordered(axis)[params[key]] if isinstance(axis, Choices) else params[key]
+                for key, axis in self._axes.items()
+            )
             for params, _ in self._batch
         )
 
@@ -308,16 +308,13 @@ class Sampler:
         """The next point that is drawn and has not been tried, if there is one soon."""
         for _ in range(_MOST_DRAWS):
             point = next(self._drawn)
-            params = {key: _param(self._axes[key], value) for key, value in point.items()}
+            params = {
+                key: _ordered(axis).index(point[key]) if isinstance(axis, Choices) else point[key]
+                for key, axis in self._axes.items()
+            }
             if tuple(params.values()) not in self._tried:
                 break
         return params
-
-
-def _points(cases: Cases) -> Iterator[dict[str, Value]]:
-    """Points drawn one after the other, without end."""
-    for first in itertools.count(0, _BLOCK):
-        yield from cases.values(first, first + _BLOCK)
 
 
 def require_optuna() -> Any:
@@ -366,16 +363,5 @@ def _distribution(axis: Axis, optuna: Any) -> BaseDistribution:
 
 
 def _ordered(axis: Choices) -> list[Value]:
-    """The values of a list so that neighbours are near each other, if they are numbers."""
+    """The values of a list by Optuna's parameter: neighbours are near each other, if numbers."""
     return sorted(axis.values) if axis.is_numeric else list(axis.values)  # type: ignore[type-var]
-
-
-def _value(axis: Axis, param: Any) -> Value:
-    """The value of a key that Optuna's parameter stands for."""
-    value: Value = _ordered(axis)[param] if isinstance(axis, Choices) else param
-    return value
-
-
-def _param(axis: Axis, value: Value) -> Any:
-    """Optuna's parameter that stands for a value."""
-    return _ordered(axis).index(value) if isinstance(axis, Choices) else value

@@ -117,8 +117,8 @@ class DaskCrew(Generic[Piece, Result]):
                 found += self._outcomes(*self._ended.get_nowait())
         except queue.Empty:
             pass
-        if not found:
-            self._check_connection()
+        if not found and self._client.status not in ("running", "connecting"):
+            raise ClusterError(f"{self._address}: the scheduler is gone")
         # The cluster may have grown or shrunk.
         self.workers = max(1, self._threads())
         return found
@@ -154,10 +154,6 @@ class DaskCrew(Generic[Piece, Result]):
         if isinstance(error, self._distributed.KilledWorker):
             return Outcome(piece, None, "it has ended several workers of the cluster", True)
         raise ClusterError(f"{self._address}: a worker cannot compute {piece}: {error}")
-
-    def _check_connection(self) -> None:
-        if self._client.status not in ("running", "connecting"):
-            raise ClusterError(f"{self._address}: the scheduler is gone")
 
     def _threads(self, seconds: float = _SILENCE) -> int:
         known = self._ask(lambda: self._client.scheduler_info(n_workers=-1), seconds)

@@ -110,9 +110,11 @@ def errors_grid(check: Check) -> Grid | None:
 
 def _predicted(transient: Transient, iterations: int) -> list[str]:
     errors, peak = transient.max_position_error_m, transient.peak_iteration
+    last = transient.at(iterations)
+    at_last = "beyond what is predicted" if last is None else length_text(last)
     return [
         length_text(errors[0]),
-        _told(transient, _at(transient, iterations), iterations),
+        _told(transient, at_last, iterations),
         _told(transient, length_text(errors.max()), peak),
         f"{peak}",
         f"{transient.peak_growth:.4g}",
@@ -169,8 +171,3 @@ def _simulated(simulated: Simulated) -> list[str]:
             for at in summary.settled_at.values()
         ),
     ]
-
-
-def _at(transient: Transient, iteration: int) -> str:
-    error = transient.at(iteration)
-    return "beyond what is predicted" if error is None else length_text(error)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
     from hilc_cli.theory.proof.bounds import Bounds
     from hilc_cli.theory.proof.constants import Conditions
-    from hilc_cli.theory.proof.measured import Comparison, Measured
+    from hilc_cli.theory.proof.measured import Comparison
 
 _CONSTANTS = (
     *("rho", "b_B", "C_B", "b_ud", "b_L1", "b_L2", "b_L3", "b_q0", "b_alpha", "b_beta"),
@@ -138,7 +138,10 @@ def _bounds(
             parts = [comparison.parts[quantity] for comparison in measured.values()]
             rows += [
                 [f"  simulated, last {last}", *(_log(part.over_last(_LAST)) for part in parts)],
-                [f"  least room below Eq. {in_each}", *(_room(part) for part in parts)],
+                [
+                    f"  least room below Eq. {in_each}",
+                    *(_gap(float(part.looseness.min())) for part in parts),
+                ],
                 ["  iterations above it", *(f"{len(part.violated)}" for part in parts)],
                 [
                     f"  room below Eq. {at_the_end}, last {last}",
@@ -167,10 +170,6 @@ def _bounds(
 def _limit(theory: Bounds, bound: float) -> float:
     """Returns a limit, without the rounding that is left of it where nothing disturbs."""
     return -math.inf if theory.has_limit and theory.B <= _ZERO else bound
-
-
-def _room(part: Measured) -> str:
-    return _gap(float(part.looseness.min()))
 
 
 def _gap(room: float) -> str:

@@ -101,25 +101,14 @@ class ErrorRecursion:
                     self._bands[below, column:-6:3] -= before[1:, row, column]
 
     def solve(self, right: Floats) -> Floats:
-        """Returns the errors e.
+        """Returns the errors e of r, both as in `DriftRecursion`.
 
-        Args:
-            right: r, shape (n + 1, 3), or (n + 1, 3, m) for m of them.
-
-        Returns:
-            e, of the same shape; infinite or not-a-number from where it leaves the finite numbers.
+        They are infinite or not-a-number from where they leave the finite numbers.
         """
         return self._solve(right, b"N")
 
     def solve_transposed(self, right: Floats) -> Floats:
-        """Solves the transposed system: a recursion backwards along the trajectory.
-
-        Args:
-            right: Shape (n + 1, 3).
-
-        Returns:
-            The solution, shape (n + 1, 3).
-        """
+        """Solves the transposed system: a recursion backwards along the trajectory."""
         return self._solve(right, b"T")
 
     def _solve(self, right: Floats, transposed: bytes) -> Floats:
