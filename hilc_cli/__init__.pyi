@@ -8,7 +8,7 @@ from hilc_cli.comparisons.comparing import (
     Comparison as Comparison,
     compare as compare,
 )
-from hilc_cli.engine.learning import Learning as Learning
+from hilc_cli.engine.experiment import Learning as Learning
 from hilc_cli.errors import HilcError as HilcError
 from hilc_cli.laws.law import Plan as Plan
 from hilc_cli.leaderboards.comparing import (

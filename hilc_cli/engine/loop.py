@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.learning import Learning
+from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import WheelController
 from hilc_cli.plants.kinematic import limit_wheel_speeds

@@ -11,8 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.learning import Learning
+from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import folder_to_read, merge_folder

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from hilc_cli import plug_ins
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.learning import Learning
+from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS

@@ -12,10 +12,9 @@ from functools import partial
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.lanes.batch import BatchResult, is_compiled, simulate_batch
+from hilc_cli.engine.lanes.batch import BatchResult, is_compiled, simulate_batch, simulate_many
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.engine.lanes.packs import Kind, knows
-from hilc_cli.engine.many import simulate_many
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, METRICS

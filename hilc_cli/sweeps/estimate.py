@@ -8,8 +8,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.batch import simulate_many
 from hilc_cli.engine.lanes.lanes import LANES
-from hilc_cli.engine.many import simulate_many
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.sweeps.compute import cases_per_chunk, samples_per_case
 from hilc_cli.sweeps.plan import CANNOT_BE_MADE, Plan

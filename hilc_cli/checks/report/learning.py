@@ -12,8 +12,7 @@ from hilc_cli.theory.matrices import knows_plant
 from hilc_cli.theory.wheel_noise import wheel_document, wheel_rows
 
 if TYPE_CHECKING:
-    from hilc_cli.checks.checking import Check
-    from hilc_cli.checks.simulation import Simulated
+    from hilc_cli.checks.checking import Check, Simulated
     from hilc_cli.results.summary import Summary
     from hilc_cli.theory.learning.forecast import Forecast
     from hilc_cli.theory.learning.transient import Transient
