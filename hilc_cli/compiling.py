@@ -64,12 +64,7 @@ def cached(
 
 
 def is_at_hand(code: Any, signature: tuple[Any, ...]) -> bool:
-    """Whether a function that was made by `cached` need not be compiled for arguments.
-
-    Args:
-        code: The function.
-        signature: Numba's types of the arguments.
-    """
+    """Whether what `cached` has made need not be compiled for arguments of Numba's types."""
     cache = code._cache
     return signature in code.overloads or (
         isinstance(cache, CodeCache) and cache.has(signature, code.targetctx.codegen())

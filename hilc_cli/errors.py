@@ -48,6 +48,11 @@ class InvalidInputError(HilcError):
             lines.append(f"... and {len(self.problems) - MOST_PROBLEMS} more problems")
         super().__init__("\n".join(lines))
 
+    @classmethod
+    def of(cls, where: object, path: str, message: str) -> InvalidInputError:
+        """Returns the error of a single `Problem`."""
+        return cls([Problem(str(where), path, message)])
+
 
 class UsageError(HilcError):
     """The command line, or a call of the Python interface, asks for something that is not there."""

@@ -223,11 +223,7 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def write_file(path: Path, write: Callable[[Path], None]) -> None:
-    """Replaces a file as a whole.
-
-    Args:
-        path: The file.
-        write: Writes the content to the path that it is given.
+    """Replaces a file as a whole by what is written to the path that `write` is given.
 
     Raises:
         FileAccessError: The system refused; the old file is as it was.

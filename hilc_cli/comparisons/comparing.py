@@ -162,11 +162,7 @@ class Comparison:
         return f"Comparison of {len(self.runs)} runs: {listed(run.name for run in self.runs)}"
 
     def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
-        """The tables that are printed.
-
-        Args:
-            everything: Makes no difference: there is one.
-        """
+        """The tables that are printed; there is one, whether everything is asked for or not."""
         return [self.table]
 
     def document(self) -> dict[str, Any]:

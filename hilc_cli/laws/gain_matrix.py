@@ -7,7 +7,7 @@ and the sine of the heading: Eqs. 45, 56 and 57.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple
 
@@ -163,10 +163,6 @@ def gain_matrix(choice: Named | Rows, model: Robot) -> GainMatrix:
     A matrix written out is taken as it is written: first row left wheel, second row right wheel,
     in either turn convention.
 
-    Args:
-        choice: What the scenario says.
-        model: The platform as the controller believes it to be.
-
     Raises:
         PydanticCustomError: An entry is no expression affine in cos and sin, or not finite.
     """
@@ -246,19 +242,8 @@ GainMatrixChoice = Annotated[
 ]
 
 
-PastErrors = tuple[Floats, Floats, Floats]
+PastErrors = Sequence[Floats]
 """Weighted errors in x, y and heading, shape (n,) each."""
-
-
-def per_component(formula: Callable[[Floats], Floats], previous: Iteration) -> PastErrors:
-    """A formula over each component of the previous iteration's error.
-
-    Args:
-        formula: From errors, shape (n + 1,), to weighted errors, shape (n,).
-        previous: The previous iteration.
-    """
-    return formula(previous.error_x), formula(previous.error_y), formula(previous.error_heading)
-
 
 GainHeading = Literal["measured", "previous", "reference"]
 

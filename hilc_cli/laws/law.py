@@ -50,6 +50,11 @@ class Iteration:
     error_y: Floats
     error_heading: Floats
 
+    @property
+    def errors(self) -> tuple[Floats, Floats, Floats]:
+        """The errors in x, y and heading."""
+        return self.error_x, self.error_y, self.error_heading
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:

@@ -61,11 +61,7 @@ class LawComparison:
         return entries_table(self.data)
 
     def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
-        """The tables that are printed.
-
-        Args:
-            everything: The table of all runs too.
-        """
+        """The tables that are printed; with everything that of all runs, too."""
         tables = [*self.laws.values(), self.settings]
         return [*tables, self.entries] if everything else tables
 

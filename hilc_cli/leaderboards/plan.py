@@ -191,7 +191,7 @@ def load_leaderboard(
     assert isinstance(tree, MapNode)  # anything else has been refused
     other = mistaken(tree.entries, LEADERBOARDS)
     if other is not None:
-        raise InvalidInputError([Problem(str(tree.place), "", other)])
+        raise InvalidInputError.of(tree.place, "", other)
     with trusting(trust):
         try:
             spec = LeaderboardSpec.model_validate(to_data(tree))

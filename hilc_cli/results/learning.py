@@ -171,12 +171,7 @@ def quantities(columns: Iterable[str]) -> list[Quantity]:
 
 
 def says_more(quantity: Quantity, known: Collection[str]) -> bool:
-    """Whether a quantity says more than others do.
-
-    Args:
-        quantity: The quantity.
-        known: The columns that have a number.
-    """
+    """Whether a quantity says more than the columns that are known to have a number."""
     return _TOLD_BY.get(quantity.column) not in known
 
 

@@ -312,14 +312,7 @@ class MetricsTable:
         return (self.row(iteration) for iteration in range(len(self)))
 
     def settled_at(self, tolerance: float) -> int | None:
-        """First iteration from which on the maximum position error stays at or below a bound.
-
-        Args:
-            tolerance: The bound [m].
-
-        Returns:
-            The iteration, or None if the last iteration is still above the bound.
-        """
+        """Returns `settled_at` of the maximum position errors, for a bound in m."""
         return settled_at(self[MAX_ERROR], tolerance)
 
 
@@ -341,12 +334,7 @@ def settled_at(errors: Floats, tolerance: float) -> int | None:
 def first_within(errors: Floats, tolerance: float) -> int | None:
     """First iteration in which an error is at or below a bound, whatever comes after it.
 
-    Args:
-        errors: Error of each iteration, shape (iterations,); not-a-number is above any bound.
-        tolerance: The bound, in the same unit.
-
-    Returns:
-        The iteration, or None if there is none.
+    Of the same errors and bounds as `settled_at`; None if there is no such iteration.
     """
     within = np.flatnonzero(errors <= tolerance)
     return int(within[0]) if len(within) else None
@@ -355,12 +343,7 @@ def first_within(errors: Floats, tolerance: float) -> int | None:
 def share_within(errors: Floats, tolerance: float) -> float | None:
     """Share of the iterations at or below a bound, from the first that is to the last of all.
 
-    Args:
-        errors: Error of each iteration, shape (iterations,); not-a-number is above any bound.
-        tolerance: The bound, in the same unit.
-
-    Returns:
-        The share, above 0 and at most 1; None if no iteration is within the bound.
+    Of the same errors and bounds as `settled_at`; above 0 and at most 1, None if none is within.
     """
     first = first_within(errors, tolerance)
     return None if first is None else float(np.mean(errors[first:] <= tolerance))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -63,11 +63,8 @@ __all__ = [
 ]
 
 
-class OnIteration(Protocol):
-    """Told of each completed iteration."""
-
-    def __call__(self, iteration: int, /) -> None:
-        """Iteration number ``iteration`` is complete."""
+OnIteration = Callable[[int], None]
+"""Told the number of each completed iteration."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -324,10 +321,5 @@ def warnings_before(scenario: ScenarioSource) -> list[str]:
 
 
 def warnings_after(run: RunData, experiment: Experiment) -> list[str]:
-    """Says what was probably not meant and only a simulation shows.
-
-    Args:
-        run: The results, with at least one completed iteration.
-        experiment: What was simulated.
-    """
+    """Says what was probably not meant and only a simulation shows, by its last iteration."""
     return seen_warnings(seen_in(run.last, experiment))

@@ -111,7 +111,7 @@ def _check_kind(tree: Node) -> None:
     assert isinstance(tree, MapNode)  # anything else has been refused
     message = mistaken(tree.entries, SCENARIOS)
     if message is not None:
-        raise InvalidInputError([Problem(str(tree.place), "", message)])
+        raise InvalidInputError.of(tree.place, "", message)
 
 
 def _validated(
@@ -161,4 +161,4 @@ def _initial_input(
         return read_input(path, content, reference.samples, reference.sample_time)
     except HilcError as error:
         choices = f"{error} (initial_input is {', '.join(NAMED_INPUTS)} or such a file)"
-        raise InvalidInputError([Problem(str(node.place), "initial_input", choices)]) from None
+        raise InvalidInputError.of(node.place, "initial_input", choices) from None

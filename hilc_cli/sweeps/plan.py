@@ -19,7 +19,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.errors import HilcError, InvalidInputError
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.scenario.experiment import Scenario
@@ -149,10 +149,10 @@ class Plan:
         samples = reference.samples
         for at, problem, remedy in scenario.spec.controller.misfits_on(reference):
             path = ".".join(map(str, ("controller", *at)))
-            raise InvalidInputError([Problem("", path, f"{problem}; {remedy}")])
+            raise InvalidInputError.of("", path, f"{problem}; {remedy}")
         if given is not None and len(given[0]) != samples:
             message = f"has {len(given[0])} samples, but the trajectory has {samples}"
-            raise InvalidInputError([Problem("", "initial_input", message)])
+            raise InvalidInputError.of("", "initial_input", message)
         return scenario.experiment()
 
     def _trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:

@@ -144,12 +144,7 @@ class SweepReport:
         print_table(two_columns(f"{plan.name}, not computed", rows))
 
     def result(self, result: Sweep, folder: Path, again: str) -> None:
-        """How a sweep went.
-
-        Args:
-            result: The sweep.
-            folder: Where it has been written.
-            again: How to try cases again that have failed.
+        """How a sweep went, and how to try cases again that have failed.
 
         Raises:
             typer.Exit: Some cases have failed, or a search has found nothing.

@@ -148,13 +148,7 @@ _SUFFIX, _LONGEST_NAME = "-best", 100
 
 
 def beside_cases(plan: Plan, data: SweepData, metric: float) -> dict[str, Any]:
-    """The fields that a `Sweep` has of a search only.
-
-    Args:
-        plan: The search.
-        data: Its cases.
-        metric: What it minimises, of the scenario as it is.
-    """
+    """The fields that a `Sweep` has of a search only; the metric is of the scenario as it is."""
     own = plan.scenario.resolved()
     values = {key: value_of(own, key) for key in plan.axes}
     return {"as_it_is": OwnValues(values, metric), "best_yaml": _best_yaml(plan, data, metric)}

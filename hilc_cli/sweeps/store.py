@@ -103,11 +103,6 @@ def _remove(folder: Path) -> None:
 def _locked_journal(folder: Path, header: Mapping[str, Any], *, read_only: bool = False) -> Journal:
     """The journal, with which nobody else can have the folder open, unless all only read it.
 
-    Args:
-        folder: The folder.
-        header: What it says of the sweep in it.
-        read_only: Whether nothing is to be written.
-
     Raises:
         ExistingResultsError: Somebody has, or has replaced it since its header was read.
         UsageError: The folder or the journal is a link, or none of the kind.

@@ -128,12 +128,7 @@ def expected_of_seeds(
 
 
 def expected_rows(expected: ExpectedError, iterations: int) -> Rows:
-    """Returns the error to be expected of a law of which no iterations are predicted.
-
-    Args:
-        expected: That error.
-        iterations: Of the scenario.
-    """
+    """Returns the error to be expected of a law of which no iterations are predicted."""
     last = f"{length_text(expected.final_m)} in iteration {iterations}"
     if iterations:
         last = f"{length_text(expected.first_m)} in iteration 0, {last}"

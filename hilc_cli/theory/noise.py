@@ -164,12 +164,7 @@ def noise_findings(
 
 
 def unsure_findings(experiment: Experiment, found: ExpectedError | None) -> Findings:
-    """Returns a warning where the error of the last iteration is not known beforehand.
-
-    Args:
-        experiment: The experiment.
-        found: What is expected, if anything is.
-    """
+    """Returns a warning where the error of the last iteration is not known beforehand."""
     if found is None or found.unsure is None:
         return Findings()
     last = f"of iteration {experiment.iterations}"

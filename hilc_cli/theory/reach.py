@@ -297,17 +297,9 @@ def least_left(
     """What no controller can make up for, at whichever sample that is least [m]; 0 for none.
 
     A platform that at some sample is within a distance e and an angle p of the trajectory's pose
-    has a way to that pose itself that costs at most e + B p more than it has rolled by then.
-
-    Args:
-        trajectory: Poses, shape (n + 1, 3).
-        start: Pose of sample 0, shape (3,).
-        top_speed: R_c b_w [m/s].
-        half_track: B_c [m], > 0.
-        sample_time: d_t [s].
-
-    Returns:
-        The least position error plus B_c times the heading error that is left.
+    has a way to that pose itself that costs at most e + B p more than it has rolled by then. So
+    much of the same numbers as of `earliest_merge`: the least position error plus B_c times the
+    heading error that is left.
     """
     rolled = top_speed * np.arange(len(trajectory)) * sample_time
     return max(0.0, float((shortest_way(trajectory, start, half_track) - rolled).min()))

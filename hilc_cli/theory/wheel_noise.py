@@ -96,12 +96,7 @@ def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
 
 
 def wheel_findings(found: WheelNoise | None, remedy: str) -> Findings:
-    """Returns what it means for the experiment that this is foretold.
-
-    Args:
-        found: None if nothing is disturbed.
-        remedy: What makes it less.
-    """
+    """Returns what it means for the experiment that this is foretold, and what makes it less."""
     if not _is_often(found):
         return Findings()
     without = f", {_percent(found.undisturbed)} without it" if found.undisturbed else ""
@@ -115,11 +110,7 @@ def wheel_findings(found: WheelNoise | None, remedy: str) -> Findings:
 
 
 def seen_warnings(found: WheelNoise | None) -> list[str]:
-    """Returns what has happened, and what it may come from.
-
-    Args:
-        found: Of `seen_in`.
-    """
+    """Returns what `seen_in` has found to have happened, and what it may come from."""
     if not _is_often(found):
         return []
     needed = f", {_percent(found.undisturbed)} of which the trajectory itself needs"

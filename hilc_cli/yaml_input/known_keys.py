@@ -150,10 +150,7 @@ def meant(tree: Node, keys: PathKeys, model: type[Model], known: Sequence[KnownK
 def _elsewhere(word: str, known: Sequence[KnownKey], there: Sequence[KnownKey]) -> str | None:
     """A key of another part of the file, by another name of it or one that is surely meant.
 
-    Args:
-        word: The unknown key.
-        known: The keys that a file like this may have.
-        there: The same, as `_with_entries` gives them.
+    There are the known keys as `_with_entries` gives them.
     """
     for key in known:
         other = key.model.other_names.get(_plain(word))

@@ -163,13 +163,7 @@ def wrong(problem: str, remedy: str) -> PydanticCustomError:
 
 
 def wrong_at(at: PathKeys, problem: str, remedy: str) -> PydanticCustomError:
-    """A validation error of a model that points at one of the keys below it.
-
-    Args:
-        at: Keys from the model down to the offending value.
-        problem: What is wrong.
-        remedy: What is allowed.
-    """
+    """A validation error of a model, with the keys from it down to the offending value."""
     return together([(at, problem, remedy)])
 
 
@@ -216,11 +210,7 @@ class Step:
         return None if self.model is None else self.model.chosen_by(self.data)
 
     def choices_with(self, keys: PathKeys) -> list[tuple[str, str]]:
-        """The other choices that would make a key a known one.
-
-        Args:
-            keys: From the root, through this mapping, to the key.
-        """
+        """The other choices that would make a key known, by the keys from the root down to it."""
         below = [key for key in keys[len(self.keys) :] if isinstance(key, str)]
         found = (model.chosen_by() for model in self.choices if _has(model, below))
         return [choice for choice in found if choice is not None and choice != self.choice]

@@ -60,11 +60,7 @@ _BELOW_LAST = 3 + len(RELATIVE_TOLERANCES)  # rows below that of the last iterat
 def errors_grid(check: Check) -> Grid | None:
     """Returns the maximum position error of the iterations in a few rows.
 
-    Args:
-        check: What was found.
-
-    Returns:
-        A column of what is predicted and one of what was simulated; None if there is neither.
+    A column of what is predicted and one of what was simulated; None if there is neither.
     """
     iterations = check.scenario.spec.iterations
     names = [

@@ -33,12 +33,7 @@ _LAST = 10
 
 
 def theory_section(check: Check, *, verbose: bool = False) -> Section:
-    """Returns the paper's theory, as printed and as it holds; of another law, nothing.
-
-    Args:
-        check: What was found.
-        verbose: Say what was corrected.
-    """
+    """Returns the paper's theory, as printed and as it holds; verbose: and what was corrected."""
     title = "What do the paper's theorems say?"
     if check.conditions is None or check.theories is None:
         return Section("theory", title, [("Theory", "none: this is another law")], brief=())

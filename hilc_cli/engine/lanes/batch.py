@@ -77,12 +77,9 @@ def simulate_batch(experiments: Sequence[Experiment]) -> BatchResult:
 
 
 def simulate_many(experiments: Sequence[Experiment]) -> BatchResult:
-    """Runs experiments of any laws.
+    """Runs experiments of any laws, at least one.
 
     The result of an experiment does not depend on which others are run with it.
-
-    Args:
-        experiments: At least one.
     """
     cases = len(experiments)
     most = max(experiment.iterations for experiment in experiments)
@@ -172,9 +169,6 @@ def is_compiled(experiments: Sequence[Experiment]) -> bool:
     Compiling takes seconds and is done once for each law and kind of disturbance; the code is kept
     in the ``__pycache__`` beside the engine, or in the user's cache folder where that cannot be
     written; the environment variable ``NUMBA_CACHE_DIR`` names another one.
-
-    Args:
-        experiments: As for `simulate_batch`.
 
     Raises:
         UsageError: An experiment has a law that the batch engine does not know.

@@ -80,7 +80,7 @@ class NormOptimalLearner:
 
     def learn(self, iteration: Iteration) -> Figures:
         """Takes in an iteration that is over, and tells what it says of the platform."""
-        error = np.stack([iteration.error_x, iteration.error_y, iteration.error_heading], axis=1)
+        error = np.stack(iteration.errors, axis=1)
         applied = np.stack([iteration.left, iteration.right], axis=1)
         told: list[float] = []
         # On the way to divergence squares overflow; an engine sees that in the next iteration.

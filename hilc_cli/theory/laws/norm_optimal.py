@@ -287,13 +287,7 @@ def _shares(experiment: Experiment, law: NormOptimalLaw) -> tuple[float, float]:
 
 
 def mismatch_findings(found: ModelMismatch, expected: ExpectedError, outcome: Outcome) -> Findings:
-    """Returns what a wrong model means for the experiment.
-
-    Args:
-        found: What a wrong model does to learning.
-        expected: What comes of it.
-        outcome: Whether it learns.
-    """
+    """Returns what a wrong model means for the experiment, of which so much is expected."""
     if found.converges and outcome is not Outcome.DOES_NOT_LEARN:
         return Findings()
     if found.converges:

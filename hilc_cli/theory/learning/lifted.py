@@ -169,9 +169,6 @@ class LiftedIteration:
     def __init__(self, experiment: Experiment) -> None:
         """Linearises an experiment.
 
-        Args:
-            experiment: The experiment.
-
         Raises:
             UsageError: The linear theory does not speak of its law.
         """
@@ -244,11 +241,7 @@ class LiftedIteration:
         return LinearPass(self.first_input, errors)
 
     def next(self, previous: LinearPass) -> LinearPass:
-        """Returns the iteration after a given one.
-
-        Args:
-            previous: The iteration that is learned from.
-        """
+        """Returns the iteration after a given one, from which it learns."""
         learned = self.law.learned(previous.inputs, previous.errors)
         if self.added is not None:
             learned = learned + self.added

@@ -221,13 +221,7 @@ def _verdict(found: Forecast, iterations: int) -> str:
 
 
 def _errors_in_brief(found: Forecast, expected: ExpectedError, iterations: int) -> Rows:
-    """Returns the predicted errors in a few rows, with the speed limit where it acts.
-
-    Args:
-        found: What learning is expected to do.
-        expected: The error to be expected of the last iteration.
-        iterations: Of the scenario.
-    """
+    """Returns the predicted errors in a few rows, with the speed limit where it acts."""
     transient, errors = found.transient, np.concatenate([found.errors_m, found.later_m])
     first, limited = f"{length_text(errors[0])} in iteration 0", found.is_limited
     disturbed = disturbed_rows(expected)
