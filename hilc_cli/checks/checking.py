@@ -195,11 +195,12 @@ class Check:
         if expected is None:
             return []
         rest = expected.rest if expected.settles else None
+        run = None if self.simulated is None else self.simulated.run
         figure = transient_figure(
             self.scenario.name,
             expected.transient,
             spec.iterations,
-            None if self.simulated is None else self.simulated.run,
+            run,
             rest.max_position_error_m if rest is not None and rest.is_finite else None,
             spec.controller.in_short(self.scenario.setting),
         )
@@ -212,9 +213,7 @@ class Check:
             write_transient(
                 into / TRANSIENT_FILE,
                 expected.transient.max_position_error_m,
-                None
-                if self.simulated is None
-                else self.simulated.run.metrics["max_position_error_m"],
+                None if run is None else run.metrics["max_position_error_m"],
             )
 
         merge_folder(Path(folder), draw, may_replace)
@@ -287,11 +286,9 @@ def simulated(
     diverged_at = measured.diverged_at
     findings = Findings()
     if diverged_at is not None:
-        findings = Findings(
-            failures=(
-                f"the simulation diverged to non-finite values in iteration {diverged_at}; "
-                "lower the gains, or set controller.b_w",
-            )
+        findings = Findings.failure(
+            f"the simulation diverged to non-finite values in iteration {diverged_at}; "
+            "lower the gains, or set controller.b_w"
         )
     if measured.last is None:
         return findings, None

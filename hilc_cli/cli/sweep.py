@@ -12,17 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hilc_cli.cli import options
 from hilc_cli.cli.completion import complete_case_metric, complete_scenario, complete_varied_key
-from hilc_cli.cli.options import (
-    Force,
-    Json,
-    OutputFolder,
-    Overrides,
-    Quiet,
-    Trust,
-    Verbose,
-    Version,
-)
 from hilc_cli.cli.session import Session
 from hilc_cli.errors import ExistingResultsError, UsageError
 
@@ -160,9 +151,9 @@ def sweep(
     tolerance: Tolerance = None,
     bands: Bands = False,
     metric: Metric = None,
-    set_: Overrides = None,
-    out: OutputFolder = None,
-    force: Force = False,
+    set_: options.Overrides = None,
+    out: options.OutputFolder = None,
+    force: options.Force = False,
     formats: Formats = None,
     no_plots: NoPlots = False,
     workers: Workers = None,
@@ -172,11 +163,11 @@ def sweep(
     resume: Resume = False,
     fail_fast: FailFast = False,
     dry_run: DryRun = False,
-    trust: Trust = False,
-    json: Json = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    version: Version = False,
+    trust: options.Trust = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+    version: options.Version = False,
 ) -> None:
     """Run a scenario with many values, or search for the best ones.
 
@@ -241,7 +232,7 @@ def sweep(
             dry_run,
             set_,
         )
-        if any(option not in (None, False) for option in others):
+        if any(other not in (None, False) for other in others):
             raise UsageError(
                 "--merge takes the folders of all shards and no scenario, so that only --out, "
                 "--force, --format, --no-plots, --json and -q go with it"

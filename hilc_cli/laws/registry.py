@@ -72,11 +72,7 @@ def controller_model(data: object) -> type[Controller] | None:
 
 
 def _named(law: object) -> type[Controller]:
-    """The model of a law.
-
-    Raises:
-        PlugInError: There is no such law, or it must not or cannot be imported.
-    """
+    """The model of a law; raises PlugInError where there is none that may be imported."""
     name = law if isinstance(law, str) else ""
     if name in CONTROLLERS:
         return CONTROLLERS[name]

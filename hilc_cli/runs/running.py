@@ -44,7 +44,7 @@ from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
 from hilc_cli.theory.feasibility.feasibility import beyond_wheels
-from hilc_cli.theory.wheel_noise import seen_in, seen_warnings
+from hilc_cli.theory.noise import seen_in, seen_warnings
 from hilc_cli.wording import printable
 
 __all__ = [

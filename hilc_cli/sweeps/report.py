@@ -18,6 +18,7 @@ from hilc_cli.reporting.terminal import (
     print_text,
     progress,
     say,
+    say_timings,
     two_columns,
 )
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
@@ -151,8 +152,7 @@ class SweepReport:
         """
         self._summary(result, result.failures, folder)
         if self.verbose:
-            for step, seconds in result.how.get("timings_s", {}).items():
-                say(f"{step}: {seconds:.3f} s")
+            say_timings(result.how.get("timings_s", {}))
         self._failures(result.failures, again)
         _check_found(result)
 

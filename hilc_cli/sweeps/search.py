@@ -9,7 +9,7 @@ import itertools
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -57,24 +57,14 @@ _LEAST, _SHARE = 4, 4
 _COLUMNS = list(CASE_COLUMNS)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Found:
-    """What a search has tried.
-
-    Attributes:
-        cases: All its cases.
-        as_it_is: The metric of the scenario with its own values, not-a-number if it has none.
-    """
-
-    cases: ListedCases
-    as_it_is: float
-
-
-def search(plan: Plan, store: Store, how: Execution) -> Found:
+def search(plan: Plan, store: Store, how: Execution) -> ListedCases:
     """Computes the cases of a search, of which a store may have some.
 
     A batch follows from the results of the batches before it, not from who computed them, so that
     a search that goes on after a stop thinks of the same cases again and finds them in the store.
+
+    Returns:
+        All its cases.
 
     Raises:
         UsageError: The package for that is not installed.
@@ -95,7 +85,7 @@ def search(plan: Plan, store: Store, how: Execution) -> Found:
             listed += values
     finally:
         crew.dismiss()
-    return Found(ListedCases(plan.axes, listed), _as_it_is(plan))
+    return ListedCases(plan.axes, listed)
 
 
 def costs(plan: Plan, rows: Floats) -> Floats:
@@ -138,8 +128,8 @@ def _missing(plan: Plan, store: Store, batch: Chunk, workers: int) -> list[Chunk
     return pieces
 
 
-def _as_it_is(plan: Plan) -> float:
-    """The metric of the scenario with its own values."""
+def own_metric(plan: Plan) -> float:
+    """The metric of the scenario with its own values, not-a-number if it has none."""
     own = replace(plan, spec=plan.spec.model_copy(update={"vary": {}}))
     return float(_metric(plan, run_chunk(own, Chunk(0, 1, ((),))).rows)[0])
 
@@ -147,9 +137,9 @@ def _as_it_is(plan: Plan) -> float:
 _SUFFIX, _LONGEST_NAME = "-best", 100
 
 
-def beside_cases(plan: Plan, data: SweepData, metric: float) -> dict[str, Any]:
-    """The fields that a `Sweep` has of a search only; the metric is of the scenario as it is."""
-    own = plan.scenario.resolved()
+def beside_cases(plan: Plan, data: SweepData) -> dict[str, Any]:
+    """The fields that a `Sweep` has of a search only."""
+    own, metric = plan.scenario.resolved(), own_metric(plan)
     values = {key: value_of(own, key) for key in plan.axes}
     return {"as_it_is": OwnValues(values, metric), "best_yaml": _best_yaml(plan, data, metric)}
 

@@ -145,11 +145,7 @@ def merge_shards(
 
 
 def _check_whole(stores: Sequence[FolderStore]) -> None:
-    """Makes sure that some stores are all the shards of a sweep, and finished.
-
-    Raises:
-        UsageError: They are not.
-    """
+    """Makes sure that some stores are all the shards of a sweep, and finished."""
     first = stores[0]
     position = 0
     searched = next((store.folder for store in stores if store.header.minimise), None)
@@ -175,11 +171,7 @@ def _check_whole(stores: Sequence[FolderStore]) -> None:
 
 
 def _read_scenario(folder: Path) -> str:
-    """The resolved scenario of a shard, with its sweep, as text.
-
-    Raises:
-        HilcError: It cannot be read, or is no text.
-    """
+    """The resolved scenario of a shard, with its sweep, as text."""
     try:
         return read_file(folder / SCENARIO, _MOST_SCENARIO_BYTES).decode("utf-8")
     except UnicodeDecodeError:

@@ -21,8 +21,7 @@ from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.results.reading import Document, Length, Name, check_columns, damaged
 from hilc_cli.results.tables import write_input
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
-from hilc_cli.sweeps.journal import Entry, Journal
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Entry, Failure, Journal, Store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.sweep_folder import CASE_NUMBERS, Axes, CaseMetric
 from hilc_cli.variation import Cases, axis_to_data

@@ -187,7 +187,7 @@ def sweep(
             compute(plan, store, how)
         data = collect(
             plan.name,
-            plan.cases if found is None else found.cases,
+            plan.cases if found is None else found,
             store.rows(),
             store.errors() if plan.bands else None,
             plan.spec.tolerance,
@@ -197,7 +197,7 @@ def sweep(
         failures = tuple(store.failures())
     scenario = plan.scenario
     given = scenario.initial_input
-    beside = {} if found is None else beside_cases(plan, data, found.as_it_is)
+    beside = {} if found is None else beside_cases(plan, data)
     return Sweep(
         **{**as_fields(data), **beside},
         failures=failures,

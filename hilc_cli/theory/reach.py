@@ -39,7 +39,7 @@ def start_findings(theory: LawTheory) -> Findings:
     if by_wheels.failures:
         return by_wheels  # of which the law's own way is a consequence
     if law is None or expected is None:
-        return joined([by_wheels, theory.way_in])
+        return joined(by_wheels, theory.way_in)
     left = _left_by_learning(experiment, expected, law.for_the_start)
     return Findings(left, by_wheels.warnings)
 
@@ -150,7 +150,7 @@ def late_start(
             f"from initial_pose, {found.off:.3g} m off, {who} does not get onto the "
             f"trajectory before its end, where {found.left:.3g} m are left; {remedy}"
         )
-        return Findings(failures=(text,))
+        return Findings.failure(text)
     if found.joins <= max(asked, (found.samples + 1) // 2):
         return Findings()
     text = (
@@ -159,26 +159,24 @@ def late_start(
         f"up to {found.left_later:.3g} m off in its second half; {remedy}"
     )
     fails = hopeless and found.left_later > _MOSTLY_GONE * max(found.off, found.size)
-    return Findings(failures=(text,)) if fails else Findings(warnings=(text,))
+    return Findings.failure(text) if fails else Findings.warning(text)
 
 
 def _by_wheels(experiment: Experiment, h: int | None) -> Findings:
     """Returns what the wheels' limit forbids, to any law and to a compensation within h samples."""
     why = cannot_be_reached(experiment)
     if why:
-        return Findings(failures=(why,))
+        return Findings.failure(why)
     reference = experiment.reference
     if h is None or math.isinf(experiment.speed_limit):
         return Findings()
     earliest = earliest_on_trajectory(experiment)
     if earliest is None or h >= earliest:
         return Findings()
-    return Findings(
-        warnings=(
-            f"controller.h of {h} is sooner than any law can be on the trajectory: within "
-            f"controller.b_w of {experiment.speed_limit:g} rad/s that is at sample {earliest} "
-            f"({earliest * reference.sample_time:.6g} s) at the earliest; raise h",
-        )
+    return Findings.warning(
+        f"controller.h of {h} is sooner than any law can be on the trajectory: within "
+        f"controller.b_w of {experiment.speed_limit:g} rad/s that is at sample {earliest} "
+        f"({earliest * reference.sample_time:.6g} s) at the earliest; raise h"
     )
 
 

@@ -161,11 +161,7 @@ class DaskCrew(Generic[Piece, Result]):
         return sum(int(worker["nthreads"]) for worker in workers.values())
 
     def _ask(self, question: Callable[[], T], seconds: float) -> T:
-        """What the scheduler says to a question.
-
-        Raises:
-            ClusterError: It says nothing in time.
-        """
+        """What the scheduler says to a question, if it does so in time."""
         try:
             return within(seconds, question, self._go_on)
         except SilentError:
@@ -188,11 +184,7 @@ class DaskCrew(Generic[Piece, Result]):
 
 
 def _greet(address: str, go_on: Callable[[], None]) -> None:
-    """Makes sure that a scheduler answers, which Dask's client may do for minutes.
-
-    Raises:
-        ClusterError: None answers in time.
-    """
+    """Makes sure that a scheduler answers, which Dask's client may do for minutes."""
     end = time.monotonic() + _CONNECT
 
     def ask() -> object:

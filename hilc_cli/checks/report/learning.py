@@ -9,7 +9,7 @@ from hilc_cli.results.metrics import settled_at
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 from hilc_cli.theory.findings import expected_document, length_text
 from hilc_cli.theory.matrices import knows_plant
-from hilc_cli.theory.wheel_noise import wheel_document, wheel_rows
+from hilc_cli.theory.noise import wheel_document, wheel_rows
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check, Simulated

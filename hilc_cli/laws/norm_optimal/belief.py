@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -42,12 +42,8 @@ class Identification:
     @property
     def figures(self) -> tuple[float, ...]:
         """Each number with its standard error; not-a-number where the iteration tells nothing."""
-        pairs = (
-            (self.wheel_radius, self.wheel_radius_error),
-            (self.half_track, self.half_track_error),
-            (self.ratio, self.ratio_error),
-        )
-        none = math.nan, math.nan
+        numbers, none = astuple(self), (math.nan, math.nan)
+        pairs = zip(numbers[::2], numbers[1::2], strict=True)
         return tuple(n for pair in pairs for n in (pair if math.isfinite(pair[1]) else none))
 
 

@@ -29,8 +29,7 @@ from hilc_cli.theory.law_theory import LawTheory
 from hilc_cli.theory.laws.norm_optimal_merging import Merging, merging, merging_findings
 from hilc_cli.theory.laws.norm_optimal_noise import expected_of_norm_optimal
 from hilc_cli.theory.learning.outcome import Outcome
-from hilc_cli.theory.noise import Remedies, noise_findings
-from hilc_cli.theory.wheel_noise import WheelNoise, wheel_findings, wheel_rows
+from hilc_cli.theory.noise import Remedies, WheelNoise, noise_findings, wheel_findings, wheel_rows
 
 
 class NormOptimalTheory(LawTheory):
@@ -83,14 +82,12 @@ class NormOptimalTheory(LawTheory):
         """What all the rest means."""
         softer = "raise controller.feedback_weights, or set 'feedback: none'"
         return joined(
-            [
-                untried_findings(self.experiment, self.law),
-                wheel_findings(self.wheels, softer),
-                Findings()
-                if self.mismatch is None
-                else mismatch_findings(self.mismatch, self.expected, self.outcome),
-                noise_findings(self.experiment, self.expected, _remedies(self.law)),
-            ]
+            untried_findings(self.experiment, self.law),
+            wheel_findings(self.wheels, softer),
+            Findings()
+            if self.mismatch is None
+            else mismatch_findings(self.mismatch, self.expected, self.outcome),
+            noise_findings(self.experiment, self.expected, _remedies(self.law)),
         )
 
     @property
@@ -269,13 +266,11 @@ def untried_findings(experiment: Experiment, law: NormOptimalLaw) -> Findings:
     tried = (_TRIED_ALONG, _TRIED_TURNING)
     if all(low <= share <= high for share, (low, high) in zip(shares, tried, strict=True)):
         return Findings()
-    return Findings(
-        warnings=(
-            f"with R / R_b of {shares[0]:.3g} and R B_b / (R_b B) of {shares[1]:.3g} errors may "
-            "grow from iteration to iteration: learning without identification has been tried from "
-            "1/3 to 1.5 of the one and 0.4 to 2 of the other; correct model, or set "
-            "controller.identify: true",
-        )
+    return Findings.warning(
+        f"with R / R_b of {shares[0]:.3g} and R B_b / (R_b B) of {shares[1]:.3g} errors may "
+        "grow from iteration to iteration: learning without identification has been tried from "
+        "1/3 to 1.5 of the one and 0.4 to 2 of the other; correct model, or set "
+        "controller.identify: true"
     )
 
 
@@ -291,24 +286,20 @@ def mismatch_findings(found: ModelMismatch, expected: ExpectedError, outcome: Ou
     if found.converges and outcome is not Outcome.DOES_NOT_LEARN:
         return Findings()
     if found.converges:
-        return Findings(
-            warnings=(
-                f"on a model that stays wrong an iteration leaves {found.left:.3g} of the error, "
-                f"which goes from {expected.first_m:.3g} m to {expected.final_m:.3g} m: correct "
-                "model, set controller.identify: true or controller.feedback: lqr, or raise "
-                "iterations",
-            )
+        return Findings.warning(
+            f"on a model that stays wrong an iteration leaves {found.left:.3g} of the error, "
+            f"which goes from {expected.first_m:.3g} m to {expected.final_m:.3g} m: correct "
+            "model, set controller.identify: true or controller.feedback: lqr, or raise "
+            "iterations"
         )
     # The track has a part in it only if turning is the worse one, beyond rounding.
     is_radius = found.along > found.turning * (1 - _ENOUGH)
     worst = "R / R_b" if is_radius else "R B_b / (R_b B)"
-    return Findings(
-        failures=(
-            f"learning cannot converge: the correction is {found.strongest:.4g} times what would "
-            f"be right, and may be 2 times at most, because {worst} is "
-            f"{max(found.along, found.turning):.4g}; correct model, or set "
-            "controller.identify: true or controller.feedback: lqr",
-        )
+    return Findings.failure(
+        f"learning cannot converge: the correction is {found.strongest:.4g} times what would "
+        f"be right, and may be 2 times at most, because {worst} is "
+        f"{max(found.along, found.turning):.4g}; correct model, or set "
+        "controller.identify: true or controller.feedback: lqr"
     )
 
 

@@ -160,12 +160,10 @@ def merging_findings(found: Merging) -> Findings:
         f"({_seconds(found, found.planned)}), later than controller.h of {found.h}"
     )
     if found.earliest is not None and is_too_soon:
-        return Findings(
-            warnings=(
-                f"{merges}: within {limit} no sample before {found.earliest} "
-                f"({_seconds(found, found.earliest)}) can be reached from initial_pose; raise h "
-                f"to at least {found.earliest}",
-            )
+        return Findings.warning(
+            f"{merges}: within {limit} no sample before {found.earliest} "
+            f"({_seconds(found, found.earliest)}) can be reached from initial_pose; raise h "
+            f"to at least {found.earliest}"
         )
     return Findings(warnings=(f"{merges}, because of {limit}; raise h for a gentler way in",))
 

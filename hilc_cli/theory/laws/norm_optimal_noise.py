@@ -33,11 +33,12 @@ from hilc_cli.theory.noise import (
     DisturbanceDraws,
     NoiseDraws,
     Passes,
+    WheelNoise,
+    changes_beside_first,
     deviations,
     open_loop_error,
     open_loop_errors,
 )
-from hilc_cli.theory.wheel_noise import WheelNoise, changes_beside_first
 
 if TYPE_CHECKING:
     from hilc_cli.laws.norm_optimal.learner import OptimalPlan

@@ -16,8 +16,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import active_sources
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.matrices import driven_errors
-from hilc_cli.theory.noise import SEEDS, DisturbanceDraws
-from hilc_cli.theory.wheel_noise import changes_beside_first
+from hilc_cli.theory.noise import SEEDS, DisturbanceDraws, changes_beside_first
 
 _MOST_STEPS = 30_000
 """Samples that may be followed one by one: about 1 s. More is done without the limit."""

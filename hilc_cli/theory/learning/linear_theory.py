@@ -27,8 +27,7 @@ from hilc_cli.theory.learning.outcome import CLEARLY, NEAR, Outcome
 from hilc_cli.theory.learning.transient import FAR_HEADING
 from hilc_cli.theory.linear_law import LinearLaw
 from hilc_cli.theory.matrices import desired_motion
-from hilc_cli.theory.noise import Remedies, noise_findings
-from hilc_cli.theory.wheel_noise import WheelNoise, wheel_findings, wheel_rows
+from hilc_cli.theory.noise import Remedies, WheelNoise, noise_findings, wheel_findings, wheel_rows
 from hilc_cli.wording import counted
 
 WHERE = "along the reference, without limit and disturbances"
@@ -77,11 +76,9 @@ class LinearTheory(LawTheory):
     def findings(self) -> Findings:
         """What all this means."""
         return joined(
-            [
-                forecast_findings(self),
-                noise_findings(self.experiment, self.expected, self._remedies()),
-                wheel_findings(self.wheels, self.linear.less_noise),
-            ]
+            forecast_findings(self),
+            noise_findings(self.experiment, self.expected, self._remedies()),
+            wheel_findings(self.wheels, self.linear.less_noise),
         )
 
     @property
