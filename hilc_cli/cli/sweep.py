@@ -6,6 +6,7 @@ import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -290,7 +291,7 @@ def _compute_shard(
     place = shard_folder(folder, *part)
     cases = len(shard_cases(len(plan.cases), *part))
     with _resumable(place), report.progress(plan, cases) as on_cases:
-        how = how.telling(on_cases)
+        how = replace(how, on_cases=on_cases)
         failures = sweep_shard(plan, part, place, how, resume=resume, force=force)
     report.shard(plan, part, failures, place)
 
@@ -317,7 +318,7 @@ def _compute(
         return
     with _resumable(work):
         with report.progress(plan, len(plan.cases)) as on_cases:
-            how = how.telling(on_cases)
+            how = replace(how, on_cases=on_cases)
             result = sweep(plan, how, work_folder=work, resume=resume, force=writing["force"])
         result.write(folder, **writing)
     if not result.failures:

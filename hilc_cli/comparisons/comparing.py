@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from hilc_cli.comparisons.formats import FILES, WRITERS
 from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
 from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
-from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRICS
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.results.summary import summarise
@@ -102,17 +99,13 @@ def compare_runs(runs: Sequence[RunData]) -> ComparisonTable:
     """
     if len(runs) < 2:
         raise UsageError(f"a comparison needs at least two runs, got {len(runs)}")
-    groups: list[Reference] = []
+    groups: dict[tuple[float, bytes], int] = {}  # of what is asked of a robot, sample by sample
     rows = []
     for run, name in zip(runs, distinct_names([run.name for run in runs]), strict=True):
         if len(run.metrics) == 0:
             raise UsageError(f"{name}: has no completed iteration, so there is nothing to compare")
-        group = next(
-            (number for number, other in enumerate(groups) if _is_same(run.reference, other)),
-            len(groups),
-        )
-        if group == len(groups):
-            groups.append(run.reference)
+        asked = run.reference.sample_time, (run.reference.poses + 0.0).tobytes()  # -0 is 0
+        group = groups.setdefault(asked, len(groups))
         rows.append(Row(_values(run, name), group, may_be_best=run.diverged_at is None))
     title = f"Comparison of {len(runs)} runs"
     return ComparisonTable(title, RUN_COLUMNS, tuple(rows), RUN_NOTE, RUN_MARK_NOTE)
@@ -136,14 +129,6 @@ def _values(run: RunData, name: str) -> tuple[Value, ...]:
         "diverged_at": summary.diverged_at,
     }
     return tuple(values[column.name] for column in RUN_COLUMNS)
-
-
-def _is_same(one: Reference, other: Reference) -> bool:
-    """Whether two references ask the same of a robot, sample by sample."""
-    return one.sample_time == other.sample_time and all(
-        np.array_equal(a, b)
-        for a, b in ((one.x, other.x), (one.y, other.y), (one.heading, other.heading))
-    )
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -17,7 +17,6 @@ from hilc_cli.wording import printable
 
 if TYPE_CHECKING:
     from rich.console import Group
-    from rich.text import Text
 
 MOST_SIDE_BY_SIDE = 4
 """The most rows of a table that stand side by side on a page; more stand below each other."""
@@ -329,13 +328,7 @@ def _rich_table(grid: Grid, title: str) -> Group:
         head = Text("\n".join(f"{line} " for line in lines))
         table.add_column(head, justify="right" if right else "left", no_wrap=right, overflow="fold")
     for row in grid.rows:
-        table.add_row(*map(_rich_cell, row))
+        marks = [(_BEST, "bold") if cell.is_best else (" ", "") for cell in row]
+        cells = zip(row, marks, strict=True)
+        table.add_row(*(Text(f"{cell.text}{mark}", style=style) for cell, (mark, style) in cells))
     return Group(Text(title, style="bold"), table)  # the title may be the wider one
-
-
-def _rich_cell(cell: Cell) -> Text:
-    from rich.text import Text
-
-    if cell.is_best:
-        return Text(f"{cell.text}{_BEST}", style="bold")
-    return Text(f"{cell.text} ")

@@ -140,7 +140,7 @@ class LawComparison:
             Path(folder),
             fill,
             manifest,
-            lambda there: _check(there, self.checksum, force=force),
+            lambda there: LEADERBOARD_FOLDER.check_checksum(there, self.checksum, force=force),
         )
 
 
@@ -152,11 +152,7 @@ def check_leaderboard_output(
     Raises:
         ExistingResultsError: The folder holds another leaderboard, or is no leaderboard folder.
     """
-    _check(Path(folder), leaderboard.checksum(), force=force)
-
-
-def _check(folder: Path, checksum: str, *, force: bool) -> None:
-    LEADERBOARD_FOLDER.check(folder, lambda there: there.get("checksum") == checksum, force=force)
+    LEADERBOARD_FOLDER.check_checksum(Path(folder), leaderboard.checksum(), force=force)
 
 
 def compare_laws(

@@ -9,10 +9,12 @@ from __future__ import annotations
 import json
 import math
 import os
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TextIO
 
 from hilc_cli.errors import FileAccessError
@@ -21,13 +23,6 @@ from hilc_cli.wording import printable
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
-    from rich.table import Table
-import shutil
-import textwrap
-from dataclasses import field
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 

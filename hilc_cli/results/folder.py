@@ -148,6 +148,10 @@ class ResultFolder:
                 "choose another folder with --out, or replace it with --force"
             )
 
+    def check_checksum(self, path: Path, checksum: str, *, force: bool) -> None:
+        """Does what `check` does where results are the same if their manifests' checksum is."""
+        self.check(path, lambda there: there.get("checksum") == checksum, force=force)
+
     def write(
         self,
         path: Path,

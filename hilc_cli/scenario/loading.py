@@ -61,8 +61,10 @@ def load_scenario(
     inputs = Inputs()
     tree = inputs.tree(source)
     changes = _changes(overrides)
-    _check_kind(tree)
-    assert isinstance(tree, MapNode)  # _check_kind
+    assert isinstance(tree, MapNode)  # anything else has been refused
+    message = mistaken(tree.entries, SCENARIOS)
+    if message is not None:
+        raise InvalidInputError.of(tree.place, "", message)
     for keys, value in changes:
         tree = apply_override(tree, keys, value, inputs.with_trajectory, _default)
     problems: list[Problem] = []
@@ -105,13 +107,6 @@ def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
     if problems:
         raise InvalidInputError(problems)
     return changes
-
-
-def _check_kind(tree: Node) -> None:
-    assert isinstance(tree, MapNode)  # anything else has been refused
-    message = mistaken(tree.entries, SCENARIOS)
-    if message is not None:
-        raise InvalidInputError.of(tree.place, "", message)
 
 
 def _validated(

@@ -90,10 +90,6 @@ class Execution:
         if place is None or not 0 < int(place[1]) <= _LAST_PORT:
             raise UsageError(f"--scheduler {self.scheduler}: must read tcp://HOST:PORT")
 
-    def telling(self, on_cases: Callable[[int], None]) -> Execution:
-        """Returns the same execution with somebody who is told how many cases are done."""
-        return replace(self, on_cases=on_cases)
-
 
 def compute(plan: Plan, store: Store, how: Execution) -> None:
     """Computes what is missing in a store.

@@ -161,19 +161,14 @@ class Plan:
             kept = sum(path.reference().samples for path in self._paths.values())
             if kept > _MOST_SAMPLES:
                 self._paths.clear()
-            self._paths[given] = self._new_trajectory(values)
+            spec, name = self.scenario.spec, values.get(TRAJECTORY)
+            if name is not None:
+                spec = spec.model_copy(update={TRAJECTORY: self.trajectories[str(name)]})
+            place = Place(Source("the trajectory", Path(), has_lines=False))
+            changes = [(key, value, place) for key, value in values.items() if key != TRAJECTORY]
+            path = validated(spec, changes).trajectory if changes else spec.trajectory
+            self._paths[given] = path
         return self._paths[given]
-
-    def _new_trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:
-        spec = self.scenario.spec
-        name = values.get(TRAJECTORY)
-        if name is not None:
-            spec = spec.model_copy(update={TRAJECTORY: self.trajectories[str(name)]})
-        changes = [(key, value) for key, value in values.items() if key != TRAJECTORY]
-        if not changes:
-            return spec.trajectory
-        place = Place(Source("the trajectory", Path(), has_lines=False))
-        return validated(spec, [(key, value, place) for key, value in changes]).trajectory
 
     @cached_property
     def _tree(self) -> _KeyTree:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hilc_cli.engine.lanes.lanes import LANES
-from hilc_cli.errors import MissingPackageError
+from hilc_cli.errors import needed
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, MAX_ERROR
 from hilc_cli.sweeps.chunks import Chunk, Store
@@ -307,11 +307,7 @@ def require_optuna() -> Any:
     Raises:
         MissingPackageError: It is not installed.
     """
-    try:
-        import optuna
-    except ImportError:
-        raise MissingPackageError("--minimise", "optuna", "tune") from None
-    return optuna
+    return needed("--minimise", "optuna", "tune")
 
 
 @contextmanager

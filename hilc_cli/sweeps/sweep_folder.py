@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import PlainValidator
 
-from hilc_cli.errors import MissingPackageError, UsageError
+from hilc_cli.errors import UsageError, needed
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
@@ -364,9 +364,6 @@ def require_parquet() -> tuple[Any, Any]:
     Raises:
         MissingPackageError: It is not installed.
     """
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError:
-        raise MissingPackageError("--format parquet", "pyarrow", "parquet") from None
+    names = ("pyarrow", "pyarrow.parquet")
+    pyarrow, parquet = (needed("--format parquet", name, "parquet") for name in names)
     return pyarrow, parquet

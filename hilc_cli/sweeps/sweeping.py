@@ -124,7 +124,7 @@ class Sweep(SweepData):
             Path(folder),
             fill,
             manifest,
-            lambda there: _check(there, self.checksum, force=force),
+            lambda there: SWEEP_FOLDER.check_checksum(there, self.checksum, force=force),
         )
 
 
@@ -136,13 +136,9 @@ def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -
         FileAccessError: Nothing can be written there, or the name is too long for what belongs to
             it while the sweep is under way.
     """
-    _check(Path(folder), plan.checksum(), force=force)
+    SWEEP_FOLDER.check_checksum(Path(folder), plan.checksum(), force=force)
     with writing(Path(folder)):
         work_folder(folder).is_symlink()
-
-
-def _check(folder: Path, checksum: str, *, force: bool) -> None:
-    SWEEP_FOLDER.check(folder, lambda there: there.get("checksum") == checksum, force=force)
 
 
 def as_fields(data: SweepData) -> dict[str, Any]:

@@ -52,13 +52,7 @@ def cannot_be_reached(experiment: Experiment) -> str:
     limit = experiment.speed_limit
     if math.isinf(limit) or is_too_fast(experiment):
         return ""
-    left = least_left(
-        experiment.reference.poses,
-        np.array(experiment.initial_pose),
-        experiment.robot.wheel_radius * limit,
-        experiment.robot.half_track,
-        experiment.reference.sample_time,
-    )
+    left = least_left(*_to_reach(experiment))
     if left <= NEAR * extent(experiment):
         return ""
     return (
@@ -70,13 +64,15 @@ def cannot_be_reached(experiment: Experiment) -> str:
 
 def earliest_on_trajectory(experiment: Experiment) -> int | None:
     """Returns the first sample that any controller can reach within the wheels' limit, if any."""
-    return earliest_merge(
-        experiment.reference.poses,
-        np.array(experiment.initial_pose),
-        experiment.robot.wheel_radius * experiment.speed_limit,
-        experiment.robot.half_track,
-        experiment.reference.sample_time,
-    )
+    return earliest_merge(*_to_reach(experiment))
+
+
+def _to_reach(experiment: Experiment) -> tuple[Floats, Floats, float, float, float]:
+    """Returns the numbers of an experiment that `earliest_merge` takes."""
+    reference, robot = experiment.reference, experiment.robot
+    top_speed = robot.wheel_radius * experiment.speed_limit
+    start = np.array(experiment.initial_pose)
+    return reference.poses, start, top_speed, robot.half_track, reference.sample_time
 
 
 def is_too_fast(experiment: Experiment) -> bool:

@@ -20,7 +20,7 @@ from itertools import count
 from typing import Any, Generic, TypeVar
 from urllib.parse import urlsplit
 
-from hilc_cli.errors import HilcError, MissingPackageError, UsageError
+from hilc_cli.errors import HilcError, UsageError, needed
 from hilc_cli.files import reason
 from hilc_cli.version import __version__
 from hilc_cli.workers.crews import PATIENCE, Outcome, Piece, Result
@@ -63,11 +63,7 @@ class DaskCrew(Generic[Piece, Result]):
             MissingPackageError: The package for that is not installed.
             ClusterError: There is no scheduler, or it has no workers.
         """
-        try:
-            import distributed
-        except ImportError:
-            raise MissingPackageError("--scheduler", "distributed", "dask") from None
-        self._distributed = distributed
+        self._distributed = distributed = needed("--scheduler", "distributed", "dask")
         _silence()
         _greet(address, go_on)
         self._address, self._go_on = address, go_on

@@ -64,11 +64,9 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         keys: PathKeys = details["loc"]
         if keys and keys[-1] == "[key]":  # what is wrong is the key itself
             keys = keys[:-1]
+            message = "is no key; give keys with dots between them, such as controller.gains.l1"
             if context.get("pattern") == NAME_PATTERN:
                 message = f"is no name; {name_remedy(keys[-1])}"
-                found.append(_at(tree, keys, message, point_at_key=True))
-                continue
-            message = "is no key; give keys with dots between them, such as controller.gains.l1"
             found.append(_at(tree, keys, message, point_at_key=True))
         elif details["type"] == "hilc":
             for at, problem, remedy in context["problems"]:

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
@@ -255,10 +254,11 @@ class LiftedIteration:
         """
         if self.law.smooths:
             return estimated_radius(self.apply, (self.samples, 2))
-        gains = self._loop_gains()
-        if gains is None:
+        with np.errstate(over="ignore", invalid="ignore"):
+            products = self.law.next_gain * (self.gains @ self.plant.inputs)
+        if not np.isfinite(products).all():
             return SpectralRadius(math.inf)
-        return SpectralRadius(float(np.abs(self.law.kept - gains).max()))
+        return SpectralRadius(float(np.abs(self.law.kept - np.linalg.eigvals(products)).max()))
 
     def largest_singular_value(self) -> SingularValue:
         """The most by which T may lengthen an input; if below 1 the convergence is monotone.
@@ -270,14 +270,6 @@ class LiftedIteration:
             The value, and how surely it is known: a lower bound if the search was given up.
         """
         return largest_singular_value(self.apply, self.adjoint, (self.samples, 2))
-
-    def _loop_gains(self) -> NDArray[np.complex128] | None:
-        """Returns the eigenvalues of c d G_k B_k, shape (n, 2); None beyond the finite numbers."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            products = self.law.next_gain * (self.gains @ self.plant.inputs)
-        if not np.isfinite(products).all():
-            return None
-        return np.linalg.eigvals(products).astype(np.complex128)
 
     def _driven(self, constant: Floats, inputs: Floats) -> Floats:
         """Returns the right side of the error's recursion for a given input."""
