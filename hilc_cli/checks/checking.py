@@ -309,16 +309,9 @@ def simulated(
 def decided(
     found: Findings, simulated: Simulated, expected: ExpectedError | None, *, learns: bool
 ) -> Findings:
-    """Returns what theory says of learning, where a simulation has the last word.
+    """Returns what theory has found of learning, where a simulation has the last word.
 
-    Args:
-        found: What theory says.
-        simulated: The simulation.
-        expected: The error that theory expects of the last iteration, if it does.
-        learns: Whether the law learns at all.
-
-    Returns:
-        Failures only where the simulation did not do better, and what theory did not foresee.
+    Failures only where the simulation did not do better, and what theory did not foresee.
     """
     errors, outcome = simulated.telling_errors_m, simulated.outcome
     whole = simulated.errors_m

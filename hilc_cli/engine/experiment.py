@@ -61,7 +61,6 @@ class Learning:
     """
 
     def __init__(self, experiment: Experiment) -> None:
-        """Begins with nothing learned yet."""
         self.reference = experiment.reference
         self._speed_limit = experiment.speed_limit
         task = Task(

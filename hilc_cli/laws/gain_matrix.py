@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
@@ -215,29 +215,16 @@ def _entry(entry: object, names: Mapping[str, Affine], at: tuple[int, int]) -> A
     return number
 
 
+def _lists_of(count: int, items: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "array", "minItems": count, "maxItems": count, "items": items}
+
+
 _EXPRESSION = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 GainMatrixChoice = Annotated[
     Named | Rows,
     PlainValidator(_validate),
     PlainSerializer(lambda choice: choice if isinstance(choice, str) else list(map(list, choice))),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"enum": list(_NAMED)},
-                {
-                    "type": "array",
-                    "minItems": 2,
-                    "maxItems": 2,
-                    "items": {
-                        "type": "array",
-                        "minItems": 3,
-                        "maxItems": 3,
-                        "items": _EXPRESSION,
-                    },
-                },
-            ]
-        }
-    ),
+    WithJsonSchema({"anyOf": [{"enum": list(_NAMED)}, _lists_of(2, _lists_of(3, _EXPRESSION))]}),
     Field(description="model: Eq. 45; unit: Eq. 56; or 2x3 entries affine in cos and sin"),
 ]
 

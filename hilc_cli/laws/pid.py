@@ -278,27 +278,26 @@ class PidController(Controller):
 
     def in_short(self, setting: Setting) -> str:
         """What is not 0, for a title."""
+        return ", ".join(["pid", *(text for value, text in self._parts() if value)])
+
+    def _parts(self) -> list[tuple[float | None, str]]:
+        """The numbers that shape the learning, each in words."""
         gains = self.gains
-        parts = [
+        return [
             (gains.kp, f"kp {gains.kp:g}"),
             (gains.ki, f"ki {gains.ki:g} 1/s"),
             (gains.kd, f"kd {gains.kd:g} s"),
             (self.forgetting, f"forgetting {self.forgetting:g}"),
             (self.cutoff, f"cut-off {self.cutoff:g} Hz" if self.cutoff else ""),
         ]
-        return ", ".join(["pid", *(text for value, text in parts if value)])
 
     def in_words(self, setting: Setting) -> str:
         """All gains, and what else shapes the learning."""
-        gains = self.gains
-        words = f"PID-type learning; kp {gains.kp:g}, ki {gains.ki:g} 1/s, kd {gains.kd:g} s"
-        if self.forgetting:
-            words += f", forgetting {self.forgetting:g}"
-        if self.cutoff is not None:
-            words += f", cut-off {self.cutoff:g} Hz"
+        every = ", ".join(text for _, text in self._parts()[:3])
+        more = [text for value, text in self._parts()[3:] if value]
         if self.rectifying == "on":
-            words += f", rectifying over {default_length(self.h, setting.reference)} samples"
-        return words
+            more.append(f"rectifying over {default_length(self.h, setting.reference)} samples")
+        return ", ".join([f"PID-type learning; {every}", *more])
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""

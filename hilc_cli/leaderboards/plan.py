@@ -6,6 +6,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -151,24 +152,23 @@ class Leaderboard:
     def contests(self) -> Iterator[Contest]:
         """All runs: cases in their order; of each the beliefs, the disturbances, and the laws."""
         spec = self.spec
-        for case, scenario in self.cases.items():
-            robot = scenario.spec.robot.robot()
-            for belief, believed in spec.beliefs.items():
-                for disturbance, disturbed in spec.disturbances.items():
-                    for law, controller in spec.laws.items():
-                        limit = spec.b_w if controller.b_w is None else controller.b_w
-                        changes = {
-                            "controller": controller.model_copy(update={"b_w": limit}),
-                            "model": believed.model_of(robot),
-                            "disturbance": disturbed,
-                            "iterations": max(spec.after),
-                            "initial_input": spec.initial_input,
-                            "initial_trial": None,
-                            "record": RecordSpec(),
-                            "sweep": None,
-                        }
-                        made = Scenario(scenario.spec.model_copy(update=changes))
-                        yield Contest(case, belief, disturbance, law, made)
+        every = product(
+            self.cases.items(), spec.beliefs.items(), spec.disturbances.items(), spec.laws.items()
+        )
+        for (case, scenario), (belief, believed), (disturbance, disturbed), (law, own) in every:
+            limit = spec.b_w if own.b_w is None else own.b_w
+            changes = {
+                "controller": own.model_copy(update={"b_w": limit}),
+                "model": believed.model_of(scenario.spec.robot.robot()),
+                "disturbance": disturbed,
+                "iterations": max(spec.after),
+                "initial_input": spec.initial_input,
+                "initial_trial": None,
+                "record": RecordSpec(),
+                "sweep": None,
+            }
+            made = Scenario(scenario.spec.model_copy(update=changes))
+            yield Contest(case, belief, disturbance, law, made)
 
 
 def load_leaderboard(

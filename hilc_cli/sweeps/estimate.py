@@ -44,13 +44,7 @@ class Estimate:
 
 
 def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
-    """What a sweep will cost, from a short trial of its first cases.
-
-    Args:
-        plan: The sweep.
-        workers: How many compute it.
-        computed: How many of its cases they compute; by default all.
-    """
+    """What a sweep, or so many of its cases, will cost, from a short trial of its first ones."""
     cases, samples = computed or len(plan.cases), samples_per_case(plan)
     columns = len(CASE_COLUMNS) + len(plan.axes)
     rows = cases * _BYTES_PER_VALUE * len(CASE_COLUMNS)

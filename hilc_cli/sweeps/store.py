@@ -153,11 +153,7 @@ class FolderStore(Store):
     """
 
     def __init__(self, folder: Path, *, read_only: bool = False) -> None:
-        """Opens a folder that `create` has made.
-
-        Args:
-            folder: The folder.
-            read_only: Nothing is to be kept, so that it may be anybody's.
+        """Opens a folder that `create` has made; one that is only read may be anybody's.
 
         Raises:
             UsageError: It is no such folder, or something else than its files stands in it.
@@ -188,13 +184,7 @@ class FolderStore(Store):
 
     @classmethod
     def create(cls, folder: Path, plan: Plan, cases: Chunk, shard: str | None) -> FolderStore:
-        """Makes the folder of a sweep, or of a shard of it, and opens it.
-
-        Args:
-            folder: The folder; no sweep is in it.
-            plan: The sweep.
-            cases: The cases that belong into it.
-            shard: ``K/N``, for a shard.
+        """Makes a folder for some cases of a sweep, or for a shard ``K/N`` of it, and opens it.
 
         Raises:
             ExistingResultsError: Another program has just put a sweep there.

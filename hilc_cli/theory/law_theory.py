@@ -27,7 +27,6 @@ class LawTheory:
     linear: LinearLaw | None = None
 
     def __init__(self, experiment: Experiment) -> None:
-        """Takes an experiment of the law."""
         self.experiment = experiment
 
     @property

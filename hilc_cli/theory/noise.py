@@ -286,14 +286,7 @@ def seen_in(trial: Trial, experiment: Experiment) -> WheelNoise | None:
 
     From an initial pose that is off the trajectory, the second half is looked at: before that the
     wheels may be at their limit to get there. The change is that of most samples (by the median),
-    so that jumps which answer the path's own do not count.
-
-    Args:
-        trial: The last iteration.
-        experiment: What was simulated.
-
-    Returns:
-        None if nothing is disturbed.
+    so that jumps which answer the path's own do not count. None if nothing is disturbed.
     """
     reference = experiment.reference
     if not active_sources(experiment.disturbance):

@@ -24,11 +24,7 @@ _MOST_POINTS = 400  # of the reference that are looked at in pairs
 
 
 def start_findings(theory: LawTheory) -> Findings:
-    """Returns what the start means for an experiment.
-
-    Args:
-        theory: What is known of the experiment's law; its disturbances are left out.
-    """
+    """Returns what the start means for an experiment, whose disturbances are left out."""
     experiment = theory.experiment
     if not knows_plant(experiment):
         return Findings()
@@ -226,12 +222,6 @@ def judged_feasibility(
     not. Else what is too fast is a warning: a corner that takes some samples more than it should
     leaves a small error, and everything else can be learned. What the tyres do not hold stays a
     failure, and so does everything of a plant that theory does not know.
-
-    Args:
-        feasibility: What was looked at.
-        experiment: The experiment.
-        model: The platform as the controller believes it to be.
-        expected: What is expected of the last iteration, if that is known.
     """
     found = feasibility_findings(feasibility)
     limits = replace(feasibility.limits, wheel_speed=math.inf)

@@ -126,10 +126,7 @@ _Named = TypeVar("_Named", bound=BaseModel)
 def of_named_model(key: str, data: Any, named: Callable[[], type[_Named]]) -> _Named:
     """Validates data against the model that one of its keys names, and against no other.
 
-    Args:
-        key: The key.
-        data: The data.
-        named: Finds the model; raises PlugInError if there is none.
+    It is found by a function that raises PlugInError if there is none.
 
     Raises:
         ValidationError: There is no such model, or the data does not fit it.
@@ -219,10 +216,7 @@ class Step:
 def steps_to(tree: Node, keys: PathKeys, model: type[Model]) -> list[Step]:
     """The mappings on the way to a path, the one that stands there last.
 
-    Args:
-        tree: The root, which need not be valid.
-        keys: The path.
-        model: What the root is validated against.
+    The root need not be valid; the model is what it is validated against.
     """
     found = [Step((), model, (model,))]
     named: object = None  # what the names in a mapping of names stand for

@@ -44,13 +44,7 @@ _UNKNOWN = ("is an unknown key", None)
 
 
 def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[Problem]:
-    """Each validation error as a problem at the place of the offending value.
-
-    Args:
-        error: What Pydantic found.
-        tree: The tree that was validated.
-        model: The model that it was validated against.
-    """
+    """Each validation error as a problem at the place of the offending value in the tree."""
     found: list[tuple[Place, Problem]] = []
     every = error.errors(include_url=False)
     strange = [details["loc"] for details in every if details["type"] == "extra_forbidden"]

@@ -28,6 +28,7 @@ _EQUATIONS = {"input": (38, 39), "state": (40, 41), "output": (42, 43)}
 """The equations of each iteration, and of the limit."""
 _ZERO = 1e-12  # constants below are rounding
 _ROUNDING = 1e-9  # of logarithms
+_MANY = 8  # digits of a number that is to be below 1, to see whether it is
 _LAST = 10
 """So many last iterations of a simulation stand for its limit."""
 
@@ -82,7 +83,7 @@ def _told(rho: float) -> str:
 def _constants(theories: Mapping[str, Bounds]) -> Grid:
     """Returns the constants of each theory, a column each."""
     rows = [
-        ["rho", *(_contraction(theory.constants.rho) for theory in theories.values())],
+        ["rho", *(_number(theory.constants.rho, _MANY) for theory in theories.values())],
         *(
             [name, *(_number(getattr(theory.constants, name)) for theory in theories.values())]
             for name in _CONSTANTS
@@ -91,7 +92,7 @@ def _constants(theories: Mapping[str, Bounds]) -> Grid:
     ]
     rows += [
         ["lambda", *(_number(theory.lambda_) for theory in theories.values())],
-        ["A", *(_contraction(theory.A) for theory in theories.values())],
+        ["A", *(_number(theory.A, _MANY) for theory in theories.values())],
         ["B", *(_number(theory.B) for theory in theories.values())],
     ]
     note = (
@@ -177,13 +178,8 @@ def _columns(theories: Mapping[str, object]) -> list[tuple[str, str]]:
     return [(_SHORT[name], "") for name in theories]
 
 
-def _number(value: float) -> str:
-    return f"{value:.5g}" if abs(value) > _ZERO else "0"
-
-
-def _contraction(value: float) -> str:
-    """Returns a number that is to be below 1, with enough digits to see whether it is."""
-    return f"{value:.8g}" if abs(value) > _ZERO else "0"
+def _number(value: float, digits: int = 5) -> str:
+    return f"{value:.{digits}g}" if abs(value) > _ZERO else "0"
 
 
 def _log(value: float) -> str:

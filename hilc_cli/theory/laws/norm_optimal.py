@@ -31,6 +31,8 @@ from hilc_cli.theory.laws.norm_optimal_noise import expected_of_norm_optimal
 from hilc_cli.theory.learning.outcome import Outcome
 from hilc_cli.theory.noise import Remedies, WheelNoise, noise_findings, wheel_findings, wheel_rows
 
+_MADE_UP_FOR = "feedback makes up for a wrong model"
+
 
 class NormOptimalTheory(LawTheory):
     """How soon the law is on the trajectory, and what a wrong model does to its learning."""
@@ -101,12 +103,8 @@ class NormOptimalTheory(LawTheory):
         found = self.merging
         told = self._learning()
         if self.mismatch is None:
-            told[-1] = (
-                "Learning",
-                "identifies wheel radius and half track"
-                if self.law.identify
-                else "feedback makes up for a wrong model",
-            )
+            identifies = "identifies wheel radius and half track"
+            told[-1] = "Learning", identifies if self.law.identify else _MADE_UP_FOR
         if found.is_off:
             planned = _merge(found)
             text = (
@@ -155,11 +153,8 @@ class NormOptimalTheory(LawTheory):
                 )
             )
         if mismatch is None:
-            why = (
-                "wheel radius and half track are identified"
-                if self.law.identify
-                else "the feedback makes up for a wrong model"
-            )
+            identified = "wheel radius and half track are identified"
+            why = identified if self.law.identify else f"the {_MADE_UP_FOR}"
             return [*rows, ("Theory", f"no condition is evaluated: {why}")]
         strongest = f"{mismatch.along:.4g} along the path, {mismatch.turning:.4g} in turning"
         return [

@@ -80,12 +80,7 @@ class Merging:
 
 
 def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
-    """Returns the way into the trajectory, from the experiment's initial pose.
-
-    Args:
-        experiment: An experiment of the law; its disturbances are left out.
-        law: The law.
-    """
+    """Returns the way into the trajectory, from the experiment's initial pose, undisturbed."""
     reference = experiment.reference
     off = np.array(experiment.initial_pose) - reference.poses[0]
     position, heading = math.hypot(off[0], off[1]), abs(float(off[2]))

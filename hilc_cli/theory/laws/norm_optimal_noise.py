@@ -72,11 +72,7 @@ def noisy_passes(
 ) -> Passes:
     """Returns the last iteration of many seeds, the first of which is not disturbed.
 
-    Args:
-        experiment: With its disturbances, and at least one learning update.
-        law: Its law.
-        plan: What learning leads to.
-        seeds: How many are followed side by side.
+    The plan is what learning leads to, of which the experiment has at least one update.
     """
     n, draws = experiment.reference.samples, DisturbanceDraws(experiment.disturbance, seeds)
     memory = min(law.memory if law.identify else 1, experiment.iterations)
@@ -164,10 +160,7 @@ def expected_of_norm_optimal(
 ) -> tuple[ExpectedError, Outcome, WheelNoise | None]:
     """Returns the error to be expected, what comes of learning, and the noise of the wheels.
 
-    Args:
-        experiment: The experiment.
-        law: Its law.
-        iteration_leaves: Share that an iteration leaves of an error because its model is wrong.
+    An iteration leaves so large a share of an error because its model is wrong.
     """
     plan = planned_motion(experiment, law)
     away: Floats = np.hypot(*(plan.poses - experiment.reference.poses)[:, :2].T)

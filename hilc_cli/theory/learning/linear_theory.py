@@ -50,7 +50,6 @@ class LinearTheory(LawTheory):
     linear: LinearLaw
 
     def __init__(self, experiment: Experiment) -> None:
-        """Takes an experiment of the law."""
         super().__init__(experiment)
         self.linear = type(self).law_class(experiment)
 
