@@ -146,7 +146,7 @@ class Scenario:
     def _implausible(self) -> list[str]:
         """Numbers that hardly anybody means."""
         spec, robot = self.spec, self.spec.robot.robot()
-        headings = {"trajectory.start.heading": spec.trajectory.start.heading}
+        headings = {"trajectory.start.heading": spec.trajectory.start_pose[2]}
         if spec.initial_pose.heading is not None:
             headings["initial_pose.heading"] = spec.initial_pose.heading
         return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)

@@ -246,7 +246,7 @@ def tracking_loop(experiment: Experiment, law: FeedbackLaw) -> TrackingLoop:
         1 / (driven * law.k_x) if law.k_x else math.inf,
         1 / stiffness if stiffness else math.inf,
         turned * law.k_theta / (2 * stiffness) if stiffness else math.inf,
-        _swings(turned, law, float(twists[:, 0].max()) * reference.sample_time),
+        _swings(turned, law, float(np.abs(twists[:, 0]).max()) * reference.sample_time),
         bool(lasting.any()),
         float(ahead[np.abs(ahead).argmax()]),
         float(away.max()),
@@ -356,7 +356,7 @@ def _loop(
     matrices[:, 0, 0] -= driven * law.k_x * sample_time
     matrices[:, 1, 2] = step
     matrices[:, 2, 1] = -turned * step * law.k_y
-    matrices[:, 2, 2] -= turned * step * law.k_theta
+    matrices[:, 2, 2] -= turned * np.abs(step) * law.k_theta
     offsets[:, 0] = (1 - driven) * step
     offsets[:, 1] = step * turn / 2
     offsets[:, 2] = (1 - turned) * turn
