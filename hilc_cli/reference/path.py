@@ -346,8 +346,7 @@ class PathBuilder:
                 first = ", ".join(f"{each:.9g}" for each in points[0])
                 raise PathError(
                     f"starts at ({first}), {gap:.3g} m from ({x:.9g}, {y:.9g}), where the path "
-                    "stands; make its first point the one where the segment before ends",
-                    "points",
+                    "stands; make its first point the one where the segment before ends"
                 )
             points = np.concatenate([[[x, y]], points[1:]])
         try:
@@ -363,16 +362,16 @@ class PathBuilder:
                 corners=self._corners,
                 corner_radius=self._corner_radius,
             )
+            clock = None
+            if plan.duration is None and plan.speed is None:
+                if plan.times is not None:
+                    clock = curve.clock_of_times(plan.times)
+                elif plan.speeds is not None:
+                    clock = curve.clock_of_speeds(plan.speeds)
         except CurveError as error:
-            raise PathError(str(error), "points") from None
+            raise PathError(str(error)) from None
         except RoundingError as error:
             raise PathError(f"has a corner that {error}") from None
-        clock = None
-        if plan.duration is None and plan.speed is None:
-            if plan.times is not None:
-                clock = curve.clock_of_times(plan.times)
-            elif plan.speeds is not None:
-                clock = curve.clock_of_speeds(plan.speeds)
         self.curves[len(self._placed)] = curve
         segment = Backward(curve.segment) if plan.reverse else curve.segment
         return Placed(segment, plan.duration, plan.speed, clock=clock)

@@ -138,7 +138,7 @@ def curve_through(
     apart = np.append(True, steps > same)
     kept, dropped = points[apart].copy(), int((~apart).sum())
     index = np.cumsum(apart) - 1  # of each point among those that are kept
-    ends_at_start = len(kept) > 2 and math.dist(kept[0], kept[-1]) <= slack
+    ends_at_start = len(kept) > 3 and math.dist(kept[0], kept[-1]) <= slack
     is_closed = ends_at_start if closed is None else closed
     if is_closed:
         kept = np.concatenate([kept[:-1] if ends_at_start else kept, kept[:1]])
