@@ -10,7 +10,7 @@ import typer
 
 from hilc_cli.cli import options
 from hilc_cli.errors import UsageError
-from hilc_cli.reporting.terminal import print_json, print_text, progress, say
+from hilc_cli.reporting.terminal import print_json, print_text, progress, say, say_notes
 
 WRONG = 3
 
@@ -65,6 +65,7 @@ def check(
     if not plot and (out is not None or formats or force):
         raise UsageError("--out, --format and --force are about the picture; add --plot")
     valid = load_scenario(scenario, set_ or [], trust=trust)
+    say_notes(valid.notes, quiet=quiet)
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet or not simulate) as advance:
         found = check(valid, simulate=simulate, on_iteration=context.obj.counting(advance))
     pictures: list[Path] = []

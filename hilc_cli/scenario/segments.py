@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
 
 import numpy as np
@@ -235,6 +236,32 @@ class PathSpec(_Reversible):
     closed: Flag | None = Field(
         None, description="whether it goes on to its first point; default: if that is the last"
     )
+
+    @classmethod
+    def misfits(cls, data: dict[str, Any]) -> list[Located]:
+        """Times and speeds that do not belong to the points, or stand beside others."""
+        found = super().misfits(data)
+        points = data.get("points")
+        for one, other in (("duration", "speed"), ("times", "speeds")):
+            if data.get(one) is not None and data.get(other) is not None:
+                found.append(((), f"has both {one} and {other}", "give one of them"))
+        for key in ("times", "speeds"):
+            values = data.get(key)
+            if not isinstance(points, list) or not isinstance(values, list):
+                continue
+            if len(values) != len(points):
+                problem = f"has {len(values)} entries for {len(points)} points"
+                found.append(((key,), problem, "give one for each point"))
+        return found
+
+    @model_validator(mode="after")
+    def _times_rise(self) -> Self:
+        for index, (before, after) in enumerate(pairwise(self.times or ()), 1):
+            if after <= before:
+                raise wrong_at(
+                    ("times", index), f"is not after {before:g} s", "give times that rise"
+                )
+        return self
 
     def plan(self) -> SegmentPlan:
         """The segment for the path builder."""
