@@ -168,10 +168,15 @@ class TrajectorySpec(Model):
         gap = path.gap()
         if self.closed and gap > path.slack:
             last = len(self.segments) - 1
+            remedy = "close the gap or set 'closed: false'"
+            if last in path.curves and last == 0:
+                remedy = (
+                    "close the gap, set 'closed: true' in the segment, or 'closed: false' below"
+                )
             raise wrong_at(
                 ("segments", last, self.segments[last].kind),
                 f"ends {gap:.3g} m from the start of the path, which is said to be closed",
-                f"close the gap or set 'closed: false'{self._degrees_meant(last)}",
+                f"{remedy}{self._degrees_meant(last)}",
             )
         return path
 
