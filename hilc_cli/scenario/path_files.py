@@ -66,7 +66,9 @@ def with_path_files(tree: MapNode, inputs: Inputs) -> tuple[MapNode, dict[int, P
             problems.append(Problem(str(node.place), key, str(error)))
             continue
         files[index] = PathFile(path, found)
-        items[index] = with_entry(item, "path", _with_points(shape, node, found), shape.place)
+        items[index] = with_entry(
+            item, "path", _with_points(shape, node, found), item.key_places["path"]
+        )
     if problems:
         raise InvalidInputError(problems)
     if not files:

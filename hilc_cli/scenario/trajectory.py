@@ -170,9 +170,7 @@ class TrajectorySpec(Model):
             last = len(self.segments) - 1
             remedy = "close the gap or set 'closed: false'"
             if last in path.curves and last == 0:
-                remedy = (
-                    "close the gap, set 'closed: true' in the segment, or 'closed: false' below"
-                )
+                remedy = "close the gap, set 'closed: true' in the segment, or false below"
             raise wrong_at(
                 ("segments", last, self.segments[last].kind),
                 f"ends {gap:.3g} m from the start of the path, which is said to be closed",

@@ -62,7 +62,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "turn-reverse": (
         added("turn: {angle: pi, duration: 1, reverse: true}"),
-        "path.yaml:6:36: trajectory.segments.1.turn.reverse: is an unknown key; known: angle, duration, rate",
+        "path.yaml:6:36: trajectory.segments.1.turn.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
     ),
     "stop-empty": (
         added("stop: {}"),
@@ -74,7 +74,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "stop-speed": (
         added("stop: {duration: 1, speed: 0}"),
-        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; known: duration",
+        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
     ),
     "clothoid-end": (
         added("clothoid: {length: 2, duration: 1}"),
@@ -133,7 +133,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "spline-word": (
         added("spline: {points: [[1, 0], [2, up]], duration: 1}"),
-        "path.yaml:6:35: trajectory.segments.1.spline.points.1.1: has an unknown unit or name 'up', got 'up'; give it in mm, cm or m",
+        "path.yaml:6:35: trajectory.segments.1.spline.points.1.1: has the unknown name 'up', got 'up'; give a number, such as 1.5 or 20 cm",
     ),
     "spline-time": (
         added("spline: {points: [[1, 0], [2, 0]]}"),
@@ -157,7 +157,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "spline-not-closed": (
         only("spline: {points: [[0, 0], [1, 0], [1, 1]], duration: 1}", "closed: true\n"),
-        "path.yaml:4:5: trajectory.segments.0.spline: ends 1.41 m from the start of the path, which is said to be closed; close the gap, set 'closed: true' in the segment, or 'closed: false' below",
+        "path.yaml:4:5: trajectory.segments.0.spline: ends 1.41 m from the start of the path, which is said to be closed; close the gap, set 'closed: true' in the segment, or false below",
     ),
     "no-start": (
         only("line: {length: 1, duration: 1}"),
@@ -201,7 +201,7 @@ CASES: dict[str, tuple[str, str]] = {
             "arc: {center: [1, 1.01], radius: 1, sweep: 1, turn: left, duration: 1}",
             "tolerance: 1 mm\n",
         ),
-        "path.yaml:6:18: trajectory.segments.1.arc.center: does not pass through (1, 0), where the path stands: that point is 1.01 m from the centre, a gap of 0.01 m to the radius of 1 m; correct the centre, the radius or the segment before",
+        "path.yaml:6:19: trajectory.segments.1.arc.center: does not pass through (1, 0), where the path stands: that point is 1.01 m from the centre, a gap of 0.01 m to the radius of 1 m; correct the centre, the radius or the segment before",
     ),
     "path-empty": (
         only("path: {speed: 1}"),
@@ -262,11 +262,11 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "points-times": (
         only("path: {points: [[0, 0], [1, 0]], times: [0, 1, 2]}"),
-        "path.yaml:4:44: trajectory.segments.0.path.times: has 3 entries for 2 points; give one for each point",
+        "path.yaml:4:45: trajectory.segments.0.path.times: has 3 entries for 2 points; give one for each point",
     ),
     "points-order": (
         only("path: {points: [[0, 0], [1, 0]], times: [1, 1]}"),
-        "path.yaml:4:48: trajectory.segments.0.path.times.1: is not after 1 s, got 1; give times that rise",
+        "path.yaml:4:49: trajectory.segments.0.path.times.1: is not after 1 s, got 1; give times that rise",
     ),
     "points-standing": (
         only("path: {points: [[0, 0], [1, 0]], speeds: [0, 0]}"),
@@ -301,7 +301,7 @@ def test_too_many_points_are_told_together(write: Write) -> None:
     with pytest.raises(InvalidInputError) as caught:
         load_scenario("scenario.yaml")
     assert str(caught.value) == (
-        "path.yaml:3:1: trajectory.segments: have 12000 points together, and the most is 10000; "
+        "path.yaml:4:3: trajectory.segments: have 12000 points together, and the most is 10000; "
         "take fewer, such as every second one"
     )
 

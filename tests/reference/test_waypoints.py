@@ -24,7 +24,7 @@ def parsed(text: str | bytes) -> Waypoints:
     return parse_waypoints(Path("f.csv"), content)
 
 
-KINDS = {
+KINDS: dict[str, tuple[str, dict[str, list[float]]]] = {
     "header": ("x,y\n1,2\n3,4.5\n", {}),
     "spaces": ("1 2\n  3\t4.5 \n", {}),
     "commas": ("1, 2\n3, 4.5\n", {}),
