@@ -58,6 +58,10 @@ def rounded(before: Segment, after: Segment, radius: float) -> tuple[Segment, Se
     Raises:
         RoundingError: The legs are too short or too much bent, or one is driven backward.
     """
+    if before.length == 0 or after.length == 0:
+        raise RoundingError(
+            "is at a stop or a turn in place, where nothing can be rounded; turn by it there"
+        )
     if isinstance(before, Backward) != isinstance(after, Backward):
         raise RoundingError(
             "is where the robot begins to drive the other way, which cannot be rounded; turn in "

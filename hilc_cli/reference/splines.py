@@ -178,7 +178,8 @@ def smoothed(points: Floats, distance: float, *, closed: bool) -> Floats:
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
-    relative = points - points[0]
+    unit = float(np.median(np.hypot(*np.diff(points, axis=0).T)))
+    relative = (points - points[0]) / unit
     steps = np.hypot(*np.diff(relative, axis=0).T)
     count = len(points) - 1 if closed else len(points)
     if count < 3:
@@ -201,17 +202,19 @@ def smoothed(points: Floats, distance: float, *, closed: bool) -> Floats:
 
     def moved(factor: float) -> Floats:
         """How each free point moves [m], shape (free, 2)."""
-        moves: Floats = splu((identity + factor * inner).tocsc()).solve(-factor * fixed)
-        return moves
+        try:
+            moves: Floats = splu((identity + factor * inner).tocsc()).solve(-factor * fixed)
+        except RuntimeError:  # beyond what numbers can tell apart, and so beyond the distance
+            return np.full((len(free), 2), math.inf)
+        return unit * moves
 
-    unit = float(np.median(steps)) ** 3
-    low, high = 1e-9, 1e9  # times the cube of a step: from hardly any smoothing to a straight line
-    best = moved(low * unit)
+    low, high = 1e-9, 1e9  # for steps of length 1: from hardly any smoothing to a straight line
+    best = moved(low)
     if np.hypot(*best.T).max() > distance:
         return points
     for _ in range(_TRIES):
         factor = math.sqrt(low * high)
-        found = moved(factor * unit)
+        found = moved(factor)
         if np.hypot(*found.T).max() <= distance:
             low, best = factor, found
         else:

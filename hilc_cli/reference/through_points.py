@@ -17,6 +17,8 @@ from hilc_cli.reference.splines import CurveError, Spline, polyline, smoothed
 Through = Literal["spline", "polyline"]
 
 _SHARPEST = 1e-9  # [rad]: less is no corner
+_LEAST_LEFT = 0.01  # of the way from point to point, after smoothing
+_LAST_PLACES = 8  # so many units in the last place of a length are nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +100,11 @@ class Curve:
                 "would never end; give other speeds, or times"
             )
         times = np.concatenate([[0.0], np.cumsum(np.diff(lengths) / means)])
+        if (np.diff(times) <= 0).any():
+            raise CurveError(
+                "has speeds so different that the times of some points cannot be told apart; give "
+                "others, or 'speed'"
+            )
         return Clock(float(times[-1]), CubicHermiteSpline(times, lengths / total, speeds / total))
 
 
@@ -135,10 +142,11 @@ def curve_through(
         RoundingError: A leg is too short for its corners.
     """
     steps = np.hypot(*np.diff(points, axis=0).T)
+    same = max(same, _LAST_PLACES * math.ulp(float(np.abs(points).max() + steps.sum())))
     apart = np.append(True, steps > same)
     kept, dropped = points[apart].copy(), int((~apart).sum())
     index = np.cumsum(apart) - 1  # of each point among those that are kept
-    ends_at_start = len(kept) > 3 and math.dist(kept[0], kept[-1]) <= slack
+    ends_at_start = len(kept) > (2 if closed else 3) and math.dist(kept[0], kept[-1]) <= slack
     is_closed = ends_at_start if closed is None else closed
     if is_closed:
         kept = np.concatenate([kept[:-1] if ends_at_start else kept, kept[:1]])
@@ -148,6 +156,9 @@ def curve_through(
         raise CurveError(f"needs at least {what} that are apart; give more")
     through_these = smoothed(kept, smoothing, closed=is_closed) if smoothing else kept
     deviation = float(np.hypot(*(through_these - kept).T).max())
+    left = np.hypot(*np.diff(through_these, axis=0).T)
+    if left.min() <= same or left.sum() < _LEAST_LEFT * steps.sum():
+        raise CurveError("is smoothed until points come together; give a smaller 'smoothing'")
     segment: Segment
     if through == "spline":
         # A closed one has its own heading at the start, with that of a whole number of turns.

@@ -13,6 +13,7 @@ from hilc_cli.reference.path import (
     PathBuilder,
     PathError,
     SegmentPlan,
+    StopPlan,
     ThroughPlan,
     build_reference,
 )
@@ -111,6 +112,10 @@ def test_corner_backward_is_rounded_too() -> None:
             "is where the robot begins to drive the other way, which cannot be rounded",
         ),
         (
+            [StopPlan(1.0), LinePlan(to=(0.0, 1.0), duration=1.0)],
+            "is at a stop or a turn in place, where nothing can be rounded; turn by it there",
+        ),
+        (
             [LinePlan(to=(0.0, 1.0), duration=1.0)],
             "a corner of 1.57 rad; make start.heading the first one, since there is nothing to",
         ),
@@ -119,7 +124,7 @@ def test_corner_backward_is_rounded_too() -> None:
             "has a corner that takes about",
         ),
     ],
-    ids=["short", "taken", "cusp", "start", "back"],
+    ids=["short", "taken", "cusp", "stop", "start", "back"],
 )
 def test_corner_that_cannot_be_rounded_is_told(plans: list[SegmentPlan], message: str) -> None:
     builder = PathBuilder(START, 0.1, corner_radius=0.2)

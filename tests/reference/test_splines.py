@@ -244,6 +244,14 @@ def test_neighbours_that_are_the_same_count_once() -> None:
             ThroughPlan(np.array([[0.0, 0], [1, 0], [0.5, 0]]), duration=1.0),
             "turns back on the spot between its points 0 and 1",
         ),
+        (
+            ThroughPlan(on_circle(9), smoothing=1e6, closed=True, duration=1.0),
+            "is smoothed until points come together; give a smaller 'smoothing'",
+        ),
+        (
+            ThroughPlan(WAVY, speeds=np.array([1e-9, 1e-9, 1e9, 1e9, 1, 1])),
+            "has speeds so different that the times of some points cannot be told apart",
+        ),
         (ThroughPlan(WAVY), "has no time; give 'duration' or 'speed'"),
         (
             ThroughPlan(WAVY, speeds=np.array([1.0, 1, 0, 0, 1, 1])),
@@ -251,7 +259,7 @@ def test_neighbours_that_are_the_same_count_once() -> None:
         ),
         (ThroughPlan(WAVY, "polyline", duration=1.0), "has a corner of -0.661 rad at its point 1"),
     ],
-    ids=["one", "two", "cusp", "time", "standing", "corner"],
+    ids=["one", "two", "cusp", "smooth", "speeds", "time", "standing", "corner"],
 )
 def test_points_that_make_no_path_are_refused(plan: ThroughPlan, message: str) -> None:
     with pytest.raises(PathError, match=message):
