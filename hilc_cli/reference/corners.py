@@ -12,6 +12,7 @@ from hilc_cli.reference.segments import Arc, Backward, Chain, Poses, Segment, Tu
 
 _STEPS = 50
 _EXACT = 1e-12  # relative, of lengths
+_LAST_PLACES = 16  # so many units in the last place of coordinates are rounding
 
 
 class RoundingError(ValueError):
@@ -133,11 +134,13 @@ def _meet(
             tangents.append(ahead * (1 - offset * curvature))
         apart = shifted[0] - shifted[1]
         slopes = -np.stack(tangents, axis=1)
-        if abs(np.linalg.det(slopes)) < _EXACT:
+        determinant = abs(float(np.linalg.det(slopes)))
+        if determinant < _EXACT:
             return None
+        rounding = _LAST_PLACES * math.ulp(float(np.abs(shifted).max())) / determinant
         step = np.linalg.solve(slopes, apart)
         taken = taken - step
-        if np.abs(step).max() <= _EXACT * max(abs(offset), guess):
+        if np.abs(step).max() <= _EXACT * max(abs(offset), guess) + rounding:
             return float(taken[0]), float(taken[1])
     return None
 

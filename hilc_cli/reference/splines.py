@@ -8,13 +8,14 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.segments import Line, Poses, nearest_equivalent_angle
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _LENGTH_ERROR = 1e-10  # [m], of the whole length
-_MOST_PIECES = 256  # of the curve between two points
+_FEWEST_PIECES, _MOST_PIECES = 2, 256  # of the curve between two points
 _CHUNK = 20_000  # so many samples at a time
 _SLOWEST = 1e-3  # of the parameter's speed, which is about 1: below, the curve has a cusp
 _TRIES = 30
@@ -65,7 +66,7 @@ class Spline:
             )
         self._curve = CubicSpline(knots, relative, bc_type=ends)
         self._derivative, self._second = self._curve.derivative(1), self._curve.derivative(2)
-        self._borders, self._lengths, self._per_knot = self._measured(knots)
+        self._borders, self._lengths, self._at_knots = self._measured(knots)
         dx, dy = self._derivative(self._borders).T
         headings = np.unwrap(np.arctan2(dy, dx))
         if start_heading is not None:
@@ -85,7 +86,7 @@ class Spline:
     @cached_property
     def knot_fractions(self) -> Floats:
         """Fractions of the length at which the points are, shape (m,)."""
-        fractions: Floats = self._lengths[:: self._per_knot] / self.length
+        fractions: Floats = self._lengths[self._at_knots] / self.length
         return fractions
 
     def at(self, fraction: Floats) -> Poses:
@@ -115,29 +116,43 @@ class Spline:
         curvature = (dx * ddy - dy * ddx) / np.hypot(dx, dy) ** 3
         return Poses(self._origin[0] + x, self._origin[1] + y, heading, curvature)
 
-    def _measured(self, knots: Floats) -> tuple[Floats, Floats, int]:
-        """Borders of pieces, lengths up to them, and how many pieces there are between points."""
-        before = math.nan
-        pieces = 4
-        while True:
-            shares = np.arange(pieces) / pieces
-            inner = knots[:-1, np.newaxis] + np.diff(knots)[:, np.newaxis] * shares
-            borders = np.append(inner.ravel(), knots[-1])
-            lengths = self._length_between(borders[:-1], borders[1:], check=pieces)
-            total = float(lengths.sum())
-            enough = abs(total - before) <= _LENGTH_ERROR * min(1.0, total)
-            if enough or pieces >= _MOST_PIECES:
-                return borders, np.concatenate([[0.0], np.cumsum(lengths)]), pieces
-            before, pieces = total, 2 * pieces
+    def _measured(self, knots: Floats) -> tuple[Floats, Floats, NDArray[np.intp]]:
+        """Borders of pieces, lengths up to them [m], and which of them are at the points.
 
-    def _length_between(self, begin: Floats, end: Floats, check: int = 0) -> Floats:
-        """Lengths from parameters to parameters [m]; finds cusps with so many pieces a point."""
+        Between two points there are as many pieces as it takes for twice as many to make no
+        difference.
+        """
+        count = len(knots) - 1
+        lengths = np.full(count, np.nan)
+        pieces = np.full(count, _FEWEST_PIECES)
+        open_ = np.arange(count)
+        while len(open_):
+            shares = np.arange(pieces[open_[0]] + 1) / pieces[open_[0]]
+            inner = knots[open_, np.newaxis] + np.diff(knots)[open_, np.newaxis] * shares
+            found = self._length_between(inner[:, :-1].ravel(), inner[:, 1:].ravel())
+            found = found.reshape(len(open_), -1).sum(axis=1)
+            enough = np.abs(found - lengths[open_]) <= _LENGTH_ERROR * min(1.0, knots[-1]) / count
+            enough |= pieces[open_] >= _MOST_PIECES
+            lengths[open_] = found
+            open_ = open_[~enough]
+            pieces[open_] *= 2
+        at_knots = np.concatenate([[0], np.cumsum(pieces)])
+        leg = np.repeat(np.arange(count), pieces)
+        share = (np.arange(len(leg)) - at_knots[leg]) / pieces[leg]
+        borders = np.append(knots[leg] + np.diff(knots)[leg] * share, knots[-1])
+        inner_lengths = self._length_between(borders[:-1], borders[1:], leg)
+        return borders, np.concatenate([[0.0], np.cumsum(inner_lengths)]), at_knots
+
+    def _length_between(
+        self, begin: Floats, end: Floats, legs: NDArray[np.intp] | None = None
+    ) -> Floats:
+        """Lengths from parameters to parameters [m]; looks for cusps if their legs are given."""
         half = (end - begin) / 2
         at = begin[:, np.newaxis] + half[:, np.newaxis] * (1 + _NODES)
         slopes = self._derivative(at)
         speed = np.hypot(slopes[..., 0], slopes[..., 1])
-        if check and speed.min() < _SLOWEST:
-            point = int(speed.min(axis=1).argmin()) // check
+        if legs is not None and speed.min() < _SLOWEST:
+            point = int(legs[speed.min(axis=1).argmin()])
             raise CurveError(
                 f"turns back on the spot between its points {point} and {point + 1}; move them, or "
                 "drive the parts one after the other, one of them with 'reverse: true'"
@@ -210,7 +225,7 @@ def smoothed(points: Floats, distance: float, *, closed: bool) -> Floats:
 
     low, high = 1e-9, 1e9  # for steps of length 1: from hardly any smoothing to a straight line
     best = moved(low)
-    if np.hypot(*best.T).max() > distance:
+    if not np.hypot(*best.T).max() <= distance:  # or not even a number
         return points
     for _ in range(_TRIES):
         factor = math.sqrt(low * high)

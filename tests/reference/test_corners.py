@@ -21,6 +21,23 @@ from hilc_cli.reference.path import (
 START = (0.0, 0.0, 0.0)
 
 
+def test_corner_far_from_the_origin_is_the_same() -> None:
+    # A small corner, so that coordinates' last places are hard to tell from the arc.
+    points = np.array([[0, 0], [2, 0], [4, 0.2]])
+    here, there = (
+        build_reference(
+            "far",
+            None,
+            [ThroughPlan(points + offset, "polyline", duration=1.0)],
+            0.01,
+            corner_radius=1.0,
+        )
+        for offset in (0.0, 5e6)
+    )
+    np.testing.assert_allclose(there.x - 5e6, here.x, atol=1e-8)
+    np.testing.assert_allclose(there.heading, here.heading, atol=1e-7)
+
+
 @pytest.mark.parametrize("angle", [0.3, math.pi / 2, -2.0, 3.0])
 def test_corner_of_two_lines_is_an_arc_tangent_to_both(angle: float) -> None:
     radius, length = 0.1, 3.0
