@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hilc_cli.checks.checking import check
+from hilc_cli.checks.report.whole import document
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import InvalidInputError
 from hilc_cli.scenario.loading import load_scenario
@@ -137,6 +139,70 @@ def test_laws_drive_backward_turn_and_stand(write: Write, law: str) -> None:
     # The model is 2.5 % off over some 6 m, which feedforward leaves as it is.
     assert errors[0] > 0.05
     assert errors[-1] < 0.7 * errors[0]
+
+
+TWINS = """\
+name: twin
+trajectory:
+  name: twin
+  sample_time: 50 ms
+  start: {x: 0, y: 0, heading: 0}
+  segments:
+    - line: {length: 1, speed: 1}
+    - arc: {radius: 1, sweep: 1, turn: left, speed: 1}
+    - arc: {radius: 1, sweep: 1.5, turn: right, speed: 1}
+robot: {wheel_radius: 0.2, half_track: 0.5, turn_convention: ros}
+model: {wheel_radius: 0.21}
+iterations: 4
+initial_pose: {x: 0, y: 0.05, heading: 0}
+initial_input: feedforward
+disturbance: {output: {bound: [0.001, 0.001, 0.001]}}
+controller: {LAW, b_w: 10}
+"""
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        "law: hybrid, gains: {l1: 0.5, l2: 2}, compensation: off",
+        "law: pid, gains: {kp: 0.5}",
+        "law: feedback",
+        "law: norm-optimal",
+    ],
+)
+def test_robot_that_looks_back_does_all_that_one_does_that_looks_ahead(
+    write: Write, law: str
+) -> None:
+    # Turned about itself by half a turn, it drives the same path with its wheels in the other
+    # places and turning the other way.
+    ahead = TWINS.replace("LAW", law)
+    back = ahead.replace("heading: 0", "heading: pi").replace("speed: 1", "speed: 1, reverse: true")
+    write({"ahead.yaml": ahead, "back.yaml": back})
+    one, other = (document(check(load_scenario(name)), []) for name in ("ahead.yaml", "back.yaml"))
+    assert_alike(one["learning"], other["learning"])
+    trials = [
+        list(simulate(load_scenario(name).experiment())) for name in ("ahead.yaml", "back.yaml")
+    ]
+    for ahead_trial, back_trial in zip(*trials, strict=True):
+        np.testing.assert_allclose(back_trial.x, ahead_trial.x, atol=1e-7)
+        np.testing.assert_allclose(back_trial.left, -ahead_trial.right, atol=1e-5)
+
+
+def assert_alike(one: object, other: object) -> None:
+    """Whether documents say the same, apart from the rounding of what nearly vanishes."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        assert one.keys() == other.keys()
+        for key in one:
+            assert_alike(one[key], other[key])
+    elif isinstance(one, list) and isinstance(other, list):
+        for first, second in zip(one, other, strict=True):
+            assert_alike(first, second)
+    elif isinstance(one, float) and isinstance(other, float):
+        if min(one, other) > 1e9:
+            return  # what rounding decides: a bound on growth over all samples
+        assert other == pytest.approx(one, rel=1e-5, abs=1e-6, nan_ok=True)
+    else:
+        assert one == other
 
 
 def test_lateral_gain_is_refused_where_it_would_steer_wrong(write: Write) -> None:

@@ -239,6 +239,7 @@ def tracking_loop(experiment: Experiment, law: FeedbackLaw) -> TrackingLoop:
     lasting = growths**runs < _REACHED
     rests = lasting if lasting.any() else np.ones_like(lasting)
     ahead, away = _at_rest(matrices[rests], offsets[rests])
+    ahead = np.where(twists[rests, 0] < 0, -ahead, ahead)  # in the direction of travel
     stiffness = math.sqrt(max(turned * law.k_y, 0.0))
     return TrackingLoop(
         float(growths.max()),
