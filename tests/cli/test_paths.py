@@ -201,6 +201,8 @@ def assert_alike(one: object, other: object) -> None:
         if min(one, other) > 1e9:
             return  # what rounding decides: a bound on growth over all samples
         assert other == pytest.approx(one, rel=1e-5, abs=1e-6, nan_ok=True)
+    elif isinstance(one, int) and isinstance(other, int) and one > 1000:
+        assert other == pytest.approx(one, rel=0.02)  # iterations that rounding may shift
     else:
         assert one == other
 
