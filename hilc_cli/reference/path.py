@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 
 from hilc_cli.reference.corners import RoundingError, rounded
+from hilc_cli.reference.placed import MAX_SAMPLES, Placed
 from hilc_cli.reference.plans import (
     ArcPlan,
     ClothoidPlan,
@@ -37,9 +37,11 @@ from hilc_cli.reference.segments import (
     turn_sign,
 )
 from hilc_cli.reference.splines import CurveError
-from hilc_cli.reference.through_points import Clock, Curve, curve_through
+from hilc_cli.reference.through_points import Curve, curve_through
 
 __all__ = [
+    "MAX_SAMPLES",
+    "POSITION_TOLERANCE",
     "ArcPlan",
     "ClothoidPlan",
     "LinePlan",
@@ -55,36 +57,11 @@ __all__ = [
 
 POSITION_TOLERANCE = 1e-9  # [m]
 HEADING_TOLERANCE = 1e-9  # [rad]
-SAMPLES_TOLERANCE = 1e-9  # relative, on the number of samples of a duration
-MAX_SAMPLES = 1_000_000
 MOST_TURNING = 10_000.0
 """By which a clothoid may turn [rad]."""
 _LAST_PLACES = 8  # so many units in the last place coordinates may be off in any case
 
 Pose = tuple[float, float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Placed:
-    """A segment in its place, and what is said of its time.
-
-    Attributes:
-        segment: The shape.
-        duration: [s], if that is given.
-        rate: Length by time [m/s], of a turn angle by time [rad/s], if that is given.
-        rate_field: The key that says so.
-        size: What the rate is of [m] or [rad]; None for the segment's length.
-        clock: When it is where, if the points have times.
-        corner: By which the heading jumps at its start [rad].
-    """
-
-    segment: Segment
-    duration: float | None = None
-    rate: float | None = None
-    rate_field: Literal["speed", "rate"] = "speed"
-    size: float | None = None
-    clock: Clock | None = None
-    corner: float = 0.0
 
 
 class PathBuilder:
@@ -197,12 +174,7 @@ class PathBuilder:
         ends = []
         for placed, samples in zip(self._placed, self._counts, strict=True):
             part = slice(first, first + samples + 1)
-            fractions = (
-                # k / m rather than a step added up: sample k comes from the closed form.
-                np.arange(samples + 1) / samples
-                if placed.clock is None
-                else placed.clock.fractions(samples)
-            )
+            fractions = placed.fractions(samples)
             x[part], y[part], heading[part], _ = placed.segment.at(fractions)
             first += samples
             ends.append(first)
@@ -378,35 +350,7 @@ class PathBuilder:
 
     def _samples(self, placed: Placed, before: int) -> int:
         """How many sampling intervals a segment takes that comes after so many others."""
-        if placed.duration is not None:
-            exact = placed.duration / self._sample_time
-            if exact > MAX_SAMPLES:
-                raise SamplesError(
-                    f"takes {exact:.4g} samples; the longest path has {MAX_SAMPLES}", "duration"
-                )
-            samples = round(exact)
-            if samples < 1 or abs(exact - samples) > SAMPLES_TOLERANCE * max(1.0, exact):
-                near = max(1, samples) * self._sample_time
-                raise SamplesError(
-                    f"takes {placed.duration:.9g} s, which is {exact:.9g} samples of "
-                    f"{self._sample_time:.9g} s; give a whole number of samples, such as "
-                    f"{near:.9g} s",
-                    "duration",
-                )
-        else:
-            if placed.rate is not None:
-                size = placed.segment.length if placed.size is None else placed.size
-                exact, field = size / placed.rate / self._sample_time, str(placed.rate_field)
-            elif placed.clock is not None:
-                exact, field = placed.clock.duration / self._sample_time, ""
-            else:
-                raise PathError("has no time; give 'duration' or 'speed'")
-            # A speed hardly ever gives a whole number of samples: the nearest one is taken.
-            if exact > MAX_SAMPLES:
-                raise SamplesError(
-                    f"takes {exact:.4g} samples; the longest path has {MAX_SAMPLES}", field
-                )
-            samples = max(1, round(exact))
+        samples = placed.samples(self._sample_time)
         if before + samples > MAX_SAMPLES:
             raise SamplesError(
                 f"brings the path to {before + samples} samples; the longest path has {MAX_SAMPLES}"
