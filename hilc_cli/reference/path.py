@@ -76,6 +76,7 @@ class PathBuilder:
         tolerance: How far a given centre, end or start of a curve may be off [m].
 
     Attributes:
+        samples: Number of sampling intervals so far.
         curves: Curves through points, by the number of their segment.
     """
 
@@ -97,12 +98,8 @@ class PathBuilder:
         self._tolerance = tolerance
         self._placed: list[Placed] = []
         self._counts: list[int] = []
+        self.samples = 0
         self.curves: dict[int, Curve] = {}
-
-    @property
-    def samples(self) -> int:
-        """Number of sampling intervals so far."""
-        return sum(self._counts)
 
     @property
     def start(self) -> Pose:
@@ -135,16 +132,15 @@ class PathBuilder:
         before = self._placed[-1] if self._placed else None
         if abs(jump) > HEADING_TOLERANCE:
             placed, before = self._with_corner(placed, before, jump)
-        samples = self._samples(placed, self.samples)
-        if before is not None and before is not self._placed[-1]:
-            self._placed[-1] = before
-            self._counts[-1] = self._samples(before, self.samples - self._counts[-1])
-        self._placed.append(placed)
-        self._counts.append(samples)
         self._start, self._pose = start, (x, y, heading)
         self._is_backward = isinstance(segment, Backward)
         if not isinstance(plan, StopPlan):
             self._curvature = curvature
+        if before is not None and before is not self._placed[-1]:  # its corner has been rounded
+            self._placed.pop()
+            self.samples -= self._counts.pop()
+            self._take(before)
+        self._take(placed)
 
     def gap(self) -> float:
         """Distance of the running point from the start [m]."""
@@ -348,14 +344,21 @@ class PathBuilder:
         segment = Backward(curve.segment) if plan.reverse else curve.segment
         return Placed(segment, plan.duration, plan.speed, clock=clock)
 
-    def _samples(self, placed: Placed, before: int) -> int:
-        """How many sampling intervals a segment takes that comes after so many others."""
+    def _take(self, placed: Placed) -> None:
+        """Takes a segment in, even if what is said of its time is told to be wrong.
+
+        Raises:
+            SamplesError: It is.
+        """
+        self._placed.append(placed)
+        self._counts.append(0)
         samples = placed.samples(self._sample_time)
-        if before + samples > MAX_SAMPLES:
+        total = self.samples + samples
+        if total > MAX_SAMPLES:
             raise SamplesError(
-                f"brings the path to {before + samples} samples; the longest path has {MAX_SAMPLES}"
+                f"brings the path to {total} samples; the longest path has {MAX_SAMPLES}"
             )
-        return samples
+        self._counts[-1], self.samples = samples, total
 
 
 def _slack(tolerance: float, *coordinates: float) -> float:

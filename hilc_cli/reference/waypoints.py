@@ -5,6 +5,7 @@ Such a file may come from anybody: what is wrong is told with its line, and noth
 
 from __future__ import annotations
 
+import io
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -19,6 +20,7 @@ from hilc_cli.reference.sampled import Floats
 MAX_BYTES = 50_000_000
 MOST_POINTS = 10_000
 """More are not needed for any curve, and a scenario that holds them all can still be read."""
+_MOST_LINES, _LONGEST_LINE = 1_000_000, 10_000
 _FARTHEST = 1e8  # [m], as for all coordinates
 _LATEST = 1e11  # [s]: later times are counted in milli- or nanoseconds
 _UNIT_NORM = 0.01  # by which a quaternion may be off
@@ -93,7 +95,11 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
         raise _wrong(path, line, "is not UTF-8 text; save it as CSV in UTF-8") from None
     header: tuple[int, str] | None = None
     rows: list[tuple[int, str]] = []
-    for number, raw in enumerate(text.split("\n"), 1):
+    for number, raw in enumerate(io.StringIO(text), 1):
+        if number > _MOST_LINES:
+            raise UsageError(f"{path}: has more than {_MOST_LINES} lines; take fewer points")
+        if len(raw) > _LONGEST_LINE:
+            raise _wrong(path, number, f"has a line of {len(raw)} characters; give a CSV file")
         line_text = raw.strip()
         if line_text.startswith("#"):
             if not rows and _roles(_cells(line_text.lstrip("# "), None)) is not None:
@@ -245,7 +251,7 @@ def _cells(line: str, separator: str | None) -> list[str]:
 
 def _decimal_commas(line: str) -> bool:
     """Whether commas stand within numbers that something else parts."""
-    return re.search(r"\d,\d+\s*[;\t ]\s*[-+]?\d+,\d", line) is not None
+    return re.search(r"\d,\d+[;\t ]\s*[-+]?\d+,\d", line) is not None
 
 
 def _is_number(cell: str) -> bool:

@@ -15,6 +15,7 @@ from hilc_cli.reference.path import (
     LinePlan,
     PathBuilder,
     PathError,
+    SamplesError,
     SegmentPlan,
     build_reference,
 )
@@ -286,6 +287,14 @@ def test_segments_that_together_take_too_many_samples_are_refused() -> None:
 def test_path_without_segments_is_refused() -> None:
     with pytest.raises(PathError, match="no segments"):
         build_reference("nothing", ORIGIN, [], 0.001)
+
+
+def test_segment_of_a_wrong_time_is_there_for_what_comes_after_it() -> None:
+    builder = PathBuilder((0.0, 0.0, 0.0), 0.001)
+    with pytest.raises(SamplesError):
+        builder.add(LinePlan(length=1.0, duration=0.0123))
+    builder.add(ArcPlan(math.pi / 2, "left", center=(1.0, 1.0), duration=0.01))
+    assert builder.gap() == pytest.approx(math.hypot(2, 1), abs=1e-12)
 
 
 def test_refused_segment_leaves_the_path_as_it_was() -> None:

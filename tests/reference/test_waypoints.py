@@ -141,6 +141,10 @@ WRONG: dict[str, tuple[str | bytes, str]] = {
         "0 1 2 3 4 5 6 7\n1 1 2 3 4 5 6 7\n",
         f"f.csv:1: has no unit quaternion at its end, as the lines of a TUM file have; {PUT}",
     ),
+    "line": (
+        f"1,2\n3,{' ' * 10_000}secret\n",
+        "f.csv:2: has a line of 10009 characters; give a CSV file",
+    ),
     "many": (
         "".join(f"{i},0\n" for i in range(MOST_POINTS + 1)),
         "f.csv: has more than 10000 points; take fewer, such as every second one",
