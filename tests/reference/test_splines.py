@@ -140,6 +140,18 @@ def test_spline_backward_is_driven_from_its_first_point_looking_back() -> None:
     assert (found.steps < 0).all()
 
 
+def test_spline_driven_back_retraces_it() -> None:
+    plans: list[SegmentPlan] = [
+        ThroughPlan(WAVY, heading=1.0, duration=1.0),
+        ThroughPlan(WAVY[::-1], heading=0.3, duration=1.0, reverse=True),
+    ]
+    found = build_reference("both", (0.0, 0.0, 0.3), plans, 0.01)
+    np.testing.assert_allclose(found.poses[100:], found.poses[100::-1], atol=1e-9)
+    left, right = feedforward(found, ROBOT)
+    np.testing.assert_allclose(left[100:], -left[99::-1], rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(right[100:], -right[99::-1], rtol=1e-6, atol=1e-6)
+
+
 def test_mirrored_spline_swaps_the_feedforward() -> None:
     left, right = feedforward(through(WAVY), ROBOT)
     mirror = feedforward(through(WAVY * (1, -1)), ROBOT)
