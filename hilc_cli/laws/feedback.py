@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
 from hilc_cli.laws.law import LastIteration, Learner, Plan, Task
@@ -84,7 +85,9 @@ class FeedbackLaw:
         (cos, sin), (error_x, error_y), (v_r, w_r) = heading, error, twist
         ahead, aside = cos * error_x + sin * error_y, cos * error_y - sin * error_x
         speed = v_r * turned[0] + self.k_x * ahead
-        yaw_rate = w_r + v_r * (self.k_y * aside + self.k_theta * turned[1])
+        # Backward, a heading error is turned back all the same.
+        k_theta = math.copysign(self.k_theta, v_r)
+        yaw_rate = w_r + v_r * (self.k_y * aside + k_theta * turned[1])
         model = self.model
         return wheel_speeds_from_twist(speed, yaw_rate, model.wheel_radius, model.signed_half_track)
 
@@ -144,7 +147,7 @@ class FeedbackController(Controller):
         """Gains with which errors grow from sample to sample."""
         sample_time = setting.reference.sample_time
         fastest, _ = reference_twist(setting.reference)
-        step = float(fastest.max()) * sample_time
+        step = float(np.abs(fastest).max()) * sample_time
         k_y, k_theta = self.gains.k_y, self.gains.damping
         found = []
         if self.gains.k_x * sample_time > 2:

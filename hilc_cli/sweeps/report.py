@@ -18,6 +18,7 @@ from hilc_cli.reporting.terminal import (
     print_text,
     progress,
     say,
+    say_notes,
     say_timings,
     two_columns,
 )
@@ -116,7 +117,8 @@ class SweepReport:
         self.say("compiling the engine for this machine, once for each kind of experiment")
 
     def warnings(self, plan: Plan) -> None:
-        """Says what is legal but probably not meant."""
+        """Says what was done to what was read, and what is legal but probably not meant."""
+        say_notes(plan.scenario.notes, quiet=self.quiet)
         for warning in plan.warnings():
             self.say(f"warning: {warning}")
 
