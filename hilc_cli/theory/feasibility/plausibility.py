@@ -21,22 +21,25 @@ _ROUNDING = 1e-9  # relative
 
 
 def implausible(
-    demand: Demand, robot: Robot, model: Robot, headings: Mapping[str, float]
+    demand: Demand,
+    robot: Robot | None,
+    model: Robot | None,
+    headings: Mapping[str, float],
 ) -> list[str]:
     """Returns what is to be told of such numbers, each with what may be meant.
 
     Args:
         demand: Of the reference.
-        robot: The platform as it really is.
-        model: The platform as the controller believes it to be.
+        robot: The platform as it really is; None if it is not known.
+        model: The platform as the controller believes it to be; None likewise.
         headings: Headings that are given [rad], by key.
     """
     # Of arcs, those of more than a turn whose angle is no part of a turn, but a plain number.
     sweeps = [(f"trajectory.{part.name}.sweep", abs(part.turn)) for part in demand.segments]
     return [
-        *_sizes(robot),
-        *_beliefs(robot, model),
-        *_path_size(demand, robot),
+        *(_sizes(robot) if robot else ()),
+        *(_beliefs(robot, model) if robot and model else ()),
+        *(_path_size(demand, robot) if robot else ()),
         *_sample_time(demand),
         *(_in_turns(*each) for each in (*sweeps, *headings.items()) if _is_in_degrees(each[1])),
     ]
