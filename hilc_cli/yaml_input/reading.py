@@ -106,7 +106,7 @@ def kind_of(keys: Collection[str], kinds: Sequence[str]) -> str:
         kinds: Those that it may be of, of `KINDS`; the first if nothing tells.
     """
     given = _told_by(keys)
-    if given in kinds:
+    if given is not None and given in kinds:
         return given
     known = {key.lower() for key in keys}
     return next((kind for kind in kinds if not _TELLING[kind].isdisjoint(known)), kinds[0])
