@@ -40,6 +40,7 @@ _ARROWS = 8
 _ARROW = np.array([(-0.6, -0.55), (0.6, 0.0), (-0.6, 0.55), (-0.6, -0.55)])
 _ARROW_SIZE = 7.0  # [pt]
 _MOST_NUMBERED, _MOST_MARKED = 24, 200  # segments
+_NUMBER = "value"  # stands in a panel on purpose
 _NUMBER_OFF = 9.0  # of a segment's number, from the path [pt]
 _LIMIT_IN_VIEW = 10.0  # a limit farther out, in largest speeds, would squash the lines
 
@@ -243,6 +244,7 @@ def _draw_joints(axes: Axes, path: ShownPath) -> None:
             fontsize=style.SMALL_SIZE,
             color=style.LIMIT_COLOR,
             zorder=6,
+            gid=_NUMBER,
         )
 
 
@@ -417,4 +419,5 @@ def _mark_segments(axes: Axes, path: ShownPath, at: Floats) -> None:
                 va="top",
                 fontsize=style.SMALL_SIZE - 1,
                 color=style.LIMIT_COLOR,
+                gid=_NUMBER,
             )

@@ -196,8 +196,8 @@ def _extent(length: float) -> str:
 
 def _turn_text(turn: float) -> str:
     turn = round(turn, 9)
-    side = " to the left" if turn > 0 else " to the right" if turn < 0 else ""
-    return f"{in_degrees(abs(turn))}{side}"
+    side = "left" if turn > 0 else "right"
+    return f"{in_degrees(abs(turn))} to the {side}" if turn else "none in all"
 
 
 def _other_ways(path: ShownPath) -> list[tuple[str, str]]:
