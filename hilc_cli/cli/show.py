@@ -12,6 +12,7 @@ from hilc_cli.cli import options
 from hilc_cli.cli.completion import complete_path
 from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.reporting.terminal import print_json, print_text, say
+from hilc_cli.results.look import USUAL
 
 STDOUT = Path("-")
 
@@ -41,6 +42,11 @@ def show(
     formats: options.Formats = None,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no picture.")] = False,
     dpi: options.Dpi = 150,
+    width: options.Width = None,
+    font: options.Font = "",
+    font_size: options.FontSize = None,
+    style: options.Style = None,
+    no_title: options.NoTitle = False,
     out: options.OutputFolder = None,
     force: options.Force = False,
     trust: options.Trust = False,
@@ -69,8 +75,12 @@ def show(
     printed = csv == STDOUT
     if json and printed:
         raise UsageError("--json and --csv - both say what is printed; give one of them")
-    if no_plots and (out is not None or formats):
-        raise UsageError("--out and --format are about the picture; leave out --no-plots")
+    look = options.picture_look(width, font, font_size, style, no_title)
+    if no_plots and (out is not None or formats or look != USUAL):
+        raise UsageError(
+            "--out, --format, --width, --font, --style and --no-title are about the picture; "
+            "leave out --no-plots"
+        )
     path = show(source, set_ or [], trust=trust)
     files: list[Path] = []
     if csv is not None and not printed:
@@ -79,7 +89,9 @@ def show(
         folder = out or default_folder(path.name, set_, "-path")
         names = options.picture_formats(formats)
         may_replace = force or out is None
-        files += path.plot(folder, formats=names, dpi=dpi, may_replace=lambda file: may_replace)
+        files += path.plot(
+            folder, formats=names, look=look, dpi=dpi, may_replace=lambda file: may_replace
+        )
     if csv is not None and not printed:
         path.write_csv(csv)
         files.append(csv)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Collection, Sequence
 
 import numpy as np
@@ -10,22 +11,49 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation, Transform
 
-from hilc_cli.drawing.labels import spare_room
-from hilc_cli.drawing.style import HEADING_SIZE, applied
+from hilc_cli.drawing.labels import shortened, spare_room
+from hilc_cli.drawing.sheet import (
+    Sheet,
+    fit_axis_labels,
+    is_fitted,
+    panel_size as panel_size,
+    room_on as room_on,
+    root_figure as root_figure,
+)
+from hilc_cli.drawing.style import HEADING_SIZE, SMALL_SIZE, TEXT_SIZE, applied
+from hilc_cli.results.look import USUAL, Look
 
 # Room around a panel for its labels [inch].
 LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.3, 0.56, 0.5
 HEADING = 0.3  # for the name of the run above all panels [inch]
+LEAST_HEIGHT = 2.0  # of a panel on a narrow sheet, unless it is lower on any [inch]
 
 _LEGEND_ROW = 0.185  # [inch]
+_LEGEND_LINE = 0.135  # of a label that is broken [inch]
 _CHARACTER = 0.072  # generous width of a legend's character [inch]
 _HANDLE = 0.5  # line and gaps of a legend's entry [inch]
 
 
-def new_sheet(width: float, height: float, heading: str = "") -> Figure:
-    """An empty figure [inch] with a heading, set smaller if it is long."""
-    figure = Figure(figsize=(width, height))
-    if heading:
+def new_sheet(
+    width: float,
+    height: float,
+    heading: str = "",
+    look: Look = USUAL,
+    text_size: float = TEXT_SIZE,
+) -> Sheet:
+    """An empty sheet [inch] with a heading, set smaller if it is long.
+
+    Args:
+        width: As `room_on` gives it where the user may choose one.
+        height: Likewise in inches of the layout.
+        heading: Above all; left out if the user wants no titles.
+        look: What the user asks for.
+        text_size: Of axis labels in the layout [pt].
+    """
+    figure = Sheet(width, height, look, text_size)
+    if look.width is not None:
+        heading = shortened(heading, longest_heading(width))
+    if heading and look.title:
         below_top = figure.transFigure + ScaledTranslation(0.15, -0.1, figure.dpi_scale_trans)
         figure.text(
             *(0, 1, heading),
@@ -35,6 +63,11 @@ def new_sheet(width: float, height: float, heading: str = "") -> Figure:
             fontweight="bold",
         )
     return figure
+
+
+def longest_heading(width: float) -> int:
+    """How many letters of a heading fit a sheet of so many inches, if they are to be read."""
+    return int(72 * (width - 0.3) / (0.86 * SMALL_SIZE))
 
 
 def add_panel(figure: Figure, left: float, top: float, width: float, height: float) -> Axes:
@@ -49,18 +82,6 @@ def add_panel(figure: Figure, left: float, top: float, width: float, height: flo
             height / sheet_height,
         )
     )
-
-
-def root_figure(axes: Axes) -> Figure:
-    """The sheet that axes are on, also if a figure within the figure holds them."""
-    return axes.figure.figure
-
-
-def panel_size(axes: Axes) -> tuple[float, float]:
-    """Width and height of axes [inch]."""
-    box = axes.get_position(original=True).transformed(axes.figure.transSubfigure)
-    dpi = root_figure(axes).dpi
-    return box.width / dpi, box.height / dpi
 
 
 def legend_below(
@@ -93,6 +114,7 @@ def legend_below(
     if not found:
         return 0.0
     entries = {label: found[label] for label in sorted(found, key=lambda name: name not in first)}
+    entries = _fitted(panels[-1], entries, width + RIGHT)
     columns = _columns(entries, width + RIGHT)
     offset = ScaledTranslation(0, -BOTTOM, root_figure(panels[-1]).dpi_scale_trans)
     corner = (panels[-1] if below is None else below).transAxes + offset
@@ -116,7 +138,7 @@ def shared_legend(
         Height of the legend [inch].
     """
     figure = root_figure(axes)
-    entries = _entries(axes, only=only)
+    entries = _fitted(axes, _entries(axes, only=only), width)
     columns = _columns(entries, width)
     corner = figure.transFigure + ScaledTranslation(left, -top, figure.dpi_scale_trans)
     _draw_legend(figure, entries, (0, 1), corner, columns)
@@ -154,9 +176,20 @@ def _entries(
     }
 
 
+def _fitted(axes: Axes, entries: dict[str, Artist], width: float) -> dict[str, Artist]:
+    """The entries; on a sheet of the user's width, labels that are too long are broken."""
+    if not is_fitted(axes):
+        return entries
+    longest = max(8, int((width - _HANDLE) / _CHARACTER))
+    return {
+        "\n".join(textwrap.wrap(label, longest)) if len(label) > longest else label: handle
+        for label, handle in entries.items()
+    }
+
+
 def _columns(entries: Collection[str], width: float) -> int:
     """The most columns that fit, filled one after the other as Matplotlib does."""
-    lengths = [len(label) for label in entries]
+    lengths = [max(map(len, label.split("\n"))) for label in entries]
     for columns in range(len(lengths), 1, -1):
         parts = np.array_split(lengths, columns)
         if sum(_HANDLE + _CHARACTER * int(part.max()) for part in parts) <= width:
@@ -165,7 +198,8 @@ def _columns(entries: Collection[str], width: float) -> int:
 
 
 def _height(entries: Collection[str], columns: int) -> float:
-    return -(-len(entries) // columns) * _LEGEND_ROW + 0.08
+    breaks = sum(label.count("\n") for label in entries)  # there is one column where there are any
+    return -(-len(entries) // columns) * _LEGEND_ROW + breaks * _LEGEND_LINE + 0.08
 
 
 def resize_sheet(figure: Figure, *, bottom: float, top: float = 0.0) -> None:
@@ -182,9 +216,63 @@ def resize_sheet(figure: Figure, *, bottom: float, top: float = 0.0) -> None:
         axes.set_position((box.x0, lower, box.width, box.height * height / resized))
 
 
-def finish(figure: Figure, axes: Axes, width: float) -> None:
+def close_sheet(figure: Figure, *, legend: float, top: Sequence[Axes] = ()) -> None:
+    """Gives a sheet the height that it needs, once all that is on it is drawn.
+
+    Args:
+        figure: The sheet.
+        legend: Height of the legend below everything [inch].
+        top: Panels at the upper edge, above which there is room for two lines beside the title.
+    """
+    resize_sheet(figure, bottom=legend, top=-spare_above(figure, top))
+    fit_axis_labels(figure)
+
+
+def spare_above(figure: Figure, top: Sequence[Axes]) -> float:
+    """Height above panels at the upper edge that they and the heading do not need [inch]."""
+    spare = spare_room(top) if top else 0.0
+    untitled = isinstance(figure, Sheet) and not figure.look.title
+    return spare + (HEADING - 0.05 if untitled else 0.0)
+
+
+def finish(figure: Figure, axes: Axes) -> None:
     """Gives a figure of one panel its legend, and the height that it needs."""
-    resize_sheet(figure, bottom=legend_below([axes], width), top=-spare_room([axes]))
+    close_sheet(figure, legend=legend_below([axes], panel_size(axes)[0]), top=[axes])
+
+
+def append_panel(
+    figure: Figure, height: float, draw: Callable[[Axes], object], beside: float = 0.0
+) -> Axes:
+    """Draws a panel of the sheet's width below all that there is; titles get what they need.
+
+    Args:
+        figure: The sheet.
+        height: Of the panel [inch].
+        draw: Draws into the axes.
+        beside: Room for what stands to the right of it [inch].
+    """
+    width, end = figure.get_size_inches()
+    resize_sheet(figure, bottom=TOP + height + BOTTOM)
+    axes = add_panel(figure, LEFT, end + TOP, width - LEFT - RIGHT - beside, height)
+    draw(axes)
+    spare = spare_room([axes])
+    resize_sheet(figure, bottom=-spare)
+    box = axes.get_position(original=True)
+    up = spare / float(figure.get_size_inches()[1])
+    axes.set_position((box.x0, box.y0 + up, box.width, box.height))
+    return axes
+
+
+def append_legend(figure: Figure, axes: Axes, without: Collection[str] = ()) -> None:
+    """Puts the legend of the last panel below it, and makes the sheet so much longer."""
+    resize_sheet(figure, bottom=legend_below([axes], panel_size(axes)[0], without=without))
+
+
+def panel_height(width: float, usual_width: float, usual_height: float) -> float:
+    """Height of a panel that is so wide: in proportion, but with room for its labels [inch]."""
+    if width == usual_width:
+        return usual_height
+    return max(usual_height * width / usual_width, min(usual_height, LEAST_HEIGHT))
 
 
 def panel_figure(
@@ -193,6 +281,7 @@ def panel_figure(
     width: float,
     height: float = 3.6,
     extra_right: float = 0.0,
+    look: Look = USUAL,
 ) -> Figure:
     """A figure of one panel, drawn in the style of all pictures, with its legend.
 
@@ -202,21 +291,30 @@ def panel_figure(
         width: Of the axes [inch].
         height: Likewise.
         extra_right: Room for what stands to the right of them [inch].
+        look: What the user asks for; the panel then is as wide as it can be.
     """
-    with applied():
-        figure, axes = single_panel(heading, width, height, extra_right)
+    with applied(look):
+        figure, axes = single_panel(heading, width, height, extra_right, look)
         draw(axes)
-        finish(figure, axes, width)
+        finish(figure, axes)
         return figure
 
 
 def single_panel(
-    heading: str, width: float = 5.4, height: float = 3.6, extra_right: float = 0.0
+    heading: str,
+    width: float = 5.4,
+    height: float = 3.6,
+    extra_right: float = 0.0,
+    look: Look = USUAL,
 ) -> tuple[Figure, Axes]:
-    """A figure of one panel, with axes of the given size [inch]."""
+    """A figure of one panel, with axes of the given size [inch], as far as the look allows."""
     top = TOP + (HEADING if heading else 0)
-    figure = new_sheet(LEFT + width + RIGHT + extra_right, top + height + BOTTOM, heading)
-    return figure, add_panel(figure, LEFT, top, width, height)
+    usual = LEFT + width + RIGHT + extra_right
+    sheet = room_on(look, usual)
+    true_width = width + (sheet - usual)
+    true_height = panel_height(true_width, width, height)
+    figure = new_sheet(sheet, top + true_height + BOTTOM, heading, look)
+    return figure, add_panel(figure, LEFT, top, true_width, true_height)
 
 
 def heading_of(labels: Sequence[str]) -> str:

@@ -1,4 +1,4 @@
-"""A path in the plane, its curvature along the way, and its speeds over time."""
+"""The picture of a path: in the plane, its curvature along the way, its speeds over time."""
 
 from __future__ import annotations
 
@@ -7,48 +7,49 @@ import hilc_cli.drawing  # noqa: F401  # loads Matplotlib, whatever is set for i
 # isort: split
 
 import math
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.markers import MarkerStyle
 from matplotlib.ticker import MaxNLocator
-from matplotlib.transforms import Affine2D
 
 from hilc_cli.drawing import labels, layout, style, view
+from hilc_cli.drawing.sheet import most_ticks
 from hilc_cli.paths.motion import stretches
+from hilc_cli.paths.plane import (
+    BAR_ROOM,
+    MOST_MARKED,
+    MOST_NUMBERED,
+    NUMBER,
+    add_speed_colors,
+    draw_path,
+    mark,
+    stop_marks,
+)
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 
 if TYPE_CHECKING:
     from hilc_cli.paths.showing import ShownPath
 
+_Draw = Callable[[Axes, "ShownPath"], None]
+"""Draws a path into a panel."""
+
 _PATH = (4.1, 4.4)  # [inch]
 _WIDTH = 3.5  # of the panels beside it [inch]
-_BAR = (0.12, 0.1, 0.72)  # width of the colour bar, gap before it, room of both and labels [inch]
 _TITLE = 0.3  # above a panel, for a title without notes [inch]
 _NEAR = _TITLE + 0.08  # between panels that share the time below the lower one [inch]
+_LEAST = 1.8  # width of panels that stand side by side [inch]
+_LOWEST, _LOW = 3.7, 1.5  # height of all panels beside each other, and of one below another [inch]
 _VALUE = 0.55  # right of a panel, for the value of the speed limit [inch]
-_LINE = 2.2  # of the path [pt]
-_MOST_PIECES = 1500  # of a path whose speed changes
-_EVEN = 1e-3  # relative: speeds that differ by less are one
-_ARROWS = 8
-_ARROW = np.array([(-0.6, -0.55), (0.6, 0.0), (-0.6, 0.55), (-0.6, -0.55)])
-_ARROW_SIZE = 7.0  # [pt]
-_MOST_NUMBERED, _MOST_MARKED = 24, 200  # segments
-_NUMBER = "value"  # stands in a panel on purpose
-_NUMBER_OFF = 9.0  # of a segment's number, from the path [pt]
+_BESIDE = 2 * layout.LEFT + BAR_ROOM + _VALUE  # the two columns of panels [inch]
 _LIMIT_IN_VIEW = 10.0  # a limit farther out, in largest speeds, would squash the lines
 
-BACKWARD, STOP, TURN, CORNER = "Backward", "Stop", "Turn in place", "Corner"
-JOINT = "Segments, numbered"
 
-
-def path_figure(path: ShownPath) -> Figure:
+def path_figure(path: ShownPath, look: Look = USUAL) -> Figure:
     """Draws a path, and beside it its curvature over the distance and speeds over time.
 
     The speeds are those of the wheels against their limit; of a path whose robot is not known,
@@ -56,221 +57,64 @@ def path_figure(path: ShownPath) -> Figure:
 
     Args:
         path: The path.
+        look: What the user asks for; on a narrow sheet the panels stand below each other.
     """
-    with style.applied():
-        beside = layout.LEFT + _PATH[0] + _BAR[2] + layout.LEFT
-        figure = layout.new_sheet(
-            beside + _WIDTH + _VALUE,
-            layout.HEADING + _TITLE + _PATH[1] + layout.BOTTOM,
-            labels.shortened(path.name),
-        )
-        top = layout.HEADING + _TITLE
-        plane = layout.add_panel(figure, layout.LEFT, top, *_PATH)
-        # Below each but the last: with the time below it, or with that of the panel below.
-        gaps = [layout.BOTTOM + layout.TOP] if path.feasibility else [layout.BOTTOM + _TITLE, _NEAR]
-        height = (_PATH[1] - sum(gaps)) / (len(gaps) + 1)
-        others = []
-        for gap in [*gaps, 0.0]:
-            others.append(layout.add_panel(figure, beside, top, _WIDTH, height))
-            top += height + gap
-        draw_path(plane, path)
-        draw_curvature(others[0], path)
-        if path.feasibility is not None:
-            draw_wheel_speeds(others[1], path)
-        else:
-            _over_time(others[1], path, path.motion.speed, "Speed", "Speed [m/s]")
-            others[1].set_xlabel("")
-            others[1].tick_params(labelbottom=False)
-            _over_time(others[2], path, path.motion.yaw_rate, "Yaw rate", "Yaw rate [rad/s]")
-        own = layout.legend_below([plane], _PATH[0])
-        right = layout.legend_below(others[-1:], _WIDTH)
-        layout.resize_sheet(figure, bottom=max(own, right))
-        return figure
+    draws: list[_Draw] = [draw_curvature, draw_wheel_speeds]
+    if path.feasibility is None:
+        draws[1:] = [_draw_speed, _draw_yaw_rate]
+    with style.applied(look):
+        sheet = layout.room_on(look, _BESIDE + _PATH[0] + _WIDTH)
+        if sheet < _BESIDE + 2 * _LEAST:
+            return _below_each_other(path, draws, look, sheet)
+        return _side_by_side(path, draws, look, sheet)
 
 
-def draw_path(axes: Axes, path: ShownPath) -> None:
-    """Draws a path in the colours of its speed, with what a reader of a path looks for.
-
-    Arrows point where it is driven to; the start shows the heading. Backward it is dashed.
-
-    Args:
-        axes: Where to draw; the colours of the speeds stand to the right of them.
-        path: The path.
-    """
-    reference, motion = path.reference, path.motion
-    view.show(axes, view.view_of([reference], []))
-    speed = np.abs(motion.speed)
-    moving = speed[speed > 0]
-    fastest = float(moving.max(initial=0.0))
-    title = "Path"
-    if len(moving) and fastest - float(moving.min()) <= _EVEN * fastest:
-        title = f"Path, driven at {labels.number_text(fastest, 3)} m/s"
-        axes.plot(reference.x, reference.y, color=style.BLUE, linewidth=_LINE, label="_path")
-    elif len(moving):
-        scale = Normalize(0.0, fastest)
-        pieces, values = _pieces(path)
-        lines = LineCollection(pieces, linewidths=_LINE, capstyle="butt", label="_path")
-        lines.set_color(style.iteration_colors()(scale(values)))
-        axes.add_collection(lines, autolim=False)
-        _add_speeds(axes, scale)
-    for number, (first, end) in enumerate(stretches(motion.speed < 0)):
-        axes.plot(
-            *(reference.x[first : end + 1], reference.y[first : end + 1]),
-            color="white",
-            linewidth=_LINE + 0.4,
-            linestyle=(0, (1.3, 2.2)),
-            label="_backward",
-        )
-        if number == 0:
-            axes.plot([], [], color="black", linewidth=_LINE, linestyle=(0, (2.2, 1.3)))
-            axes.lines[-1].set_label(BACKWARD)
-    _draw_arrows(axes, path)
-    _draw_joints(axes, path)
-    _draw_stops(axes, path)
-    view.draw_start(axes, reference)
-    view.name_poses(axes, end=False)
-    labels.set_title(axes, title)
+def _side_by_side(path: ShownPath, draws: Sequence[_Draw], look: Look, sheet: float) -> Figure:
+    """The path at the left, the other panels at the right."""
+    share = (sheet - _BESIDE) / (_PATH[0] + _WIDTH)  # of the usual widths
+    width, height = share * _PATH[0], max(_LOWEST, share * _PATH[1])
+    top = layout.HEADING + _TITLE
+    name = labels.shortened(path.name)
+    figure = layout.new_sheet(sheet, top + height + layout.BOTTOM, name, look)
+    plane = layout.add_panel(figure, layout.LEFT, top, width, height)
+    draw_path(plane, path)
+    add_speed_colors(plane, path)
+    # Below each but the last: with its axis below it, or with that of the panel below.
+    gaps = [layout.BOTTOM + layout.TOP] if len(draws) == 2 else [layout.BOTTOM + _TITLE, _NEAR]
+    each = (height - sum(gaps)) / len(draws)
+    panels = []
+    for draw, gap in zip(draws, [*gaps, 0.0], strict=True):
+        left = 2 * layout.LEFT + width + BAR_ROOM
+        panels.append(layout.add_panel(figure, left, top, share * _WIDTH, each))
+        draw(panels[-1], path)
+        if gap == _NEAR:
+            panels[-1].set_xlabel("")
+            panels[-1].tick_params(labelbottom=False)
+        top += each + gap
+    legends = [
+        layout.legend_below([axes], layout.panel_size(axes)[0]) for axes in (plane, panels[-1])
+    ]
+    layout.close_sheet(figure, legend=max(legends))
+    return figure
 
 
-def _pieces(path: ShownPath) -> tuple[list[Floats], Floats]:
-    """The path in pieces of one direction and about one speed, and the speeds [m/s]."""
-    speed = path.motion.speed
-    stride = -(-len(speed) // _MOST_PIECES)
-    block = np.arange(len(speed)) // stride
-    fastest = float(np.abs(speed).max())
-    level = np.round(np.abs(speed) / fastest / _EVEN)
-    # Steps of one speed are one piece, however many; where speed changes, a block is one.
-    same = (np.diff(level) == 0) | (np.diff(block) == 0)
-    starts = np.flatnonzero(~np.concatenate([[False], same & (np.diff(np.sign(speed)) == 0)]))
-    ends = [*starts[1:], len(speed)]
-    points = path.reference.poses[:, :2]
-    pieces = [points[start : end + 1] for start, end in zip(starts, ends, strict=True)]
-    values = np.maximum.reduceat(np.abs(speed), starts)
-    return pieces, values
+def _below_each_other(path: ShownPath, draws: Sequence[_Draw], look: Look, sheet: float) -> Figure:
+    """The path above the other panels, on a narrow sheet."""
+    figure = layout.new_sheet(sheet, layout.HEADING, labels.shortened(path.name), look)
+    beside = BAR_ROOM - layout.RIGHT
+    across = sheet - layout.LEFT - BAR_ROOM
+    high = across * view.shape_of(view.view_of([path.reference], []))
+    plane = layout.append_panel(figure, high, lambda axes: draw_path(axes, path), beside)
+    add_speed_colors(plane, path)
+    layout.append_legend(figure, plane)
+    for draw in draws:
 
+        def draw_panel(axes: Axes, draw: _Draw = draw) -> None:
+            draw(axes, path)
 
-def _add_speeds(axes: Axes, scale: Normalize) -> None:
-    """Puts the colours of the speeds to the right of axes."""
-    figure = layout.root_figure(axes)
-    sheet, _ = figure.get_size_inches()
-    box = axes.get_position(original=True)
-    place = (box.x1 + _BAR[1] / sheet, box.y0, _BAR[0] / sheet, box.height)
-    bar = figure.colorbar(
-        ScalarMappable(scale, style.iteration_colors()),
-        cax=figure.add_axes(place),
-        label="Speed [m/s]",
-    )
-    bar.ax.yaxis.labelpad = 2
-    labels.plain_ticks(bar.ax)
-    assert bar.solids is not None
-    bar.solids.set_edgecolor("face")  # or PDF viewers show seams between the colours
-
-
-def _draw_arrows(axes: Axes, path: ShownPath) -> None:
-    """Draws arrows along the path, which point where it is driven to."""
-    distance, reference = path.motion.distance, path.reference
-    length = float(distance[-1])
-    if length == 0:
-        return
-    for place in (np.arange(_ARROWS) + 0.5) / _ARROWS * length:
-        step = min(int(np.searchsorted(distance, place, side="right")) - 1, len(distance) - 2)
-        share = (place - distance[step]) / (distance[step + 1] - distance[step])
-        x, y = (
-            float(each[step] + share * (each[step + 1] - each[step]))
-            for each in (reference.x, reference.y)
-        )
-        ahead = math.atan2(
-            reference.y[step + 1] - reference.y[step], reference.x[step + 1] - reference.x[step]
-        )
-        axes.plot(
-            *(x, y),
-            marker=MarkerStyle(_ARROW, transform=Affine2D().rotate(ahead)),
-            markersize=_ARROW_SIZE,
-            markerfacecolor="black",
-            markeredgecolor="white",
-            markeredgewidth=0.5,
-            linestyle="none",
-            label="_arrow",
-            zorder=5,
-        )
-
-
-def _draw_joints(axes: Axes, path: ShownPath) -> None:
-    """Marks where segments meet, and numbers the segments beside their middles."""
-    segments, reference = path.demand.segments, path.reference
-    if len(segments) < 2 or len(segments) > _MOST_MARKED:
-        return
-    for joint in path.demand.joints[1:]:
-        across = reference.heading[joint.sample - 1]
-        axes.plot(
-            *(reference.x[joint.sample], reference.y[joint.sample]),
-            marker=MarkerStyle("|", transform=Affine2D().rotate(across)),
-            markersize=9,
-            markeredgewidth=1.0,
-            color="black",
-            linestyle="none",
-            label="_joint",
-            zorder=4,
-        )
-    axes.plot([], [], color="black", marker="|", markersize=8, linestyle="none", label=JOINT)
-    corners = path.demand.corners
-    if corners:
-        at = [joint.sample for joint in corners]
-        axes.plot(
-            *(reference.x[at], reference.y[at]),
-            **_mark("s", style.VERMILLION),
-            label=CORNER,
-        )
-    if len(segments) > _MOST_NUMBERED:
-        return
-    middle = (np.ptp(each) / 2 + each.min() for each in (reference.x, reference.y))
-    center_x, center_y = map(float, middle)
-    for number, segment in enumerate(segments):
-        start, end = path.motion.distance[[segment.first, segment.first + segment.samples]]
-        if end == start:
-            continue
-        step = int(np.searchsorted(path.motion.distance, (start + end) / 2, side="right")) - 1
-        aside = float(reference.heading[step]) + math.pi / 2
-        inward = math.atan2(center_y - reference.y[step], center_x - reference.x[step])
-        if math.cos(aside - inward) < 0:  # where there is room within the panel
-            aside += math.pi
-        axes.annotate(
-            f"{number}",
-            xy=(reference.x[step], reference.y[step]),
-            xytext=(_NUMBER_OFF * math.cos(aside), _NUMBER_OFF * math.sin(aside)),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            fontsize=style.SMALL_SIZE,
-            color=style.LIMIT_COLOR,
-            zorder=6,
-            gid=_NUMBER,
-        )
-
-
-def _mark(marker: str, color: str) -> dict[str, Any]:
-    """How a place is marked that is to be seen."""
-    return {
-        "marker": marker,
-        "markersize": 5.5,
-        "markerfacecolor": color,
-        "markeredgecolor": "white",
-        "markeredgewidth": 0.6,
-        "linestyle": "none",
-        "zorder": 7,
-    }
-
-
-def _draw_stops(axes: Axes, path: ShownPath) -> None:
-    """Marks where the robot stands, and where it turns in place."""
-    motion, reference = path.motion, path.reference
-    for here, marker, color, label in (
-        (motion.stands, "o", "black", STOP),
-        (motion.turns, "D", style.VERMILLION, TURN),
-    ):
-        at = [first for first, _ in stretches(here)]
-        if at:
-            axes.plot(reference.x[at], reference.y[at], **_mark(marker, color), label=label)
+        layout.append_legend(figure, layout.append_panel(figure, _LOW, draw_panel, beside))
+    layout.close_sheet(figure, legend=0.0)
+    return figure
 
 
 def draw_curvature(axes: Axes, path: ShownPath) -> None:
@@ -281,15 +125,12 @@ def draw_curvature(axes: Axes, path: ShownPath) -> None:
     axes.axhline(0, color=style.LIMIT_COLOR, linewidth=style.THIN / 2, zorder=1)
     finite = motion.curvature[np.isfinite(motion.curvature)]
     _scale(axes, finite, length or 1.0)
-    for here, marker, color in (
-        (motion.stands, "o", "black"),
-        (motion.turns, "D", style.VERMILLION),
-    ):
+    for here, marker, color, _ in stop_marks(motion):
         at = [first for first, _ in stretches(here)]
         if at:
             axes.plot(
                 *(motion.distance[at], np.zeros(len(at))),
-                **_mark(marker, color),
+                **mark(marker, color),
                 label="_stands",
                 clip_on=False,
             )
@@ -297,14 +138,14 @@ def draw_curvature(axes: Axes, path: ShownPath) -> None:
     if at:
         axes.plot(
             *(motion.distance[at], np.zeros(len(at))),
-            **_mark("s", style.VERMILLION),
+            **mark("s", style.VERMILLION),
             label="_corner",
             clip_on=False,
         )
     axes.set_xlabel("Distance [m]")
     axes.set_ylabel("Curvature [1/m]", labelpad=2)
     _mark_segments(axes, path, motion.distance)
-    labels.set_title(axes, "Curvature, positive to the left")
+    labels.set_title(axes, "Curvature, left positive")
 
 
 def draw_wheel_speeds(axes: Axes, path: ShownPath) -> None:
@@ -361,6 +202,14 @@ def draw_wheel_speeds(axes: Axes, path: ShownPath) -> None:
     labels.set_title(axes, "Wheel speeds", notes)
 
 
+def _draw_speed(axes: Axes, path: ShownPath) -> None:
+    _over_time(axes, path, path.motion.speed, "Speed", "Speed [m/s]")
+
+
+def _draw_yaw_rate(axes: Axes, path: ShownPath) -> None:
+    _over_time(axes, path, path.motion.yaw_rate, "Yaw rate", "Yaw rate [rad/s]")
+
+
 def _over_time(axes: Axes, path: ShownPath, values: Floats, title: str, label: str) -> None:
     """Draws a speed of the robot over time."""
     times = path.reference.times
@@ -392,7 +241,7 @@ def _scale(axes: Axes, values: Floats, end: float) -> None:
     room = (high - low) or 1.0
     axes.set_xlim(0, end)
     axes.set_ylim(low - (0.1 if low < 0 else 0.05) * room, high + 0.25 * room)
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 5, 10]))
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=most_ticks(axes, 7), steps=[1, 2, 5, 10]))
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     labels.plain_ticks(axes)
     axes.grid(visible=True)
@@ -401,14 +250,14 @@ def _scale(axes: Axes, values: Floats, end: float) -> None:
 def _mark_segments(axes: Axes, path: ShownPath, at: Floats) -> None:
     """Marks where segments meet, and numbers those that have room for it."""
     segments = path.demand.segments
-    if len(segments) < 2 or len(segments) > _MOST_MARKED:
+    if len(segments) < 2 or len(segments) > MOST_MARKED:
         return
     edges = at[[0, *(segment.first + segment.samples for segment in segments)]]
     for edge in edges[1:-1]:
         axes.axvline(edge, color="0.6", linewidth=style.THIN / 2, zorder=1)
     least = 0.04 * float(at[-1])
     for number, (start, end) in enumerate(pairwise(edges)):
-        if end - start >= least and len(segments) <= _MOST_NUMBERED:
+        if end - start >= least and len(segments) <= MOST_NUMBERED:
             axes.annotate(
                 f"{number}",
                 xy=((start + end) / 2, 1),
@@ -419,5 +268,5 @@ def _mark_segments(axes: Axes, path: ShownPath, at: Floats) -> None:
                 va="top",
                 fontsize=style.SMALL_SIZE - 1,
                 color=style.LIMIT_COLOR,
-                gid=_NUMBER,
+                gid=NUMBER,
             )

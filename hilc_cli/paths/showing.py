@@ -13,6 +13,7 @@ from hilc_cli.files import merge_folder, write_file
 from hilc_cli.paths.motion import CurvatureJump, Motion, curvature_jumps, motion_of
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import Overrides, ScenarioSource, load_path
 from hilc_cli.scenario.trajectory import TrajectorySpec
@@ -108,6 +109,7 @@ class ShownPath:
         folder: str | Path,
         *,
         formats: Sequence[str] = ("png",),
+        look: Look = USUAL,
         dpi: int = 150,
         may_replace: Callable[[Path], bool] = lambda file: False,
     ) -> list[Path]:
@@ -116,6 +118,7 @@ class ShownPath:
         Args:
             folder: Where to put path.FORMAT; made if it is not there.
             formats: png, svg, pdf.
+            look: How the picture is to look, from `picture_look`.
             dpi: Dots per inch of png.
             may_replace: Whether a file of that name that stands there may be replaced.
 
@@ -130,7 +133,7 @@ class ShownPath:
         from hilc_cli.drawing.save import save_pictures
         from hilc_cli.paths.picture import path_figure  # Matplotlib starts slowly
 
-        pictures = {PICTURE: lambda: path_figure(self)}
+        pictures = {PICTURE: lambda: path_figure(self, look)}
         return merge_folder(
             Path(folder),
             lambda draft: save_pictures(pictures, draft, formats, dpi),

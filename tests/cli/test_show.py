@@ -229,8 +229,17 @@ def test_what_a_robot_cannot_do_is_a_warning(hilc: Hilc) -> None:
 
 BAD = [
     ("both", ["--json", "--csv", "-"], "--json and --csv - both say what is printed; give one"),
-    ("no-picture", ["--no-plots", "--out", "d"], "--out and --format are about the picture; leave"),
-    ("no-format", ["--no-plots", "--format", "pdf"], "--out and --format are about the picture;"),
+    (
+        "no-picture",
+        ["--no-plots", "--out", "d"],
+        "--out, --format, --width, --font, --style and --",
+    ),
+    (
+        "no-format",
+        ["--no-plots", "--format", "pdf"],
+        "--out, --format, --width, --font, --style and --",
+    ),
+    ("no-look", ["--no-plots", "--no-title"], "--out, --format, --width, --font, --style and --"),
     ("csv-there", ["--csv", "path.yaml"], "--csv path.yaml: exists; choose another file, or repl"),
     ("csv-folder", ["--csv", ".", "--force"], "--csv .: exists and is no file; choose another na"),
     ("no-folder", ["--csv", "no/a.csv"], "no/a.csv: cannot be written: no such file or directory"),

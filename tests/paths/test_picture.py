@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from hilc_cli.paths.picture import BACKWARD, CORNER, JOINT, STOP, TURN, path_figure
+from hilc_cli.paths.picture import path_figure
+from hilc_cli.paths.plane import BACKWARD, CORNER, JOINT, STOP, TURN
 from hilc_cli.paths.showing import ShownPath, show, show_reference
 from tests.cli.inputs import SCENARIO, TRAJECTORY
 from tests.conftest import Write
@@ -30,9 +31,9 @@ def forth_and_back() -> ShownPath:
 def test_path_alone_is_coloured_by_speed_and_tells_backward_stop_and_turn() -> None:
     path = forth_and_back()
     figure = path_figure(path)
-    plane, bar = panel(figure, "Path"), figure.axes[-1]
+    plane = panel(figure, "Path")
     assert plane.get_aspect() == 1
-    assert bar.get_ylabel() == "Speed [m/s]"
+    assert figure.axes[1].get_ylabel() == "Speed [m/s]"  # of the colours
     (pieces,) = [each for each in plane.collections if isinstance(each, LineCollection)]
     ends = [segment[[0, -1]] for segment in pieces.get_segments()]
     # A piece for each stretch of one speed and direction, end to end.

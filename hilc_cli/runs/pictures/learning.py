@@ -15,6 +15,7 @@ from hilc_cli.drawing import labels, layout, style
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import BELIEVED, TRUE, Quantity, quantities, says_more
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
 from hilc_cli.runs.pictures.error import MARKED_UP_TO, MOST_DETAILED, scale_iterations
@@ -197,11 +198,12 @@ def quantities_to_draw(runs: Iterable[RunData]) -> dict[str, Quantity]:
     return found
 
 
-def learning_figure(runs: Sequence[RunData]) -> Figure:
+def learning_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """What was learned in one or several runs: a panel for each quantity.
 
     Args:
         runs: At least one; those whose laws tell nothing are left out.
+        look: What the user asks for.
 
     Raises:
         UsageError: There is nothing to draw.
@@ -217,19 +219,20 @@ def learning_figure(runs: Sequence[RunData]) -> Figure:
     left_out = len(runs) - len(telling)
     notes = [f"{left_out} of {len(runs)} runs tell nothing"] if left_out else []
     notes += labels.divergence_notes(telling)
-    with style.applied():
+    with style.applied(look):
         names, row = labels.run_labels(telling), layout.TOP + _HEIGHT + _TICKS
-        width = layout.LEFT + _WIDTH + layout.RIGHT
+        width = layout.room_on(look, layout.LEFT + _WIDTH + layout.RIGHT)
+        across = width - layout.LEFT - layout.RIGHT
         height = layout.HEADING + len(shown) * row - _TICKS + layout.BOTTOM
-        figure = layout.new_sheet(width, height, layout.heading_of(names))
+        figure = layout.new_sheet(width, height, layout.heading_of(names), look)
         tops = [layout.HEADING + place * row + layout.TOP for place in range(len(shown))]
-        panels = [layout.add_panel(figure, layout.LEFT, top, _WIDTH, _HEIGHT) for top in tops]
+        panels = [layout.add_panel(figure, layout.LEFT, top, across, _HEIGHT) for top in tops]
         for axes, quantity in zip(panels, shown, strict=True):
             _draw_quantity(axes, quantity, telling, notes if axes is panels[0] else [])
             if axes is not panels[-1]:
                 axes.set_xlabel("")
-        legend = layout.legend_below(panels, _WIDTH, first=names)
-        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(panels[:1]))
+        legend = layout.legend_below(panels, across, first=names)
+        layout.close_sheet(figure, legend=legend, top=panels[:1])
         return figure
 
 
@@ -324,5 +327,6 @@ def _draw_never(axes: Axes, iterations: NDArray[Any], color: str, label: str) ->
 
 
 PICTURE = RunPicture(
-    lambda runs, iterations: learning_figure(runs), lambda runs: bool(quantities_to_draw(runs))
+    lambda runs, iterations, look: learning_figure(runs, look),
+    lambda runs: bool(quantities_to_draw(runs)),
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,12 +13,14 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style, view
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.pictures.catalogue import RunPicture
 
 COLUMNS = 4  # of panels, where several runs are compared
 _BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.12, 0.14, 0.75  # [inch]
+_LEAST_SIDE = 1.5  # of panels on a narrow sheet [inch]
 
 
 def chosen_trials(run: RunData, iterations: Collection[int] | None = None) -> list[Trial]:
@@ -132,37 +135,38 @@ def _bar_ticks(first: int, last: int) -> list[int]:
 
 
 def path_change_figure(
-    runs: Sequence[RunData], iterations: Collection[int] | None = None
+    runs: Sequence[RunData], iterations: Collection[int] | None = None, look: Look = USUAL
 ) -> Figure:
     """The recorded paths of a run, or of several runs in a panel each.
 
     Args:
         runs: At least one.
         iterations: The iterations to show; None for all that are recorded.
+        look: What the user asks for.
     """
-    with style.applied():
+    with style.applied(look):
         if len(runs) == 1:
-            return _single_figure(runs[0], iterations)
-        width, height = grid_size(len(runs))
+            return _single_figure(runs[0], iterations, look)
+        grid = grid_of(len(runs), layout.room_on(look, grid_of(len(runs)).width))
         top = layout.HEADING
         heading = f"{len(runs)} runs: path over the iterations"
-        figure = layout.new_sheet(width, top + height, heading)
-        legend = draw_grid(figure, runs, iterations, top)
-        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(figure.axes[:COLUMNS]))
+        figure = layout.new_sheet(grid.width, top + grid.height, heading, look)
+        legend = draw_grid(figure, runs, iterations, top, grid)
+        layout.close_sheet(figure, legend=legend, top=figure.axes[: grid.columns])
         return figure
 
 
-def _single_figure(run: RunData, iterations: Collection[int] | None) -> Figure:
+def _single_figure(run: RunData, iterations: Collection[int] | None, look: Look) -> Figure:
     trials = chosen_trials(run, iterations)
     shape = view.shape_of(view.view_of([run.reference], trials))
     scale = iteration_scale([run], iterations)
     width, height = 5.0, max(2.4, 5.0 * shape)
     figure, axes = layout.single_panel(
-        labels.shortened(run.name), width, height, 0.0 if scale is None else _BAR_ROOM - 0.2
+        labels.shortened(run.name), width, height, 0.0 if scale is None else _BAR_ROOM - 0.2, look
     )
     draw_path_change(axes, run, iterations, scale)
     add_color_bar(axes, scale)
-    layout.finish(figure, axes, width)
+    layout.finish(figure, axes)
     return figure
 
 
@@ -177,37 +181,70 @@ def add_color_bar(axes: Axes, scale: Normalize | None) -> None:
     draw_color_bar(figure.add_axes((left, box.y0, _BAR_WIDTH / sheet_width, box.height)), scale)
 
 
-def panel_side(runs: int) -> float:
-    """Width and height of a panel of several runs [inch]."""
-    return 3.6 if runs < COLUMNS else 2.75
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Panels of several runs.
+
+    Attributes:
+        columns: So many stand side by side.
+        rows: So many below each other.
+        side: Width and height of each [inch].
+        width: Of all together with their labels and the colours of the iterations [inch].
+    """
+
+    columns: int
+    rows: int
+    side: float
+    width: float
+
+    @property
+    def height(self) -> float:
+        """Of all together with their labels [inch]."""
+        return self.rows * (layout.TOP + self.side + layout.BOTTOM)
 
 
-def grid_size(runs: int) -> tuple[float, float]:
-    """Width and height of the panels of several runs together [inch]."""
-    rows, side = -(-runs // COLUMNS), panel_side(runs)
-    width = min(runs, COLUMNS) * (layout.LEFT + side) + _BAR_ROOM
-    return width, rows * (layout.TOP + side + layout.BOTTOM)
+def grid_of(runs: int, width: float | None = None) -> Grid:
+    """The grid of so many runs.
+
+    Args:
+        runs: At least one.
+        width: Width of the sheet [inch]; None for what is best.
+    """
+    side = 3.6 if runs < COLUMNS else 2.75
+    columns = min(runs, COLUMNS)
+    usual = columns * (layout.LEFT + side) + _BAR_ROOM
+    if width is None or width >= usual:
+        return Grid(columns, -(-runs // columns), side, usual if width is None else width)
+    columns = max(1, min(columns, int((width - _BAR_ROOM) / (layout.LEFT + _LEAST_SIDE))))
+    side = min(side, (width - _BAR_ROOM) / columns - layout.LEFT)
+    return Grid(columns, -(-runs // columns), side, width)
 
 
 def draw_grid(
-    figure: Figure, runs: Sequence[RunData], iterations: Collection[int] | None, top: float
+    figure: Figure,
+    runs: Sequence[RunData],
+    iterations: Collection[int] | None,
+    top: float,
+    grid: Grid | None = None,
 ) -> float:
     """Draws a panel for each of several runs.
 
     Args:
-        figure: The sheet, at least as large as `grid_size`.
+        figure: The sheet, at least as large as the grid.
         runs: The runs, a panel each.
         iterations: The iterations to show; None for all that are recorded.
         top: Distance of the panels from the upper edge [inch].
+        grid: Where they stand; `grid_of` by default.
 
     Returns:
         Height of the legend below the panels [inch].
     """
+    grid = grid_of(len(runs)) if grid is None else grid
     scale = iteration_scale(runs, iterations)
-    side = panel_side(len(runs))
+    side = grid.side
     panels: list[Axes] = []
     for index, (run, label) in enumerate(zip(runs, labels.run_labels(runs), strict=True)):
-        row, column = divmod(index, COLUMNS)
+        row, column = divmod(index, grid.columns)
         axes = layout.add_panel(
             figure,
             layout.LEFT + column * (layout.LEFT + side),
@@ -215,11 +252,17 @@ def draw_grid(
             side,
             side,
         )
-        draw_path_change(axes, run, iterations, scale, labels.wrapped(label, side))
+        title = labels.wrapped(label, side)
+        draw_path_change(axes, run, iterations, scale, title, entitle_by_name)
         panels.append(axes)
-    add_color_bar(panels[min(len(panels), COLUMNS) - 1], scale)
-    first_of_last_row = panels[(len(panels) - 1) // COLUMNS * COLUMNS]
+    add_color_bar(panels[min(len(panels), grid.columns) - 1], scale)
+    first_of_last_row = panels[(len(panels) - 1) // grid.columns * grid.columns]
     return layout.legend_below([first_of_last_row], side)
+
+
+def entitle_by_name(axes: Axes, title: str, notes: Sequence[str]) -> None:
+    """Titles a panel by its run, of which nothing else there tells."""
+    labels.set_title(axes, title, notes, tells_apart=True)
 
 
 PICTURE = RunPicture(path_change_figure)

@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.drawing import labels, layout, style
+from hilc_cli.drawing.sheet import most_ticks
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
 
@@ -81,7 +83,7 @@ def draw_wheel_speeds(
     duration = max(float(run.reference.times[-1]) for run in runs)
     axes.set_xlim(0, duration)
     axes.margins(y=0.08)
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=most_ticks(axes, 8), steps=[1, 2, 5, 10]))
     labels.plain_ticks(axes)
     axes.set_xlabel("Time [s]")
     axes.set_ylabel("Wheel speed [rad/s]", labelpad=2)
@@ -143,12 +145,12 @@ def _draw_limits(axes: Axes, limits: Sequence[float], lowest: float, highest: fl
     return [f"speed limit {far} rad/s is out of view"] if far else []
 
 
-def wheel_speeds_figure(runs: Sequence[RunData]) -> Figure:
+def wheel_speeds_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """The wheel speeds of the last recorded iteration of one or several runs."""
     heading, room = layout.heading_of(labels.run_labels(runs)), LIMIT_ROOM - 0.1
     return layout.panel_figure(
-        heading, lambda axes: draw_wheel_speeds(axes, runs), 5.8, extra_right=room
+        heading, lambda axes: draw_wheel_speeds(axes, runs), 5.8, extra_right=room, look=look
     )
 
 
-PICTURE = RunPicture(lambda runs, iterations: wheel_speeds_figure(runs))
+PICTURE = RunPicture(lambda runs, iterations, look: wheel_speeds_figure(runs, look))
