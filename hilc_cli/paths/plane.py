@@ -221,7 +221,7 @@ def mark(marker: str, color: str) -> dict[str, Any]:
     """How a place is marked that is to be seen."""
     return {
         "marker": marker,
-        "markersize": 5.5,
+        "markersize": 7.0 if marker == "D" else 5.0,
         "markerfacecolor": color,
         "markeredgecolor": "white",
         "markeredgewidth": 0.6,
@@ -232,9 +232,9 @@ def mark(marker: str, color: str) -> dict[str, Any]:
 
 def stop_marks(motion: Motion) -> tuple[tuple[Truths, str, str, str], ...]:
     """Where a robot stands or turns in place, and mark, colour and name of each."""
-    return (
-        (motion.stands, "o", "black", STOP),
+    return (  # a stop lies on the turn in place that follows
         (motion.turns, "D", style.VERMILLION, TURN),
+        (motion.stands, "o", "black", STOP),
     )
 
 

@@ -46,7 +46,7 @@ def test_path_alone_is_coloured_by_speed_and_tells_backward_stop_and_turn() -> N
     np.testing.assert_array_equal(dashes.get_xdata(), reference.x[350:])
     assert np.asarray(line(plane, STOP).get_xdata()).tolist() == [reference.x[100]]
     assert np.asarray(line(plane, TURN).get_xdata()).tolist() == [reference.x[150]]
-    assert legend(plane) == [BACKWARD, JOINT, STOP, TURN, "Start"]
+    assert legend(plane) == [BACKWARD, JOINT, TURN, STOP, "Start"]
     assert len(lines(plane, "_arrow")) == 8
     numbers = [text.get_text() for text in plane.texts]
     assert numbers == ["0", "3", "4", "5", "6"]  # those that go somewhere
