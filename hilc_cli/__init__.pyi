@@ -31,6 +31,10 @@ from hilc_cli.paper.reproducing import (
     Reproduction as Reproduction,
     reproduce as reproduce,
 )
+from hilc_cli.paths.showing import (
+    ShownPath as ShownPath,
+    show as show,
+)
 from hilc_cli.results.look import Look as Look
 from hilc_cli.results.trial import Trial as Trial
 from hilc_cli.runs.running import (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from hilc_cli.errors import ExistingResultsError, UsageError
@@ -36,14 +36,14 @@ def is_example(text: str, kind: str) -> bool:
     return text.startswith(PREFIX) and _name(text) in {path.stem for path in examples(kind)}
 
 
-def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
-    """The file behind ``example:NAME``.
+def resolve_example(text: str, kinds: Sequence[str] = (SCENARIOS,)) -> Path:
+    """The file behind ``example:NAME``; of the first kind that has such a name.
 
     Raises:
         UsageError: There is no such example.
     """
     name = _name(text)
-    known = {path.stem: path for path in examples(kind)}
+    known = {path.stem: path for kind in reversed(kinds) for path in examples(kind)}
     if name not in known:
         # Its last character may be the wrong one: of several that fit, none is guessed.
         begun = [stem for stem in known if name and stem.startswith(name)] or [
@@ -54,10 +54,11 @@ def resolve_example(text: str, kind: str = SCENARIOS) -> Path:
     return known[name]
 
 
-def example_meant(text: str, kind: str) -> str | None:
+def example_meant(text: str, kinds: Sequence[str]) -> str | None:
     """The ``example:NAME`` that somebody may mean who gives a file that is not there."""
     stem = Path(text).name.removesuffix(".yaml").lower()
-    return f"{PREFIX}{stem}" if stem in {path.stem for path in examples(kind)} else None
+    known = {path.stem for kind in kinds for path in examples(kind)}
+    return f"{PREFIX}{stem}" if stem in known else None
 
 
 def _name(text: str) -> str:

@@ -20,6 +20,8 @@ from hilc_cli.leaderboards.comparing import LawComparison
 from hilc_cli.leaderboards.picture import leaderboard_figure
 from hilc_cli.paper.citation import BIBTEX
 from hilc_cli.paper.sheet import sheet_figure
+from hilc_cli.paths.picture import path_figure
+from hilc_cli.paths.showing import show
 from hilc_cli.results.look import Look
 from hilc_cli.sweeps.data import Bands
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep
@@ -54,6 +56,8 @@ def sheets(make_run: MakeRun, look: Look) -> dict[str, Figure]:
     pictures["leaderboard"] = leaderboard_figure(DATA, look)
     law = "Eq. 17, l1 1, l2 0, l3 0"
     pictures["transient"] = transient_figure("circle", FALLING, 3, runs[0], 0.1, law, look)
+    pictures["path"] = path_figure(show("example:square-lap"), look)
+    pictures["path with wheels"] = path_figure(show("example:rounded-square"), look)
     rows = [row("a", runs[0]), row("b", other, SPEEDS)]
     title, reading = "Figure 9. A title of some length", "Literal reading: the law as printed"
     pictures["paper"] = sheet_figure(title, reading, rows, look)
@@ -93,13 +97,19 @@ def test_every_command_that_draws_takes_a_width(hilc: Hilc, write: Write, folder
     done = [
         hilc("plot", "runs/b", "--kind", "error", *options),
         hilc("check", "scenario.yaml", "--plot", "--out", "checked", *options),
+        hilc("show", "scenario.yaml", "--out", "shown", *options),
         hilc("compare", "runs/a", "runs/b", "--out", "both", *options),
         hilc("sweep", "scenario.yaml", "--vary", "controller.gains.l1=0.1:1:3", "--out", "swept",
              "--workers", "1", *options),
     ]  # fmt: skip
     assert [outcome.code for outcome in done] == [0] * len(done)
     drawn = sorted(folder.rglob("*.pdf"))
-    assert {path.name for path in drawn} >= {"error.pdf", "transient.pdf", "comparison.pdf"}
+    assert {path.name for path in drawn} >= {
+        "error.pdf",
+        "transient.pdf",
+        "path.pdf",
+        "comparison.pdf",
+    }
     for path in drawn:
         assert media_box(path)[0] == pytest.approx(3.4 * 72, abs=1e-6), path
         assert b"/Type3" not in path.read_bytes()

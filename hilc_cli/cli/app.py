@@ -12,6 +12,7 @@ from hilc_cli.cli.plot import plot
 from hilc_cli.cli.reproduce import reproduce
 from hilc_cli.cli.run import run
 from hilc_cli.cli.schema import schema
+from hilc_cli.cli.show import show
 from hilc_cli.cli.sweep import sweep
 
 app = typer.Typer(
@@ -28,6 +29,7 @@ def hilc(context: typer.Context, version: Version = False) -> None:
 
     \b
     Example:
+      hilc show example:fig3-circle
       hilc check example:fig3-circle
       hilc run example:fig3-circle
       hilc plot runs/fig3-circle --kind error --format svg
@@ -39,6 +41,7 @@ def hilc(context: typer.Context, version: Version = False) -> None:
 
 
 app.command()(run)
+app.command()(show)
 app.command()(check)
 app.command()(plot)
 app.command()(compare)

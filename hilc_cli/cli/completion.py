@@ -11,7 +11,7 @@ from pathlib import Path
 
 from hilc_cli.cli.default_folders import RUNS
 from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
-from hilc_cli.shipped_files import LEADERBOARDS, PREFIX, examples
+from hilc_cli.shipped_files import LEADERBOARDS, PREFIX, SCENARIOS, TRAJECTORIES, examples
 
 REQUEST = "_HILC_COMPLETE"
 """The variable by which a shell asks for completions."""
@@ -101,6 +101,14 @@ def complete_scenario(incomplete: str) -> list[str]:
     """Example names and YAML files that a scenario argument may go on with."""
     names = [f"{PREFIX}{path.stem}" for path in examples()]
     return _begun([*names, *_files(incomplete)], incomplete)
+
+
+def complete_path(incomplete: str) -> list[str]:
+    """Example names and YAML files that an argument for a scenario or trajectory may go on with."""
+    names = [
+        f"{PREFIX}{path.stem}" for kind in (SCENARIOS, TRAJECTORIES) for path in examples(kind)
+    ]
+    return _begun([*dict.fromkeys(names), *_files(incomplete)], incomplete)
 
 
 def complete_leaderboard(incomplete: str) -> list[str]:

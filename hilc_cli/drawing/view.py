@@ -195,14 +195,14 @@ def name_reference(axes: Axes) -> None:
     axes.plot(*([], []), color=REFERENCE_COLOR, linestyle=DASHED, linewidth=1.0, label="Reference")
 
 
-def draw_start(axes: Axes, trial: Trial, color: str = "black") -> None:
-    """Draws the pose at which an iteration starts: an open circle that points ahead."""
+def draw_start(axes: Axes, trial: Trial | Reference, color: str = "black") -> None:
+    """Draws the pose at which a path starts: an open circle that points ahead."""
     turned = Affine2D().rotate(math.remainder(float(trial.heading[0]), math.tau))
     _draw_pose(axes, trial.x[:1], trial.y[:1], MarkerStyle(_START, transform=turned), color)
 
 
-def draw_end(axes: Axes, trial: Trial, color: str = "black") -> None:
-    """Draws the pose at which an iteration ends: a full square that points ahead."""
+def draw_end(axes: Axes, trial: Trial | Reference, color: str = "black") -> None:
+    """Draws the pose at which a path ends: a full square that points ahead."""
     turned = Affine2D().rotate(math.remainder(float(trial.heading[-1]), math.tau))
     marker = MarkerStyle(_END, transform=turned)
     _draw_pose(axes, trial.x[-1:], trial.y[-1:], marker, color, full=True)

@@ -16,7 +16,8 @@ from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
 from hilc_cli.scenario.identified import with_identified
 from hilc_cli.scenario.path_files import PathFile, path_notes, with_path_files
 from hilc_cli.scenario.scenario import ScenarioSpec
-from hilc_cli.shipped_files import SCENARIOS
+from hilc_cli.scenario.trajectory import TrajectorySpec
+from hilc_cli.shipped_files import SCENARIOS, TRAJECTORIES
 from hilc_cli.yaml_input.model import Model, model_in
 from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, Place, Scalar, nearest, to_data
 from hilc_cli.yaml_input.problems import problems_of
@@ -24,13 +25,15 @@ from hilc_cli.yaml_input.reading import (
     Inputs,
     apply_override,
     data_override,
+    kind_of,
     mistaken,
     parse_override,
 )
 
 Overrides = Mapping[str, object] | Sequence[str]
 _RADIUS = ("robot", "wheel_radius")
-
+_PATH = "trajectory"
+_KINDS = (SCENARIOS, TRAJECTORIES)
 
 ScenarioSource = Scenario | str | Path | Mapping[str, object]
 """A scenario, or what one can be read from: a file, ``example:NAME``, or its content as data."""
@@ -62,8 +65,76 @@ def load_scenario(
         FileAccessError: A file cannot be read.
     """
     inputs = Inputs()
-    tree = inputs.tree(source)
+    return _scenario(inputs.tree(source), _changes(overrides), inputs, trust=trust)
+
+
+def load_path(
+    source: str | Path | Mapping[str, object], overrides: Overrides = (), *, trust: bool = False
+) -> tuple[Scenario | TrajectorySpec, tuple[str, ...]]:
+    """Reads and validates a trajectory, or a scenario with everything that it refers to.
+
+    Which of them it is follows from its keys. Of an example that there is of both kinds, the
+    scenario is meant.
+
+    Args:
+        source: A file, ``-`` for standard input, ``example:NAME``, or what would stand in a file.
+        overrides: As for `load_scenario`. Keys of a trajectory may do without ``trajectory.``.
+        trust: As for `load_scenario`.
+
+    Returns:
+        It, and what was done to its files.
+
+    Raises:
+        InvalidInputError: The scenario or the trajectory is not valid; names every problem.
+        UsageError: There is no such file.
+        FileAccessError: A file cannot be read.
+    """
+    inputs = Inputs()
+    tree = inputs.tree(source, *_KINDS)
     changes = _changes(overrides)
+    assert isinstance(tree, MapNode)  # anything else has been refused
+    if kind_of(tree.entries, _KINDS) == SCENARIOS:
+        scenario = _scenario(tree, changes, inputs, trust=trust)
+        return scenario, tuple(scenario.notes)
+    problems = [_of_scenario(keys, value) for keys, value in changes if _is_scenarios_own(keys)]
+    if problems:
+        raise InvalidInputError(problems)
+    # As a part of a scenario, a trajectory gets the same keys, messages and files.
+    whole = MapNode(tree.place, {_PATH: tree}, {_PATH: tree.place})
+    for keys, value in changes:
+        keys = keys if keys[0] == _PATH else (_PATH, *keys)
+        whole = apply_override(whole, keys, value, lambda same: same)
+    whole, files = with_path_files(whole, inputs)
+    try:
+        found = _Alone.model_validate(to_data(whole)).trajectory
+    except ValidationError as error:
+        raise InvalidInputError([*inputs.problems, *problems_of(error, whole, _Alone)]) from None
+    if inputs.problems:
+        raise InvalidInputError(inputs.problems)
+    return found, tuple(path_notes(files, found))
+
+
+class _Alone(Model):
+    """A trajectory without a scenario around it."""
+
+    trajectory: TrajectorySpec
+
+
+def _is_scenarios_own(keys: Sequence[str]) -> bool:
+    """Whether a key is one of a scenario, and none of a trajectory."""
+    of_scenario = ScenarioSpec.model_fields.keys() - {_PATH}
+    return keys[0] in of_scenario - TrajectorySpec.model_fields.keys()
+
+
+def _of_scenario(keys: Sequence[str], value: Node) -> Problem:
+    message = "is a key of a scenario, and this is a trajectory; give a scenario"
+    return Problem(str(value.place), ".".join(keys), message)
+
+
+def _scenario(
+    tree: Node, changes: Sequence[tuple[tuple[str, ...], Node]], inputs: Inputs, *, trust: bool
+) -> Scenario:
+    """The scenario that a tree holds after some changes."""
     assert isinstance(tree, MapNode)  # anything else has been refused
     message = mistaken(tree.entries, SCENARIOS)
     if message is not None:

@@ -6,7 +6,7 @@ import hashlib
 import os
 import re
 import sys
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -68,51 +68,75 @@ _INSTEAD = {
 }
 
 
-def mentions_keys_of(text: str, kind: str) -> bool:
-    """Whether a text that is no YAML seems to be meant for a file of a kind, of `KINDS`."""
-    keys = "|".join(sorted(_TELLING[kind]))
+def mentions_keys_of(text: str, kinds: Sequence[str]) -> bool:
+    """Whether a text that is no YAML seems to be meant for a file of some kinds, of `KINDS`."""
+    keys = "|".join(sorted(key for kind in kinds for key in _TELLING[kind]))
     gap = "[ \t\"']{0,40}"  # no longer, so that a hostile text is searched in no time
     return re.search(f"(?mi)(^|[{{,]){gap}({keys}){gap}:", text) is not None
 
 
-def is_no(kind: str, tree: Node) -> str | None:
-    """What is wrong with a file that is neither of a kind nor of another one that is known.
+def is_no(kinds: Sequence[str], tree: Node) -> str | None:
+    """What is wrong with a file that is neither of some kinds nor of another one that is known.
 
     Args:
-        kind: The kind that is needed, of `KINDS`.
+        kinds: Those that will do, of `KINDS`.
         tree: What the file holds, of which nothing is shown.
 
     Returns:
         The message; None if it is of a kind, however much else is wrong with it.
     """
+    wanted = " and no ".join(_ONE[kind] for kind in kinds)
     if not isinstance(tree, MapNode):
         is_text = isinstance(tree, Scalar) and tree.value is not None
         got = "a single value" if is_text else describe(tree)
-        return f"is no {_ONE[kind]}, got {got}; write a mapping of keys and values"
+        return f"is no {wanted}, got {got}; write a mapping of keys and values"
     known = {key.lower() for key in tree.entries}
-    if not _TELLING[kind].isdisjoint(known) or mistaken(tree.entries, kind) is not None:
+    if any(not _TELLING[kind].isdisjoint(known) for kind in kinds):
         return None
-    return f"is no {_ONE[kind]}; {_HAS[kind]}"
+    if mistaken(tree.entries, *kinds) is not None:
+        return None
+    return f"is no {wanted}; {', '.join(_HAS[kind] for kind in kinds)}"
 
 
-def mistaken(keys: Collection[str], wanted: str, shown: str = "") -> str | None:
+def kind_of(keys: Collection[str], kinds: Sequence[str]) -> str:
+    """Which of some kinds a file is of that is of one of them.
+
+    Args:
+        keys: Of its outermost mapping.
+        kinds: Those that it may be of, of `KINDS`; the first if nothing tells.
+    """
+    given = _told_by(keys)
+    if given is not None and given in kinds:
+        return given
+    known = {key.lower() for key in keys}
+    return next((kind for kind in kinds if not _TELLING[kind].isdisjoint(known)), kinds[0])
+
+
+def _told_by(keys: Collection[str]) -> str | None:
+    """The kind without whose keys a file is none of it; None if there is no such kind."""
+    return next((kind for kind, needed in _KEYS.items() if needed <= set(keys)), None)
+
+
+def mistaken(keys: Collection[str], *wanted: str, shown: str = "") -> str | None:
     """What is wrong with a file of another kind, and where it belongs.
 
     Args:
         keys: Of its outermost mapping.
-        wanted: The kind that is needed, of `KINDS`.
+        wanted: The kinds that will do, of `KINDS`.
         shown: What to show of it, if its place does not tell.
 
     Returns:
-        The message; None if it is of that kind, or of none that is known.
+        The message; None if it is of such a kind, or of none that is known.
     """
-    given = next((kind for kind, needed in _KEYS.items() if needed <= set(keys)), wanted)
-    return None if given == wanted else _not_but(given, wanted, shown)
+    given = _told_by(keys)
+    return None if given is None or given in wanted else _not_but(given, wanted, shown)
 
 
-def _not_but(given: str, wanted: str, shown: str) -> str:
+def _not_but(given: str, wanted: Sequence[str], shown: str) -> str:
     got = f", got {shown}" if shown else ""
-    return f"is a {_ONE[given]}, not a {_ONE[wanted]}{got}; {_INSTEAD[given, wanted]}"
+    other = " and no ".join(_ONE[kind] for kind in wanted)
+    negation = f"not a {other}" if len(wanted) == 1 else f"no {other}"
+    return f"is a {_ONE[given]}, {negation}{got}; {_INSTEAD[given, wanted[0]]}"
 
 
 STDIN = "-"
@@ -140,20 +164,27 @@ class Inputs:
         self.checksums[str(path)] = hashlib.sha256(content).hexdigest()
         return content
 
-    def tree(self, source: str | Path | Mapping[str, object], kind: str = SCENARIOS) -> Node:
-        """The YAML tree of a file, of standard input (``-``), of an example of a kind, or of data.
+    def tree(self, source: str | Path | Mapping[str, object], *kinds: str) -> Node:
+        """The YAML tree of a file, of standard input (``-``), of an example, or of data.
+
+        Args:
+            source: Which.
+            kinds: Of the file or example, a scenario if none is given. Of an example that there
+                is of several kinds, the first counts.
 
         Raises:
             HilcError: It cannot be read, or is no valid YAML.
         """
+        kinds = kinds or (SCENARIOS,)
         if isinstance(source, Mapping):
-            return from_data(source, Place(Source(kind.removesuffix("s"), Path(), has_lines=False)))
+            label = kind_of(source, kinds).removesuffix("s")
+            return from_data(source, Place(Source(label, Path(), has_lines=False)))
         name = str(source)
         if name == STDIN:
             content = _read_stdin()
             self.checksums["<stdin>"] = hashlib.sha256(content).hexdigest()
-            return self._parsed(content, Source("<stdin>", Path()), kind)
-        return self._of_file(_file_of(name, kind, Path(name)), kind)
+            return self._parsed(content, Source("<stdin>", Path()), kinds)
+        return self._of_file(_file_of(name, kinds, Path(name)), kinds)
 
     def with_trajectory(self, tree: MapNode) -> MapNode:
         """The scenario with its trajectory file, if it names one, in the place of the path.
@@ -172,43 +203,44 @@ class Inputs:
             raise InvalidInputError.of(node.place, "trajectory", message)
         try:
             path = short_path(node.place.source.folder / node.value)
-            trajectory = self._of_file(_file_of(node.value, TRAJECTORIES, path), TRAJECTORIES)
+            kinds = (TRAJECTORIES,)
+            trajectory = self._of_file(_file_of(node.value, kinds, path), kinds)
         except (UsageError, FileAccessError) as error:
             message = f"{error}{hint(node.value, quoted=node.quoted)}"
             raise InvalidInputError.of(node.place, "trajectory", message) from None
         if isinstance(trajectory, MapNode):
-            other = mistaken(trajectory.entries, TRAJECTORIES, node.value)
+            other = mistaken(trajectory.entries, TRAJECTORIES, shown=node.value)
             if other is not None:
                 raise InvalidInputError.of(node.place, "trajectory", other)
         return with_entry(tree, "trajectory", trajectory, trajectory.place)
 
-    def _of_file(self, path: Path, kind: str) -> Node:
-        return self._parsed(self.file(path, MAX_BYTES), Source(str(path), path.parent), kind)
+    def _of_file(self, path: Path, kinds: Sequence[str]) -> Node:
+        return self._parsed(self.file(path, MAX_BYTES), Source(str(path), path.parent), kinds)
 
-    def _parsed(self, content: bytes, source: Source, kind: str) -> Node:
-        """The tree of a file that is of a kind, or of another one that is known.
+    def _parsed(self, content: bytes, source: Source, kinds: Sequence[str]) -> Node:
+        """The tree of a file that is of some kinds, or of another one that is known.
 
         A path may lead to anything. Nothing of a file that hilc has no business with is shown,
         only where it stops being what it should be.
         """
         problems: list[Problem] = []
-        shown = mentions_keys_of(content.decode("utf-8", "replace"), kind)
+        shown = mentions_keys_of(content.decode("utf-8", "replace"), kinds)
         tree = parse_yaml(content, source, problems, show=shown)
-        message = is_no(kind, tree)
+        message = is_no(kinds, tree)
         if message is not None:
             raise InvalidInputError.of(tree.place, "", message)
         self.problems.extend(problems)
         return tree
 
 
-def _file_of(name: str, kind: str, path: Path) -> Path:
+def _file_of(name: str, kinds: Sequence[str], path: Path) -> Path:
     """Returns the file that a text stands for: the example that it names, or what is at a path."""
     if name.startswith(PREFIX):
-        given = next((each for each in (kind, *KINDS) if is_example(name, each)), kind)
-        if given != kind:
-            raise UsageError(f"{name}: {_not_but(given, kind, '')}")
-        return resolve_example(name, kind)
-    meant = None if os.path.lexists(path) else example_meant(name, kind)
+        given = next((each for each in (*kinds, *KINDS) if is_example(name, each)), kinds[0])
+        if given not in kinds:
+            raise UsageError(f"{name}: {_not_but(given, kinds, '')}")
+        return resolve_example(name, kinds)
+    meant = None if os.path.lexists(path) else example_meant(name, kinds)
     if meant is not None:
         raise UsageError(f"{path}: there is no such file; did you mean '{meant}'?")
     return path

@@ -6,17 +6,16 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+from hilc_cli.reporting.demands import demand_rows, segment_document
 from hilc_cli.reporting.terminal import Grid, Section
-from hilc_cli.theory.feasibility.feasibility import GRAVITY, in_degrees, rounded
+from hilc_cli.theory.feasibility.feasibility import GRAVITY
 from hilc_cli.wording import counted
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
-    from hilc_cli.theory.feasibility.demand import Joint, Jump, Peak, SegmentDemand
+    from hilc_cli.theory.feasibility.demand import Joint, SegmentDemand
     from hilc_cli.theory.feasibility.feasibility import Feasibility
 
-_NOTHING = 1e-6
-"""[m/s^2]; of a turn on the spot that is written as a very small arc."""
 _MOST_ROWS = 24
 """So many segments are shown if not all are asked for."""
 
@@ -38,48 +37,8 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
         [("Verdict", _verdict(feasibility)), ("Acceleration in segments", accelerating)],
         grids,
         _document(feasibility),
-        brief=_brief(feasibility),
+        brief=demand_rows(feasibility),
     )
-
-
-def _brief(feasibility: Feasibility) -> list[tuple[str, str]]:
-    """Returns what limits the platform on this path."""
-    demand, limits = feasibility.demand, feasibility.limits
-    fastest = f"{demand.fastest.value:.4g} rad/s"
-    share = feasibility.share(demand.fastest.value)
-    if share is not None:
-        fastest = f"{demand.fastest.value:.4g} of {limits.wheel_speed:g} rad/s, {share:.1%} of b_w,"
-    rows = [("Fastest wheel", f"{fastest} {_at(demand.fastest)}")]
-    if demand.lateral.value > _NOTHING:
-        held = "" if limits.friction is None else f"; tyres hold {limits.lateral:.4g} m/s^2"
-        lateral = f"{demand.lateral.value:.4g} m/s^2 ({feasibility.needed_friction:.3g} g)"
-        rows.append(("Sideways", f"{lateral} {_at(demand.lateral)}{held}"))
-    sharpest = demand.sharpest_corner
-    if sharpest is not None:
-        among = f", of {len(demand.corners)} corners" if len(demand.corners) > 1 else ""
-        text = f"{in_degrees(sharpest.corner)} at {sharpest.name}{among}"
-        rows.append(("Sharpest corner", text))
-    rows.append(("From rest", _jump(demand.from_rest, feasibility)))
-    if demand.largest_jump is not None:
-        at = "the corner at " if demand.largest_jump.at_corner else ""
-        text = f"{_jump(demand.largest_jump, feasibility)} at {at}{demand.largest_jump.name}"
-        rows.append(("Largest jump", text))
-    return rows
-
-
-def _at(peak: Peak) -> str:
-    return f"in the corner at {peak.name}" if peak.in_corner else f"in {peak.name}"
-
-
-def _jump(jump: Jump, feasibility: Feasibility) -> str:
-    """Returns a jump of both wheels, and what it is at the rim."""
-    if not jump.size:
-        return "none"
-    speeds = f"{jump.size:.4g}"
-    if not math.isclose(jump.left, jump.right, rel_tol=1e-9):
-        speeds = f"left {jump.left:.4g}, right {jump.right:.4g}"
-    rim = jump.size * feasibility.robot.wheel_radius / feasibility.demand.sample_time
-    return f"{speeds} rad/s in one sample ({rounded(rim / GRAVITY)} g)"
 
 
 def _verdict(feasibility: Feasibility) -> str:
@@ -180,17 +139,7 @@ def _document(feasibility: Feasibility) -> dict[str, object]:
         "sharpest_corner": None if sharpest is None else sharpest.name,
         "segments": [
             {
-                "name": segment.name,
-                "first_sample": segment.first,
-                "samples": segment.samples,
-                "duration_s": segment.duration,
-                "length_m": segment.length,
-                "turn_rad": segment.turn,
-                "speed_m_s": segment.speed,
-                "yaw_rate_rad_s": segment.yaw_rate,
-                "max_wheel_speed_rad_s": segment.fastest_wheel,
-                "max_wheel_acceleration_rad_s2": segment.wheel_acceleration,
-                "lateral_acceleration_m_s2": segment.lateral_acceleration,
+                **segment_document(segment),
                 "feasible": feasibility.keeps(segment, segment.samples),
                 "least_duration_s": feasibility.least_duration(segment),
             }

@@ -7,6 +7,7 @@ its square.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -177,11 +178,16 @@ def feasibility_findings(feasibility: Feasibility) -> Findings:
     )
     warnings = [
         *_corners(feasibility),
-        *_friction(feasibility),
+        *(_too_sharp(feasibility.demand) if feasibility.limits.friction is None else ()),
         *_traction(feasibility),
         *_coarse_turn(feasibility.demand),
     ]
     return Findings(tuple(failures), tuple(warnings))
+
+
+def path_warnings(demand: Demand) -> list[str]:
+    """Returns what is to be said of a reference whose robot is not known."""
+    return [*_sharp_corners(demand.corners), *_too_sharp(demand), *_coarse_turn(demand)]
 
 
 def beyond_wheels(feasibility: Feasibility) -> list[str]:
@@ -243,15 +249,20 @@ def _longer(feasibility: Feasibility, segment: SegmentDemand) -> str:
 def _corners(feasibility: Feasibility) -> list[str]:
     """Tells of corners that the limits allow; the sharpest one stands for all."""
     corners = [joint for joint in feasibility.demand.corners if feasibility.turns(joint)]
+    return _sharp_corners(corners, of_robot=True)
+
+
+def _sharp_corners(corners: Sequence[Joint], *, of_robot: bool = False) -> list[str]:
+    """Tells of corners by the sharpest one, and of its wheels if they are those of a robot."""
     if not corners:
         return []
     sharpest = max(corners, key=lambda joint: round(abs(joint.corner), 9))
     among = f", the sharpest of {len(corners)}" if len(corners) > 1 else ""
+    wheels = f"wheels of {sharpest.corner_wheel:.4g} rad/s and " if of_robot else ""
     return [
         f"trajectory.{sharpest.name} starts with a corner of {in_degrees(sharpest.corner)}{among}: "
-        f"turned in one sample, it takes wheels of {sharpest.corner_wheel:.4g} rad/s and "
-        f"{rounded(sharpest.corner_lateral)} m/s^2 sideways; a robot has to stop for it: round it "
-        "with an arc"
+        f"turned in one sample, it takes {wheels}{rounded(sharpest.corner_lateral)} m/s^2 "
+        "sideways; a robot has to stop for it: round it with an arc"
     ]
 
 
@@ -260,10 +271,11 @@ def in_degrees(angle: float) -> str:
     return f"{angle:.4g} rad ({math.degrees(angle):.3g} deg)"
 
 
-def _friction(feasibility: Feasibility) -> list[str]:
-    segment = feasibility.demand.sharpest_segment
+def _too_sharp(demand: Demand) -> list[str]:
+    """Tells of the segment that takes more than good tyres hold."""
+    segment = demand.sharpest_segment
     needed = segment.lateral_acceleration / GRAVITY
-    if feasibility.limits.friction is not None or needed <= GOOD_FRICTION:
+    if needed <= GOOD_FRICTION:
         return []
     return [
         f"trajectory.{segment.name} needs {segment.lateral_acceleration:.4g} m/s^2 of lateral "

@@ -21,9 +21,15 @@ _ROUNDING = 1e-9  # relative
 
 
 def implausible(
-    demand: Demand, robot: Robot, model: Robot, headings: Mapping[str, float]
+    demand: Demand,
+    robot: Robot | None,
+    model: Robot | None,
+    headings: Mapping[str, float],
 ) -> list[str]:
-    """Returns what is to be told of such numbers, among them headings [rad] by key."""
+    """Returns what is to be told of such numbers, among them headings [rad] by key.
+
+    Of a robot that is not known, None, nothing is told.
+    """
     # Of arcs and turns, those of more than a turn whose angle is a plain number, no part of a turn.
     sweeps = [
         (
@@ -33,9 +39,9 @@ def implausible(
         for part in demand.segments
     ]
     return [
-        *_sizes(robot),
-        *_beliefs(robot, model),
-        *_path_size(demand, robot),
+        *(_sizes(robot) if robot else ()),
+        *(_beliefs(robot, model) if robot and model else ()),
+        *(_path_size(demand, robot) if robot else ()),
         *_sample_time(demand),
         *(_in_turns(*each) for each in (*sweeps, *headings.items()) if _is_in_degrees(each[1])),
     ]

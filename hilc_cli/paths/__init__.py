@@ -1,0 +1,1 @@
+"""Paths, shown before anything is simulated: drawn, and told segment by segment."""
