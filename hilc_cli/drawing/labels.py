@@ -44,6 +44,11 @@ def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
     return f"{name[:head]}…{name[len(name) - (longest - 1 - head) :]}"
 
 
+def with_unit(text: str, unit: str) -> str:
+    """A text with a unit behind it, if there is one."""
+    return f"{text} [{unit}]" if unit else text
+
+
 def wrapped(text: str, width: float) -> str:
     """A title broken into at most two lines that fit a panel of so many inches."""
     longest = int(width * 72 / (0.6 * TITLE_SIZE))

@@ -132,6 +132,7 @@ def merge_shards(
             map(np.concatenate, errors) if header.bands else None,
             header.tolerance_m,
             header.metric,
+            header.path_size_m,
             go_on,
         )
         initial_input = _read_initial_input(Path(folders[0]))

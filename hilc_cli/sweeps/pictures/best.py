@@ -19,7 +19,6 @@ from hilc_cli.sweeps.pictures.key_axis import (
     key_axis,
     key_labels_in_lines,
     value_text,
-    with_unit,
 )
 from hilc_cli.sweeps.pictures.metric_axis import metric_name, scale_of
 from hilc_cli.sweeps.pictures.picking import (
@@ -39,6 +38,7 @@ _LEFT, _KEY_ROOM, _RANGE_ROOM = 0.95, 0.36, 0.3  # beside the rows, above and be
 _TITLE_ROOM, _NOTE_ROOM, _LEAST_WIDTH = 0.3, 0.17, 6.0  # [inch]
 _LETTERS = 19  # of a key in a line above its column
 _TEXT_SIZE = 7.0  # [pt], of values
+_END_DIGITS, _MOST_DIGITS = 3, 15  # of the ends of ranges
 _INSET = 0.16  # from the edges of a column to the ends of its range, of its width
 
 
@@ -106,10 +106,7 @@ def draw_key(axes: Axes, data: SweepData, where: KeyAxis, cases: Sequence[int] |
     axes.set_xlim(float(limits[0]), float(limits[1]))
     texts = [value_text(data.values[where.key][case]) for case in numbers]
     _draw_dots(axes, where.positions[numbers], texts)
-    axes.hlines(np.arange(len(numbers)), ends[0], ends[-1], color="0.8", linewidth=1.0, zorder=1)
-    places = [] if where.words else np.unique(ends).tolist()
-    axes.set_xticks(places, [value_text(place, 3) for place in places])
-    axes.set_xticks([], minor=True)
+    _draw_range(axes, len(numbers), (float(ends[0]), float(ends[-1])), 0 if where.words else 3)
 
 
 def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
@@ -124,14 +121,28 @@ def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
         axes.set_xlim(_padded(low, high))
     texts = [labels.number_text(value, 4) for value in best.metric.tolist()]
     _draw_dots(axes, np.clip(best.metric, low, high), texts, style.BLUE)
-    axes.set_xticks([])
-    axes.set_xticks([], minor=True)
+    _draw_range(axes, len(best.cases), (low, high), 0 if scale.is_empty else _END_DIGITS)
     ranks = [f"{rank}." for rank in range(1, len(best.cases) + 1)]
     if not best.is_median:
         pairs = zip(ranks, best.cases, strict=True)
         ranks = [f"{rank}  case {case}" for rank, case in pairs]
     axes.set_yticks(range(len(ranks)), ranks)
-    axes.set_title(with_unit("Metric", scale.unit), fontsize=style.SMALL_SIZE, pad=3)
+    axes.set_title(labels.with_unit("Metric", scale.unit), fontsize=style.SMALL_SIZE, pad=3)
+
+
+def _draw_range(axes: Axes, rows: int, ends: tuple[float, float], digits: int) -> None:
+    """Draws the range that the dots of a column lie in, and its ends below, unless without digits.
+
+    Ends that would read the same have as many more digits as they need.
+    """
+    axes.hlines(np.arange(rows), *ends, color="0.8", linewidth=1.0, zorder=1)
+    places = list(dict.fromkeys(ends)) if digits else []
+    texts = [value_text(place, digits) for place in places]
+    while len(set(texts)) < len(texts) and digits < _MOST_DIGITS:
+        digits += 1
+        texts = [value_text(place, digits) for place in places]
+    axes.set_xticks(places, texts)
+    axes.set_xticks([], minor=True)
 
 
 def _padded(low: float, high: float) -> tuple[float, float]:
