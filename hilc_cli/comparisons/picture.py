@@ -21,7 +21,7 @@ from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData, distinct_names
-from hilc_cli.runs.pictures.error import ZERO_LABEL, draw_error, drawable
+from hilc_cli.runs.pictures.error import MAXIMUM, MEAN, ZERO_LABEL, draw_error, drawable
 from hilc_cli.runs.pictures.final_path import draw_final_path, same_path
 
 PITCH = 0.22  # of the rows [inch]
@@ -136,7 +136,7 @@ def _draw_key(axes: Axes, row: int, color: str, marker: str) -> None:
 
 def _legend_proxies(axes: Axes, *, zeros: bool) -> None:
     """Names what the marks have in common."""
-    kinds = [("Maximum", "o", "black"), ("Mean", "o", "white")]
+    kinds = [(f"Last {MAXIMUM.lower()}", "o", "black"), (f"Last {MEAN.lower()}", "o", "white")]
     if zeros:
         kinds.append((ZERO_LABEL, "<", "white"))
     for label, marker, face in kinds:
@@ -172,7 +172,6 @@ MOST_PATHS = 4
 """The most trajectories that have a panel of their own."""
 
 _ERROR_WIDTH, _PATH_WIDTH, _HEIGHT = 5.2, 4.3, 3.6  # of the panels above [inch]
-_LONGEST_HEADING = 120  # [characters]
 _NUMBER = len(" (9999)")  # behind names that are equal
 _SHEET = 2 * (layout.LEFT + layout.RIGHT) + _ERROR_WIDTH + _PATH_WIDTH  # [inch]
 
@@ -197,7 +196,9 @@ def comparison_figure(runs: Sequence[RunData]) -> Figure:
         rows = best_runs(_told_apart(runs), MOST_ROWS)
         lines = best_runs(rows, MOST_LINES)
         groups = _by_trajectory(lines)
-        figure = layout.new_sheet(_SHEET, layout.HEADING, _heading(runs))
+        figure = layout.new_sheet(
+            _SHEET, layout.HEADING, layout.heading_of(labels.run_labels(runs), _SHEET)
+        )
         if len(groups) == 1:
             above = _draw_side_by_side(figure, lines)
         else:
@@ -209,7 +210,8 @@ def comparison_figure(runs: Sequence[RunData]) -> Figure:
         below = layout.add_panel(figure, left, above + layout.TOP, right - left, height)
         draw_last_errors(below, rows, lines)
         _note_what_is_left_out(below, len(runs), len(rows), len(lines), len(groups))
-        legend = layout.legend_below([below], right - left)
+        names = labels.run_labels(lines)
+        legend = layout.legend_below(figure.axes, right - left, without=names)
         beside = first if len(groups) == 1 else first[:1]  # what stands at the upper edge
         layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(beside))
         return figure
@@ -217,45 +219,34 @@ def comparison_figure(runs: Sequence[RunData]) -> Figure:
 
 def _draw_side_by_side(figure: Figure, runs: Sequence[RunData]) -> float:
     """Draws errors and paths beside each other, and returns where they end [inch]."""
-    top, names = layout.HEADING + layout.TOP, labels.run_labels(runs)
+    top = layout.HEADING + layout.TOP
     layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
     left = _SHEET - layout.RIGHT - _PATH_WIDTH
     error = layout.add_panel(figure, layout.LEFT, top, _ERROR_WIDTH, _HEIGHT)
     path = layout.add_panel(figure, left, top, _PATH_WIDTH, _HEIGHT)
     draw_error(error, runs)
     draw_final_path(path, runs)
-    legend = max(
-        layout.legend_below([error], _ERROR_WIDTH, without=names),
-        layout.legend_below([path], _PATH_WIDTH, without=names),
-    )
-    layout.resize_sheet(figure, bottom=legend)
-    return top + _HEIGHT + layout.BOTTOM + legend
+    return top + _HEIGHT + layout.BOTTOM
 
 
 def _draw_paths_below(
     figure: Figure, runs: Sequence[RunData], groups: Sequence[Sequence[RunData]]
 ) -> float:
     """Draws the paths on each trajectory below the errors, and returns where they end [inch]."""
-    names, shown = labels.run_labels(runs), groups[:MOST_PATHS]
+    shown = groups[:MOST_PATHS]
     top, width = layout.HEADING + layout.TOP, _SHEET - layout.LEFT - layout.RIGHT
     layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
     error = layout.add_panel(figure, layout.LEFT, top, width, _HEIGHT)
     draw_error(error, runs)
-    legend = layout.legend_below([error], width, without=names)
-    top += _HEIGHT + layout.BOTTOM + legend + layout.TOP
+    top += _HEIGHT + layout.BOTTOM + layout.TOP
     width = _SHEET / len(shown) - layout.LEFT - layout.RIGHT
     height = min(width, _HEIGHT)
-    layout.resize_sheet(figure, bottom=legend + layout.TOP + height + layout.BOTTOM)
-    paths = []
+    layout.resize_sheet(figure, bottom=layout.TOP + height + layout.BOTTOM)
     for place, group in enumerate(shown):
         left = place * _SHEET / len(shown) + layout.LEFT
         axes = layout.add_panel(figure, left, top, width, height)
-
         draw_final_path(axes, group, _title_for(group[0].reference.name, width), among=runs)
-        paths.append(axes)
-    legend = layout.legend_below(paths[:1], _SHEET, without=names)
-    layout.resize_sheet(figure, bottom=legend)
-    return top + height + layout.BOTTOM + legend
+    return top + height + layout.BOTTOM
 
 
 def _title_for(trajectory: str, width: float) -> labels.Entitle:
@@ -280,19 +271,6 @@ def _by_trajectory(runs: Sequence[RunData]) -> list[list[RunData]]:
         else:
             group.append(run)
     return groups
-
-
-def _heading(runs: Sequence[RunData]) -> str:
-    """The names of the runs, as many as there is room for."""
-    names = labels.run_labels(runs)
-    if len(names) == 1:
-        return names[0]
-    for shown in range(len(names), 0, -1):
-        left = len(names) - shown
-        text = ", ".join(names[:shown]) + (f" and {left} more" if left else "")
-        if len(text) <= _LONGEST_HEADING:
-            return f"{len(names)} runs: {text}"
-    return f"{len(names)} runs"
 
 
 def best_runs(runs: Sequence[RunData], most: int) -> list[RunData]:

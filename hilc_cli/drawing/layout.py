@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -17,6 +18,7 @@ from hilc_cli.drawing.style import HEADING_SIZE, applied
 LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.3, 0.56, 0.5
 HEADING = 0.3  # for the name of the run above all panels [inch]
 
+_LETTER = 0.7  # mean width of a bold letter, of its size
 _LEGEND_ROW = 0.185  # [inch]
 _CHARACTER = 0.072  # generous width of a legend's character [inch]
 _HANDLE = 0.5  # line and gaps of a legend's entry [inch]
@@ -49,6 +51,33 @@ def add_panel(figure: Figure, left: float, top: float, width: float, height: flo
             height / sheet_height,
         )
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """Places of square panels, row by row [inch].
+
+    Attributes:
+        columns: How many stand in a row.
+        side: Of a panel.
+        top: Distance from the upper edge of the sheet to the titles of the first row.
+    """
+
+    columns: int
+    side: float
+    top: float
+
+    def corner(self, index: int) -> tuple[float, float]:
+        """Distances of a panel from the left and the upper edge of the sheet."""
+        row, column = divmod(index, self.columns)
+        step = self.side + LEFT
+        return LEFT + column * step, self.top + TOP + row * (TOP + self.side + BOTTOM)
+
+    def size(self, panels: int) -> tuple[float, float]:
+        """Width of so many panels with their labels, and how far down they reach."""
+        rows = -(-panels // self.columns)
+        width = self.columns * (LEFT + self.side)
+        return width, self.top + rows * (TOP + self.side + BOTTOM)
 
 
 def root_figure(axes: Axes) -> Figure:
@@ -219,6 +248,21 @@ def single_panel(
     return figure, add_panel(figure, LEFT, top, width, height)
 
 
-def heading_of(labels: Sequence[str]) -> str:
-    """The name of the run, or how many there are."""
-    return labels[0] if len(labels) == 1 else f"{len(labels)} runs"
+def heading_of(names: Sequence[str], width: float, what: str = "") -> str:
+    """The name of the run, or how many there are and as many names as there is room for.
+
+    Args:
+        names: Of the runs.
+        width: Room [inch].
+        what: What the picture shows, if nothing else says so.
+    """
+    if len(names) == 1:
+        return names[0]
+    begin = f"{what}, {len(names)} runs" if what else f"{len(names)} runs"
+    longest = int(width * 72 / (_LETTER * HEADING_SIZE))
+    for shown in range(len(names), 0, -1):
+        left = len(names) - shown
+        text = f"{begin}: {', '.join(names[:shown])}" + (f" and {left} more" if left else "")
+        if len(text) <= longest:
+            return text
+    return begin

@@ -13,6 +13,8 @@ from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
 
+_WIDTH = 5.4  # of the panel [inch]
+
 
 def same_path(references: Sequence[Reference]) -> bool:
     """Whether all references run along the very same samples."""
@@ -48,7 +50,7 @@ def draw_final_path(
     shared = same_path(references)
     notes: list[str] = []
     for index, run, name in zip(places, runs, names, strict=True):
-        color = style.run_color(index)
+        color = style.run_color(index) if several else style.FINAL_PATH_COLOR
         if not shared:
             view.draw_reference(axes, run.reference, color, "_reference")
         if not run.trials:
@@ -86,10 +88,9 @@ def final_path_figure(runs: Sequence[RunData]) -> Figure:
     """The last recorded paths of one or several runs against the reference."""
     trials = [run.last for run in runs if run.trials]
     shape = view.shape_of(view.view_of([run.reference for run in runs], trials))
-    heading = layout.heading_of(labels.run_labels(runs))
-    return layout.panel_figure(
-        heading, lambda axes: draw_final_path(axes, runs), 5.4, max(2.4, 5.4 * shape)
-    )
+    heading = layout.heading_of(labels.run_labels(runs), _WIDTH)
+    height = max(2.4, _WIDTH * shape)
+    return layout.panel_figure(heading, lambda axes: draw_final_path(axes, runs), _WIDTH, height)
 
 
 PICTURE = RunPicture(lambda runs, iterations: final_path_figure(runs))

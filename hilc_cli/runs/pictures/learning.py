@@ -221,7 +221,7 @@ def learning_figure(runs: Sequence[RunData]) -> Figure:
         names, row = labels.run_labels(telling), layout.TOP + _HEIGHT + _TICKS
         width = layout.LEFT + _WIDTH + layout.RIGHT
         height = layout.HEADING + len(shown) * row - _TICKS + layout.BOTTOM
-        figure = layout.new_sheet(width, height, layout.heading_of(names))
+        figure = layout.new_sheet(width, height, layout.heading_of(names, _WIDTH))
         tops = [layout.HEADING + place * row + layout.TOP for place in range(len(shown))]
         panels = [layout.add_panel(figure, layout.LEFT, top, _WIDTH, _HEIGHT) for top in tops]
         for axes, quantity in zip(panels, shown, strict=True):

@@ -16,8 +16,12 @@ from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.pictures.catalogue import RunPicture
 
-COLUMNS = 4  # of panels, where several runs are compared
-_BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.12, 0.14, 0.75  # [inch]
+MOST_COLUMNS = 5
+"""The most panels side by side, where several runs are compared."""
+BAR_ROOM = 0.75
+"""For the colours of the iterations, to the right of a panel [inch]."""
+
+_BAR_GAP, _BAR_WIDTH = 0.12, 0.14  # [inch]
 
 
 def chosen_trials(run: RunData, iterations: Collection[int] | None = None) -> list[Trial]:
@@ -46,7 +50,11 @@ def iteration_scale(
 
 
 def draw_paths(
-    axes: Axes, reference: Reference, trials: Sequence[Trial], scale: Normalize | None
+    axes: Axes,
+    reference: Reference,
+    trials: Sequence[Trial],
+    scale: Normalize | None,
+    part: view.View | None = None,
 ) -> list[str]:
     """Draws paths, coloured by iteration, below the dashed reference.
 
@@ -55,11 +63,12 @@ def draw_paths(
         reference: The path that was to be followed.
         trials: The paths in order.
         scale: The scale of `iteration_scale`.
+        part: What part of the plane is shown; None for what suits the paths.
 
     Returns:
         What the reader must be told: that paths leave the view.
     """
-    shown = view.show(axes, view.view_of([reference], trials))
+    shown = view.show(axes, view.view_of([reference], trials) if part is None else part)
     colors = style.iteration_colors()
     for trial in trials:
         axes.plot(
@@ -82,6 +91,7 @@ def draw_path_change(
     scale: Normalize | None = None,
     title: str = "Path over the iterations",
     entitle: labels.Entitle = labels.set_title,
+    part: view.View | None = None,
 ) -> None:
     """Draws the recorded paths of one run.
 
@@ -92,11 +102,12 @@ def draw_path_change(
         scale: Colours of the iterations if several runs share them, see `iteration_scale`.
         title: What stands above the panel.
         entitle: Puts it there.
+        part: What part of the plane is shown; None for what suits the paths.
     """
     trials = chosen_trials(run, iterations)
     if scale is None:
         scale = iteration_scale([run], iterations)
-    notes = draw_paths(axes, run.reference, trials, scale)
+    notes = draw_paths(axes, run.reference, trials, scale, part)
     if not trials:
         notes.append("no path of these iterations")
     entitle(axes, title, [*notes, *labels.divergence_notes([run])])
@@ -143,13 +154,30 @@ def path_change_figure(
     with style.applied():
         if len(runs) == 1:
             return _single_figure(runs[0], iterations)
-        width, height = grid_size(len(runs))
-        top = layout.HEADING
-        heading = f"{len(runs)} runs: path over the iterations"
-        figure = layout.new_sheet(width, top + height, heading)
-        legend = draw_grid(figure, runs, iterations, top)
-        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(figure.axes[:COLUMNS]))
+        count = len(runs)
+        grid = layout.Grid(_columns(count), panel_side(count), layout.HEADING)
+        width, height = grid.size(count)
+        heading = layout.heading_of(labels.run_labels(runs), width, "Path over the iterations")
+        figure = layout.new_sheet(width + BAR_ROOM, height, heading)
+        panels = draw_grid(figure, runs, iterations, grid)
+        if count % grid.columns:  # the legend has a cell of its own
+            left, top = grid.corner(count)
+            names = panels[0].get_legend_handles_labels()[1]
+            layout.shared_legend(panels[0], names, left, top, grid.side)
+            legend = 0.0
+        else:
+            last_row = panels[count - grid.columns]
+            legend = layout.legend_below(panels[:1], width, below=last_row)
+        spare = labels.spare_room(panels[: grid.columns])
+        layout.resize_sheet(figure, bottom=legend, top=-spare)
         return figure
+
+
+def _columns(runs: int) -> int:
+    """How many panels stand in a row, so that as few places as can be stay empty."""
+    if runs <= MOST_COLUMNS - 1:
+        return runs
+    return min(range(3, MOST_COLUMNS + 1), key=lambda columns: (-runs % columns, -columns))
 
 
 def _single_figure(run: RunData, iterations: Collection[int] | None) -> Figure:
@@ -158,7 +186,7 @@ def _single_figure(run: RunData, iterations: Collection[int] | None) -> Figure:
     scale = iteration_scale([run], iterations)
     width, height = 5.0, max(2.4, 5.0 * shape)
     figure, axes = layout.single_panel(
-        labels.shortened(run.name), width, height, 0.0 if scale is None else _BAR_ROOM - 0.2
+        labels.shortened(run.name), width, height, 0.0 if scale is None else BAR_ROOM - 0.2
     )
     draw_path_change(axes, run, iterations, scale)
     add_color_bar(axes, scale)
@@ -177,49 +205,33 @@ def add_color_bar(axes: Axes, scale: Normalize | None) -> None:
     draw_color_bar(figure.add_axes((left, box.y0, _BAR_WIDTH / sheet_width, box.height)), scale)
 
 
-def panel_side(runs: int) -> float:
-    """Width and height of a panel of several runs [inch]."""
-    return 3.6 if runs < COLUMNS else 2.75
-
-
-def grid_size(runs: int) -> tuple[float, float]:
-    """Width and height of the panels of several runs together [inch]."""
-    rows, side = -(-runs // COLUMNS), panel_side(runs)
-    width = min(runs, COLUMNS) * (layout.LEFT + side) + _BAR_ROOM
-    return width, rows * (layout.TOP + side + layout.BOTTOM)
+def panel_side(columns: int) -> float:
+    """Width and height of each of so many panels in a row [inch]."""
+    return 3.6 if columns < MOST_COLUMNS - 1 else 2.75
 
 
 def draw_grid(
-    figure: Figure, runs: Sequence[RunData], iterations: Collection[int] | None, top: float
-) -> float:
-    """Draws a panel for each of several runs.
+    figure: Figure, runs: Sequence[RunData], iterations: Collection[int] | None, grid: layout.Grid
+) -> list[Axes]:
+    """Draws a panel for each of several runs, with the colours of iterations beside the first row.
 
     Args:
-        figure: The sheet, at least as large as `grid_size`.
-        runs: The runs, a panel each.
+        figure: The sheet, with ``BAR_ROOM`` to the right of the grid.
+        runs: The runs, a panel each, at least as many as the grid has columns.
         iterations: The iterations to show; None for all that are recorded.
-        top: Distance of the panels from the upper edge [inch].
-
-    Returns:
-        Height of the legend below the panels [inch].
+        grid: Where the panels stand.
     """
     scale = iteration_scale(runs, iterations)
-    side = panel_side(len(runs))
+    trials = [trial for run in runs for trial in chosen_trials(run, iterations)]
+    part = view.common_view([run.reference for run in runs], trials)
     panels: list[Axes] = []
     for index, (run, label) in enumerate(zip(runs, labels.run_labels(runs), strict=True)):
-        row, column = divmod(index, COLUMNS)
-        axes = layout.add_panel(
-            figure,
-            layout.LEFT + column * (layout.LEFT + side),
-            top + layout.TOP + row * (layout.TOP + side + layout.BOTTOM),
-            side,
-            side,
-        )
-        draw_path_change(axes, run, iterations, scale, labels.wrapped(label, side))
+        axes = layout.add_panel(figure, *grid.corner(index), grid.side, grid.side)
+        title = labels.wrapped(label, grid.side)
+        draw_path_change(axes, run, iterations, scale, title, part=part)
         panels.append(axes)
-    add_color_bar(panels[min(len(panels), COLUMNS) - 1], scale)
-    first_of_last_row = panels[(len(panels) - 1) // COLUMNS * COLUMNS]
-    return layout.legend_below([first_of_last_row], side)
+    add_color_bar(panels[grid.columns - 1], scale)
+    return panels
 
 
 PICTURE = RunPicture(path_change_figure)

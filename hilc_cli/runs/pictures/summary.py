@@ -12,10 +12,11 @@ from hilc_cli.runs.pictures import path_change
 from hilc_cli.runs.pictures.catalogue import RunPicture
 from hilc_cli.runs.pictures.error import draw_error
 from hilc_cli.runs.pictures.final_path import draw_final_path
-from hilc_cli.runs.pictures.wheel_speeds import draw_wheel_speeds
+from hilc_cli.runs.pictures.wheel_speeds import add_wheel_panels, draw_each_wheel
 
 _PANEL = (4.1, 3.1)  # [inch]
-_WIDTH_OF_SEVERAL = 13.95  # [inch]
+_OTHERS = 3  # panels beside those of the paths of several runs
+_FEW = 3  # so many paths stand side by side
 _BAR = 0.75  # right of a panel of paths, for the colours of the iterations [inch]
 _GUTTER = 0.55  # right of the other panels, for the speed limit [inch]
 _LEGEND = 0.45  # room for the legends between the two rows [inch]
@@ -44,46 +45,61 @@ def _summary_of_one(runs: Sequence[RunData], iterations: Collection[int] | None)
     figure = layout.new_sheet(
         2 * column - _BAR + _GUTTER, top + 2 * row + _LEGEND, labels.shortened(run.name)
     )
+    below = top + row + _LEGEND + layout.TOP
     panels = [
-        layout.add_panel(figure, left, below, width, height)
-        for below in (top + layout.TOP, top + row + _LEGEND + layout.TOP)
-        for left in (layout.LEFT, layout.LEFT + column)
+        layout.add_panel(figure, left, upper, width, height)
+        for left, upper in (
+            (layout.LEFT, top + layout.TOP),
+            (layout.LEFT + column, top + layout.TOP),
+            (layout.LEFT, below),
+        )
     ]
     scale = path_change.iteration_scale(runs, iterations)
     path_change.draw_path_change(panels[0], run, iterations, scale)
     path_change.add_color_bar(panels[0], scale)
     draw_final_path(panels[1], runs)
     draw_error(panels[2], runs)
-    draw_wheel_speeds(panels[3], runs)
-    legends = [layout.legend_below([panel], width) for panel in panels]
-    layout.resize_sheet(figure, bottom=max(legends[2:]), top=-labels.spare_room(panels[:2]))
+    wheels = add_wheel_panels(figure, layout.LEFT + column, below, width, height)
+    draw_each_wheel(wheels, runs)
+    legends = [layout.legend_below([panel], width) for panel in (panels[2], *panels[:2])]
+    legends[0] = max(legends[0], layout.legend_below(wheels, width))
+    layout.resize_sheet(figure, bottom=legends[0], top=-labels.spare_room(panels[:2]))
     return figure
 
 
 def _summary_of_several(runs: Sequence[RunData], iterations: Collection[int] | None) -> Figure:
-    """A panel of paths for each run, the runs laid over each other below, one legend of runs."""
-    names = labels.run_labels(runs)
-    grid_width, grid_height = path_change.grid_size(len(runs))
-    sheet = max(grid_width, _WIDTH_OF_SEVERAL)
-    column = sheet / 3
-    width, height = column - layout.LEFT - _GUTTER, _PANEL[1]
-    top = layout.HEADING + grid_height + _LEGEND
-    height_above = top + layout.TOP + height + layout.BOTTOM
-    figure = layout.new_sheet(sheet, height_above, layout.heading_of(names))
-    path_change.draw_grid(figure, runs, iterations, layout.HEADING)
-    panels = [
-        layout.add_panel(figure, layout.LEFT + place * column, top + layout.TOP, width, height)
-        for place in range(3)
-    ]
-    draw_final_path(panels[0], runs)
-    draw_error(panels[1], runs)
-    draw_wheel_speeds(panels[2], runs)
-    own = max(layout.legend_below([panel], width, without=names) for panel in panels)
-    shared = layout.shared_legend(
-        panels[1], names, layout.LEFT, height_above + own, sheet - 2 * layout.LEFT
+    """A panel of paths for each run, then the runs laid over each other, under one legend.
+
+    The last panel, of the wheel speeds, takes all that is left of its row.
+    """
+    names, count = labels.run_labels(runs), len(runs)
+    columns = _columns(count)
+    grid = layout.Grid(columns, path_change.panel_side(columns), layout.HEADING)
+    width, height = grid.size(count + _OTHERS)
+    heading = layout.heading_of(names, width)
+    figure = layout.new_sheet(width + path_change.BAR_ROOM, height, heading)
+    panels = path_change.draw_grid(figure, runs, iterations, grid)
+    for place in (count, count + 1):
+        panels.append(layout.add_panel(figure, *grid.corner(place), grid.side, grid.side))
+    draw_final_path(panels[-2], runs)
+    draw_error(panels[-1], runs)
+    left, top = grid.corner(count + _OTHERS - 1)
+    wheels = add_wheel_panels(figure, left, top, width - left, grid.side)
+    draw_each_wheel(wheels, runs)
+    first_of_last_row = [*panels, wheels[1]][(count + _OTHERS - 1) // columns * columns]
+    legend = layout.legend_below(
+        [*panels, *wheels], width - layout.LEFT, first=names, below=first_of_last_row
     )
-    layout.resize_sheet(figure, bottom=own + shared)
+    layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(panels[:columns]))
     return figure
+
+
+def _columns(runs: int) -> int:
+    """How many panels stand in a row, so that the last row has about as many as the others."""
+    if runs <= _FEW:
+        return runs
+    most = path_change.MOST_COLUMNS - (1 if runs <= 2 * _FEW else 0)
+    return min(range(_FEW, most + 1), key=lambda columns: (-(runs + _OTHERS) % columns, -columns))
 
 
 PICTURE = RunPicture(summary_figure)

@@ -1,0 +1,277 @@
+"""The errors of the last iteration along the path, and where on the path they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from hilc_cli.drawing import labels, layout, style, view
+from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.run import RunData
+from hilc_cli.results.trial import Trial
+from hilc_cli.runs.pictures.catalogue import RunPicture
+
+LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"))
+ANGLES = ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "µrad"))
+"""Units by size: errors are told in the first of which there is at least one."""
+
+_WIDTH, _HEIGHT, _GAP = 5.2, 1.35, 0.14  # of a panel of errors, and between two [inch]
+_MOST_COLUMNS = 4
+_BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.12, 0.14, 0.85  # [inch]
+_PATH_LINE = 3.0  # [pt]
+_FAR = 2.0  # errors of the first half so many times those of the second do not widen the view
+_MARGIN = 0.06  # above and below the errors, of the height
+
+
+class Errors(NamedTuple):
+    """Errors in the frame of the reference: the reference's pose less the robot's.
+
+    Attributes:
+        sideways: To the left of the reference's heading [m], shape (n + 1,), as all others:
+            positive where the robot is to the right of the reference.
+        lengthwise: Along the heading [m]: positive where the robot is behind.
+        heading: Not wrapped [rad]: positive where the robot has to turn left.
+    """
+
+    sideways: Floats
+    lengthwise: Floats
+    heading: Floats
+
+
+def errors_along(reference: Reference, trial: Trial) -> Errors:
+    """The errors of an iteration, turned into the frame of the reference at each sample."""
+    error_x, error_y = reference.x - trial.x, reference.y - trial.y
+    cos, sin = np.cos(reference.heading), np.sin(reference.heading)
+    return Errors(
+        cos * error_y - sin * error_x,
+        cos * error_x + sin * error_y,
+        reference.heading - trial.heading,
+    )
+
+
+def distance_along(reference: Reference) -> Floats:
+    """How far along the path each sample of a reference is [m], shape (n + 1,)."""
+    chords = np.hypot(np.diff(reference.x), np.diff(reference.y))
+    return np.concatenate([[0.0], np.cumsum(chords)])
+
+
+def fitting_unit(largest: float, units: Sequence[tuple[float, str]]) -> tuple[float, str]:
+    """Returns the largest unit of which a number has at least one, or else the smallest."""
+    return next((unit for unit in units if largest >= unit[0]), units[-1])
+
+
+def _telling(run: RunData) -> slice:
+    """The samples whose errors are in view: the second half where a start beside the path decides.
+
+    An initial error of a metre would hide the millimetres that are left of it.
+    """
+    if not run.start_decides:
+        return slice(None)
+    size, half = run.position_error(run.last.iteration), (run.reference.samples + 1) // 2
+    return slice(half, None) if size.max() > _FAR * size[half:].max() > 0 else slice(None)
+
+
+def draw_errors(panels: Sequence[Axes], runs: Sequence[RunData]) -> None:
+    """Draws sideways, lengthwise and heading error of the last iteration over the path.
+
+    Args:
+        panels: Three, from the top down.
+        runs: At least one.
+    """
+    shown = [(index, run) for index, run in enumerate(runs) if run.trials]
+    several, names = len(runs) > 1, labels.run_labels(runs)
+    found = [errors_along(run.reference, run.last) for _, run in shown]
+    along = [distance_along(run.reference) for _, run in shown]
+    # On the spot no distance is covered.
+    timed = any(distance[-1] == 0 for distance in along)
+    if timed:
+        along = [run.reference.times for _, run in shown]
+    views = [_telling(run) for _, run in shown]
+    largest = np.zeros(3)
+    for errors, part in zip(found, views, strict=True):
+        largest = np.maximum(largest, [np.abs(each[part]).max() for each in errors])
+    length, angle = fitting_unit(largest[:2].max(), LENGTHS), fitting_unit(largest[2], ANGLES)
+    for place, (axes, name) in enumerate(zip(panels, Errors._fields, strict=True)):
+        size, unit = angle if name == "heading" else length
+        lows, highs = [0.0], [0.0]
+        for (index, _), distance, errors, part in zip(shown, along, found, views, strict=True):
+            told = errors[place] / size
+            axes.plot(
+                *(distance, told),
+                color=style.run_color(index) if several else style.FINAL_PATH_COLOR,
+                linewidth=style.PATH_WIDTH,
+                marker=style.run_marker(index, len(runs)),
+                markersize=style.MARKER_SIZE,
+                markevery=style.sparse(len(told), index, runs),
+                label=names[index] if several else "_error",
+            )
+            lows.append(float(told[part].min()))
+            highs.append(float(told[part].max()))
+        axes.axhline(0, color=style.REFERENCE_COLOR, linewidth=0.7, zorder=1.5)
+        _show(axes, min(lows), max(highs), max((d[-1] for d in along), default=1.0))
+        axes.set_ylabel(labels.with_unit(name.capitalize(), unit), labelpad=2)
+        if axes is not panels[-1]:
+            axes.tick_params(axis="x", labelbottom=False)
+    panels[-1].set_xlabel("Time [s]" if timed else "Distance along the reference [m]")
+    labels.set_title(
+        panels[0],
+        f"Reference less robot, {labels.last_iteration_text(runs)}",
+        [*_out_of_view(shown, views), *labels.divergence_notes(runs)],
+    )
+
+
+def _show(axes: Axes, low: float, high: float, last: float) -> None:
+    """Sets up the axes of a panel of errors."""
+    margin = _MARGIN * (high - low) or 1.0
+    axes.set_xlim(0, last or 1.0)
+    axes.set_ylim(low - margin, high + margin)
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
+    labels.plain_ticks(axes)
+    axes.grid(visible=True)
+
+
+def _out_of_view(shown: Sequence[tuple[int, RunData]], views: Sequence[slice]) -> list[str]:
+    """Says how large the errors at a start beside the path are, where they are out of view."""
+    far = [
+        float(run.position_error(run.last.iteration).max())
+        for (_, run), part in zip(shown, views, strict=True)
+        if part != slice(None)
+    ]
+    if not far:
+        return []
+    return [f"scaled to the second half; errors of the first are up to {_in_unit(max(far))}"]
+
+
+def _in_unit(length: float) -> str:
+    size, unit = fitting_unit(length, LENGTHS)
+    return f"{labels.number_text(length / size, 3)} {unit}"
+
+
+def draw_colored_path(
+    axes: Axes, run: RunData, norm: Normalize, size: float, part: view.View | None = None
+) -> list[str]:
+    """Draws the last path, coloured by the position error, below the dashed reference.
+
+    Args:
+        axes: Where to draw.
+        run: The run.
+        norm: From errors to colours.
+        size: Of the unit of the errors [m].
+        part: What part of the plane is shown; None for what suits the path.
+
+    Returns:
+        What the reader must be told.
+    """
+    trials = [run.last] if run.trials else []
+    shown = view.show(axes, view.view_of([run.reference], trials) if part is None else part)
+    for trial in trials:
+        points = np.column_stack([trial.x, trial.y])
+        pieces = LineCollection(
+            np.stack([points[:-1], points[1:]], axis=1).tolist(),
+            cmap=_COLORS,
+            norm=norm,
+            linewidths=_PATH_LINE,
+            capstyle="round",
+            rasterized=len(points) > 1000,
+            label="_path",
+        )
+        errors = run.position_error(trial.iteration) / size
+        pieces.set_array((errors[:-1] + errors[1:]) / 2)
+        axes.add_collection(pieces, autolim=False)
+        view.draw_start(axes, trial)
+        view.name_poses(axes, end=False)
+    view.draw_reference(axes, run.reference)
+    return view.leaving_note(shown, run.reference, trials)
+
+
+_COLORS = style.iteration_colors().with_extremes(over=style.BEYOND_COLOR)
+
+
+def error_along_path_figure(runs: Sequence[RunData]) -> Figure:
+    """The errors of one or several runs over the path, and their paths coloured by the error.
+
+    Of one run the path stands beside the errors, of several the paths stand below them.
+    """
+    with style.applied():
+        names, several = labels.run_labels(runs), len(runs) > 1
+        tall = 3 * _HEIGHT + 2 * _GAP
+        top = layout.HEADING + layout.TOP
+        columns = _columns(len(runs))
+        side = tall if not several else 3.6 if columns < _MOST_COLUMNS else 2.75
+        grid = layout.Grid(columns, side, top + tall + layout.BOTTOM + _GAP)
+        if several:
+            width, height = grid.size(len(runs))
+            places, wide = [grid.corner(i) for i in range(len(runs))], width - layout.LEFT
+        else:
+            places, wide = [(2 * layout.LEFT + _WIDTH, top)], _WIDTH
+            width, height = places[0][0] + side, top + tall + layout.BOTTOM
+        heading = layout.heading_of(names, width, "Error along the path")
+        figure = layout.new_sheet(width + _BAR_ROOM, height, heading)
+        tops = [top + place * (_HEIGHT + _GAP) for place in range(3)]
+        panels = [layout.add_panel(figure, layout.LEFT, each, wide, _HEIGHT) for each in tops]
+        draw_errors(panels, runs)
+        paths = [layout.add_panel(figure, *place, side, side) for place in places]
+        _draw_paths(paths, runs, paths[columns - 1])
+        legend = layout.legend_below(
+            [*paths, *panels],
+            width - layout.LEFT,
+            first=names,
+            below=paths[(len(paths) - 1) // columns * columns] if several else panels[-1],
+        )
+        spare = labels.spare_room(panels[:1] if several else [panels[0], *paths])
+        layout.resize_sheet(figure, bottom=legend, top=-spare)
+        return figure
+
+
+def _columns(runs: int) -> int:
+    """How many paths stand in a row, so that as few places as can be stay empty."""
+    if runs <= _MOST_COLUMNS:
+        return runs
+    return min(range(3, _MOST_COLUMNS + 2), key=lambda columns: (-runs % columns, -columns))
+
+
+def _draw_paths(paths: Sequence[Axes], runs: Sequence[RunData], beside: Axes) -> None:
+    """Draws the path of each run in a panel, and the colours of all errors beside one of them."""
+    told, beyond = [0.0], False
+    for run in runs:
+        if run.trials:
+            errors, part = run.position_error(run.last.iteration), _telling(run)
+            told.append(float(errors[part].max()))
+            beyond |= part != slice(None)
+    size, unit = fitting_unit(max(told), LENGTHS)
+    norm = Normalize(0, max(told) / size or 1.0)
+    several = len(runs) > 1
+    trials = [run.last for run in runs if run.trials]
+    common = view.common_view([run.reference for run in runs], trials) if several else None
+    for axes, run, name in zip(paths, runs, labels.run_labels(runs), strict=True):
+        width, _ = layout.panel_size(axes)
+        title = labels.wrapped(name, width) if several else "Path, coloured by the error"
+        labels.set_title(axes, title, draw_colored_path(axes, run, norm, size, common))
+    figure = layout.root_figure(beside)
+    sheet_width, _ = figure.get_size_inches()
+    box = beside.get_position(original=True)
+    left = box.x1 + _BAR_GAP / sheet_width
+    bar = figure.add_axes((left, box.y0, _BAR_WIDTH / sheet_width, box.height))
+    drawn = figure.colorbar(
+        ScalarMappable(norm, _COLORS),
+        cax=bar,
+        label=labels.with_unit("Position error", unit),
+        extend="max" if beyond else "neither",
+    )
+    drawn.formatter = labels.PlainFormatter()
+    drawn.update_ticks()
+    assert drawn.solids is not None
+    drawn.solids.set_edgecolor("face")  # or PDF viewers show seams between the colours
+    bar.yaxis.labelpad = 2
+
+
+PICTURE = RunPicture(lambda runs, iterations: error_along_path_figure(runs))
