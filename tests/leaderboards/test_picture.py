@@ -28,7 +28,7 @@ def test_a_panel_for_each_disturbance_with_medians_and_ranges() -> None:
     ]
     lines = {str(line.get_label()): line for line in left.lines}
     assert {"slow", "fast", "Tolerance, 0.01 m"} <= set(lines)
-    np.testing.assert_allclose(np.asarray(lines["slow"].get_xydata()), [[1, 2], [8, 0.375]])
+    np.testing.assert_allclose(np.asarray(lines["slow"].get_xydata(), float), [[1, 2], [8, 0.375]])
     np.testing.assert_allclose(np.asarray(lines["fast"].get_xdata()), [1, 8])
     assert left.get_xscale() == "log"
     bars = [path.vertices for path in left.collections[0].get_paths()]

@@ -60,7 +60,7 @@ def test_ends_of_a_range_are_those_given() -> None:
 
 
 def test_ends_that_are_close_together_are_told_apart() -> None:
-    data = sweep({L1: RATES, L2: STEPS}, 1 + 1e-6 * np.arange(25))
+    data = sweep({L1: RATES, L2: STEPS}, np.linspace(1.0, 1.000024, 25))
     shown = [text.get_text() for text in draw_sweep("best", data).axes[0].get_xticklabels()]
     assert shown == ["1", "1.00001"]
 
