@@ -25,7 +25,7 @@ from hilc_cli.reference.sampled import Floats
 _LEAST = 1e-6  # [m]; smaller errors are drawn here, as rounding would stretch the axis
 _WIDTH, _HEIGHT = 4.2, 3.4  # of a panel [inch]
 _GAP = 0.25  # between panels [inch]
-_ASIDE = 2.4  # from the bar of a law to the next [pt]
+_ASIDE = 3.0  # from the bar of a law to the next [pt]
 _DIGIT = 0.075  # of a tick's label [inch]
 _BESIDE = 0.08  # the first and the last iteration, of the way from one to the other
 
@@ -119,9 +119,10 @@ def _draw(axes: Axes, data: LeaderboardData, disturbance: str, low: float, high:
     )
     axes.grid(visible=True)
     axes.set_xlabel("Iteration")
-    notes = [f"median, range beside it, over {len(data.of(laws[0], disturbance))} runs of each law"]
+    runs = len(data.of(laws[0], disturbance))
+    notes = [f"marks: median of {runs} runs of each law; bars beside them: range"]
     if any(min(entry.max_m) < _LEAST for law in laws for entry in data.of(law, disturbance)):
-        notes[0] += f"; less than {labels.exponent_text(_LEAST)} m is drawn there"
+        notes.append(f"what is less than {labels.exponent_text(_LEAST)} m is drawn there")
     labels.set_title(axes, f"Disturbance: {disturbance}", notes)
 
 

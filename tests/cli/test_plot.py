@@ -13,7 +13,7 @@ import pytest
 from tests.cli.inputs import listing
 from tests.conftest import Hilc, Outcome, Write
 
-KINDS = ["path-change", "final-path", "error", "wheel-speeds", "summary"]
+KINDS = ["path-change", "final-path", "error-along-path", "error", "wheel-speeds", "summary"]
 COARSE = ("--dpi", "30")
 RUN = ("run", "scenario.yaml", "--no-plots", "-q", "--out")
 

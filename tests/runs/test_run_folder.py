@@ -22,7 +22,7 @@ from tests.conftest import Hilc, Outcome, Write
 
 QUIET = ("--no-plots", "-q")
 OTHER = ("--set", "iterations=3", "--out", "runs/test")
-PICTURES = ["error", "error-along-path", "final-path", "path-change", "summary", "wheel-speeds"]
+PICTURES = ["error-along-path", "error", "final-path", "path-change", "summary", "wheel-speeds"]
 
 
 @pytest.fixture
