@@ -27,6 +27,7 @@ _WIDTH, _HEIGHT, _GAP = 5.2, 1.35, 0.14  # of a panel of errors, and between two
 _MOST_COLUMNS = 4
 _BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.12, 0.14, 0.85  # [inch]
 _PATH_LINE = 3.0  # [pt]
+_MOST_PIECES = 500  # of a path, each in the colour of its largest error
 _FAR = 2.0  # errors of the first half so many times those of the second do not widen the view
 _MARGIN = 0.06  # above and below the errors, of the height
 
@@ -174,18 +175,18 @@ def draw_colored_path(
     trials = [run.last] if run.trials else []
     shown = view.show(axes, view.view_of([run.reference], trials) if part is None else part)
     for trial in trials:
-        points = np.column_stack([trial.x, trial.y])
+        points, errors = np.column_stack([trial.x, trial.y]), run.position_error(trial.iteration)
+        step = -(-len(points) // _MOST_PIECES)
+        starts = range(0, len(points) - 1, step)
         pieces = LineCollection(
-            np.stack([points[:-1], points[1:]], axis=1).tolist(),
+            [points[start : start + step + 1] for start in starts],
             cmap=_COLORS,
             norm=norm,
             linewidths=_PATH_LINE,
-            capstyle="round",
-            rasterized=len(points) > 1000,
+            capstyle="projecting",
             label="_path",
         )
-        errors = run.position_error(trial.iteration) / size
-        pieces.set_array((errors[:-1] + errors[1:]) / 2)
+        pieces.set_array([errors[start : start + step + 1].max() / size for start in starts])
         axes.add_collection(pieces, autolim=False)
         view.draw_start(axes, trial)
         view.name_poses(axes, end=False)

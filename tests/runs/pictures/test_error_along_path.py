@@ -102,7 +102,7 @@ def test_picture_shows_millimetres_over_the_distance() -> None:
     (pieces,) = [each for each in path.collections if isinstance(each, LineCollection)]
     expected = np.hypot(SIDEWAYS, LENGTHWISE) * 1000
     np.testing.assert_allclose(np.asarray(pieces.get_array()), expected, rtol=1e-9)
-    np.testing.assert_allclose(pieces.get_segments()[7][0], [run.last.x[7], run.last.y[7]])
+    np.testing.assert_allclose(pieces.get_segments()[7][0], [run.last.x[21], run.last.y[21]])
     assert bar.get_ylabel() == "Position error [mm]"
     assert bar.get_ylim() == pytest.approx((0, expected))
     assert overlaps(figure) == []
