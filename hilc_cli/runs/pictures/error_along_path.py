@@ -268,11 +268,12 @@ def _draw_paths(paths: Sequence[Axes], runs: Sequence[RunData], beside: Axes) ->
         label=labels.with_unit("Position error", unit),
         extend="max" if beyond else "neither",
     )
+    drawn.locator = MaxNLocator(nbins=8, steps=[1, 2, 5, 10])
     drawn.formatter = labels.PlainFormatter()
     drawn.update_ticks()
     assert drawn.solids is not None
     drawn.solids.set_edgecolor("face")  # or PDF viewers show seams between the colours
-    bar.yaxis.labelpad = 2
+    bar.yaxis.labelpad = 3
 
 
 PICTURE = RunPicture(lambda runs, iterations: error_along_path_figure(runs))
