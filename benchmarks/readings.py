@@ -1,11 +1,13 @@
 """Readings of the paper by its claims: an independent simulation of every situation under each.
 
-    python benchmarks/readings.py [--json FILE]
+    python benchmarks/readings.py [--json FILE] [--write | --check]
 
 The law as printed does not do what the paper's figures are said to show. This file tries what else
 may have been meant, one change at a time, and scores each reading by ten claims. It shares no code
 with hilc: paths, robot, law and limit are written here once more, all situations of all readings
-side by side in NumPy arrays; the engines do not learn readings that nobody would use.
+side by side in NumPy arrays; the engines do not learn readings that nobody would use. --write puts
+the table into docs/readings.md, which says what it means; --check tells by exit code 1 that another
+one stands there.
 
 Criteria, the same for all readings, stated before measuring. An error is the largest position
 error of iteration 100 as a share of the longer side of the path's bounding box; with a wrong start
@@ -30,6 +32,8 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
@@ -219,6 +223,15 @@ READINGS = (
     Reading("each wheel clipped by itself", "Eq. 25 for each wheel alone", scaled=False),
     Reading("passes go on from the last end", "q_{i+1}(0) = q_i(n)", goes_on=True),
     Reading("pure D", "L1 de/dt for L1 e", proportional=0.0, derivative=1.0),
+    Reading("pure D, 0.1 s", "L1 tau de/dt for L1 e", proportional=0.0, derivative=0.1),
+    Reading("pure D, 0.05 s", "L1 tau de/dt for L1 e", proportional=0.0, derivative=0.05),
+    Reading(
+        "pure D, gains over d_k",
+        "L1 (e(k+1) - e(k)) / d_k for L1 e, L2 / d_k, L3 / d_k",
+        proportional=0.0,
+        derivative=SAMPLE_TIME,
+        scale=1 / SAMPLE_TIME,
+    ),
     DERIVATIVE,
     HALF,
     Reading(
@@ -420,20 +433,40 @@ def run(readings: Sequence[Reading]) -> dict[str, dict[str, Outcome]]:
     return found
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--json", type=Path, help="where the errors of all situations go")
-    options = parser.parse_args()
-    readings = READINGS
-    found = run(readings)
-    rows = {reading.name: scores(found[reading.name]) for reading in readings}
-    claims = list(rows[LITERAL.name])
-    print("| reading | changes | " + " | ".join(claims) + " | sum |")
-    print("|---|---|" + "---:|" * (len(claims) + 1))
+def table(readings: Sequence[Reading], rows: Mapping[str, Mapping[str, int]]) -> str:
+    """The scores of readings as Markdown."""
+    claims = list(rows[readings[0].name])
+    lines = [
+        "| reading | changes | " + " | ".join(claims) + " | sum |",
+        "|---|---|" + "---:|" * (len(claims) + 1),
+    ]
     for reading in readings:
         row = rows[reading.name]
         told = " | ".join(str(row[claim]) for claim in claims)
-        print(f"| {reading.name} | {reading.changes} | {told} | {sum(row.values())} |")
+        lines.append(f"| {reading.name} | {reading.changes} | {told} | {sum(row.values())} |")
+    return "\n".join(lines)
+
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "readings.md"
+MARKED = re.compile(
+    r"(?<=<!-- scores: by benchmarks/readings.py -->\n)(.*?)(?=<!-- end of scores -->)", re.DOTALL
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Prints the table, and keeps or compares the page's."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--json", type=Path, help="where the errors of all situations go")
+    parser.add_argument("--write", action="store_true", help="put the table into docs/readings.md")
+    parser.add_argument("--check", action="store_true", help="compare it with the one there")
+    options = parser.parse_args(arguments)
+    found = run(READINGS)
+    made = table(READINGS, {reading.name: scores(found[reading.name]) for reading in READINGS})
+    print(made)
+    page = PAGE.read_text(encoding="utf-8")
+    expected = MARKED.sub(lambda _: f"\n{made}\n\n", page)
+    if options.write:
+        PAGE.write_text(expected, encoding="utf-8")
     if options.json:
         figures = {
             name: {
@@ -447,7 +480,11 @@ def main() -> None:
             for name, row in found.items()
         }
         options.json.write_text(json.dumps(figures, indent=1, allow_nan=True) + "\n")
+    if options.check and page != expected:
+        print(f"{PAGE.name} has another table; run with --write", file=sys.stderr)
+        return 1
+    return 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -8,6 +8,7 @@ from hilc_cli.comparisons.comparing import (
     Comparison as Comparison,
     compare as compare,
 )
+from hilc_cli.drawing.looks import picture_look as picture_look
 from hilc_cli.engine.learning import Learning as Learning
 from hilc_cli.errors import HilcError as HilcError
 from hilc_cli.laws.law import Plan as Plan
@@ -30,6 +31,7 @@ from hilc_cli.paper.reproducing import (
     Reproduction as Reproduction,
     reproduce as reproduce,
 )
+from hilc_cli.results.look import Look as Look
 from hilc_cli.results.trial import Trial as Trial
 from hilc_cli.runs.running import (
     Run as Run,

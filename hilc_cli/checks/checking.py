@@ -11,6 +11,7 @@ import numpy as np
 from hilc_cli.checks.advice import advice
 from hilc_cli.checks.simulation import Simulated, decided, simulated, theory_findings
 from hilc_cli.files import merge_folder
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.runs.running import OnIteration
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
@@ -112,6 +113,7 @@ class Check:
         folder: str | Path,
         *,
         formats: Sequence[str] = ("png",),
+        look: Look = USUAL,
         may_replace: Callable[[Path], bool] = lambda file: False,
     ) -> list[Path]:
         """Draws the predicted error over the iterations, beside the simulated one if there is one.
@@ -121,6 +123,7 @@ class Check:
         Args:
             folder: Where to put transient.FORMAT and transient.csv; made if it is not there.
             formats: png, svg, pdf.
+            look: How the picture is to look, from `picture_look`.
             may_replace: Whether a file of that name that stands there may be replaced.
 
         Returns:
@@ -149,6 +152,7 @@ class Check:
             None if self.simulated is None else self.simulated.run,
             rest.max_position_error_m if rest is not None and rest.is_finite else None,
             spec.controller.in_short(self.scenario.setting),
+            look,
         )
         pictures = [f"transient.{name}" for name in dict.fromkeys(formats)]
         names = [*pictures, TRANSIENT_FILE]

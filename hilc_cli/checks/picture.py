@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 from hilc_cli.runs.pictures.error import drawable
@@ -33,6 +34,7 @@ _WIDTH = 5.6  # [inch]
 _SHARE_LABELS = 0.2  # [inch]
 _MARKED_UP_TO = 30  # iterations that are marked one by one
 _SMALLEST, _LARGEST = 1e-6, 100.0  # of the path's size: what is beyond tells nothing more
+_TIGHT = 0.8  # width of a decade of iterations that has room for all its labels [inch]
 _ROOM = 0.15  # above and below the lines, in decades
 _DASH_DOT = (0, (6, 2, 1.2, 2))
 
@@ -44,6 +46,7 @@ def transient_figure(
     simulated: RunData | None = None,
     rest_error_m: float | None = None,
     law: str = "",
+    look: Look = USUAL,
 ) -> Figure:
     """Draws the maximum position error over the iterations, which run with log(1 + iteration).
 
@@ -54,10 +57,11 @@ def transient_figure(
         simulated: A run of it, if there is one.
         rest_error_m: Error where learning rests [m], if it rests.
         law: The law and its gains in a few words, for the title.
+        look: What the user asks for.
     """
-    with style.applied():
+    with style.applied(look):
         figure, axes = layout.single_panel(
-            labels.shortened(name), _WIDTH, extra_right=_SHARE_LABELS
+            labels.shortened(name), _WIDTH, extra_right=_SHARE_LABELS, look=look
         )
         predicted = transient.max_position_error_m
         lines = [_draw(axes, predicted, PREDICTED)]
@@ -91,7 +95,7 @@ def transient_figure(
         _scale_iterations(axes, last)
         axes.grid(visible=True)
         labels.set_title(axes, f"{TITLE}: {law}" if law else TITLE, notes)
-        layout.finish(figure, axes, _WIDTH)
+        layout.finish(figure, axes)
         return figure
 
 
@@ -174,7 +178,8 @@ def _scale_iterations(axes: Axes, last: int) -> None:
     axes.set_xscale("log")
     axes.set_xlim(0.95, 1.05 * (1 + max(1, last)))
     shown = [0, *(digit * 10**power for power in range(7) for digit in (1, 2, 5))]
-    if last > 10_000:  # no room for all
+    width, _ = layout.panel_size(axes)
+    if last > 10_000 or width < _TIGHT * math.log10(2 + last):  # no room for all
         shown = [0, *(10**power for power in range(9))]
     shown = [iteration for iteration in shown if iteration <= max(1, last)]
     axes.set_xticks([1 + iteration for iteration in shown], [f"{number}" for number in shown])

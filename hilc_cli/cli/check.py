@@ -11,6 +11,7 @@ import typer
 from hilc_cli.cli import options
 from hilc_cli.errors import UsageError
 from hilc_cli.reporting.terminal import print_json, print_text, progress, say
+from hilc_cli.results.look import USUAL
 
 WRONG = 3
 
@@ -33,6 +34,11 @@ def check(
     theory: Theory = False,
     plot: Plot = False,
     formats: options.Formats = None,
+    width: options.Width = None,
+    font: options.Font = "",
+    font_size: options.FontSize = None,
+    style: options.Style = None,
+    no_title: options.NoTitle = False,
     out: options.OutputFolder = None,
     force: options.Force = False,
     trust: options.Trust = False,
@@ -64,6 +70,11 @@ def check(
 
     if not plot and (out is not None or formats or force):
         raise UsageError("--out, --format and --force are about the picture; add --plot")
+    look = options.picture_look(width, font, font_size, style, no_title)
+    if not plot and look != USUAL:
+        raise UsageError(
+            "--width, --font, --style and --no-title are about the picture; add --plot"
+        )
     valid = load_scenario(scenario, set_ or [], trust=trust)
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet or not simulate) as advance:
         found = check(valid, simulate=simulate, on_iteration=context.obj.counting(advance))
@@ -71,7 +82,9 @@ def check(
     if plot:
         folder = out or default_folder(valid.name, set_, "-check")
         names = options.picture_formats(formats)
-        pictures = found.plot(folder, formats=names, may_replace=lambda file: force or out is None)
+        pictures = found.plot(
+            folder, formats=names, look=look, may_replace=lambda file: force or out is None
+        )
         if not pictures:
             say("nothing is drawn: nothing is predicted of this law")
     if json:

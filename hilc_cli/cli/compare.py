@@ -9,17 +9,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hilc_cli.cli.completion import complete_leaderboard, complete_results
+from hilc_cli.cli.completion import complete_leaderboard, complete_results, complete_row
 from hilc_cli.cli.options import (
+    Font,
+    FontSize,
     Force,
     Formats,
     Json,
+    NoTitle,
     OutputFolder,
     Quiet,
+    Style,
     Trust,
     Verbose,
     Version,
+    Width,
     picture_formats,
+    picture_look,
 )
 from hilc_cli.cli.session import Session
 from hilc_cli.errors import UsageError
@@ -64,6 +70,17 @@ Table = Annotated[
     TableKind | None,
     typer.Option("--table", help="The table to print. [default: terminal]"),
 ]
+Rows = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--rows",
+        metavar="NAME,...",
+        help="What the table tells, in this order: metrics and other columns of "
+        "comparison.csv; repeatable.",
+        autocompletion=complete_row,
+        show_default=False,
+    ),
+]
 NoPlots = Annotated[bool, typer.Option("--no-plots", help="Draw no picture.")]
 Workers = Annotated[
     int | None,
@@ -78,8 +95,14 @@ def compare(
     runs: Runs = None,
     laws: Laws = None,
     table: Table = None,
+    rows: Rows = None,
     formats: Formats = None,
     no_plots: NoPlots = False,
+    width: Width = None,
+    font: Font = "",
+    font_size: FontSize = None,
+    style: Style = None,
+    no_title: NoTitle = False,
     out: OutputFolder = None,
     force: Force = False,
     workers: Workers = None,
@@ -104,14 +127,22 @@ def compare(
       hilc compare runs/fig4-uncompensated runs/fig4-compensated
       hilc compare runs/fig6? --out figure-6 --format pdf
       hilc compare runs/fig7a runs/fig7b --no-plots --table latex > table.tex
+      hilc compare runs/fig7a runs/fig7b --rows gains,rms_position_error_m
       hilc compare --laws example:leaderboard
     """
     if json and table is not None:
         raise UsageError("--json and --table both say what is printed; give one of them")
-    writing = {"force": force, "formats": picture_formats(formats), "plots": not no_plots}
+    writing: dict[str, Any] = {
+        "force": force,
+        "formats": picture_formats(formats),
+        "plots": not no_plots,
+        "look": picture_look(width, font, font_size, style, no_title),
+    }
     if laws is not None:
         if runs:
             raise UsageError(f"--laws runs what it compares; leave out {runs[0]}")
+        if rows:
+            raise UsageError("--rows is for a table of runs; leave it out with --laws")
         made = _compare_laws(laws, context.obj, out, workers, writing, trust=trust, quiet=quiet)
     else:
         for option, is_given in {"--workers": workers is not None, "--trust": trust}.items():
@@ -121,7 +152,8 @@ def compare(
             raise UsageError(
                 "there is nothing to compare; give at least two run folders, or --laws"
             )
-        made = _compare_runs(runs, out, writing)
+        names = [name.strip() for text in rows or [] for name in text.split(",")]
+        made = _compare_runs(runs, names, out, writing)
     result, folder, files = made
     if json:
         written = {"folder": str(folder), "files": [str(file) for file in files]}
@@ -139,7 +171,9 @@ def compare(
         say(f"written to {folder}")
 
 
-def _compare_runs(given: list[Path], out: Path | None, writing: dict[str, Any]) -> _Made:
+def _compare_runs(
+    given: list[Path], rows: list[str], out: Path | None, writing: dict[str, Any]
+) -> _Made:
     """Compares runs that are there."""
     from hilc_cli.cli.default_folders import (
         check_shared_folder,
@@ -159,7 +193,7 @@ def _compare_runs(given: list[Path], out: Path | None, writing: dict[str, Any]) 
             raise UsageError(f"{folder}: is the folder of a sweep; give folders of runs to compare")
     folder = out or shared_folder(runs)
     check_shared_folder(folder)
-    result = compare(runs)
+    result = compare(runs, rows=rows)
     return result, folder, result.write(folder, **writing)
 
 

@@ -142,6 +142,21 @@ def complete_picture(incomplete: str) -> list[tuple[str, str]]:
     return [(name, kinds[name].shows) for name in _begun(kinds, incomplete)]
 
 
+def complete_font(incomplete: str) -> list[str]:
+    """Families of fonts that are one word."""
+    from hilc_cli.drawing.looks import font_families
+
+    return _begun(font_families(), incomplete)
+
+
+def complete_row(incomplete: str) -> list[str]:
+    """What a table of runs can tell, behind what is named already."""
+    from hilc_cli.comparisons.comparing import ROWS
+
+    named, comma, begun = incomplete.rpartition(",")
+    return [f"{named}{comma}{row}" for row in _begun(ROWS, begun) if row not in named.split(",")]
+
+
 def complete_results(incomplete: str) -> list[str]:
     """Folders with results below runs/; where there are none, the shell goes on with files."""
     from hilc_cli.cli.default_folders import result_folders

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hilc_cli.cli.completion import complete_key, complete_scenario
+from hilc_cli.cli.completion import complete_font, complete_key, complete_scenario
 from hilc_cli.errors import UsageError
+from hilc_cli.results.look import LARGEST_TEXT, SMALLEST_TEXT, USUAL, Look
 from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.version import __version__
 
@@ -107,6 +108,44 @@ Formats = Annotated[
     typer.Option("--format", help="Of the pictures; repeatable. [default: png]"),
 ]
 Dpi = Annotated[int, typer.Option(min=20, max=1200, help="Resolution of png.")]
+Width = Annotated[
+    str | None,
+    typer.Option(
+        metavar="WIDTH",
+        help="True width of the pictures, such as 85mm, 8.5cm or 3.4in; heights follow.",
+        show_default=False,
+    ),
+]
+Font = Annotated[
+    str,
+    typer.Option(
+        metavar="FAMILY",
+        help="Font of the pictures.",
+        autocompletion=complete_font,
+        show_default=False,
+    ),
+]
+FontSize = Annotated[
+    float | None,
+    typer.Option(
+        metavar="PT",
+        min=SMALLEST_TEXT,
+        max=LARGEST_TEXT,
+        help="Size of axis labels, by which all text goes. [default: 8.5, with --width 8]",
+        show_default=False,
+    ),
+]
+Style = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Colours, lines and fonts of the pictures, as a Matplotlib style file.",
+        show_default=False,
+    ),
+]
+NoTitle = Annotated[
+    bool, typer.Option("--no-title", help="Leave titles out, for pictures with a caption.")
+]
 Trust = Annotated[
     bool,
     typer.Option(
@@ -118,6 +157,23 @@ Trust = Annotated[
 def picture_formats(chosen: list[PictureFormat] | None) -> list[str]:
     """The endings of the pictures' files: png if nothing is chosen."""
     return [choice.value for choice in chosen or [PictureFormat.PNG]]
+
+
+def picture_look(
+    width: str | None, font: str, font_size: float | None, style: Path | None, no_title: bool
+) -> Look:
+    """What the options say of how pictures are to look.
+
+    Raises:
+        HilcError: One of them cannot be followed.
+    """
+    if width is None and not font and font_size is None and style is None:
+        return Look(title=False) if no_title else USUAL
+    from hilc_cli.drawing.looks import picture_look  # Matplotlib starts slowly
+
+    return picture_look(
+        width=width, font=font, font_size=font_size, style=style, title=not no_title
+    )
 
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]

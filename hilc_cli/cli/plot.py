@@ -52,6 +52,11 @@ def plot(
     formats: options.Formats = None,
     iterations: Iterations = None,
     dpi: options.Dpi = 150,
+    width: options.Width = None,
+    font: options.Font = "",
+    font_size: options.FontSize = None,
+    style: options.Style = None,
+    no_title: options.NoTitle = False,
     out: options.OutputFolder = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -70,7 +75,7 @@ def plot(
       hilc plot
       hilc plot runs/fig3-circle --kind error --format svg
       hilc plot runs/fig7a runs/fig7b --out limit --iterations 0,1,10,100
-      hilc plot runs/fig8a-sweep --format pdf
+      hilc plot runs/fig8a-sweep --format pdf --width 8.5cm --font "DejaVu Serif"
       hilc plot runs/leaderboard --format svg --format pdf
     """
     from hilc_cli.cli.default_folders import RUNS, newest_results
@@ -84,6 +89,7 @@ def plot(
         if not quiet:
             say(f"no run is named: drawing the newest, {runs[0]}")
     drawing: dict[str, Any] = {"formats": options.picture_formats(formats), "dpi": dpi}
+    drawing["look"] = options.picture_look(width, font, font_size, style, no_title)
     # Pictures in the folder of what they show are made from what stands beside them.
     drawing["may_replace"] = lambda file: force or out is None
     if any(map(is_sweep, runs)):

@@ -36,6 +36,11 @@ Figures = Annotated[
 ]
 
 
+Bibtex = Annotated[
+    bool, typer.Option("--bibtex", help="Print how to cite the paper, and do nothing else.")
+]
+
+
 def reproduce(
     context: typer.Context,
     figures: Figures = None,
@@ -43,6 +48,12 @@ def reproduce(
     force: options.Force = False,
     formats: options.Formats = None,
     dpi: options.Dpi = 300,
+    width: options.Width = None,
+    font: options.Font = "",
+    font_size: options.FontSize = None,
+    style: options.Style = None,
+    no_title: options.NoTitle = False,
+    bibtex: Bibtex = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
     verbose: options.Verbose = False,
@@ -57,11 +68,19 @@ def reproduce(
     Examples:
       hilc reproduce
       hilc reproduce fig3 fig7 --format svg --out runs/two-figures
+      hilc reproduce fig6 --format pdf --width 175mm --font "DejaVu Serif"
+      hilc reproduce --bibtex >> thesis.bib
     """
+    if bibtex:
+        from hilc_cli.paper.citation import BIBTEX
+
+        print_text(BIBTEX.rstrip("\n"))
+        return
     from hilc_cli.paper.plan import plan_reproduction
     from hilc_cli.paper.report import document, print_claims
     from hilc_cli.paper.reproducing import check_reproduction, reproduce
 
+    look = options.picture_look(width, font, font_size, style, no_title)
     plan = plan_reproduction(figures or [])
     folder = out or Path("runs") / "reproduce"
     chosen = options.picture_formats(formats)
@@ -76,7 +95,13 @@ def reproduce(
 
         result = reproduce(plan, on_step=on_step)
         timings = result.write(
-            folder, force=force, formats=chosen, dpi=dpi, command=sys.argv, on_step=on_step
+            folder,
+            force=force,
+            formats=chosen,
+            dpi=dpi,
+            look=look,
+            command=sys.argv,
+            on_step=on_step,
         )
     if json:
         print_json(document(result, folder, chosen))

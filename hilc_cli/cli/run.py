@@ -52,6 +52,11 @@ def run(
     require: Requirements = None,
     formats: options.Formats = None,
     no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no pictures.")] = False,
+    width: options.Width = None,
+    font: options.Font = "",
+    font_size: options.FontSize = None,
+    style: options.Style = None,
+    no_title: options.NoTitle = False,
     trust: options.Trust = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -68,12 +73,14 @@ def run(
     Examples:
       hilc run scenarios/fig3-circle.yaml
       hilc run example:fig6c --set controller.b_w=null --set iterations=20
+      hilc run my.yaml --format pdf --width 85mm --no-title
       hilc run my.yaml --json --no-plots --require max_position_error_m:le:0.05
     """
     from hilc_cli.cli.default_folders import default_folder
     from hilc_cli.runs.requirements import parse_requirements
     from hilc_cli.runs.running import check_folder, load_scenario, run, warnings_before
 
+    look = options.picture_look(width, font, font_size, style, no_title)
     valid = load_scenario(scenario, set_ or [], trust=trust)
     requirements = parse_requirements(require or [], valid.spec.controller.figures())
     folder = out or default_folder(valid.name, set_)
@@ -84,7 +91,7 @@ def run(
         result = run(valid, on_iteration=context.obj.counting(advance))
     chosen = options.picture_formats(formats)
     writing = result.write(
-        folder, force=force, formats=chosen, plots=not no_plots, command=sys.argv
+        folder, force=force, formats=chosen, plots=not no_plots, look=look, command=sys.argv
     )
     summary = result.summary()
     _warn(summary.warnings[len(known) :], quiet=quiet)

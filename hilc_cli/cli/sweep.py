@@ -14,14 +14,20 @@ import typer
 
 from hilc_cli.cli.completion import complete_case_metric, complete_scenario, complete_varied_key
 from hilc_cli.cli.options import (
+    Font,
+    FontSize,
     Force,
     Json,
+    NoTitle,
     OutputFolder,
     Overrides,
     Quiet,
+    Style,
     Trust,
     Verbose,
     Version,
+    Width,
+    picture_look,
 )
 from hilc_cli.cli.session import Session
 from hilc_cli.errors import ExistingResultsError, UsageError
@@ -165,6 +171,11 @@ def sweep(
     force: Force = False,
     formats: Formats = None,
     no_plots: NoPlots = False,
+    width: Width = None,
+    font: Font = "",
+    font_size: FontSize = None,
+    style: Style = None,
+    no_title: NoTitle = False,
     workers: Workers = None,
     scheduler: Scheduler = None,
     shard: Shard = None,
@@ -225,6 +236,7 @@ def sweep(
         "force": force,
         "formats": chosen,
         "plots": not no_plots,
+        "look": picture_look(width, font, font_size, style, no_title),
         "command": sys.argv,
         "go_on": session.go_on,
     }
@@ -244,7 +256,7 @@ def sweep(
         if any(option not in (None, False) for option in others):
             raise UsageError(
                 "--merge takes the folders of all shards and no scenario, so that only --out, "
-                "--force, --format, --no-plots, --json and -q go with it"
+                "--force, --json, -q and what is about pictures go with it"
             )
         _merge(list(map(Path, targets)), out, writing, report)
         return

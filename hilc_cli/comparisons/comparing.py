@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +14,12 @@ from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
 from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRICS
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.results.summary import summarise
 from hilc_cli.runs.running import RunSource, as_runs
-from hilc_cli.wording import listed, suggestion
+from hilc_cli.wording import listed, near_name, printable, suggestion
 
 SETTINGS = "Settings"
 ERRORS, LEARNING = "Errors of the last iteration", "Wheel speeds and learning"
@@ -35,9 +36,14 @@ def _of_metric(name: str, section: str, *, is_ranked: bool = False) -> Column:
 RUN_COLUMNS = (
     Column("run", "Run", "Run"),
     Column("law", "Learning law", "Law", section=SETTINGS, is_optional=True),
-    Column("gains", "Gains", "Gains", section=SETTINGS, is_optional=True),
-    Column("compensation", "Compensation", "Compensation", section=SETTINGS, is_optional=True),
-    Column("start_offset", "Start offset", "Start offset", section=SETTINGS, is_optional=True),
+    *(
+        Column(name, title, title, section=SETTINGS, is_optional=True, is_setting=True)
+        for name, title in (
+            ("gains", "Gains"),
+            ("compensation", "Compensation"),
+            ("start_offset", "Start offset"),
+        )
+    ),
     Column("trajectory", "Trajectory", "Trajectory", section=ERRORS),
     Column("path_size_m", "Path size", "Size", "m", section=ERRORS),
     Column("iterations", "Iterations", "Iterations", section=LEARNING),
@@ -78,6 +84,16 @@ RUN_COLUMNS = (
 )  # fmt: skip
 """What a table of runs tells of each."""
 
+OTHER_METRICS = tuple(
+    _of_metric(name, ERRORS if metric.unit in ("m", "rad") else LEARNING)
+    for name, metric in METRICS.items()
+    if name not in {column.name for column in RUN_COLUMNS}
+)
+"""What it tells as well if it is asked to."""
+
+ROWS = tuple(column.name for column in (*RUN_COLUMNS[1:], *OTHER_METRICS))
+"""Names of all that can be told of a run, beside its own."""
+
 _SETTINGS = tuple(column.name for column in RUN_COLUMNS if column.section == SETTINGS)
 
 RUN_NOTE = (
@@ -88,7 +104,29 @@ RUN_NOTE = (
 RUN_MARK_NOTE = "the best of the runs on the same trajectory"
 
 
-def compare_runs(runs: Sequence[RunData]) -> ComparisonTable:
+def chosen_columns(rows: Sequence[str]) -> tuple[Column, ...]:
+    """The columns that tell some of what can be told of runs, in the order that is asked for.
+
+    Args:
+        rows: Some of `ROWS`; what is there twice counts once, and none gives the usual ones.
+
+    Raises:
+        UsageError: There is no such row.
+    """
+    if not rows:
+        return RUN_COLUMNS
+    known = {column.name: column for column in (*RUN_COLUMNS, *OTHER_METRICS)}
+    for name in rows:
+        if name not in ROWS:
+            near = near_name(name, ROWS)
+            meant = f"did you mean '{near}'?" if near else f"known: {', '.join(ROWS)}"
+            raise UsageError(f"there is no row '{printable(name)}' in a table of runs; {meant}")
+    # What somebody asks for is told, even if there is nothing to tell.
+    chosen = (replace(known[name], is_optional=False) for name in dict.fromkeys(rows))
+    return (RUN_COLUMNS[0], *chosen)
+
+
+def compare_runs(runs: Sequence[RunData], rows: Sequence[str] = ()) -> ComparisonTable:
     """A table of runs, in the order in which they are given.
 
     Runs on the very same reference are of one group. One that has diverged is not the best in
@@ -96,14 +134,16 @@ def compare_runs(runs: Sequence[RunData]) -> ComparisonTable:
 
     Args:
         runs: At least two; equal names are told apart by a number.
+        rows: As of `chosen_columns`.
 
     Raises:
-        UsageError: There are fewer, or one has no completed iteration.
+        UsageError: There are fewer, one has no completed iteration, or there is no such row.
     """
+    columns = chosen_columns(rows)
     if len(runs) < 2:
         raise UsageError(f"a comparison needs at least two runs, got {len(runs)}")
     groups: list[Reference] = []
-    rows = []
+    found = []
     for run, name in zip(runs, distinct_names([run.name for run in runs]), strict=True):
         if len(run.metrics) == 0:
             raise UsageError(f"{name}: has no completed iteration, so there is nothing to compare")
@@ -113,14 +153,16 @@ def compare_runs(runs: Sequence[RunData]) -> ComparisonTable:
         )
         if group == len(groups):
             groups.append(run.reference)
-        rows.append(Row(_values(run, name), group, may_be_best=run.diverged_at is None))
+        values = _values(run, name)
+        chosen = tuple(values[column.name] for column in columns)
+        found.append(Row(chosen, group, may_be_best=run.diverged_at is None))
     title = f"Comparison of {len(runs)} runs"
-    return ComparisonTable(title, RUN_COLUMNS, tuple(rows), RUN_NOTE, RUN_MARK_NOTE)
+    return ComparisonTable(title, columns, tuple(found), RUN_NOTE, RUN_MARK_NOTE)
 
 
-def _values(run: RunData, name: str) -> tuple[Value, ...]:
+def _values(run: RunData, name: str) -> dict[str, Value]:
     summary = summarise(run)
-    values: dict[str, Value] = {
+    return {
         **summary.final,
         "run": name,
         **{column: run.settings.get(column) for column in _SETTINGS},
@@ -135,7 +177,6 @@ def _values(run: RunData, name: str) -> tuple[Value, ...]:
         "saturated_share": summary.saturated_share,
         "diverged_at": summary.diverged_at,
     }
-    return tuple(values[column.name] for column in RUN_COLUMNS)
 
 
 def _is_same(one: Reference, other: Reference) -> bool:
@@ -202,6 +243,7 @@ class Comparison:
         force: bool = False,
         formats: Sequence[str] = ("png",),
         plots: bool = True,
+        look: Look = USUAL,
     ) -> list[Path]:
         """Writes comparison.csv, comparison.md, comparison.tex and the picture.
 
@@ -210,6 +252,7 @@ class Comparison:
             force: Replace files of the same name and other content.
             formats: Of the picture: png, svg, pdf.
             plots: Whether to draw it.
+            look: How it is to look, from `picture_look`.
 
         Returns:
             The files.
@@ -227,20 +270,23 @@ class Comparison:
             if plots:
                 from hilc_cli.comparisons.picture import save_comparison  # Matplotlib starts slowly
 
-                files += save_comparison(self.runs, into, formats)
+                files += save_comparison(self.runs, into, formats, look=look)
             return files
 
         return merge_folder(Path(folder), fill, lambda file: force, or_same=True)
 
 
-def compare(runs: Sequence[RunSource]) -> Comparison:
+def compare(runs: Sequence[RunSource], *, rows: Sequence[str] = ()) -> Comparison:
     """Puts runs side by side; nothing is simulated.
 
     Args:
         runs: At least two, from `run` or `read_run`, or the folders of runs.
+        rows: What the table tells of each run, in this order: metrics and other columns of
+            comparison.csv by their names; the usual ones by default.
 
     Raises:
-        UsageError: There are fewer, or one has no completed iteration.
+        UsageError: There are fewer runs, one has no completed iteration, or there is no such row.
     """
+    chosen_columns(rows)  # told before runs are read
     found = as_runs(runs)
-    return Comparison(tuple(found), compare_runs(found))
+    return Comparison(tuple(found), compare_runs(found, rows))

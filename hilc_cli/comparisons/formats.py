@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import sys
 import textwrap
@@ -10,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from hilc_cli.comparisons.latex import latex_escaped, latex_settings, latex_title
 from hilc_cli.comparisons.table import Column, ComparisonTable, Value
 from hilc_cli.reporting.terminal import is_decorated, print_table, print_text
 from hilc_cli.results.tables import text_cell
@@ -34,11 +34,15 @@ class Cell:
         text: On one line.
         is_best: Whether it is to be marked.
         is_real: Whether it is a number that need not be whole.
+        is_setting: Whether it is a list of symbols with their values, such as ``l1=0.5 l2=0``.
+        is_title: Whether it is the title of a column, with its unit in brackets.
     """
 
     text: str
     is_best: bool = False
     is_real: bool = False
+    is_setting: bool = False
+    is_title: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +91,7 @@ def side_by_side(table: ComparisonTable) -> Grid:
         heads=(("", *(row[head].text for row in cells)),),
         at_right=(False, *(True for _ in cells)),
         rows=tuple(
-            (Cell(_title(column)), *(row[place] for row in cells))
+            (Cell(_title(column), is_title=True), *(row[place] for row in cells))
             for place, column in zip(others, columns, strict=True)
         ),
     )
@@ -145,7 +149,12 @@ def _cells(table: ComparisonTable) -> list[list[Cell]]:
     best = [table.best(place) for place in range(len(table.columns))]
     return [
         [
-            Cell(printable(column.text(value)), number in best[place], isinstance(value, float))
+            Cell(
+                printable(column.text(value)),
+                number in best[place],
+                isinstance(value, float),
+                column.is_setting,
+            )
             for place, (column, value) in enumerate(zip(table.columns, row.values, strict=True))
         ]
         for number, row in enumerate(table.rows)
@@ -165,18 +174,6 @@ def _title(column: Column) -> str:
 
 
 _MARKDOWN = str.maketrans({character: f"\\{character}" for character in "\\`*_<>|#~&$"})
-_LATEX = str.maketrans(
-    {
-        **{character: f"\\{character}" for character in "{}$&#_%"},
-        "\\": r"\textbackslash{}",
-        "^": r"\textasciicircum{}",
-        "~": r"\textasciitilde{}",
-        "<": r"\textless{}",
-        ">": r"\textgreater{}",
-        "|": r"\textbar{}",
-        "`": r"\textasciigrave{}",
-    }
-)
 
 
 def csv_text(table: ComparisonTable) -> str:
@@ -192,18 +189,22 @@ def markdown_text(table: ComparisonTable) -> str:
     return "\n\n".join([*parts, note_of(table, "Bold")]) + "\n"
 
 
-def latex_text(table: ComparisonTable) -> str:
+def latex_text(table: ComparisonTable, label: str = "comparison") -> str:
     r"""A float with tables in the style of booktabs, the best values in bold.
 
     The document needs ``\usepackage{booktabs}``, and a font that has the letters of the names.
+
+    Args:
+        table: The table.
+        label: By which the document refers to it, behind ``tab:``; of letters, digits, . _ and -.
     """
-    caption = _latex(f"{table.title}. {note_of(table, 'Bold')}")
+    caption = latex_escaped(f"{table.title}. {note_of(table, 'Bold')}")
     lines = [
         r"% Needs \usepackage{booktabs} in the preamble.",
         r"\begin{table}",
         r"  \centering",
         f"  \\caption{{{caption}}}",
-        r"  \label{tab:comparison}",
+        f"  \\label{{tab:{label}}}",
         r"  \footnotesize",
         r"  \setlength{\tabcolsep}{4pt}",
     ]
@@ -257,9 +258,11 @@ def _latex_grid(grid: Grid) -> list[str]:
     kinds = "".join("r" if right else "l" for right in grid.at_right)
     lines = [f"\\begin{{tabular}}{{{kinds}}}", r"  \toprule"]
     if grid.title:
-        lines += [_latex_row([f"\\multicolumn{{{len(kinds)}}}{{l}}{{{_latex(grid.title)}}}"])]
+        lines += [_latex_row([f"\\multicolumn{{{len(kinds)}}}{{l}}{{{latex_title(grid.title)}}}"])]
         lines += [r"  \midrule"]
-    lines += [_latex_row([_latex(head) for head in heads]) for heads in grid.heads]
+    # On one line there are names, which may look like anything; units have a line of their own.
+    set_head = latex_escaped if len(grid.heads) == 1 else latex_title
+    lines += [_latex_row([set_head(head) for head in heads]) for heads in grid.heads]
     lines += [r"  \midrule"]
     lines += [_latex_row([_latex_cell(cell) for cell in row]) for row in grid.rows]
     return [*lines, r"  \bottomrule", r"\end{tabular}"]
@@ -273,17 +276,16 @@ def _latex_row(cells: Sequence[str]) -> str:
 
 
 def _latex_cell(cell: Cell) -> str:
+    if cell.is_title:
+        return latex_title(cell.text)
+    if cell.is_setting:
+        return latex_settings(cell.text)
     mantissa, exponent, power = cell.text.partition("e")
     if cell.is_real and exponent:
         formula = f"{mantissa} \\times 10^{{{power}}}"
         return f"$\\mathbf{{{formula}}}$" if cell.is_best else f"${formula}$"
-    text = _latex(cell.text)
+    text = latex_escaped(cell.text)
     return f"\\textbf{{{text}}}" if cell.is_best else text
-
-
-def _latex(text: str) -> str:
-    # Two hyphens would become a dash.
-    return re.sub("-(?=-)", "-{}", text.translate(_LATEX))
 
 
 def print_comparison(table: ComparisonTable) -> None:

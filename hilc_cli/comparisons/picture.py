@@ -18,8 +18,10 @@ from matplotlib.textpath import TextPath
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.drawing.save import save_pictures
+from hilc_cli.drawing.sheet import most_ticks
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.runs.pictures.error import MAXIMUM, MEAN, ZERO_LABEL, draw_error, drawable
 from hilc_cli.runs.pictures.final_path import draw_final_path, same_path
@@ -37,7 +39,13 @@ _PALE = "0.6"  # of runs that have no lines
 _LONGEST_TRAJECTORY = 24
 
 
-def draw_last_errors(axes: Axes, runs: Sequence[RunData], lined: Sequence[RunData] = ()) -> None:
+def draw_last_errors(
+    axes: Axes,
+    runs: Sequence[RunData],
+    lined: Sequence[RunData] = (),
+    *,
+    with_paths: bool = True,
+) -> None:
     """Draws the last maximum (full mark) and mean error (open mark) of each run.
 
     Args:
@@ -45,6 +53,7 @@ def draw_last_errors(axes: Axes, runs: Sequence[RunData], lined: Sequence[RunDat
         runs: The runs, from the top down.
         lined: Those of them that have lines in other panels, in the order of their colours there:
             their rows are the legend of these lines.
+        with_paths: As of `row_names`.
     """
     for row, run in enumerate(runs):
         place = next((place for place, other in enumerate(lined) if other is run), None)
@@ -54,7 +63,7 @@ def draw_last_errors(axes: Axes, runs: Sequence[RunData], lined: Sequence[RunDat
         if place is not None:
             _draw_key(axes, row, color, marker)
     _legend_proxies(axes, zeros=any(line.get_label() == "_zero" for line in axes.lines))
-    axes.set_yticks(range(len(runs)), row_names(runs))
+    axes.set_yticks(range(len(runs)), row_names(runs, with_paths=with_paths))
     axes.set_ylim(len(runs) - 0.4, -0.6)
     axes.tick_params(axis="y", length=0, pad=3 + 72 * _KEY)
     _scale(axes, runs)
@@ -63,20 +72,25 @@ def draw_last_errors(axes: Axes, runs: Sequence[RunData], lined: Sequence[RunDat
     labels.set_title(axes, f"Position error, {labels.last_iteration_text(runs)}")
 
 
-def row_names(runs: Sequence[RunData]) -> list[str]:
-    """The names of the runs, and of what they were to follow if that is not the same."""
+def row_names(runs: Sequence[RunData], *, with_paths: bool = True) -> list[str]:
+    """The names of the runs, and of what they were to follow if that is not the same.
+
+    Args:
+        runs: The runs.
+        with_paths: Whether there is room for the latter.
+    """
     names = labels.run_labels(runs)
-    if same_path([run.reference for run in runs]):
+    if not with_paths or same_path([run.reference for run in runs]):
         return names
     paths = [labels.shortened(run.reference.name, _LONGEST_TRAJECTORY) for run in runs]
     return [f"{name} ({path})" for name, path in zip(names, paths, strict=True)]
 
 
-def room_for_names(runs: Sequence[RunData]) -> float:
+def room_for_names(runs: Sequence[RunData], *, with_paths: bool = True) -> float:
     """How far from the edge of the sheet the rows begin [inch]."""
     widths = [
         TextPath((0, 0), name, size=style.SMALL_SIZE).get_extents().width
-        for name in row_names(runs)
+        for name in row_names(runs, with_paths=with_paths)
     ]
     return max(layout.LEFT, _EDGE + _HINTED * max(widths) / 72 + _KEY)
 
@@ -160,7 +174,11 @@ def _scale(axes: Axes, runs: Sequence[RunData]) -> None:
     low, high = (float(values.min()), float(values.max())) if len(values) else (-1.0, 0.0)
     beside = max(0.0, _LEAST_SPREAD - (high - low)) / 2
     beside += _MARGIN * (high - low + 2 * beside)
-    labels.set_logarithmic(axes.xaxis, 10.0 ** (low - beside), 10.0 ** (high + beside), 9, least=4)
+    most = most_ticks(axes, 9)
+    least = max(2, min(4, most - 2))
+    labels.set_logarithmic(
+        axes.xaxis, 10.0 ** (low - beside), 10.0 ** (high + beside), most, least=least
+    )
 
 
 NAME = "comparison"
@@ -173,10 +191,14 @@ MOST_PATHS = 4
 
 _ERROR_WIDTH, _PATH_WIDTH, _HEIGHT = 5.2, 4.3, 3.6  # of the panels above [inch]
 _NUMBER = len(" (9999)")  # behind names that are equal
-_SHEET = 2 * (layout.LEFT + layout.RIGHT) + _ERROR_WIDTH + _PATH_WIDTH  # [inch]
+_BESIDE = 2 * (layout.LEFT + layout.RIGHT)  # of the panels above [inch]
+_SHEET = _BESIDE + _ERROR_WIDTH + _PATH_WIDTH  # [inch]
+_LEAST_COLUMN = 2.6  # of paths with their labels [inch]
+_NARROW = _BESIDE + 3.6  # sheets that are narrower have no two panels side by side [inch]
+_NAMES, _LETTER = 0.5, 0.066  # part of a sheet that names may take, and width of a letter [inch]
 
 
-def comparison_figure(runs: Sequence[RunData]) -> Figure:
+def comparison_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """The sheet of several runs.
 
     Above, the errors over the iterations and the last paths, laid over each other; paths of
@@ -186,67 +208,96 @@ def comparison_figure(runs: Sequence[RunData]) -> Figure:
 
     Args:
         runs: At least one.
+        look: What the user asks for; on a narrow sheet all panels stand below each other.
 
     Raises:
         UsageError: There is none.
     """
     if not runs:
         raise UsageError("there is no run to draw; give at least one")
-    with style.applied():
-        rows = best_runs(_told_apart(runs), MOST_ROWS)
+    with style.applied(look):
+        sheet = layout.room_on(look, _SHEET)
+        rows = best_runs(_told_apart(runs, sheet), MOST_ROWS)
         lines = best_runs(rows, MOST_LINES)
         groups = _by_trajectory(lines)
-        figure = layout.new_sheet(
-            _SHEET, layout.HEADING, layout.heading_of(labels.run_labels(runs), _SHEET)
-        )
-        if len(groups) == 1:
+        room = sheet if look.width is None else sheet - layout.RIGHT
+        heading = layout.heading_of(labels.run_labels(runs), room)
+        figure = layout.new_sheet(sheet, layout.HEADING, heading, look)
+        is_narrow = sheet < _NARROW
+        if is_narrow:
+            above = _draw_below_each_other(figure, lines, groups)
+        elif len(groups) == 1:
             above = _draw_side_by_side(figure, lines)
         else:
             above = _draw_paths_below(figure, lines, groups)
         first = list(figure.axes)
-        left, height = room_for_names(rows), PITCH * (len(rows) + 0.4)
-        right = _SHEET - layout.RIGHT
+        left, height = room_for_names(rows, with_paths=not is_narrow), PITCH * (len(rows) + 0.4)
+        right = sheet - layout.RIGHT
         layout.resize_sheet(figure, bottom=layout.TOP + height + layout.BOTTOM)
         below = layout.add_panel(figure, left, above + layout.TOP, right - left, height)
-        draw_last_errors(below, rows, lines)
+        draw_last_errors(below, rows, lines, with_paths=not is_narrow)
         _note_what_is_left_out(below, len(runs), len(rows), len(lines), len(groups))
         names = labels.run_labels(lines)
-        legend = layout.legend_below(figure.axes, right - left, without=names)
+        outdent = 0.0 if look.width is None else left - layout.LEFT
+        legend = layout.legend_below(
+            figure.axes, right - left + outdent, without=names, outdent=outdent
+        )
         beside = first if len(groups) == 1 else first[:1]  # what stands at the upper edge
-        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(beside))
+        layout.close_sheet(figure, legend=legend, top=[] if is_narrow else beside)
         return figure
 
 
 def _draw_side_by_side(figure: Figure, runs: Sequence[RunData]) -> float:
     """Draws errors and paths beside each other, and returns where they end [inch]."""
-    top = layout.HEADING + layout.TOP
-    layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
-    left = _SHEET - layout.RIGHT - _PATH_WIDTH
-    error = layout.add_panel(figure, layout.LEFT, top, _ERROR_WIDTH, _HEIGHT)
-    path = layout.add_panel(figure, left, top, _PATH_WIDTH, _HEIGHT)
+    top, sheet = layout.HEADING + layout.TOP, float(figure.get_size_inches()[0])
+    share = (sheet - _BESIDE) / (_SHEET - _BESIDE)
+    error_width, path_width = share * _ERROR_WIDTH, share * _PATH_WIDTH
+    height = layout.panel_height(error_width, _ERROR_WIDTH, _HEIGHT)
+    layout.resize_sheet(figure, bottom=layout.TOP + height + layout.BOTTOM)
+    left = sheet - layout.RIGHT - path_width
+    error = layout.add_panel(figure, layout.LEFT, top, error_width, height)
+    path = layout.add_panel(figure, left, top, path_width, height)
     draw_error(error, runs)
     draw_final_path(path, runs)
-    return top + _HEIGHT + layout.BOTTOM
+    return top + height + layout.BOTTOM
+
+
+def _draw_below_each_other(
+    figure: Figure, runs: Sequence[RunData], groups: Sequence[Sequence[RunData]]
+) -> float:
+    """Draws errors and paths below each other, and returns where they end [inch]."""
+    width = float(figure.get_size_inches()[0]) - layout.LEFT - layout.RIGHT
+    height = layout.panel_height(width, _ERROR_WIDTH, _HEIGHT)
+    layout.append_panel(figure, height, partial(draw_error, runs=runs))
+    for group in groups[:MOST_PATHS]:
+        entitle: labels.Entitle = labels.set_title
+        if len(groups) > 1:
+            entitle = _title_for(group[0].reference.name, width)
+        draw = partial(draw_final_path, runs=group, entitle=entitle, among=runs)
+        layout.append_panel(figure, min(width, _HEIGHT), draw)
+    return float(figure.get_size_inches()[1])
 
 
 def _draw_paths_below(
     figure: Figure, runs: Sequence[RunData], groups: Sequence[Sequence[RunData]]
 ) -> float:
     """Draws the paths on each trajectory below the errors, and returns where they end [inch]."""
-    shown = groups[:MOST_PATHS]
-    top, width = layout.HEADING + layout.TOP, _SHEET - layout.LEFT - layout.RIGHT
+    shown, sheet = groups[:MOST_PATHS], float(figure.get_size_inches()[0])
+    top, width = layout.HEADING + layout.TOP, sheet - layout.LEFT - layout.RIGHT
     layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
     error = layout.add_panel(figure, layout.LEFT, top, width, _HEIGHT)
     draw_error(error, runs)
     top += _HEIGHT + layout.BOTTOM + layout.TOP
-    width = _SHEET / len(shown) - layout.LEFT - layout.RIGHT
+    columns = min(len(shown), int(sheet / _LEAST_COLUMN))
+    width = sheet / columns - layout.LEFT - layout.RIGHT
     height = min(width, _HEIGHT)
-    layout.resize_sheet(figure, bottom=layout.TOP + height + layout.BOTTOM)
+    row, rows = layout.TOP + height + layout.BOTTOM, -(-len(shown) // columns)
+    layout.resize_sheet(figure, bottom=rows * row)
     for place, group in enumerate(shown):
-        left = place * _SHEET / len(shown) + layout.LEFT
-        axes = layout.add_panel(figure, left, top, width, height)
+        left = place % columns * sheet / columns + layout.LEFT
+        axes = layout.add_panel(figure, left, top + place // columns * row, width, height)
         draw_final_path(axes, group, _title_for(group[0].reference.name, width), among=runs)
-    return top + height + layout.BOTTOM
+    return float(figure.get_size_inches()[1])
 
 
 def _title_for(trajectory: str, width: float) -> labels.Entitle:
@@ -256,7 +307,7 @@ def _title_for(trajectory: str, width: float) -> labels.Entitle:
 
     def entitle(axes: Axes, _: str, notes: Sequence[str]) -> None:
         broken = [line for note in notes for line in labels.wrapped(note, width).split("\n")]
-        labels.set_title(axes, title, broken[:2])
+        labels.set_title(axes, title, broken[:2], tells_apart=True)
 
     return entitle
 
@@ -290,7 +341,11 @@ def best_runs(runs: Sequence[RunData], most: int) -> list[RunData]:
 
 
 def save_comparison(
-    runs: Sequence[RunData], folder: Path, formats: Sequence[str] = ("png",), dpi: int = 150
+    runs: Sequence[RunData],
+    folder: Path,
+    formats: Sequence[str] = ("png",),
+    dpi: int = 150,
+    look: Look = USUAL,
 ) -> list[Path]:
     """Draws the sheet and writes it to ``comparison.FORMAT``.
 
@@ -299,6 +354,7 @@ def save_comparison(
         folder: Where the files go; it must exist.
         formats: Some of png, svg, pdf.
         dpi: Dots per inch of PNG files.
+        look: What the user asks for.
 
     Returns:
         The files, in the order of the formats.
@@ -307,12 +363,19 @@ def save_comparison(
         UsageError: A format is not known, or there is no run; nothing is written then.
         OSError: A file cannot be written.
     """
-    return save_pictures({NAME: partial(comparison_figure, runs)}, folder, formats, dpi)
+    return save_pictures({NAME: partial(comparison_figure, runs, look)}, folder, formats, dpi)
 
 
-def _told_apart(runs: Sequence[RunData]) -> list[RunData]:
-    """The runs under names that differ, and are not shortened differently in each panel."""
-    names = [labels.shortened(run.name, labels.LONGEST_LABEL - _NUMBER) for run in runs]
+def _told_apart(runs: Sequence[RunData], sheet: float = _SHEET) -> list[RunData]:
+    """The runs under names that differ, and are not shortened differently in each panel.
+
+    Args:
+        runs: The runs.
+        sheet: Width of the sheet, of which names beside the rows may take a part [inch].
+    """
+    room = labels.LONGEST_LABEL if sheet == _SHEET else int(_NAMES * sheet / _LETTER)
+    longest = max(_NUMBER + 8, min(room, labels.LONGEST_LABEL)) - _NUMBER
+    names = [labels.shortened(run.name, longest) for run in runs]
     return [replace(run, name=name) for run, name in zip(runs, distinct_names(names), strict=True)]
 
 

@@ -29,6 +29,7 @@ class Column:
             what names a row, which stands in each part.
         is_ranked: Whether a small value is a good one.
         is_optional: Whether it is not printed where no row has a value.
+        is_setting: Whether its texts are symbols with their values, such as ``l1=0.5 l2=0``.
     """
 
     name: str
@@ -41,6 +42,7 @@ class Column:
     section: str = ""
     is_ranked: bool = False
     is_optional: bool = False
+    is_setting: bool = False
 
     def text(self, value: Value) -> str:
         """A value as it is printed, without its unit."""

@@ -13,6 +13,7 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.ticker import Formatter, MaxNLocator
 from numpy.typing import NDArray
 
+from hilc_cli.drawing.sheet import balanced, is_fitted, look_of, most_ticks, panel_size
 from hilc_cli.drawing.style import MARKER_SIZE, NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.wording import printable
@@ -24,6 +25,7 @@ LONGEST_LABEL = 64
 _LONG = 1e5  # numbers from here on are written with an exponent
 _TITLE_PAD = 5.0  # [pt]
 _LINE_PITCH = 10.5  # [pt], of notes
+_BESIDE = 0.25  # that titles and notes may reach beyond their panel to the right [inch]
 _NOTES = "notes"
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -218,14 +220,32 @@ def set_iterations(axes: Axes, last: int) -> None:
     border = max(0.5, 0.02 * last)
     axes.set_xlim(-border, last + border)
     axes.xaxis.set_major_locator(
-        MaxNLocator(nbins=8, steps=[1, 2, 5, 10], integer=True, min_n_ticks=1)
+        MaxNLocator(nbins=most_ticks(axes, 8), steps=[1, 2, 5, 10], integer=True, min_n_ticks=1)
     )
     axes.set_xlabel("Iteration")
 
 
-def set_title(axes: Axes, title: str, notes: Iterable[str] = ()) -> None:
-    """Titles a panel; what the reader must know stands between title and panel, a line each."""
+def set_title(
+    axes: Axes, title: str, notes: Iterable[str] = (), *, tells_apart: bool = False
+) -> None:
+    """Titles a panel; what the reader must know stands between title and panel, a line each.
+
+    Args:
+        axes: The panel.
+        title: Left out if the user wants no titles.
+        notes: They stand there in any case.
+        tells_apart: Whether nothing else says which of several panels it is, so that the title
+            stands there in any case, too.
+    """
     notes = list(notes)
+    if not (look_of(axes).title or tells_apart):
+        title = ""
+    if is_fitted(axes):
+        width, _ = panel_size(axes)
+        width += _BESIDE
+        title = wrapped(title, width) if "\n" not in title else title
+        longest = int(width * 72 / (0.56 * (SMALL_SIZE - 0.5)))
+        notes = [line for note in notes for line in balanced(note, longest)]
     # A fixed height spares Matplotlib from measuring all tick labels to find a free one.
     axes.set_title(title, loc="left", y=1.0, pad=_TITLE_PAD + _LINE_PITCH * len(notes))
     if notes:
@@ -248,11 +268,12 @@ def spare_room(panels: Iterable[Axes]) -> float:
 
     It is negative if one of them needs more.
     """
-    used = 0
+    used = -1
     for axes in panels:
         notes = [text.get_text() for text in axes.texts if text.get_gid() == _NOTES]
-        breaks = axes.get_title(loc="left").count("\n")
-        used = max(used, breaks + sum(1 + note.count("\n") for note in notes))
+        title = axes.get_title(loc="left")
+        lines = title.count("\n") if title else -1
+        used = max(used, lines + sum(1 + note.count("\n") for note in notes))
     return (2 - used) * _LINE_PITCH / 72
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -15,8 +16,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from hilc_cli.drawing import style
+from hilc_cli.drawing.sheet import Sheet
 from hilc_cli.errors import UsageError
 from hilc_cli.results.folder import PICTURE_FORMATS
+from hilc_cli.results.look import USUAL
 from hilc_cli.wording import suggestion
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -81,12 +84,13 @@ def render(figure: Figure, picture_format: str, dpi: int = 150) -> bytes:
     check_format(picture_format)
     buffer = BytesIO()
     before = figure.dpi
-    figure.dpi = dpi
+    scale, look = (figure.scale, figure.look) if isinstance(figure, Sheet) else (1.0, USUAL)
+    figure.dpi = dpi * scale
     try:
         # Straight to the canvas: Figure.savefig draws everything twice. The canvases are not typed,
         # and those of the vector formats are imported only where they are needed.
         canvas: Any
-        with style.applied():
+        with style.applied(look):
             if picture_format == "png":
                 canvas = FigureCanvasAgg(figure)
                 canvas.draw()
@@ -96,15 +100,57 @@ def render(figure: Figure, picture_format: str, dpi: int = 150) -> bytes:
 
                 canvas = FigureCanvasSVG(figure)
                 canvas.print_svg(buffer, metadata={"Date": None, "Creator": None})
-            else:
-                from matplotlib.backends.backend_pdf import FigureCanvasPdf
-
-                canvas = FigureCanvasPdf(figure)
-                nothing = {"CreationDate": None, "Creator": None, "Producer": None}
-                canvas.print_pdf(buffer, metadata=nothing)
+                return _scaled_svg(buffer.getvalue(), scale)
+            _print_pdf(figure, buffer, dpi, scale)
     finally:
         figure.dpi = before
     return buffer.getvalue()
+
+
+_SVG_SIZE = re.compile(rb' (width|height)="([0-9.]+)pt"')
+
+
+def _scaled_svg(content: bytes, scale: float) -> bytes:
+    """An SVG of another size on paper: the lengths within its view box stay as they are."""
+    if scale == 1:
+        return content
+
+    def scaled(found: re.Match[bytes]) -> bytes:
+        return b' %s="%.6gpt"' % (found[1], scale * float(found[2]))
+
+    return _SVG_SIZE.sub(scaled, content, count=2)
+
+
+def _print_pdf(figure: Figure, buffer: BytesIO, dpi: float, scale: float) -> None:
+    """Writes a PDF of one page.
+
+    Args:
+        figure: The figure.
+        buffer: Where to write.
+        dpi: Dots per inch of what is drawn in dots even here.
+        scale: How large an inch of the figure is on the page.
+    """
+    from matplotlib.backends import backend_pdf as pdf
+
+    backend: Any = pdf  # is not typed
+    figure.dpi = 72  # points of the page, before it is scaled
+    width, height = figure.get_size_inches()
+    file = backend.PdfFile(
+        buffer, metadata={"CreationDate": None, "Creator": None, "Producer": None}
+    )
+    try:
+        file.newPage(scale * width, scale * height)
+        # What lies off the page is left out, before it is scaled.
+        file.width, file.height = width, height
+        if scale != 1:
+            file.output(scale, 0, 0, scale, 0, 0, backend.Op.concat_matrix)
+        page = backend.RendererPdf(file, dpi * scale, height, width)
+        renderer = backend.MixedModeRenderer(figure, width, height, dpi * scale, page)
+        figure.draw(renderer)
+        renderer.finalize()
+        file.finalize()
+    finally:
+        file.close()
 
 
 def save_figure(figure: Figure, path: Path, dpi: int = 150) -> None:

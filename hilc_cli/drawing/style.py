@@ -11,6 +11,8 @@ import matplotlib
 import numpy as np
 from matplotlib.colors import Colormap, ListedColormap
 
+from hilc_cli.results.look import USUAL, Look
+
 # Okabe and Ito's colours, which survive colour blindness, and four more for long comparisons.
 # Neighbours differ in luminance too, so that they stay apart in grey.
 BLUE, ORANGE, GREEN, VERMILLION = "#0072B2", "#E69F00", "#009E73", "#D55E00"
@@ -42,6 +44,7 @@ TEXT_SIZE = 8.5  # [pt]
 SMALL_SIZE = 8.0  # [pt]
 PRINT_SIZE = 7.0  # of text on a journal's page [pt]
 PRINT_SHRINK = 0.65  # of lines and marks there
+TRUE_SIZE = 8.0  # of text where the width of a picture is given [pt]
 
 _PALEST = 0.9  # viridis beyond this is too pale for a thin line on white
 
@@ -98,23 +101,69 @@ _PRINT: dict[Any, Any] = {
 }
 
 
+IN_POINTS = frozenset(
+    {
+        *("axes.linewidth", "grid.linewidth"),
+        *(
+            f"{axis}tick.{kind}.{what}"
+            for axis in "xy"
+            for kind in ("major", "minor")
+            for what in ("size", "width")
+        ),
+    }
+)
+"""Settings of a style file that are lengths on paper [pt]."""
+
+
+def scale_of(look: Look, text_size: float = TEXT_SIZE) -> float:
+    """How large an inch and a point of the layout are on paper.
+
+    Pictures are laid out around text of one size, which all distances fit. Where it is to be
+    another one, the whole sheet is scaled as it is saved.
+
+    Args:
+        look: What the user asks for.
+        text_size: Of axis labels in the layout [pt].
+    """
+    if look.font_size is not None:
+        return look.font_size / text_size
+    return 1.0 if look.width is None else min(1.0, TRUE_SIZE / text_size)
+
+
+def _chosen(look: Look, text_size: float) -> dict[Any, Any]:
+    """The settings that a user asks for, in the points of the layout."""
+    scale = scale_of(look, text_size)
+    chosen: dict[Any, Any] = {
+        key: value / scale if key in IN_POINTS and isinstance(value, float) else value
+        for key, value in look.settings
+        if key != "font.size"  # by which the sheet is scaled
+    }
+    if look.font:
+        chosen["font.family"] = [look.font, *_RC["font.sans-serif"]]  # letters that it lacks
+    return chosen
+
+
 @contextmanager
-def applied(*, in_print: bool = False) -> Iterator[None]:
+def applied(look: Look = USUAL, *, in_print: bool = False) -> Iterator[None]:
     """The settings of all pictures, for as long as a figure is built or saved.
 
     What hilc does not set is as Matplotlib comes, not as the user has it.
 
     Args:
+        look: What the user asks for.
         in_print: With the text sizes of a journal's page, where many panels share one.
     """
     with matplotlib.rc_context(), warnings.catch_warnings():
         # A name may have letters that the font lacks, which are drawn as boxes.
         warnings.filterwarnings("ignore", r"Glyph .* missing from font")
+        # It has a minus sign by the font that takes its place.
+        warnings.filterwarnings("ignore", r"cmr10 font should ideally be used with mathtext")
         # As a dictionary: what comes with Matplotlib needs no validation, which takes its time
         # and warns of settings that it is about to drop.
         settings: dict[Any, Any] = matplotlib.rcParams
         dict.update(settings, _DEFAULTS)
         matplotlib.rcParams.update({**_RC, **_PRINT} if in_print else _RC)
+        matplotlib.rcParams.update(_chosen(look, PRINT_SIZE if in_print else TEXT_SIZE))
         yield
 
 

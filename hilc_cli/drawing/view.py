@@ -13,7 +13,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 
 from hilc_cli.drawing.labels import number_text, plain_ticks, shortened
-from hilc_cli.drawing.layout import panel_size
+from hilc_cli.drawing.sheet import panel_size
 from hilc_cli.drawing.style import DASHED, REFERENCE_COLOR, THIN
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial

@@ -18,6 +18,7 @@ from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
 from hilc_cli.results.folder import COMPILED_WITH, origin
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.wording import suggestion
 from hilc_cli.workers.crews import available_cores
 
@@ -90,7 +91,11 @@ class LawComparison:
         if kind not in TABLES:
             raise UsageError(f"unknown kind of table '{kind}'; {suggestion(kind, TABLES)}")
         if kind == "latex":
-            return "\n".join(map(latex_text, self.printed()))
+            labels = [*self.data.disturbances, "worst"]
+            tables = zip(self.printed(), labels, strict=True)
+            return "\n".join(
+                latex_text(each, f"{self.data.name}-{label}") for each, label in tables
+            )
         return "\n".join(f"## {table.title}\n\n{markdown_text(table)}" for table in self.printed())
 
     def write(
@@ -100,6 +105,7 @@ class LawComparison:
         force: bool = False,
         formats: Sequence[str] = ("png",),
         plots: bool = True,
+        look: Look = USUAL,
         command: Sequence[str] = (),
     ) -> list[Path]:
         """Writes the folder: leaderboard.csv, leaderboard.md, leaderboard.tex and the picture.
@@ -109,6 +115,7 @@ class LawComparison:
             force: Replace the folder of another leaderboard.
             formats: Of the picture: png, svg, pdf.
             plots: Whether to draw it.
+            look: How it is to look, from `picture_look`.
             command: Command line to note in the manifest.
 
         Returns:
@@ -127,7 +134,7 @@ class LawComparison:
             if plots:
                 from hilc_cli.leaderboards.picture import save_leaderboard  # it starts slowly
 
-                save_leaderboard(self.data, into, formats)
+                save_leaderboard(self.data, into, formats, look=look)
 
         def manifest() -> Mapping[str, Any]:
             return {
@@ -205,6 +212,7 @@ def plot_leaderboard(
     *,
     formats: Sequence[str] = ("png",),
     dpi: int = 150,
+    look: Look = USUAL,
     may_replace: Callable[[Path], bool] = lambda file: False,
 ) -> list[Path]:
     """Draws the picture of a leaderboard.
@@ -214,6 +222,7 @@ def plot_leaderboard(
         folder: Where to put leaderboard.FORMAT; made if it is not there.
         formats: png, svg, pdf.
         dpi: Resolution of png.
+        look: How the picture is to look, from `picture_look`.
         may_replace: Whether a picture of the same name that stands there may be replaced.
 
     Returns:
@@ -227,5 +236,5 @@ def plot_leaderboard(
     from hilc_cli.leaderboards.picture import save_leaderboard  # Matplotlib starts slowly
 
     return merge_folder(
-        Path(folder), lambda into: save_leaderboard(data, into, formats, dpi), may_replace
+        Path(folder), lambda into: save_leaderboard(data, into, formats, dpi, look), may_replace
     )

@@ -21,46 +21,64 @@ from hilc_cli.drawing.save import save_pictures
 from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.folder import LEADERBOARD_PICTURE
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 
 _LEAST = 1e-6  # [m]; smaller errors are drawn here, as rounding would stretch the axis
 _WIDTH, _HEIGHT = 4.2, 3.4  # of a panel [inch]
+_LEAST_WIDTH = 2.4  # of a panel on a narrow sheet [inch]
 _GAP = 0.25  # between panels [inch]
 _ASIDE = 3.0  # from the bar of a law to the next [pt]
 _DIGIT = 0.075  # of a tick's label [inch]
 _BESIDE = 0.08  # the first and the last iteration, of the way from one to the other
 
 
-def leaderboard_figure(data: LeaderboardData) -> Figure:
+def leaderboard_figure(data: LeaderboardData, look: Look = USUAL) -> Figure:
     """A panel for each disturbance: median and range of each law's error over all other cases.
 
     Args:
         data: At least one entry.
+        look: What the user asks for; on a narrow sheet some panels stand below others.
     """
-    with style.applied():
+    with style.applied(look):
         disturbances = data.disturbances
         top = layout.HEADING + layout.TOP
         panels = len(disturbances)
-        width = layout.LEFT + panels * _WIDTH + (panels - 1) * _GAP + layout.RIGHT
-        figure = layout.new_sheet(width, top + _HEIGHT + layout.BOTTOM, data.name)
+        beside = layout.LEFT + layout.RIGHT
+        usual = layout.LEFT + panels * _WIDTH + (panels - 1) * _GAP + layout.RIGHT
+        width = layout.room_on(look, usual)
+        across, panel_width, height = panels, _WIDTH, _HEIGHT
+        if look.width is not None:
+            room = width - beside + _GAP
+            across = max(1, min(panels, int(room / (_LEAST_WIDTH + _GAP))))
+            panel_width = room / across - _GAP
+            height = layout.panel_height(panel_width, _WIDTH, _HEIGHT)
+        row = layout.TOP + height + layout.BOTTOM
+        rows = -(-panels // across)
+        figure = layout.new_sheet(width, layout.HEADING + rows * row, data.name, look)
         low, high = _range(data)
         drawn = []
         for place, disturbance in enumerate(disturbances):
-            left = layout.LEFT + place * (_WIDTH + _GAP)
-            axes = layout.add_panel(figure, left, top, _WIDTH, _HEIGHT)
+            line, column = divmod(place, across)
+            left = layout.LEFT + column * (panel_width + _GAP)
+            axes = layout.add_panel(figure, left, top + line * row, panel_width, height)
             _draw(axes, data, disturbance, low, high)
-            if place:
+            if column:
                 axes.tick_params(axis="y", labelleft=False)
             else:
                 axes.set_ylabel("Largest error of the second half [m]")
             drawn.append(axes)
-        room = panels * _WIDTH + (panels - 1) * _GAP
-        legend = layout.legend_below(drawn[:1], room)
-        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(drawn))
+        lowest = drawn[(rows - 1) * across]
+        legend = layout.legend_below(drawn[:1], width - beside, below=lowest)
+        layout.close_sheet(figure, legend=legend, top=drawn)
         return figure
 
 
 def save_leaderboard(
-    data: LeaderboardData, folder: Path, formats: Sequence[str] = ("png",), dpi: int = 150
+    data: LeaderboardData,
+    folder: Path,
+    formats: Sequence[str] = ("png",),
+    dpi: int = 150,
+    look: Look = USUAL,
 ) -> list[Path]:
     """Draws the picture and writes it to ``leaderboard.FORMAT``.
 
@@ -69,6 +87,7 @@ def save_leaderboard(
         folder: Where the files go; it must exist.
         formats: Some of png, svg, pdf.
         dpi: Dots per inch of PNG files.
+        look: What the user asks for.
 
     Returns:
         The files, in the order of the formats.
@@ -77,7 +96,7 @@ def save_leaderboard(
         UsageError: A format is not known; nothing is written then.
         OSError: A file cannot be written.
     """
-    pictures = {LEADERBOARD_PICTURE: partial(leaderboard_figure, data)}
+    pictures = {LEADERBOARD_PICTURE: partial(leaderboard_figure, data, look)}
     return save_pictures(pictures, folder, formats, dpi)
 
 
@@ -120,10 +139,10 @@ def _draw(axes: Axes, data: LeaderboardData, disturbance: str, low: float, high:
     axes.grid(visible=True)
     axes.set_xlabel("Iteration")
     runs = len(data.of(laws[0], disturbance))
-    notes = [f"marks: median of {runs} runs of each law; bars beside them: range"]
+    notes = [f"median of {runs} runs per law; bars: range"]
     if any(min(entry.max_m) < _LEAST for law in laws for entry in data.of(law, disturbance)):
         notes.append(f"what is less than {labels.exponent_text(_LEAST)} m is drawn there")
-    labels.set_title(axes, f"Disturbance: {disturbance}", notes)
+    labels.set_title(axes, f"Disturbance: {disturbance}", notes, tells_apart=True)
 
 
 def _scale_iterations(axes: Axes, places: Floats, texts: Sequence[str]) -> None:
@@ -131,7 +150,8 @@ def _scale_iterations(axes: Axes, places: Floats, texts: Sequence[str]) -> None:
     axes.set_xscale("log")
     beside = max(places[-1] / places[0], 2.0) ** _BESIDE
     axes.set_xlim(places[0] / beside, places[-1] * beside)
-    per_decade = _WIDTH / math.log10(places[-1] / places[0] * beside**2)
+    width, _ = layout.panel_size(axes)
+    per_decade = width / math.log10(places[-1] / places[0] * beside**2)
     shown, end = [], -math.inf
     for place, text in zip((per_decade * np.log10(places)).tolist(), texts, strict=True):
         half = _DIGIT / 2 * len(text)

@@ -36,6 +36,7 @@ from hilc_cli.paper.texts import (
     write_claims_csv,
 )
 from hilc_cli.results.folder import DRAWN_WITH, origin, versions
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.running import Run, run
 from hilc_cli.scenario.experiment import Scenario
@@ -76,6 +77,7 @@ class Reproduction:
         force: bool = False,
         formats: Sequence[str] = ("png",),
         dpi: int = DPI,
+        look: Look = USUAL,
         command: Sequence[str] = (),
         on_step: Callable[[], None] = lambda: None,
     ) -> dict[str, float]:
@@ -87,6 +89,7 @@ class Reproduction:
             formats: Of the pictures: png, svg, pdf; pdf alone is joined by png, which the index
                 shows.
             dpi: Resolution of png.
+            look: How the figures are to look, from `picture_look`.
             command: Command line to note in the manifest.
             on_step: Called after each figure; may raise to stop.
 
@@ -114,7 +117,7 @@ class Reproduction:
             (into / DATA).mkdir()
             for figure in plan.figures:
                 rows = [_row(panels, runs, plan.scenarios) for panels in figure.rows]
-                sheet = sheet_figure(f"Figure {figure.number}. {figure.title}", rows)
+                sheet = sheet_figure(f"Figure {figure.number}. {figure.title}", rows, look)
                 for suffix in shown:
                     save_figure(sheet, into / picture_name(figure, suffix), dpi)
                 drawn = [panel for row in rows for panel in row.panels]
@@ -124,7 +127,7 @@ class Reproduction:
             if judged:
                 write_claims_csv(into / CLAIMS_CSV, judged)
                 _write(into / CLAIMS_MD, claims_text(judged))
-            again, made_with = _command(plan, chosen, dpi), versions(DRAWN_WITH)
+            again, made_with = _command(plan, chosen, dpi, look), versions(DRAWN_WITH)
             _write(into / INDEX, index_text(plan, runs, judged, shown, again, made_with))
 
         def manifest() -> Mapping[str, Any]:
@@ -238,7 +241,7 @@ def _row(
     )
 
 
-def _command(plan: ReproductionPlan, formats: Sequence[str], dpi: int) -> str:
+def _command(plan: ReproductionPlan, formats: Sequence[str], dpi: int, look: Look) -> str:
     """The shortest command that writes the same; where it writes is left out."""
     names = [figure.name for figure in plan.figures]
     words = ["hilc", "reproduce", *(names if len(names) < len(FIGURES) else [])]
@@ -246,4 +249,4 @@ def _command(plan: ReproductionPlan, formats: Sequence[str], dpi: int) -> str:
         words += [word for name in formats for word in ("--format", name)]
     if dpi != DPI:
         words += ["--dpi", str(dpi)]
-    return " ".join(words)
+    return " ".join(words) + look.options

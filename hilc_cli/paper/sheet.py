@@ -20,6 +20,7 @@ from matplotlib.transforms import ScaledTranslation
 from hilc_cli.drawing import layout, style, view
 from hilc_cli.drawing.labels import number_text
 from hilc_cli.paper.panel import ERROR_METRICS, Panel, PanelKind, PanelRow, shown_trials
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.runs.pictures.error import draw_error
 from hilc_cli.runs.pictures.final_path import draw_final_path
 from hilc_cli.runs.pictures.path_change import draw_color_bar, draw_path_change, iteration_scale
@@ -33,9 +34,14 @@ _LEFT, _RIGHT = 0.44, 0.1  # beside a panel, for its labels
 _LIMIT = 0.24  # right of wheel speeds, for the values of the limit
 _HEADING, _ROW_HEADING, _TITLE, _LABELS = 0.28, 0.17, 0.17, 0.36
 _LEGEND_ROW, _LEGEND_ROWS = 0.16, 2
+_HANDLE, _LETTER = 0.45, 0.05  # of an entry of the legend: line with gaps, and mean letter
 _BAR_WIDTH, _BAR_HEIGHT, _BAR_ROOM = 1.75, 0.09, 0.42
 _EDGE, _FOOT = 0.15, 0.06  # left of headings; around what stands below all panels
 _LARGEST = 1.95  # height of a panel
+_LEAST = 1.0  # width of a panel
+_NARROW = 5.0  # page below which bar and legend stand below each other
+_HEADING_LINE = 0.115  # of the heading of a row that is broken
+_BOLD_CHARACTER = 0.6  # mean width of a bold letter, in sizes of the text
 _PATHS = frozenset({PanelKind.PATH_CHANGE, PanelKind.PATHS})
 
 
@@ -52,25 +58,38 @@ class _Row:
     above: float
 
 
-def sheet_figure(heading: str, rows: Sequence[PanelRow]) -> Figure:
+def sheet_figure(heading: str, rows: Sequence[PanelRow], look: Look = USUAL) -> Figure:
     """A page of panels.
 
     Args:
         heading: What stands above everything.
         rows: At least one, all of one number of panels.
+        look: What the user asks for; on a narrow sheet rows are broken, and it may be longer than
+            a page.
     """
-    with style.applied(in_print=True):
+    with style.applied(look, in_print=True):
         kinds = {panel.kind for row in rows for panel in row.panels}
         gutter = _LIMIT if PanelKind.WHEEL_SPEEDS in kinds else 0.0
+        page = layout.room_on(look, PAGE_WIDTH, style.PRINT_SIZE)
         columns = len(rows[0].panels)
-        width = (PAGE_WIDTH - gutter) / columns - _LEFT - _RIGHT
-        height = min(width, _LARGEST, _highest(len(rows)))
-        figure = layout.new_sheet(PAGE_WIDTH, PAGE_HEIGHT, heading)
+        broken = min(columns, max(1, int((page - gutter) / (_LEAST + _LEFT + _RIGHT))))
+        width = (page - gutter) / broken - _LEFT - _RIGHT
+        height = min(width, _LARGEST, _highest(len(rows)) if broken == columns else width)
+        rows = [part for row in rows for part in _in_parts(row, broken)]
+        figure = layout.new_sheet(page, PAGE_HEIGHT, heading, look, style.PRINT_SIZE)
         scale = iteration_scale([panel.run for row in rows for panel in row.panels])
         drawn = [_draw_row(figure, row, (width, height), gutter, scale) for row in rows]
         legend = _legend_entries([axes for row in drawn for axes in row.panels])
         _arrange(figure, drawn, height, scale, legend)
         return figure
+
+
+def _in_parts(row: PanelRow, columns: int) -> list[PanelRow]:
+    """A row as rows of so many panels at most."""
+    return [
+        PanelRow("" if first else row.heading, row.panels[first : first + columns])
+        for first in range(0, len(row.panels), columns)
+    ]
 
 
 def _highest(rows: int) -> float:
@@ -99,16 +118,20 @@ def _draw_row(
         left += width + _RIGHT + _LEFT
         left += gutter if panel.kind is PanelKind.WHEEL_SPEEDS else 0
     above = _TITLE + NOTE_LINE * most
-    if row.heading:
+    page = float(figure.get_size_inches()[0])
+    longest = int(72 * (page - 2 * _EDGE) / (_BOLD_CHARACTER * style.PRINT_SIZE))
+    heading = textwrap.wrap(row.heading, longest)
+    if heading:
         shift = ScaledTranslation(_EDGE - _LEFT, above + 0.02, figure.dpi_scale_trans)
         panels[0].text(
-            *(0, 1, row.heading),
+            *(0, 1, "\n".join(heading)),
             transform=panels[0].transAxes + shift,
             fontweight="bold",
             fontsize=style.PRINT_SIZE,
             va="bottom",
         )
-    return _Row(panels, above + (_ROW_HEADING if row.heading else 0))
+        above += _ROW_HEADING + (len(heading) - 1) * _HEADING_LINE
+    return _Row(panels, above)
 
 
 def _legend_entries(panels: Sequence[Axes]) -> dict[str, Artist]:
@@ -120,6 +143,15 @@ def _legend_entries(panels: Sequence[Axes]) -> dict[str, Artist]:
     return entries
 
 
+def _rows_of(labels: Sequence[str], width: float) -> int:
+    """How many rows a legend needs on so many inches, filled column by column."""
+    for rows in range(_LEGEND_ROWS, len(labels)):
+        columns = [labels[first : first + rows] for first in range(0, len(labels), rows)]
+        if sum(_HANDLE + _LETTER * max(map(len, column)) for column in columns) <= width:
+            return rows
+    return max(_LEGEND_ROWS, len(labels))
+
+
 def _arrange(
     figure: Figure,
     rows: Sequence[_Row],
@@ -128,11 +160,17 @@ def _arrange(
     legend: dict[str, Artist],
 ) -> None:
     """Puts the rows below each other, bar and legend below them, and cuts the page to that."""
-    foot = max(_BAR_ROOM if scale is not None else 0.0, _LEGEND_ROW * _LEGEND_ROWS) + _FOOT
-    total = _HEADING + sum(row.above + height + _LABELS for row in rows) + foot
+    page = float(figure.get_size_inches()[0])
+    is_narrow = page < _NARROW
+    beside = 0.0 if is_narrow or scale is None else _BAR_WIDTH + 0.4
+    legend_rows = _rows_of(list(legend), page - _LEFT - beside)
+    rooms = (_BAR_ROOM if scale is not None else 0.0, _LEGEND_ROW * legend_rows)
+    foot = (sum(rooms) if is_narrow else max(rooms)) + _FOOT
+    heading = _HEADING if figure.texts else 0.0
+    total = heading + sum(row.above + height + _LABELS for row in rows) + foot
     boxes = [[axes.get_position(original=True) for axes in row.panels] for row in rows]
-    figure.set_size_inches(PAGE_WIDTH, total)
-    top = _HEADING
+    figure.set_size_inches(page, total)
+    top = heading
     for row, places in zip(rows, boxes, strict=True):
         top += row.above
         for axes, box in zip(row.panels, places, strict=True):
@@ -144,7 +182,10 @@ def _arrange(
         bar = layout.add_panel(figure, left, top + _FOOT, _BAR_WIDTH, _BAR_HEIGHT)
         draw_color_bar(bar, scale, lying=True)
         bar.tick_params(labelsize=style.PRINT_SIZE, length=2.0, pad=1.5)
-        left += _BAR_WIDTH + 0.4
+        if is_narrow:
+            top += _BAR_ROOM
+        else:
+            left += beside
     if legend:
         corner = ScaledTranslation(left, -top - 0.03, figure.dpi_scale_trans)
         figure.legend(
@@ -156,7 +197,7 @@ def _arrange(
             borderaxespad=0,
             borderpad=0,
             columnspacing=1.5,
-            ncols=-(-len(legend) // _LEGEND_ROWS),
+            ncols=-(-len(legend) // legend_rows),
         )
 
 

@@ -18,7 +18,8 @@ from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.laws.law import Plan
 from hilc_cli.results.folder import DRAWN_WITH, INITIAL_INPUT, SCENARIO, origin
-from hilc_cli.results.learning import LearningTable, write_learning
+from hilc_cli.results.learning import LEARNING, LearningTable, write_learning
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import Summary, summarise
@@ -34,7 +35,6 @@ from hilc_cli.runs.run_folder import (
     GRAVITY_CENTER,
     INPUT,
     ITERATIONS,
-    LEARNING,
     PLAN,
     RUN_FOLDER,
     SAMPLES,
@@ -97,6 +97,7 @@ class Run(RunData):
         force: bool = False,
         formats: Sequence[str] = ("png",),
         plots: bool = True,
+        look: Look = USUAL,
         command: Sequence[str] = (),
     ) -> dict[str, float]:
         """Writes the run folder: tables, resolved scenario, manifest and pictures.
@@ -106,6 +107,7 @@ class Run(RunData):
             force: Replace the folder of another scenario's run.
             formats: Of the pictures: png, svg, pdf.
             plots: Whether to draw pictures.
+            look: How they are to look, from `picture_look`.
             command: Command line to note in the manifest.
 
         Returns:
@@ -139,7 +141,7 @@ class Run(RunData):
                 from hilc_cli.runs.pictures.catalogue import save_figures  # starts slowly
 
                 start = time.perf_counter()
-                save_figures([self], into, formats=formats)
+                save_figures([self], into, formats=formats, look=look)
                 timings["pictures"] = time.perf_counter() - start
 
         def manifest() -> Mapping[str, Any]:
@@ -266,6 +268,7 @@ def plot(
     formats: Sequence[str] = ("png",),
     dpi: int = 150,
     iterations: Collection[int] | None = None,
+    look: Look = USUAL,
     may_replace: Callable[[Path], bool] = lambda file: False,
 ) -> list[Path]:
     """Draws pictures of one run, or of several laid over each other.
@@ -278,6 +281,7 @@ def plot(
         formats: png, svg, pdf.
         dpi: Resolution of png.
         iterations: Recorded iterations to draw; all by default.
+        look: How pictures are to look, from `picture_look`.
         may_replace: Whether a picture of the same name that stands there may be replaced.
 
     Returns:
@@ -296,9 +300,7 @@ def plot(
     drawn_runs = as_runs(runs)
 
     def draw(into: Path) -> list[Path]:
-        return save_figures(
-            drawn_runs, into, kinds=kinds, formats=formats, dpi=dpi, iterations=iterations
-        )
+        return save_figures(drawn_runs, into, kinds, formats, dpi, iterations, look)
 
     return merge_folder(Path(folder), draw, may_replace)
 

@@ -14,6 +14,7 @@ from hilc_cli.errors import MissingPackageError, UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import (
     CASE_COLUMNS,
     CASE_METRICS,
@@ -123,6 +124,7 @@ def plot_sweep(
     kinds: Sequence[str] = (),
     formats: Sequence[str] = ("png",),
     dpi: int = 150,
+    look: Look = USUAL,
     may_replace: Callable[[Path], bool] = lambda file: False,
 ) -> list[Path]:
     """Draws pictures of a sweep.
@@ -133,6 +135,7 @@ def plot_sweep(
         kinds: curve, map, effects, best, bands; by default those that fit.
         formats: png, svg, pdf.
         dpi: Resolution of png.
+        look: How pictures are to look, from `picture_look`.
         may_replace: Whether a picture of the same name that stands there may be replaced.
 
     Returns:
@@ -148,7 +151,9 @@ def plot_sweep(
 
     return merge_folder(
         Path(folder),
-        lambda into: save_sweep_figures(data, into, kinds=kinds, formats=formats, dpi=dpi),
+        lambda into: save_sweep_figures(
+            data, into, kinds=kinds, formats=formats, dpi=dpi, look=look
+        ),
         may_replace,
     )
 

@@ -14,6 +14,7 @@ from hilc_cli.errors import HilcError
 from hilc_cli.files import writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import COMPILED_WITH, INITIAL_INPUT, SCENARIO, origin
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.tables import write_input
 from hilc_cli.scenario.loading import ScenarioSource
 from hilc_cli.sweeps.chunks import Chunk, Failure, MemoryStore, Store
@@ -66,6 +67,7 @@ class Sweep(SweepData):
         force: bool = False,
         formats: Sequence[str] = ("png",),
         plots: bool = True,
+        look: Look = USUAL,
         command: Sequence[str] = (),
         go_on: Callable[[], None] = lambda: None,
     ) -> None:
@@ -76,6 +78,7 @@ class Sweep(SweepData):
             force: Replace the folder of another sweep.
             formats: Of the pictures: png, svg, pdf; parquet for the table of the cases.
             plots: Whether to draw pictures.
+            look: How they are to look, from `picture_look`.
             command: Command line to note in the manifest.
             go_on: Called now and then; may raise to stop.
 
@@ -101,7 +104,7 @@ class Sweep(SweepData):
                 from hilc_cli.sweeps.pictures.catalogue import save_sweep_figures
 
                 pictures = [name for name in formats if name != "parquet"]
-                save_sweep_figures(self, into, formats=pictures or ["png"])
+                save_sweep_figures(self, into, formats=pictures or ["png"], look=look)
             go_on()
 
         def manifest() -> Mapping[str, Any]:

@@ -41,7 +41,8 @@ class LinearLaw(ABC):
         feedback: Gains l2 of the running iteration's error, and l3 of that a sample before.
         rest_from: The first sample at which an initial error should be gone where learning rests.
         compensated_until: The length of a compensation in samples; None without one.
-        paper: The law of Qiao et al. 2021 that it is the same as; None if it is the same as none.
+        paper: The law of Qiao et al. 2021 that it is the same as, but for a derivative; None if it
+            is the same as none.
         less_noise: What makes it learn less of the noise.
         for_the_start: What gets it onto the trajectory from a start that is far off; empty for
             nothing.
@@ -147,7 +148,9 @@ def linear_law(experiment: Experiment) -> LinearLaw:
 
 
 def paper_law(experiment: Experiment) -> HybridLaw:
-    """Returns the experiment's law as Eq. 17 or 21; law pid with kp alone is Eq. 17 with l1 = kp.
+    """Returns the experiment's law as Eq. 17 or 21, with its derivative, which the paper has not.
+
+    Law pid with kp alone is Eq. 17 with l1 = kp.
 
     Raises:
         UsageError: The paper does not speak of it, or not of its plant.

@@ -802,7 +802,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "controller.gains.l1=0,1", "--merge"],
         2,
-        "hilc: --merge takes the folders of all shards and no scenario, so that only --out, --force, --format, --no-plots, --json and -q go with it",
+        "hilc: --merge takes the folders of all shards and no scenario, so that only --out, --force, --json, -q and what is about pictures go with it",
     ),
     (
         ["--vary", "controller.gains.l1=0,1", "--format", "jpg"],
@@ -1078,7 +1078,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--minimise", "max_position_error_m", "--merge"],
         2,
-        "hilc: --merge takes the folders of all shards and no scenario, so that only --out, --force, --format, --no-plots, --json and -q go with it",
+        "hilc: --merge takes the folders of all shards and no scenario, so that only --out, --force, --json, -q and what is about pictures go with it",
     ),
     (
         [

@@ -57,3 +57,21 @@ def test_plot_writes_its_numbers(hilc: Hilc, write: Write, folder: Path) -> None
     assert rows[1].partition(",")[0] == "2"
     assert not rows[1].endswith(",")
     assert rows[2].endswith(",")
+
+
+def test_theorems_of_a_law_with_a_derivative(hilc: Hilc) -> None:
+    # L1 B = l1 I: 1 - l1 tau in the limit, and 1 - l1 (tau + d) with samples of 10 ms.
+    derived = ("check", "example:fig4-compensated", "--set", "controller.gains.derivative=0.1")
+    shown = hilc(*derived, "--theory", "-v", *COARSE).out
+    title = "  Eqs. 19 and 23 with tau, ||I - tau L1 B||   "
+    assert f"{title}rho = 0.95, below 1, holds for small d_k\n" in shown
+    assert "\n  Theorem 2 with tau and d_k                  rho = 0.945, below 1\n" in shown
+    assert "\n  Speaks of this law                          Theorem 2\n" in shown
+    assert "as printed" not in shown
+    assert "\nWith tau: L1 acts on e_i(k+1) + tau (e_i(k+1) - e_i(k)) / d_k: rho is " in shown
+    found = json.loads(hilc(*derived, "--json", *COARSE, "--set", "controller.gains.l1=21").out)[
+        "theory"
+    ]
+    assert found["rho_without_sample_time"] == pytest.approx(1.1)
+    assert (found["condition_holds"], found["rho_theorem_2_printed"]) == (False, None)
+    assert list(found["bounds"]) == ["corrected", "corrected, within the speed limit"]

@@ -60,6 +60,8 @@ def complete(hilc: Hilc, monkeypatch: pytest.MonkeyPatch) -> Complete:
         ("hilc|compare|runs/a+h|=|", ["runs/a+h=1", "runs/a+h=2", "runs/b"]),
         ("hilc|compare|runs/a+h|=", ["1", "2"]),
         ("hilc|compare|--table|m", ["markdown"]),
+        ("hilc|compare|--rows|gains,rms", ["gains,rms_position_error_m"]),
+        ("hilc|plot|--font|cmr", ["cmr10"]),
     ],
 )
 def test_what_there_is_to_go_on_with(

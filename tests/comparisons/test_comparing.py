@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from hilc_cli.comparisons.comparing import compare_runs
+from hilc_cli.comparisons.comparing import ROWS, compare_runs
 from hilc_cli.comparisons.formats import WRITERS, csv_text, latex_text, markdown_text
 from hilc_cli.comparisons.table import (
     Column,
@@ -135,8 +135,8 @@ GOLDEN_LATEX = rf"""% Needs \usepackage{{booktabs}} in the preamble.
     & one\_1 & two-{{}}-2 \\
     \midrule
     Learning law & hybrid & \\
-    Gains & l1=0.5 l2=0 l3=0 & \\
-    Start offset & x=-1 m & \\
+    Gains & $l_1 = 0.5$, $l_2 = 0$, $l_3 = 0$ & \\
+    Start offset & $x = -1$\,m & \\
     Trajectory & line & line \\
     Path size [m] & 8.000 & 8.000 \\
     Iterations & 3 & 1 \\
@@ -146,8 +146,8 @@ GOLDEN_LATEX = rf"""% Needs \usepackage{{booktabs}} in the preamble.
     RMS position error [m] & \textbf{{0.005000}} & 0.2500 \\
     Position error at the end [m] & 0.3333 & \textbf{{0}} \\
     Maximum heading error [rad] & $\mathbf{{1.500 \times 10^{{-7}}}}$ & 12346 \\
-    Fastest wheel [rad/s] & 180.0 & 1234 \\
-    Speed limit [rad/s] & 180.0 & none \\
+    Fastest wheel [rad\,s$^{{-1}}$] & 180.0 & 1234 \\
+    Speed limit [rad\,s$^{{-1}}$] & 180.0 & none \\
     Within 1 \% of path size from iteration & \textbf{{2}} & never \\
     Within 0.1 \% of path size from iteration & \textbf{{3}} & never \\
     Largest maximum error on the way [m] & 3.000 & 2.000 \\
@@ -166,6 +166,63 @@ GOLDEN_LATEX = rf"""% Needs \usepackage{{booktabs}} in the preamble.
 )
 def test_golden_tables(kind: str, golden: str) -> None:
     assert WRITERS[kind](compare_runs([ONE, TWO])) == golden
+
+
+@pytest.mark.parametrize(
+    ("setting", "expected"),
+    [
+        ("kp=0.1 ki=0 kd=-1.5", "$k_p = 0.1$, $k_i = 0$, $k_d = -1.5$"),
+        ("k_x=8 k_theta=1e-09", r"$k_x = 8$, $k_{\theta} = 1 \times 10^{-9}$"),
+        ("on h=200", "on, $h = 200$"),
+        ("lateral=0.3 l12=1", "lateral = $0.3$, $l_{12} = 1$"),
+        ("weights.x_y=2 gain_matrix=unit", r"weights.x\_y = $2$, gain\_matrix = unit"),
+        ("x=-1 m heading=0.5 rad", r"$x = -1$\,m, heading = $0.5$\,rad"),
+        ("y=2 rad/s z=1", r"$y = 2$\,rad\,s$^{-1}$, $z = 1$"),
+        ("l1=} l2=$", r"l1 = \}, l2 = \$"),
+        (r"\input{x}=1 =", r"\textbackslash{}input\{x\} = $1$, ="),
+        ("", ""),
+    ],
+)  # fmt: skip
+def test_gains_are_set_as_formulas_and_nothing_else_is(setting: str, expected: str) -> None:
+    run = replace(ONE, settings={"gains": setting})
+    text = latex_text(compare_runs([run, TWO], ["gains"]))
+    check_latex(text)
+    assert f"    Gains & {expected} & " in text
+
+
+@given(st.text(st.characters(codec="utf-8"), max_size=20))
+def test_any_setting_leaves_the_table_whole(setting: str) -> None:
+    run = replace(ONE, settings={"gains": setting})
+    check_latex(latex_text(compare_runs([run, TWO])))
+
+
+def test_a_name_that_looks_like_a_unit_is_none() -> None:
+    text = latex_text(compare_runs([a_run("w [rad/s]", (1.0,)), TWO]))
+    assert r"& w [rad/s] & two-{}-2 \\" in text
+
+
+def test_rows_are_those_that_are_asked_for_in_their_order() -> None:
+    rows = ["rms_position_error_m", "gains", "max_abs_error_x_m", "rms_position_error_m"]
+    table = compare_runs([ONE, TWO], rows)
+    assert csv_text(table).splitlines() == [
+        "run,rms_position_error_m,gains,max_abs_error_x_m",
+        "one_1,0.005,l1=0.5 l2=0 l3=0,0.0",
+        "two--2,0.25,,0.0",
+    ]
+    titles = [line.split(" | ")[0] for line in markdown_text(table).splitlines()[2:5]]
+    assert titles == ["| RMS position error [m]", "| Gains", "| Maximum error in x [m]"]
+    assert [line.split(" & ")[0].strip() for line in latex_text(table).splitlines()[11:14]] == [
+        title.removeprefix("| ") for title in titles
+    ]
+    none = compare_runs([TWO, TWO], ["compensation"])
+    assert "| Compensation |  |  |" in markdown_text(none), "told though there is nothing to tell"
+    assert set(METRICS) < set(ROWS)
+    with pytest.raises(
+        UsageError, match=r"no row 'rms_position_eror_m' .* did you mean 'rms_position_error_m'"
+    ):
+        compare_runs([ONE, TWO], ["gains", "rms_position_eror_m"])
+    with pytest.raises(UsageError, match="no row 'run' in a table of runs; known: law, gains, "):
+        compare_runs([ONE, TWO], ["run"])
 
 
 def leaderboard(marks: str = "law") -> ComparisonTable:
@@ -242,6 +299,7 @@ def test_many_rows_stand_below_each_other_in_latex() -> None:
 ESCAPES = (
     *("\\textbackslash", "\\textasciicircum", "\\textasciitilde", "\\textasciigrave"),
     *("\\textless", "\\textgreater", "\\textbar", "\\times", "\\mathbf", "\\textbf"),
+    "\\theta",
 )
 FRAME = (
     *("\\begin", "\\end", "\\centering", "\\caption", "\\label", "\\footnotesize", "\\setlength"),
@@ -262,8 +320,8 @@ def check_latex(text: str) -> None:
         if re.fullmatch(r"\\[A-Za-z]+", token):
             assert token in ESCAPES + FRAME
         elif token.startswith("\\"):
-            assert token[1] in "{}$&#_%\\", token
-        assert token not in ("%", "#", "_", "~"), "is escaped"
+            assert token[1] in "{}$&#_%\\,", token
+        assert token not in ("%", "#", "~"), "is escaped"
     assert depth == 0
     assert body.count("\\begin{table}") == body.count("\\end{table}") == 1
     tabulars = re.findall(
@@ -281,7 +339,7 @@ def check_latex(text: str) -> None:
             assert not row.startswith(("[", "*")), "would be an argument of the break before"
             # Math mode is left where it was entered: a ^ belongs nowhere else.
             outside = "".join(re.split(r"(?<!\\)\$", row)[::2])
-            assert "^" not in outside
+            assert "^" not in outside and not re.search(r"(?<!\\)_", outside)
             assert len(re.findall(r"(?<!\\)\$", row)) % 2 == 0
             cells = len(re.findall(r"(?<!\\)&", row)) + 1
             assert cells == (1 if row.startswith("\\multicolumn") else len(kinds))
@@ -309,7 +367,9 @@ def test_any_name_leaves_the_tables_whole(chosen: list[str]) -> None:
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="needs LaTeX")
 def test_latex_sets_the_tables(tmp_path: Path) -> None:
+    settings = {"gains": "k_theta=1e-09 lateral=0.5 l1=2", "start_offset": "x=-1 m heading=0.1 rad"}
     odd = a_run("a\\b{c}$d&e#f_g%h~i^j<k>l|m`n\"o'p--q[r]", (1.0,))
+    odd = replace(odd, settings=settings)
     tables = [compare_runs([ONE, odd]), compare_runs([odd, TWO] * 3)]
     body = "\n".join(latex_text(table) for table in tables)
     document = f"\\documentclass{{article}}\\usepackage{{booktabs}}\n\\begin{{document}}\n{body}"

@@ -174,7 +174,7 @@ def along_run(experiment: Experiment, trials: Iterable[Trial]) -> tuple[Floats, 
         Qiao et al. 2021, Eqs. 23 and 30: L1 of iteration i + 1 with B of iteration i.
     """
     law, reference = paper_law(experiment), experiment.reference
-    gain, parts = law.l1 * reference.sample_time, GainParts.of(law.matrix)
+    gain, parts = law.l1 * (law.derivative + reference.sample_time), GainParts.of(law.matrix)
     rhos: list[float] = []
     mismatches: list[float] = []
     before: Trial | None = None

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from hilc_cli.reporting.terminal import Grid, Section
+from hilc_cli.theory.matrices import knows_plant
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
@@ -41,7 +42,8 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
     """
     title = "What do the paper's theorems say?"
     if check.conditions is None or check.theories is None:
-        return Section("theory", title, [("Theory", "none: this is another law")], brief=())
+        other = "law" if knows_plant(check.law.experiment) else "robot"
+        return Section("theory", title, [("Theory", f"none: this is another {other}")], brief=())
     measured = None if check.simulated is None else check.simulated.comparisons
     rows, grids = _rows(check.conditions), []
     if check.theories:
@@ -51,9 +53,11 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
         rows.append(("Bounds", "none: their constants leave the range of floating point"))
     gaps: list[str] = []
     if verbose:
-        from hilc_cli.theory.proof.constants import EXPLANATIONS
+        from hilc_cli.theory.proof.constants import EXPLANATIONS, OF_THE_DERIVATIVE
 
         gaps = [f"Corrected, {name}: {text}." for name, text in EXPLANATIONS.items()]
+        if check.conditions.derivative:
+            gaps.append(f"With tau: {OF_THE_DERIVATIVE}.")
     return Section(
         "theory",
         title,
@@ -67,11 +71,23 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
 
 def _rows(found: Conditions) -> list[tuple[str, str]]:
     start = "yes" if found.starts_on_reference else "no"
-    return [
+    printed = [
         ("Theorem 1 as printed, Eq. 19", _told(found.theorem_1_printed)),
         ("Theorem 1 with d_k B", _told(found.theorem_1_simulated)),
         ("Theorem 2 as printed, Eq. 23", _told(found.theorem_2_printed)),
         ("Theorem 2 with d_k B", _told(found.theorem_2_simulated)),
+    ]
+    derived = [
+        (
+            "Eqs. 19 and 23 with tau, ||I - tau L1 B||",
+            f"{_told(found.theorem_2_printed)}, "
+            f"{'holds' if found.theorem_2_printed < 1 else 'does not hold'} for small d_k",
+        ),
+        ("Theorem 1 with tau and d_k", _told(found.theorem_1_simulated)),
+        ("Theorem 2 with tau and d_k", _told(found.theorem_2_simulated)),
+    ]
+    return [
+        *(derived if found.derivative else printed),
         ("Starts on the reference, y_i(0) = y_d(0)", start),
         ("Speaks of this law", f"Theorem {found.theorem}"),
     ]
@@ -99,11 +115,12 @@ def _constants(theories: Mapping[str, Bounds]) -> Grid:
         ["A", *(_contraction(theory.A) for theory in theories.values())],
         ["B", *(_number(theory.B) for theory in theories.values())],
     ]
-    note = (
-        "Constants of Eqs. 12 to 37. printed: as it stands; with d_k: d_k B for B; corrected: all "
-        "gaps of the proof closed, -v lists them"
-    )
     columns = _columns(theories)
+    printed = "printed: as it stands; with d_k: d_k B for B; " if _has_printed(theories) else ""
+    note = (
+        f"Constants of Eqs. 12 to 37. {printed}corrected: all gaps of the proof closed, -v lists "
+        "them"
+    )
     if ("in limit", "") in columns:
         note += "; in limit: likewise, with |u| <= b_w."
     else:
@@ -151,9 +168,10 @@ def _bounds(
             ]
     note = (
         "log10 of bounds in the lambda-norm, of all samples but where one is named; limit: after "
-        "infinitely many iterations; none: no finite bound; zero: bounded by 0. printed and with "
-        "d_k do not hold for the system that is simulated."
+        "infinitely many iterations; none: no finite bound; zero: bounded by 0."
     )
+    if _has_printed(theories):
+        note += " printed and with d_k do not hold for the system that is simulated."
     if measured:
         note += (
             f" simulated: of the errors of the last {last} iterations, in the same norm. room: "
@@ -177,6 +195,10 @@ def _gap(room: float) -> str:
     if math.isinf(room):
         return "any" if room > 0 else "none"
     return _log(room)
+
+
+def _has_printed(theories: Mapping[str, object]) -> bool:
+    return next(iter(_SHORT)) in theories
 
 
 def _columns(theories: Mapping[str, object]) -> list[tuple[str, str]]:
@@ -205,11 +227,14 @@ def _document(
     theories: Mapping[str, Bounds],
     measured: Mapping[str, Comparison] | None,
 ) -> dict[str, object]:
+    tau, rho = found.derivative, found.theorem_2_printed
+    of_tau = {"derivative_s": tau, "rho_without_sample_time": rho, "condition_holds": rho < 1}
     document: dict[str, object] = {
         "theorem": found.theorem,
-        "rho_theorem_1_printed": found.theorem_1_printed,
+        **(of_tau if tau else {}),
+        "rho_theorem_1_printed": None if tau else found.theorem_1_printed,
         "rho_theorem_1_simulated": found.theorem_1_simulated,
-        "rho_theorem_2_printed": found.theorem_2_printed,
+        "rho_theorem_2_printed": None if tau else found.theorem_2_printed,
         "rho_theorem_2_simulated": found.theorem_2_simulated,
         "starts_on_reference": found.starts_on_reference,
         "bounds": {name: _bounds_document(theory) for name, theory in theories.items()},

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.results.run import RunData
 from hilc_cli.wording import suggestion
@@ -21,11 +22,12 @@ class RunPicture:
     """How a kind of picture of runs is drawn.
 
     Attributes:
-        draw: Draws one or several runs; of the paths, those of some iterations or of all.
+        draw: Draws one or several runs; of the paths, those of some iterations or of all; with the
+            look that the user asks for.
         is_of: Whether there is such a picture of runs; of any by default.
     """
 
-    draw: Callable[[Sequence[RunData], Collection[int] | None], Figure]
+    draw: Callable[[Sequence[RunData], Collection[int] | None, Look], Figure]
     is_of: Callable[[Sequence[RunData]], bool] = lambda runs: True
 
 
@@ -34,13 +36,19 @@ def kinds_of(runs: Sequence[RunData]) -> list[str]:
     return [name for name, kind in RUN_PICTURES.items() if kind.load().is_of(runs)]
 
 
-def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None = None) -> Figure:
+def draw(
+    kind: str,
+    runs: Sequence[RunData],
+    iterations: Collection[int] | None = None,
+    look: Look = USUAL,
+) -> Figure:
     """Draws one kind of picture.
 
     Args:
         kind: One of ``RUN_PICTURES``.
         runs: The run, or several to lay over each other.
         iterations: The iterations whose paths are shown; None for all that are recorded.
+        look: What the user asks for.
 
     Raises:
         UsageError: There is no such kind, no run, or no such iteration in any of the runs; or
@@ -48,7 +56,7 @@ def draw(kind: str, runs: Sequence[RunData], iterations: Collection[int] | None 
     """
     _check(runs, [kind], iterations)
     picture: RunPicture = RUN_PICTURES[kind].load()
-    return picture.draw(runs, iterations)
+    return picture.draw(runs, iterations, look)
 
 
 def save_figures(
@@ -58,6 +66,7 @@ def save_figures(
     formats: Sequence[str] = ("png",),
     dpi: int = 150,
     iterations: Collection[int] | None = None,
+    look: Look = USUAL,
 ) -> list[Path]:
     """Draws pictures and writes each to ``KIND.FORMAT``.
 
@@ -68,6 +77,7 @@ def save_figures(
         formats: Some of ``FORMATS``.
         dpi: Dots per inch of PNG files.
         iterations: The iterations whose paths are shown; None for all that are recorded.
+        look: What the user asks for.
 
     Returns:
         The files, in the order of kinds and formats.
@@ -78,7 +88,7 @@ def save_figures(
         OSError: A file cannot be written.
     """
     _check(runs, kinds, iterations)
-    drawn = {kind: partial(draw, kind, runs, iterations) for kind in kinds or kinds_of(runs)}
+    drawn = {kind: partial(draw, kind, runs, iterations, look) for kind in kinds or kinds_of(runs)}
     return save_pictures(drawn, folder, formats, dpi)
 
 

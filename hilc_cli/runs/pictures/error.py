@@ -11,6 +11,7 @@ from matplotlib.patches import Rectangle
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MAX_ERROR_SECOND_HALF
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
@@ -215,10 +216,10 @@ def _gap_notes(runs: Sequence[RunData]) -> list[str]:
     return [f"{gaps} errors above {labels.number_text(_LARGEST)} m are not drawn"] if gaps else []
 
 
-def error_figure(runs: Sequence[RunData]) -> Figure:
+def error_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """The position error of one or several runs against the iteration."""
-    heading = layout.heading_of(labels.run_labels(runs), _WIDTH)
-    return layout.panel_figure(heading, lambda axes: draw_error(axes, runs), _WIDTH)
+    heading = layout.heading_of(labels.run_labels(runs), layout.panel_width(look, _WIDTH))
+    return layout.panel_figure(heading, lambda axes: draw_error(axes, runs), _WIDTH, look=look)
 
 
-PICTURE = RunPicture(lambda runs, iterations: error_figure(runs))
+PICTURE = RunPicture(lambda runs, iterations, look: error_figure(runs, look))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.drawing import labels, layout, style, view
+from hilc_cli.drawing.grid import grid_on
+from hilc_cli.drawing.sheet import most_ticks
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.pictures.catalogue import RunPicture
@@ -23,7 +27,9 @@ LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"))
 ANGLES = ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "µrad"))
 """Units by size: errors are told in the first of which there is at least one."""
 
-_WIDTH, _HEIGHT, _GAP = 5.2, 1.35, 0.14  # of a panel of errors, and between two [inch]
+_WIDTH, _HEIGHT = 5.2, 1.35  # of a panel of errors [inch]
+_LEAST_WIDTH, _LEAST_HEIGHT = 1.7, 0.95  # likewise on a narrow sheet [inch]
+_MOST_OF_PATH = 0.55  # of the room of errors and path that stand side by side there
 _MOST_COLUMNS = 4
 _BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.12, 0.14, 0.85  # [inch]
 _PATH_LINE = 3.0  # [pt]
@@ -135,7 +141,7 @@ def _show(axes: Axes, low: float, high: float, last: float) -> None:
     axes.set_xlim(0, last or 1.0)
     axes.set_ylim(low - margin, high + margin)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=most_ticks(axes, 8), steps=[1, 2, 5, 10]))
     labels.plain_ticks(axes)
     axes.grid(visible=True)
 
@@ -197,40 +203,99 @@ def draw_colored_path(
 _COLORS = style.iteration_colors().with_extremes(over=style.BEYOND_COLOR)
 
 
-def error_along_path_figure(runs: Sequence[RunData]) -> Figure:
+def error_along_path_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """The errors of one or several runs over the path, and their paths coloured by the error.
 
-    Of one run the path stands beside the errors, of several the paths stand below them.
+    Of one run the path stands beside the errors if there is room; of several the paths stand below
+    them.
     """
-    with style.applied():
-        names, several = labels.run_labels(runs), len(runs) > 1
-        tall = 3 * _HEIGHT + 2 * _GAP
+    with style.applied(look):
+        names = labels.run_labels(runs)
+        places = _side_by_side(look) if len(runs) == 1 else None
+        places = _below_each_other(look, len(runs)) if places is None else places
+        heading = layout.heading_of(names, places.end, "Error along the path")
+        figure = layout.new_sheet(places.end + _BAR_ROOM, places.bottom, heading, look)
         top = layout.HEADING + layout.TOP
-        columns = _columns(len(runs))
-        side = tall if not several else 3.6 if columns < _MOST_COLUMNS else 2.75
-        grid = layout.Grid(columns, side, top + tall + layout.BOTTOM + _GAP)
-        if several:
-            width, height = grid.size(len(runs))
-            places, wide = [grid.corner(i) for i in range(len(runs))], width - layout.LEFT
-        else:
-            places, wide = [(2 * layout.LEFT + _WIDTH, top)], _WIDTH
-            width, height = places[0][0] + side, top + tall + layout.BOTTOM
-        heading = layout.heading_of(names, width, "Error along the path")
-        figure = layout.new_sheet(width + _BAR_ROOM, height, heading)
-        tops = [top + place * (_HEIGHT + _GAP) for place in range(3)]
-        panels = [layout.add_panel(figure, layout.LEFT, each, wide, _HEIGHT) for each in tops]
+        panels = layout.stack(figure, layout.LEFT, top, places.width, [places.height] * 3)
         draw_errors(panels, runs)
-        paths = [layout.add_panel(figure, *place, side, side) for place in places]
-        _draw_paths(paths, runs, paths[columns - 1])
+        paths = [layout.add_panel(figure, *corner, *places.path) for corner in places.corners]
+        _draw_paths(paths, runs, paths[places.columns - 1])
+        last_row = paths[(len(paths) - 1) // places.columns * places.columns]
+        beside = places.corners[0][1] == top
         legend = layout.legend_below(
             [*paths, *panels],
-            width - layout.LEFT,
+            places.end - layout.LEFT,
             first=names,
-            below=paths[(len(paths) - 1) // columns * columns] if several else panels[-1],
+            below=panels[-1] if beside else last_row,
         )
-        spare = labels.spare_room(panels[:1] if several else [panels[0], *paths])
-        layout.resize_sheet(figure, bottom=legend, top=-spare)
+        layout.close_sheet(figure, legend=legend, top=[panels[0], *paths] if beside else panels[:1])
         return figure
+
+
+class _Places(NamedTuple):
+    """Where errors and paths stand [inch].
+
+    Attributes:
+        width: Of the panels of errors.
+        height: Of each of them.
+        path: Width and height of each panel of a path.
+        corners: Distances of these from the left and the upper edge of the sheet.
+        columns: How many of them stand in a row.
+        end: How far to the right they reach.
+        bottom: How far down all panels with their labels reach.
+    """
+
+    width: float
+    height: float
+    path: tuple[float, float]
+    corners: list[tuple[float, float]]
+    columns: int
+    end: float
+    bottom: float
+
+
+def _side_by_side(look: Look) -> _Places | None:
+    """Errors at the left and a path at the right; None where the sheet has no room for that."""
+    tall, top = _tall(_HEIGHT), layout.HEADING + layout.TOP
+    beside = 2 * layout.LEFT + _BAR_ROOM
+    room = layout.room_on(look, beside + _WIDTH + tall) - beside
+    width, height, side = _WIDTH, _HEIGHT, tall
+    if look.width is not None:
+        height = _height(room / (_WIDTH + tall))
+        tall = _tall(height)
+        side = min(tall, _MOST_OF_PATH * room)
+        width = room - side
+        if width < _LEAST_WIDTH:
+            return None
+    left = 2 * layout.LEFT + width
+    bottom = top + tall + layout.BOTTOM
+    return _Places(width, height, (side, tall), [(left, top)], 1, left + side, bottom)
+
+
+def _below_each_other(look: Look, runs: int) -> _Places:
+    """Errors above, and a grid of paths below."""
+    columns = _columns(runs)
+    side = _WIDTH if runs == 1 else 3.6 if columns < _MOST_COLUMNS else 2.75
+    grid, sheet = grid_on(look, columns, side, 0.0, _BAR_ROOM)
+    width = grid.width - layout.LEFT
+    height = _HEIGHT if look.width is None else _height(width / _WIDTH)
+    top = layout.HEADING + layout.TOP + _tall(height) + layout.BOTTOM + layout.STACK_GAP
+    grid = replace(grid, top=top)
+    corners = [grid.corner(place) for place in range(runs)]
+    end = sheet - _BAR_ROOM
+    return _Places(
+        width, height, (grid.side, grid.side), corners, grid.columns, end, grid.end(runs)
+    )
+
+
+def _height(share: float) -> float:
+    """Height of a panel of errors that has a share of its usual width [inch]."""
+    return max(_LEAST_HEIGHT, _HEIGHT * min(1.0, share))
+
+
+def _tall(height: float) -> float:
+    """Height of all three panels of errors together [inch]."""
+    return 3 * height + 2 * layout.STACK_GAP
 
 
 def _columns(runs: int) -> int:
@@ -256,7 +321,8 @@ def _draw_paths(paths: Sequence[Axes], runs: Sequence[RunData], beside: Axes) ->
     for axes, run, name in zip(paths, runs, labels.run_labels(runs), strict=True):
         width, _ = layout.panel_size(axes)
         title = labels.wrapped(name, width) if several else "Path, coloured by the error"
-        labels.set_title(axes, title, draw_colored_path(axes, run, norm, size, common))
+        notes = draw_colored_path(axes, run, norm, size, common)
+        labels.set_title(axes, title, notes, tells_apart=several)
     figure = layout.root_figure(beside)
     sheet_width, _ = figure.get_size_inches()
     box = beside.get_position(original=True)
@@ -276,4 +342,4 @@ def _draw_paths(paths: Sequence[Axes], runs: Sequence[RunData], beside: Axes) ->
     bar.yaxis.labelpad = 3
 
 
-PICTURE = RunPicture(lambda runs, iterations: error_along_path_figure(runs))
+PICTURE = RunPicture(lambda runs, iterations, look: error_along_path_figure(runs, look))

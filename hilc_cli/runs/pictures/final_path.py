@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style, view
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
 
@@ -84,13 +85,15 @@ def draw_final_path(
     )
 
 
-def final_path_figure(runs: Sequence[RunData]) -> Figure:
+def final_path_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """The last recorded paths of one or several runs against the reference."""
     trials = [run.last for run in runs if run.trials]
     shape = view.shape_of(view.view_of([run.reference for run in runs], trials))
-    heading = layout.heading_of(labels.run_labels(runs), _WIDTH)
+    heading = layout.heading_of(labels.run_labels(runs), layout.panel_width(look, _WIDTH))
     height = max(2.4, _WIDTH * shape)
-    return layout.panel_figure(heading, lambda axes: draw_final_path(axes, runs), _WIDTH, height)
+    return layout.panel_figure(
+        heading, lambda axes: draw_final_path(axes, runs), _WIDTH, height, look=look
+    )
 
 
-PICTURE = RunPicture(lambda runs, iterations: final_path_figure(runs))
+PICTURE = RunPicture(lambda runs, iterations, look: final_path_figure(runs, look))

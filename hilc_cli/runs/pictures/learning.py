@@ -15,13 +15,8 @@ from numpy.typing import NDArray
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.learning import (
-    BELIEVED,
-    TRUE,
-    Quantity,
-    quantities,
-    says_more,
-)
+from hilc_cli.results.learning import BELIEVED, TRUE, Quantity, quantities, says_more
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
 from hilc_cli.runs.pictures.deviations import as_deviations, base_of, deviation_in_words
@@ -211,11 +206,12 @@ def quantities_to_draw(runs: Iterable[RunData]) -> dict[str, Quantity]:
     return found
 
 
-def learning_figure(runs: Sequence[RunData]) -> Figure:
+def learning_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """What was learned in one or several runs: a panel for each quantity.
 
     Args:
         runs: At least one; those whose laws tell nothing are left out.
+        look: What the user asks for.
 
     Raises:
         UsageError: There is nothing to draw.
@@ -231,19 +227,20 @@ def learning_figure(runs: Sequence[RunData]) -> Figure:
     left_out = len(runs) - len(telling)
     notes = [f"{left_out} of {len(runs)} runs tell nothing"] if left_out else []
     notes += labels.divergence_notes(telling)
-    with style.applied():
+    with style.applied(look):
         names, row = labels.run_labels(telling), layout.TOP + _HEIGHT + _TICKS
-        width = layout.LEFT + _WIDTH + layout.RIGHT
+        width = layout.room_on(look, layout.LEFT + _WIDTH + layout.RIGHT)
+        across = width - layout.LEFT - layout.RIGHT
         height = layout.HEADING + len(shown) * row - _TICKS + layout.BOTTOM
-        figure = layout.new_sheet(width, height, layout.heading_of(names, _WIDTH))
+        figure = layout.new_sheet(width, height, layout.heading_of(names, across), look)
         tops = [layout.HEADING + place * row + layout.TOP for place in range(len(shown))]
-        panels = [layout.add_panel(figure, layout.LEFT, top, _WIDTH, _HEIGHT) for top in tops]
+        panels = [layout.add_panel(figure, layout.LEFT, top, across, _HEIGHT) for top in tops]
         for axes, quantity in zip(panels, shown, strict=True):
             _draw_quantity(axes, quantity, telling, notes if axes is panels[0] else [])
             if axes is not panels[-1]:
                 axes.set_xlabel("")
-        legend = layout.legend_below(panels, _WIDTH, first=names)
-        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(panels[:1]))
+        legend = layout.legend_below(panels, across, first=names)
+        layout.close_sheet(figure, legend=legend, top=panels[:1])
         return figure
 
 
@@ -285,7 +282,7 @@ def _draw_quantity(
     axes.set_ylabel(textwrap.fill(label, int(_HEIGHT / _LETTER)), labelpad=2)
     labels.plain_ticks(axes)
     axes.grid(visible=True)
-    labels.set_title(axes, labels.wrapped(title, _WIDTH), notes)
+    labels.set_title(axes, labels.wrapped(title, layout.panel_size(axes)[0]), notes)
 
 
 def _draw_yardstick(axes: Axes, which: str, values: Sequence[float]) -> None:
@@ -348,5 +345,6 @@ def _draw_never(axes: Axes, iterations: NDArray[Any], color: str, label: str) ->
 
 
 PICTURE = RunPicture(
-    lambda runs, iterations: learning_figure(runs), lambda runs: bool(quantities_to_draw(runs))
+    lambda runs, iterations, look: learning_figure(runs, look),
+    lambda runs: bool(quantities_to_draw(runs)),
 )

@@ -11,7 +11,9 @@ from matplotlib.colors import FuncNorm, Normalize
 from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style, view
+from hilc_cli.drawing.grid import Grid, grid_on
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.pictures.catalogue import RunPicture
@@ -143,33 +145,34 @@ def _bar_ticks(first: int, last: int) -> list[int]:
 
 
 def path_change_figure(
-    runs: Sequence[RunData], iterations: Collection[int] | None = None
+    runs: Sequence[RunData], iterations: Collection[int] | None = None, look: Look = USUAL
 ) -> Figure:
     """The recorded paths of a run, or of several runs in a panel each.
 
     Args:
         runs: At least one.
         iterations: The iterations to show; None for all that are recorded.
+        look: What the user asks for.
     """
-    with style.applied():
+    with style.applied(look):
         if len(runs) == 1:
-            return _single_figure(runs[0], iterations)
+            return _single_figure(runs[0], iterations, look)
         count = len(runs)
-        grid = layout.Grid(_columns(count), panel_side(count), layout.HEADING)
-        width, height = grid.size(count)
-        heading = layout.heading_of(labels.run_labels(runs), width, "Path over the iterations")
-        figure = layout.new_sheet(width + BAR_ROOM, height, heading)
+        columns = _columns(count)
+        grid, sheet = grid_on(look, columns, panel_side(count), layout.HEADING, BAR_ROOM)
+        names = labels.run_labels(runs)
+        heading = layout.heading_of(names, grid.width, "Path over the iterations")
+        figure = layout.new_sheet(sheet, grid.end(count), heading, look)
         panels = draw_grid(figure, runs, iterations, grid)
         if count % grid.columns:  # the legend has a cell of its own
             left, top = grid.corner(count)
-            names = panels[0].get_legend_handles_labels()[1]
-            layout.shared_legend(panels[0], names, left, top, grid.side)
+            entries = panels[0].get_legend_handles_labels()[1]
+            layout.shared_legend(panels[0], entries, left, top, grid.side)
             legend = 0.0
         else:
             last_row = panels[count - grid.columns]
-            legend = layout.legend_below(panels[:1], width, below=last_row)
-        spare = labels.spare_room(panels[: grid.columns])
-        layout.resize_sheet(figure, bottom=legend, top=-spare)
+            legend = layout.legend_below(panels[:1], grid.width, below=last_row)
+        layout.close_sheet(figure, legend=legend, top=panels[: grid.columns])
         return figure
 
 
@@ -180,17 +183,17 @@ def _columns(runs: int) -> int:
     return min(range(3, MOST_COLUMNS + 1), key=lambda columns: (-runs % columns, -columns))
 
 
-def _single_figure(run: RunData, iterations: Collection[int] | None) -> Figure:
+def _single_figure(run: RunData, iterations: Collection[int] | None, look: Look) -> Figure:
     trials = chosen_trials(run, iterations)
     shape = view.shape_of(view.view_of([run.reference], trials))
     scale = iteration_scale([run], iterations)
     width, height = 5.0, max(2.4, 5.0 * shape)
     figure, axes = layout.single_panel(
-        labels.shortened(run.name), width, height, 0.0 if scale is None else BAR_ROOM - 0.2
+        labels.shortened(run.name), width, height, 0.0 if scale is None else BAR_ROOM - 0.2, look
     )
     draw_path_change(axes, run, iterations, scale)
     add_color_bar(axes, scale)
-    layout.finish(figure, axes, width)
+    layout.finish(figure, axes)
     return figure
 
 
@@ -211,7 +214,7 @@ def panel_side(columns: int) -> float:
 
 
 def draw_grid(
-    figure: Figure, runs: Sequence[RunData], iterations: Collection[int] | None, grid: layout.Grid
+    figure: Figure, runs: Sequence[RunData], iterations: Collection[int] | None, grid: Grid
 ) -> list[Axes]:
     """Draws a panel for each of several runs, with the colours of iterations beside the first row.
 
@@ -222,16 +225,39 @@ def draw_grid(
         grid: Where the panels stand.
     """
     scale = iteration_scale(runs, iterations)
-    trials = [trial for run in runs for trial in chosen_trials(run, iterations)]
-    part = view.common_view([run.reference for run in runs], trials)
+    part = common_view(runs, iterations)
     panels: list[Axes] = []
     for index, (run, label) in enumerate(zip(runs, labels.run_labels(runs), strict=True)):
         axes = layout.add_panel(figure, *grid.corner(index), grid.side, grid.side)
-        title = labels.wrapped(label, grid.side)
-        draw_path_change(axes, run, iterations, scale, title, part=part)
+        draw_one_of_several(axes, run, label, iterations, scale, part)
         panels.append(axes)
     add_color_bar(panels[grid.columns - 1], scale)
     return panels
+
+
+def common_view(
+    runs: Sequence[RunData], iterations: Collection[int] | None = None
+) -> view.View | None:
+    """The part of the plane that the panels of several runs show, if it is the same of all."""
+    trials = [trial for run in runs for trial in chosen_trials(run, iterations)]
+    return view.common_view([run.reference for run in runs], trials)
+
+
+def draw_one_of_several(
+    axes: Axes,
+    run: RunData,
+    name: str,
+    iterations: Collection[int] | None,
+    scale: Normalize | None,
+    part: view.View | None,
+) -> None:
+    """Draws the recorded paths of a run in a panel that nothing but its name tells from others."""
+
+    def entitle(axes: Axes, title: str, notes: Sequence[str]) -> None:
+        labels.set_title(axes, title, notes, tells_apart=True)
+
+    width, _ = layout.panel_size(axes)
+    draw_path_change(axes, run, iterations, scale, labels.wrapped(name, width), entitle, part)
 
 
 PICTURE = RunPicture(path_change_figure)

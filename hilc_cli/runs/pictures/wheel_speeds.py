@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.drawing import labels, layout, style
+from hilc_cli.drawing.sheet import most_ticks
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
 
@@ -18,7 +20,8 @@ WHEELS = ("Left", "Right")
 LIMIT_LABEL = "Speed limit"
 APPLIED, PLAN, REFERENCE = "Applied", "Plan of the next iteration", "Asked by the reference"
 LIMIT_ROOM = 0.4  # for the values of the limits, to the right of the panel [inch]
-_WIDTH, _HEIGHT, _GAP = 5.8, 4.2, 0.14  # of both panels, and between them [inch]
+LEAST_HEIGHT = 2.6  # of both panels on a narrow sheet [inch]
+_WIDTH, _HEIGHT = 5.8, 4.2  # of both panels [inch]
 _LIMIT_IN_VIEW = 10.0  # a limit farther out than this, in largest speeds, would squash the lines
 _TOGETHER = 0.05  # limits closer to zero than this, in largest speeds, share a label
 
@@ -82,7 +85,7 @@ def draw_wheel_speeds(
     duration = max(float(run.reference.times[-1]) for run in runs)
     axes.set_xlim(0, duration)
     axes.margins(y=0.08)
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]))
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=most_ticks(axes, 8), steps=[1, 2, 5, 10]))
     labels.plain_ticks(axes)
     axes.set_xlabel("Time [s]")
     what = f"{wheels[0]} wheel" if single_wheel else "Wheel speed"
@@ -125,13 +128,9 @@ def _draw_aims(axes: Axes, runs: Sequence[RunData], wheel: int) -> None:
         )
 
 
-def add_wheel_panels(
-    figure: Figure, left: float, top: float, width: float, height: float
-) -> list[Axes]:
-    """Adds a panel for each wheel, one above the other, in the room of one panel [inch]."""
-    each = (height - _GAP) / 2
-    tops = (top, top + each + _GAP)
-    return [layout.add_panel(figure, left, at, width, each) for at in tops]
+def heights_of_wheels(height: float) -> list[float]:
+    """Heights of a panel for each wheel, in the room of one panel [inch]."""
+    return [(height - layout.STACK_GAP) / 2] * len(WHEELS)
 
 
 def draw_each_wheel(panels: Sequence[Axes], runs: Sequence[RunData]) -> None:
@@ -194,18 +193,21 @@ def _draw_limits(axes: Axes, limits: Sequence[float], lowest: float, highest: fl
     return [f"speed limit {far} rad/s is out of view"] if far else []
 
 
-def wheel_speeds_figure(runs: Sequence[RunData]) -> Figure:
+def wheel_speeds_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """The wheel speeds of the last recorded iteration of one or several runs."""
-    with style.applied():
-        heading = layout.heading_of(labels.run_labels(runs), _WIDTH)
+    with style.applied(look):
+        room = LIMIT_ROOM - 0.1
+        width = layout.panel_width(look, _WIDTH, room)
+        height = layout.panel_height(width, _WIDTH, _HEIGHT, LEAST_HEIGHT)
         top = layout.TOP + layout.HEADING
-        width = layout.LEFT + _WIDTH + layout.RIGHT + LIMIT_ROOM - 0.1
-        figure = layout.new_sheet(width, top + _HEIGHT + layout.BOTTOM, heading)
-        panels = add_wheel_panels(figure, layout.LEFT, top, _WIDTH, _HEIGHT)
+        sheet = layout.LEFT + width + layout.RIGHT + room
+        heading = layout.heading_of(labels.run_labels(runs), width)
+        figure = layout.new_sheet(sheet, top + height + layout.BOTTOM, heading, look)
+        panels = layout.stack(figure, layout.LEFT, top, width, heights_of_wheels(height))
         draw_each_wheel(panels, runs)
-        legend = layout.legend_below(panels, _WIDTH)
-        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room(panels))
+        legend = layout.legend_below(panels, width)
+        layout.close_sheet(figure, legend=legend, top=panels)
         return figure
 
 
-PICTURE = RunPicture(lambda runs, iterations: wheel_speeds_figure(runs))
+PICTURE = RunPicture(lambda runs, iterations, look: wheel_speeds_figure(runs, look))

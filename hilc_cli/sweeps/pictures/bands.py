@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.drawing import labels, layout, style
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.sweeps.data import Bands, SweepData
 from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.metric_axis import draw_zeros, metric_scale, show_metric
@@ -20,23 +21,24 @@ _MOST_ITERATIONS = 5000  # more are narrower than a pixel
 _MARKED_UP_TO = 30
 
 
-def bands_figure(data: SweepData) -> Figure:
+def bands_figure(data: SweepData, look: Look = USUAL) -> Figure:
     """Median and bands of the maximum position error against the iteration."""
     bands = data.bands
     assert bands is not None  # checked by the catalogue
-    with style.applied():
-        figure, axes = layout.single_panel(heading_of(data), _WIDTH, _HEIGHT)
+    with style.applied(look):
+        figure, axes = layout.single_panel(heading_of(data), _WIDTH, _HEIGHT, look=look)
+        width, height = layout.panel_size(axes)
         draw_bands(axes, bands)
         if _changes(bands):
             layout.resize_sheet(figure, bottom=_COUNT_HEIGHT + _COUNT_GAP)
-            top = layout.HEADING + layout.TOP + _HEIGHT + _COUNT_GAP
-            below = layout.add_panel(figure, layout.LEFT, top, _WIDTH, _COUNT_HEIGHT)
+            top = layout.HEADING + layout.TOP + height + _COUNT_GAP
+            below = layout.add_panel(figure, layout.LEFT, top, width, _COUNT_HEIGHT)
             _draw_counts(below, bands)
             axes.set_xlabel("")
             axes.tick_params(axis="x", labelbottom=False)
         lowest = figure.axes[-1]
-        legend = layout.legend_below([axes], _WIDTH, below=lowest)
-        layout.resize_sheet(figure, bottom=legend, top=-labels.spare_room([axes]))
+        legend = layout.legend_below([axes], width, below=lowest)
+        layout.close_sheet(figure, legend=legend, top=[axes])
         return figure
 
 
@@ -51,7 +53,7 @@ def draw_bands(axes: Axes, bands: Bands) -> None:
     shown = np.arange(0, count, max(1, -(-count // _MOST_ITERATIONS)))
     quantiles = bands.quantiles[shown]
     scale = metric_scale(quantiles.ravel(), always_logarithmic=True)
-    show_metric(axes, scale, 0, _HEIGHT)
+    show_metric(axes, scale, 0, layout.panel_size(axes)[1])
     for low, high, label, alpha in BANDS:
         # Where even the lower end is infinite there is no band, and where no case is.
         ends = quantiles[:, [low, high]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,6 +12,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.effects import effects_of
@@ -33,9 +35,11 @@ from hilc_cli.sweeps.pictures.shared import heading_of
 
 MOST_ROWS, MOST_KEYS = 10, 12
 _PITCH = 0.34  # of rows [inch]
+_LEAST_COLUMN = 1.0  # on a narrow sheet [inch]
 _WIDTH, _GUTTER = 1.15, 0.2  # of a column, and between two [inch]
 _LEFT, _KEY_ROOM, _RANGE_ROOM = 0.95, 0.36, 0.3  # beside the rows, above and below them [inch]
 _TITLE_ROOM, _NOTE_ROOM, _LEAST_WIDTH = 0.3, 0.17, 6.0  # [inch]
+_LETTER = 0.078  # of the title [inch]
 _LETTERS = 19  # of a key in a line above its column
 _TEXT_SIZE = 7.0  # [pt], of values
 _END_DIGITS, _MOST_DIGITS = 3, 15  # of the ends of ranges
@@ -54,9 +58,9 @@ def shown_keys(data: SweepData) -> list[KeyAxis]:
     return [key_axis(data, key) for key in keys]
 
 
-def best_figure(data: SweepData) -> Figure:
-    """The best cases row by row."""
-    with style.applied():
+def best_figure(data: SweepData, look: Look = USUAL) -> Figure:
+    """The best cases row by row; on a narrow sheet the columns go on below."""
+    with style.applied(look):
         keys = shown_keys(data)
         repeated = varied_keys(data) if varies_seed(data) else []
         positions = [key_axis(data, key).positions for key in repeated]
@@ -68,21 +72,34 @@ def best_figure(data: SweepData) -> Figure:
         rows, columns = max(1, len(best.cases)), 1 + len(keys)
         left_out = len(varied_keys(data)) - len(keys)
         height = rows * _PITCH
-        top = layout.HEADING + _TITLE_ROOM + (_NOTE_ROOM if left_out else 0.0) + _KEY_ROOM
-        width = max(_LEAST_WIDTH, _LEFT + columns * (_WIDTH + _GUTTER))
-        figure = layout.new_sheet(width, top + height + _RANGE_ROOM, heading_of(data))
-        panels = [
-            layout.add_panel(figure, _LEFT + index * (_WIDTH + _GUTTER), top, _WIDTH, height)
-            for index in range(columns)
-        ]
-        for axes in panels:
+        width = layout.room_on(look, max(_LEAST_WIDTH, _LEFT + columns * (_WIDTH + _GUTTER)))
+        title = _title(data, best, left_out)
+        if look.width is not None:
+            title = [part for line in title for part in textwrap.wrap(line, int(width / _LETTER))]
+        top = layout.HEADING + _TITLE_ROOM + _NOTE_ROOM * (len(title) - 1) + _KEY_ROOM
+        top -= 0 if look.title else layout.HEADING
+        across, column = columns, _WIDTH
+        if look.width is not None:
+            across = min(columns, max(2, int((width - _LEFT) / (_LEAST_COLUMN + _GUTTER))))
+            column = min(_WIDTH, (width - _LEFT) / across - _GUTTER)
+        blocks, pitch = -(-columns // across), _KEY_ROOM + height + _RANGE_ROOM
+        figure = layout.new_sheet(width, top - _KEY_ROOM + blocks * pitch, heading_of(data), look)
+        panels = []
+        for index in range(columns):
+            block, spot = divmod(index, across)
+            left = _LEFT + spot * (column + _GUTTER)
+            axes = layout.add_panel(figure, left, top + block * pitch, column, height)
             _draw_rows(axes, rows)
+            if not spot:
+                _name_rows(axes, best)
+            panels.append(axes)
         _draw_metric(panels[0], data, best)
-        names = key_labels_in_lines([where.key for where in keys], _LETTERS)
+        letters = int(_LETTERS * column / _WIDTH)
+        names = key_labels_in_lines([where.key for where in keys], letters)
         for axes, where in zip(panels[1:], keys, strict=True):
             draw_key(axes, data, where, best.cases)
             axes.set_title(names[where.key], fontsize=style.SMALL_SIZE, pad=3)
-        _draw_title(figure, data, best, left_out)
+        _draw_title(figure, title, layout.HEADING if look.title else 0.0)
         return figure
 
 
@@ -110,7 +127,7 @@ def draw_key(axes: Axes, data: SweepData, where: KeyAxis, cases: Sequence[int] |
 
 
 def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
-    """Draws the metric of the best cases, and names the cases."""
+    """Draws the metric of the best cases."""
     scale = scale_of(data, best.metric)
     low, high = scale.low, scale.high
     if scale.is_logarithmic:
@@ -122,12 +139,16 @@ def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
     texts = [labels.number_text(value, 4) for value in best.metric.tolist()]
     _draw_dots(axes, np.clip(best.metric, low, high), texts, style.BLUE)
     _draw_range(axes, len(best.cases), (low, high), 0 if scale.is_empty else _END_DIGITS)
+    axes.set_title(labels.with_unit("Metric", scale.unit), fontsize=style.SMALL_SIZE, pad=3)
+
+
+def _name_rows(axes: Axes, best: Combinations) -> None:
+    """Writes rank and case to the left of each row."""
     ranks = [f"{rank}." for rank in range(1, len(best.cases) + 1)]
     if not best.is_median:
         pairs = zip(ranks, best.cases, strict=True)
         ranks = [f"{rank}  case {case}" for rank, case in pairs]
     axes.set_yticks(range(len(ranks)), ranks)
-    axes.set_title(labels.with_unit("Metric", scale.unit), fontsize=style.SMALL_SIZE, pad=3)
 
 
 def _draw_range(axes: Axes, rows: int, ends: tuple[float, float], digits: int) -> None:
@@ -187,17 +208,21 @@ def _draw_rows(axes: Axes, rows: int) -> None:
     axes.spines[:].set_visible(False)
 
 
-def _draw_title(figure: Figure, data: SweepData, best: Combinations, left_out: int) -> None:
-    """Says above the table what it shows."""
+def _title(data: SweepData, best: Combinations, left_out: int) -> list[str]:
+    """What the table shows: the only place where the metric is named."""
     what = (
         f"median over the seeds of the {metric_name(data)}" if best.is_median else metric_name(data)
     )
     lines = [f"Smallest {what}" if len(best.cases) else "No case has a value"]
     if left_out:
         lines.append(f"{left_out} keys with smaller effects are left out")
-    below = ScaledTranslation(0.15, -layout.HEADING - 0.06, figure.dpi_scale_trans)
-    place = figure.transFigure + below
-    figure.text(0, 1, "\n".join(lines), transform=place, va="top", fontsize=style.TITLE_SIZE)
+    return lines
+
+
+def _draw_title(figure: Figure, title: Sequence[str], heading: float) -> None:
+    """Writes above the table what it shows, below a heading of some height [inch]."""
+    place = figure.transFigure + ScaledTranslation(0.15, -heading - 0.06, figure.dpi_scale_trans)
+    figure.text(0, 1, "\n".join(title), transform=place, va="top", fontsize=style.TITLE_SIZE)
 
 
 PICTURE = SweepPicture(

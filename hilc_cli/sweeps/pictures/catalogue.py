@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.wording import suggestion
@@ -21,7 +22,7 @@ class SweepPicture:
     """How a kind of picture of a sweep is drawn.
 
     Attributes:
-        draw: Draws a sweep that it fits.
+        draw: Draws a sweep that it fits, with the look that the user asks for.
         fits: Whether there is such a picture of a sweep with cases.
         needs: What a sweep needs for that, in words.
         by_default: Whether it is drawn of a sweep that it fits even if nobody asks for it.
@@ -29,7 +30,7 @@ class SweepPicture:
             ``SWEEP_PICTURES``.
     """
 
-    draw: Callable[[SweepData], Figure]
+    draw: Callable[[SweepData, Look], Figure]
     fits: Callable[[SweepData], bool]
     needs: str
     by_default: Callable[[SweepData], bool] = lambda data: True
@@ -51,17 +52,18 @@ def kinds_for(data: SweepData) -> tuple[str, ...]:
     return tuple(sorted(shown, key=lambda name: pictures[name].place))
 
 
-def draw_sweep(kind: str, data: SweepData) -> Figure:
+def draw_sweep(kind: str, data: SweepData, look: Look = USUAL) -> Figure:
     """Draws one kind of picture.
 
     Args:
         kind: One of ``SWEEP_PICTURES``.
         data: The sweep.
+        look: What the user asks for.
 
     Raises:
         UsageError: There is no such kind, or it does not fit this sweep.
     """
-    return _fitting(kind, data).draw(data)
+    return _fitting(kind, data).draw(data, look)
 
 
 def save_sweep_figures(
@@ -71,6 +73,7 @@ def save_sweep_figures(
     formats: Sequence[str],
     kinds: Sequence[str] = (),
     dpi: int = 150,
+    look: Look = USUAL,
 ) -> list[Path]:
     """Draws pictures and writes each to ``KIND.FORMAT``.
 
@@ -80,6 +83,7 @@ def save_sweep_figures(
         formats: Some of ``FORMATS``.
         kinds: Some of ``SWEEP_PICTURES``; empty for those that fit.
         dpi: Dots per inch of PNG files.
+        look: What the user asks for.
 
     Returns:
         The files, in the order of kinds and formats.
@@ -90,7 +94,7 @@ def save_sweep_figures(
         OSError: A file cannot be written.
     """
     chosen = kinds or kinds_for(data)
-    drawn = {kind: partial(_fitting(kind, data).draw, data) for kind in chosen}
+    drawn = {kind: partial(_fitting(kind, data).draw, data, look) for kind in chosen}
     return save_pictures(drawn, folder, formats, dpi)
 
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.sweeps.data import SEED_KEY, SweepData
 from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.distribution import draw_distribution
@@ -72,10 +73,10 @@ class _Curve:
     dotted: bool
 
 
-def curve_figure(data: SweepData) -> Figure:
+def curve_figure(data: SweepData, look: Look = USUAL) -> Figure:
     """The metric against a key."""
     return layout.panel_figure(
-        heading_of(data), lambda axes: draw_curve(axes, data), _WIDTH, _HEIGHT
+        heading_of(data), lambda axes: draw_curve(axes, data), _WIDTH, _HEIGHT, look=look
     )
 
 
@@ -91,11 +92,12 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
     if keys[0] == SEED_KEY:
         draw_distribution(axes, data)
         return
+    width, height = layout.panel_size(axes)
     where = key_axis(data, keys[0])
     series = None if keys[1] is None else key_axis(data, keys[1])
     side_by_side = series is not None and bool(where.words)
     if series is not None and side_by_side:
-        where = _side_by_side(where, series)
+        where = _side_by_side(where, series, width)
     results = results_of(data)
     curves = _curves(data, where, series, results)
     every = np.arange(len(data))
@@ -106,8 +108,8 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
     shown.append(combinations.metric[combinations.best(1)])
     shown += [curve.spread.groups.quantiles.ravel() for curve in curves if curve.spread]
     scale = scale_of(data, np.concatenate(shown))
-    show_metric(axes, scale, len(rows), _HEIGHT)
-    where.show(axes, "x", where.limits(), _WIDTH)
+    show_metric(axes, scale, len(rows), height)
+    where.show(axes, "x", where.limits(), width)
     bands = 2 if len(curves) == 1 else 1 if len(curves) <= _MOST_BANDS else 0
     for index, curve in enumerate(curves):
         color = style.run_color(index)
@@ -128,14 +130,14 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
     color = "white" if side_by_side else style.BEST_COLOR
     title = draw_best(axes, data, combinations, columns, color, behind=side_by_side)
     axes.set_xlabel(key_labels([column.key for column in columns])[where.key])
-    axes.set_ylabel(metric_label(data, _HEIGHT), labelpad=2)
-    labels.set_title(axes, labels.wrapped(title, _WIDTH), scale.notes())
+    axes.set_ylabel(metric_label(data, height), labelpad=2)
+    labels.set_title(axes, labels.wrapped(title, width), scale.notes())
 
 
-def _side_by_side(where: KeyAxis, series: KeyAxis) -> KeyAxis:
+def _side_by_side(where: KeyAxis, series: KeyAxis, width: float) -> KeyAxis:
     """The axis of words with the cases of each curve a little aside, so that none hides another."""
     count = len(series.words)
-    step = min(_SHARE / count, max(_ASIDE, _LEAST_ASIDE * len(where.words) / _WIDTH))
+    step = min(_SHARE / count, max(_ASIDE, _LEAST_ASIDE * len(where.words) / width))
     aside = (series.positions - (count - 1) / 2) * step
     return replace(where, positions=where.positions + aside)
 

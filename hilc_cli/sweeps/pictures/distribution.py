@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from hilc_cli.drawing import labels, style
+from hilc_cli.drawing.sheet import most_ticks
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.metric_axis import (
@@ -24,6 +25,7 @@ SHARE = "Cases with at most this value"
 _MARKED_UP_TO = 100
 _MARGIN = 0.04  # beside the smallest and the largest value, of the axis
 _LONGEST_LABEL = 100.0  # [inch]: the label of the metric lies in one line
+_TICK = 0.55  # room of a tick's label [inch]
 _LEAST_DIGITS, _MOST_DIGITS = 4, 10
 
 
@@ -45,11 +47,14 @@ def draw_distribution(axes: Axes, data: SweepData) -> None:
     low, high = scale.low, scale.high
     if scale.is_logarithmic:
         beside = (high / low) ** _MARGIN
-        labels.set_logarithmic(axes.xaxis, low / beside, high * beside, 8)
+        most = most_ticks(axes, 8, _TICK)
+        labels.set_logarithmic(axes.xaxis, low / beside, high * beside, most)
     else:
         beside = _MARGIN * (high - low) or 0.5 * abs(high) or 0.5
         axes.set_xlim(low - beside, high + beside)
-        axes.xaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10]))
+        axes.xaxis.set_major_locator(
+            MaxNLocator(nbins=most_ticks(axes, 6, _TICK), steps=[1, 2, 5, 10])
+        )
         axes.xaxis.set_major_formatter(labels.PlainFormatter())
     first, last = axes.get_xlim()
     (quantiles,) = grouped(results, np.zeros(len(data), dtype=np.int64), 1).quantiles

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.key_axis import (
@@ -45,6 +46,7 @@ from hilc_cli.sweeps.pictures.shared import (
 MOST_PANELS = 12
 _MOST_COLUMNS = 4
 _WIDTH, _HEIGHT = 2.15, 2.6  # of a panel [inch]
+_LEAST_WIDTH = 1.6  # of a panel on a narrow sheet [inch]
 _GUTTER, _KEY_ROOM = 0.4, 0.72  # beside and below a panel [inch]
 _DIGIT = 0.066  # of a tick's label [inch]
 _BEYOND = _GUTTER / 2 - 0.03  # how far labels of ticks may reach beyond their panel [inch]
@@ -98,26 +100,34 @@ def _size(medians: Floats, scale: MetricScale) -> float:
     return float(np.ptp(shown)) if len(shown) else 0.0
 
 
-def effects_figure(data: SweepData) -> Figure:
+def effects_figure(data: SweepData, look: Look = USUAL) -> Figure:
     """The metric against each key in a panel of its own."""
-    with style.applied():
+    with style.applied(look):
         results = results_of(data)
         scale = scale_of(data, results.metric)
         effects = effects_of(data, results, scale)
         shown = effects[:MOST_PANELS]
         rows = -(-len(shown) // _MOST_COLUMNS)
         columns = -(-len(shown) // rows)
+        beside = layout.LEFT + layout.RIGHT - _GUTTER
+        usual = layout.LEFT + columns * (_WIDTH + _GUTTER) + layout.RIGHT - _GUTTER
+        width = layout.room_on(look, usual)
+        panel_width = _WIDTH
+        if look.width is not None:
+            columns = max(1, min(columns, int((width - beside) / (_LEAST_WIDTH + _GUTTER))))
+            rows = -(-len(shown) // columns)
+            panel_width = (width - beside) / columns - _GUTTER
         row_height = _HEIGHT + _KEY_ROOM
         top = layout.HEADING + layout.TOP
-        width = layout.LEFT + columns * (_WIDTH + _GUTTER) + layout.RIGHT - _GUTTER
-        figure = layout.new_sheet(width, top + rows * row_height - _FOOT, heading_of(data))
+        figure = layout.new_sheet(width, top + rows * row_height - _FOOT, heading_of(data), look)
         cases = thinned(np.arange(len(data)))
-        names = key_labels_in_lines([effect.where.key for effect in shown], _LETTERS)
+        letters = int(_LETTERS * min(1.0, panel_width / _WIDTH))
+        names = key_labels_in_lines([effect.where.key for effect in shown], letters)
         panels = []
         for index, effect in enumerate(shown):
             row, column = divmod(index, columns)
-            left = layout.LEFT + column * (_WIDTH + _GUTTER)
-            axes = layout.add_panel(figure, left, top + row * row_height, _WIDTH, _HEIGHT)
+            left = layout.LEFT + column * (panel_width + _GUTTER)
+            axes = layout.add_panel(figure, left, top + row * row_height, panel_width, _HEIGHT)
             draw_effect(axes, effect, results, scale, cases)
             _leave_out_ticks(axes)
             axes.set_xlabel(names[effect.where.key])
@@ -131,7 +141,7 @@ def effects_figure(data: SweepData) -> Figure:
             notes.insert(0, f"{len(effects) - len(shown)} keys with smaller effects are left out")
         labels.set_title(panels[0], "Effect of each key, the largest first", notes)
         entries = panels[0].get_legend_handles_labels()[1]
-        spare = labels.spare_room(panels[:1])
+        spare = layout.spare_above(figure, panels[:1])
         if any("\n" in axes.get_xlabel() for axes in panels[-columns:]):
             layout.resize_sheet(figure, bottom=_LINE)
         legend = layout.shared_legend(
@@ -157,7 +167,7 @@ def draw_effect(
     """
     where, spread = effect.where, effect.spread
     show_metric(axes, scale, len(edge_rows(results.outcomes)), _HEIGHT)
-    where.show(axes, "x", where.limits(), _WIDTH)
+    where.show(axes, "x", where.limits(), layout.panel_size(axes)[0])
     metric = scale.in_place(results.metric[cases])
     flat = where.flat[cases]
     if not spread.binned and len(spread.positions) > 1:
@@ -189,9 +199,10 @@ def _leave_out_ticks(axes: Axes) -> None:
     places = [place for place in axes.get_xticks() if low <= place <= high]
     texts = axes.xaxis.get_major_formatter().format_ticks(places)
     along = axes.transData.transform([(place, axes.get_ylim()[1]) for place in places])
-    middles = axes.transAxes.inverted().transform(along)[:, 0] * _WIDTH
+    width, _ = layout.panel_size(axes)
+    middles = axes.transAxes.inverted().transform(along)[:, 0] * width
     kept = [
-        text if half - _BEYOND <= middle <= _WIDTH + _BEYOND - half else ""
+        text if half - _BEYOND <= middle <= width + _BEYOND - half else ""
         for text, middle in zip(texts, middles.tolist(), strict=True)
         for half in [_DIGIT / 2 * len(text)]
     ]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import CASE_COLUMNS, MAX_ERROR
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.catalogue import SweepPicture
@@ -143,10 +144,10 @@ _COLORS = style.iteration_colors().with_extremes(over=style.BEYOND_COLOR)
 _MARKERS = {Outcome.DIVERGED: "x", Outcome.NEVER: "^", Outcome.FAILED: "s"}
 
 
-def map_figure(data: SweepData) -> Figure:
+def map_figure(data: SweepData, look: Look = USUAL) -> Figure:
     """The metric over two keys, as cells of a grid or as coloured dots."""
     return layout.panel_figure(
-        heading_of(data), lambda axes: draw_map(axes, data), _WIDTH, _HEIGHT, _BAR_ROOM
+        heading_of(data), lambda axes: draw_map(axes, data), _WIDTH, _HEIGHT, _BAR_ROOM, look
     )
 
 
@@ -161,6 +162,7 @@ def draw_map(axes: Axes, data: SweepData) -> None:
     x, y = (key_axis(data, key, cells=True) for key in keys)
     results = results_of(data)
     combinations = combined(data, results, [x.positions, y.positions])
+    width, height = layout.panel_size(axes)
     notes = []
     # An error as large as the path is as bad as any larger one.
     most = data.path_size or math.inf
@@ -181,14 +183,14 @@ def draw_map(axes: Axes, data: SweepData) -> None:
     title = draw_best(axes, data, combinations, [x, y], star, y.positions)
     if not scale.is_empty:
         prefix = "median over the seeds of the " if combinations.is_median else ""
-        _add_color_bar(axes, scale, colors, metric_label(data, _HEIGHT, prefix))
+        _add_color_bar(axes, scale, colors, metric_label(data, height, prefix))
     names = key_labels(keys)
     axes.set_xlabel(names[x.key])
     axes.set_ylabel(names[y.key], labelpad=2)
     zero = f"{scale.zeros} exactly zero, in the darkest colour"
     notes += [zero] if scale.zeros else []
     notes += scale.notes("the path's size" if scale.high == most else "")
-    labels.set_title(axes, labels.wrapped(title, _WIDTH + _BAR_ROOM), notes)
+    labels.set_title(axes, labels.wrapped(title, width + _BAR_ROOM), notes)
 
 
 def _norm(scale: MetricScale) -> Normalize:
@@ -204,8 +206,9 @@ def _draw_cells(
 ) -> None:
     axes.set_facecolor("white")
     x_limits, y_limits = ((float(e[0]), float(e[-1])) for e in (cells.x_edges, cells.y_edges))
-    x.show(axes, "x", x_limits, _WIDTH)
-    y.show(axes, "y", y_limits, _HEIGHT)
+    width, height = layout.panel_size(axes)
+    x.show(axes, "x", x_limits, width)
+    y.show(axes, "y", y_limits, height)
     done = cells.outcomes == Outcome.DONE
     medians = np.ma.masked_array(np.maximum(cells.medians, scale.low), ~done)
     mesh = axes.pcolormesh(cells.x_edges, cells.y_edges, medians, cmap=_COLORS, norm=norm)
@@ -250,8 +253,9 @@ def _draw_tolerance(axes: Axes, data: SweepData, x: KeyAxis, y: KeyAxis) -> list
 def _draw_dots(
     axes: Axes, x: KeyAxis, y: KeyAxis, results: Results, scale: MetricScale, norm: Normalize
 ) -> list[str]:
-    x.show(axes, "x", x.limits(), _WIDTH)
-    y.show(axes, "y", y.limits(), _HEIGHT)
+    width, height = layout.panel_size(axes)
+    x.show(axes, "x", x.limits(), width)
+    y.show(axes, "y", y.limits(), height)
     axes.grid(visible=True)
     shown = thinned(np.arange(len(results.metric)))
     size = float(np.clip(20_000 / max(1, len(shown)), 6, 40))

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style
+from hilc_cli.results.look import USUAL, Look
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.key_axis import KeyAxis
@@ -27,10 +28,10 @@ from hilc_cli.sweeps.pictures.shared import heading_of
 _WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
 
 
-def search_figure(data: SweepData) -> Figure:
+def search_figure(data: SweepData, look: Look = USUAL) -> Figure:
     """The metric against the number of the case."""
     return layout.panel_figure(
-        heading_of(data), lambda axes: draw_search(axes, data), _WIDTH, _HEIGHT
+        heading_of(data), lambda axes: draw_search(axes, data), _WIDTH, _HEIGHT, look=look
     )
 
 
@@ -43,13 +44,14 @@ def draw_search(axes: Axes, data: SweepData) -> None:
     """
     assert data.as_it_is is not None  # checked by the catalogue
     results = results_of(data)
+    width, height = layout.panel_size(axes)
     every = np.arange(len(data))
     where = KeyAxis("case", every.astype(np.float64))
     as_it_is = data.as_it_is.metric
     values = np.append(results.metric, as_it_is)
     scale = scale_of(data, values, logarithmic=True)
-    show_metric(axes, scale, len(edge_rows(results.outcomes)), _HEIGHT)
-    where.show(axes, "x", where.limits(), _WIDTH)
+    show_metric(axes, scale, len(edge_rows(results.outcomes)), height)
+    where.show(axes, "x", where.limits(), width)
     cases = thinned(every)
     axes.plot(
         where.positions[cases],
@@ -95,7 +97,7 @@ def draw_search(axes: Axes, data: SweepData) -> None:
     draw_zeros(axes, where.positions, results.metric, scale)
     draw_edge_marks(axes, where, results.outcomes, every, size=3.0)
     axes.set_xlabel("Case")
-    axes.set_ylabel(metric_label(data, _HEIGHT), labelpad=2)
+    axes.set_ylabel(metric_label(data, height), labelpad=2)
     title = "No case has a value"
     if ranked:
         title = f"Best: {metric_text(data, float(results.metric[ranked[0]]))} (case {ranked[0]})"

@@ -13,6 +13,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.hybrid import HybridLaw, compensated_error, learned_error, with_derivative
 from hilc_cli.reference.path import POSITION_TOLERANCE
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.findings import Rows
+from hilc_cli.theory.laws.hybrid_waves import HybridWaves, gain_bound, iteration_response
 from hilc_cli.theory.learning.gains import (
     MARGIN,
     loop_gains_of,
@@ -39,7 +41,7 @@ class HybridLearning(LinearLaw):
         law = cast("HybridLaw", experiment.law)
         super().__init__(experiment, law.matrix, law.gain_heading)
         self._law, self._rate = law, law.derivative / self._sample_time
-        self.paper = law if law.derivative == 0 else None
+        self.paper = law
         self.next_gain = law.l1 * (1 + self._rate)
         if not law.compensation:
             self.feedback = law.l2, law.l3  # Eq. 21 has neither
@@ -103,11 +105,10 @@ class HybridLearning(LinearLaw):
 
     def ripple_factors(self, gains: NDArray[np.complex128], frequencies: Floats) -> Floats:
         """What an iteration multiplies ripples by."""
-        l2, l3 = self.feedback
-        back, gains = np.exp(-1j * frequencies), self._sample_time * gains  # 1 / z
-        learned = np.abs(1 - back - self._law.l1 * (1 + self._rate * (1 - back)) * gains)
-        fed_back = np.abs(1 - back + gains * (l2 * back + l3 * back**2))
-        factors: Floats = learned / fed_back
+        learned, fed_back = iteration_response(
+            self._law, self.feedback, self._sample_time, gains, frequencies
+        )
+        factors: Floats = np.abs(learned) / np.abs(fed_back)
         return factors
 
     def not_settling(self) -> str:
@@ -124,8 +125,7 @@ class HybridLearning(LinearLaw):
         wrong = wrong_way(gains)
         if wrong:
             return wrong
-        # |1 - (d + tau) l1 g| < 1 for all loop gains g
-        bound = float((2 * gains.real / np.abs(gains) ** 2).min()) / (sample_time + law.derivative)
+        bound = gain_bound(gains, sample_time + law.derivative)
         if law.l1 < bound / 2:
             return (
                 f"controller.gains.l1 of {law.l1:g} changes wheel speeds by less than the "
@@ -200,6 +200,27 @@ class HybridLearning(LinearLaw):
 
 
 class HybridTheory(LinearTheory):
-    """The linear theory of the hybrid law."""
+    """The linear theory of the hybrid law, and what it makes of waves."""
 
     law_class = HybridLearning
+
+    @cached_property
+    def waves(self) -> HybridWaves:
+        """What the law makes of waves of an error along the path."""
+        law = cast("HybridLaw", self.experiment.law)
+        return HybridWaves(self.experiment, law, self.linear.feedback)
+
+    @property
+    def rows(self) -> Rows:
+        """The figures of the linear theory, and of waves."""
+        return [*super().rows, *self.waves.rows]
+
+    @property
+    def brief(self) -> Rows:
+        """What learning does, and what a derivative does or would do."""
+        return [*super().brief, *self.waves.brief]
+
+    @property
+    def document(self) -> dict[str, object]:
+        """The figures of the linear theory and of waves, as JSON."""
+        return {**super().document, "waves": self.waves.document}

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.theory.linear_law import paper_law
 from hilc_cli.theory.matrices import desired_motion
 from hilc_cli.theory.proof.constants import (
     ALL,
@@ -155,16 +156,17 @@ def theories(experiment: Experiment) -> dict[str, Bounds]:
         for every heading that the law may use.
         ``corrected, within the speed limit``: all corrections, with rho on the reference; only with
         a speed limit.
-        Those whose constants leave the range of floating point are missing.
+        The first two are missing for a law with a derivative, of which nothing is printed; and
+        those whose constants leave the range of floating point.
 
     Raises:
         UsageError: The law is not the hybrid law.
     """
-    found = {
-        AS_PRINTED: constants(experiment, PRINTED),
-        WITH_SAMPLE_TIME: constants(experiment, {Correction.SAMPLE_TIME}),
-        CORRECTED: constants(experiment, ALL),
-    }
+    found = {}
+    if paper_law(experiment).derivative == 0:
+        found[AS_PRINTED] = constants(experiment, PRINTED)
+        found[WITH_SAMPLE_TIME] = constants(experiment, {Correction.SAMPLE_TIME})
+    found[CORRECTED] = constants(experiment, ALL)
     if math.isfinite(experiment.speed_limit):
         found[WITHIN_LIMIT] = constants_within_limit(experiment)
     all_bounds = {name: _bounds(experiment, each) for name, each in found.items()}

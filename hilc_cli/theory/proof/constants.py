@@ -8,6 +8,14 @@ disturbances, initial errors and a speed limit or without, whatever its headings
     ||dq_i(k+1)||   <= h2 ||dq_i(k)|| + b_B ||du_i(k)|| + b_beta                      (Eq. 28)
 
 with du = u_d - u and dq = q_d - q. The print has these with b_L2 for h3.
+
+Where L1 acts on e_i(k+1) + tau (e_i(k+1) - e_i(k)) / d_k, Eq. 26 put into that gives
+
+    dq_i(k) + (1 + tau / d_k) [d_k (B_d - B_i) u_d(k) + d_k B_i du_i(k) - beta(k)]
+
+for dq_i(k+1): the error before the step counts once, whatever tau is, and the step 1 + tau / d_k
+times. So Eq. 32 stays, with rho = max ||I - (tau + d_k) L1 B||, which has a limit below 1 for small
+sample times: max ||I - tau L1 B||. L2 and L3 have none of tau, and none in that limit.
 """
 
 from __future__ import annotations
@@ -23,7 +31,6 @@ import numpy as np
 from hilc_cli.disturbance.streams import Bounded
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.hybrid import compensation_gain
 from hilc_cli.plants.kinematic import control_matrices, limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.linear_law import linear_law, paper_law
@@ -47,14 +54,16 @@ class Conditions:
     """The numbers rho that both theorems want below 1, printed and for the simulated system.
 
     The print has B of Eq. 9, the plant of Eq. 8 moves by d_k B in a sample. The proof of Theorem 1,
-    Eq. 30, needs the condition of Theorem 2: L2 and L3 do not learn.
+    Eq. 30, needs the condition of Theorem 2: L2 and L3 do not learn. With a derivative both have a
+    limit for small sample times, max ||I - tau L1 B||, which takes the place of what is printed.
 
     Attributes:
         theorem: Which of the two speaks of this experiment's law: 1 of Eq. 17, 2 of Eq. 21.
-        theorem_1_printed: max ||I - (L1 + L2 + L3) B||, Eq. 19.
-        theorem_1_simulated: max ||I - (L1 + L2 + L3) d_k B||.
-        theorem_2_printed: max ||I - L1 B||, Eq. 23.
-        theorem_2_simulated: max ||I - L1 d_k B||.
+        theorem_1_printed: max ||I - (L1 + L2 + L3) B||, Eq. 19; with a derivative the limit.
+        theorem_1_simulated: max ||I - ((L1 + L2 + L3) d_k + L1 tau) B||.
+        theorem_2_printed: max ||I - L1 B||, Eq. 23; with a derivative the limit.
+        theorem_2_simulated: max ||I - L1 (d_k + tau) B||.
+        derivative: tau [s], 0 in the paper.
         starts_on_reference: Whether y_i(0) = y_d(0), as both theorems want, in every iteration.
     """
 
@@ -63,6 +72,7 @@ class Conditions:
     theorem_1_simulated: float
     theorem_2_printed: float
     theorem_2_simulated: float
+    derivative: float
     starts_on_reference: bool
 
 
@@ -79,15 +89,17 @@ def conditions(experiment: Experiment) -> Conditions:
         Qiao et al. 2021, Eqs. 19 and 23.
     """
     law, reference = paper_law(experiment), experiment.reference
-    all_gains = law.l1 + law.l2 + law.l3
+    all_gains, learned = law.l1 + law.l2 + law.l3, law.l1 * law.derivative
+    sample_time, is_printed = reference.sample_time, law.derivative == 0
     start = (reference.x[0], reference.y[0], reference.heading[0])
     disturbance = experiment.disturbance
     return Conditions(
         theorem=2 if law.compensation else 1,
-        theorem_1_printed=contraction(experiment, all_gains),
-        theorem_1_simulated=contraction(experiment, all_gains * reference.sample_time),
-        theorem_2_printed=contraction(experiment, law.l1),
-        theorem_2_simulated=contraction(experiment, law.l1 * reference.sample_time),
+        theorem_1_printed=contraction(experiment, all_gains if is_printed else learned),
+        theorem_1_simulated=contraction(experiment, all_gains * sample_time + learned),
+        theorem_2_printed=contraction(experiment, law.l1 if is_printed else learned),
+        theorem_2_simulated=contraction(experiment, law.l1 * sample_time + learned),
+        derivative=law.derivative,
         starts_on_reference=experiment.initial_pose == start
         and not disturbance.initial_pose.active
         and not disturbance.output.active,
@@ -99,7 +111,7 @@ def contraction(experiment: Experiment, gain: float, wheels: WheelNorm = "euclid
 
     Args:
         experiment: The experiment.
-        gain: Scalar before the product, with the sample time or without.
+        gain: Scalar before the product, with the sample time or without, and with tau.
         wheels: Norm of wheel speeds.
     """
     headings = experiment.reference.heading[:-1]
@@ -152,6 +164,13 @@ EXPLANATIONS: Mapping[Correction, str] = {
     ),
     Correction.OUTPUT_SIGN: ("Eqs. 42 and 43 subtract b_alpha; the triangle inequality adds it"),
 }
+
+OF_THE_DERIVATIVE = (
+    "L1 acts on e_i(k+1) + tau (e_i(k+1) - e_i(k)) / d_k: rho is ||I - (tau + d_k) L1 B||, h1 is "
+    "b_L1 (1 + (1 + tau / d_k) C_B b_ud); in b_1 b_L1 b_beta counts 1 + tau / d_k times, "
+    "b_L1 b_alpha 1 + 2 tau / d_k times, and the compensation tau times"
+)
+"""What a derivative changes in the constants."""
 
 PRINTED: frozenset[Correction] = frozenset()
 ALL: frozenset[Correction] = frozenset(Correction)
@@ -220,13 +239,17 @@ def constants(
             disturbance if L is taken at the previous iteration's heading, else any angle.
 
     Raises:
-        UsageError: The law is not the hybrid law.
+        UsageError: The law is not the hybrid law, or it has a derivative, of which nothing is
+            printed, and not all is corrected.
 
     Source:
         Qiao et al. 2021, Eqs. 12 to 18, 28 and 32.
     """
     law, robot, reference = paper_law(experiment), experiment.robot, experiment.reference
     sample_time, disturbance = reference.sample_time, experiment.disturbance
+    rate = law.derivative / sample_time
+    if rate and set(corrections) != ALL:
+        raise UsageError("with a derivative, which the paper has not, all must be corrected")
     limited = Correction.SPEED_LIMIT in corrections and math.isfinite(experiment.speed_limit)
     wheels: WheelNorm = "sum" if limited else "euclidean"
     desired = desired_motion(experiment)
@@ -239,7 +262,8 @@ def constants(
     if Correction.HEADINGS in corrections:
         angle = _sure_mismatch(experiment) if heading_mismatch is None else heading_mismatch
         gain = largest_gain(law.matrix, wheels)
-        rho = largest_contraction(learning * scale, law.matrix, robot, wheels, angle)
+        strength = learning * scale + law.l1 * law.derivative
+        rho = largest_contraction(strength, law.matrix, robot, wheels, angle)
     else:
         gain = float(gain_norm(GainParts.of(law.matrix).at(reference.heading[:-1]), wheels).max())
         rho = contraction(experiment, learning * scale, wheels)  # Eq. 19 or 23
@@ -250,11 +274,11 @@ def constants(
     b_q0 = largest_initial_error(experiment)
     b_s = largest_excess(experiment, desired, wheels) if limited else 0.0
 
-    b_1 = (b_L1 + b_L2 + b_L3) * b_alpha + b_s  # Eq. 32
+    b_1 = (b_L1 + b_L2 + b_L3) * b_alpha + b_s + 2 * rate * b_L1 * b_alpha  # Eq. 32
     if Correction.STATE_DISTURBANCE in corrections:
-        b_1 += b_L1 * b_beta
+        b_1 += (1 + rate) * b_L1 * b_beta
     if Correction.COMPENSATION in corrections and law.compensation:
-        b_1 += compensation_gain(0, law.h, sample_time) * b_L1 * (b_q0 + b_alpha)
+        b_1 += float(law.compensations(reference)[0]) * b_L1 * (b_q0 + b_alpha)
     return Constants(
         wheels=wheels,
         samples=reference.samples,
@@ -269,7 +293,7 @@ def constants(
         b_alpha=b_alpha,
         b_beta=b_beta,
         b_s=b_s,
-        h1=b_L1 * (1 + C_B * b_ud),  # Eq. 32
+        h1=b_L1 * (1 + (1 + rate) * C_B * b_ud),  # Eq. 32
         h2=1 + C_B * b_ud,  # Eq. 28
         h3=b_L2,
         b_1=b_1,
@@ -293,32 +317,44 @@ def constants_within_limit(experiment: Experiment) -> Constants:
     law, sample_time = paper_law(experiment), experiment.reference.sample_time
     c = constants(experiment)  # all but what B and L1 on the reference change
 
-    b_ud = 2 * experiment.speed_limit  # Eq. 14
+    b_ud, rate = 2 * experiment.speed_limit, law.derivative / sample_time  # Eq. 14
     growth = 1 + c.C_B * b_ud
-    h1, h3, b_1 = c.b_L1 * growth, c.h3, c.b_1  # Eq. 32
+    h1, h3, b_1 = c.b_L1 * (1 + (1 + rate) * c.C_B * b_ud), c.h3, c.b_1  # Eq. 32
     if law.gain_heading != "reference":
-        # ||(L1(a) - L1(b)) e_i(k+1)|| <= turning |a - b|, b the heading of the reference.
+        # ||(L1(a) - L1(b)) w|| <= turning |a - b|, b the reference's heading, w what L1 acts on.
         slope = law.l1 * largest_gain_slope(law.matrix, c.wheels)
-        turning = slope * (_largest_state_error(experiment) + c.b_alpha)
+        largest = _largest_state_error(experiment) + c.b_alpha
+        turning = slope * (largest + rate * (_largest_change(experiment) + 2 * c.b_alpha))
         b_1 += turning * experiment.disturbance.output.bound[2]
         if law.gain_heading == "measured":
             h3 += turning
         else:
             h1 += turning
-    rho = contraction(experiment, law.l1 * sample_time, c.wheels)
+    rho = contraction(experiment, law.l1 * sample_time + law.l1 * law.derivative, c.wheels)
     return replace(c, rho=rho, b_ud=b_ud, h1=h1, h2=growth, h3=h3, b_1=b_1)  # h2: Eq. 28
 
 
 def _largest_state_error(experiment: Experiment) -> float:
     """Returns what the state error cannot exceed, however the wheels turn within their limit."""
-    reference, robot = experiment.reference, experiment.robot
-    # A convex function of both wheels, largest with both at the limit: straight ahead or turning.
-    step = reference.sample_time * robot.wheel_radius * experiment.speed_limit
-    step *= max(1.0, 1 / robot.half_track)
-    step += largest_disturbance(experiment.disturbance.state)
     desired = experiment.reference.poses
+    step = _largest_step(experiment)
     travelled = pose_norm(desired - desired[0]) + step * np.arange(len(desired))
     return largest_initial_error(experiment) + float(travelled.max())
+
+
+def _largest_change(experiment: Experiment) -> float:
+    """Returns what the state error cannot change by more in a sample, likewise."""
+    desired = pose_norm(np.diff(experiment.reference.poses, axis=0))
+    return float(desired.max()) + _largest_step(experiment)
+
+
+def _largest_step(experiment: Experiment) -> float:
+    """Returns what the platform cannot exceed in a sample within its speed limit."""
+    robot = experiment.robot
+    # A convex function of both wheels, largest with both at the limit: straight ahead or turning.
+    step = experiment.reference.sample_time * robot.wheel_radius * experiment.speed_limit
+    step *= max(1.0, 1 / robot.half_track)
+    return step + largest_disturbance(experiment.disturbance.state)
 
 
 def largest_disturbance(source: Bounded, beside: Floats | float = 0.0) -> float:
