@@ -19,9 +19,10 @@ import numpy as np
 import hilc_cli as hilc
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.laws.law import Iteration
+from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, OptimalPlan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.norm_optimal.rectified import trajectory_inputs
 from hilc_cli.plants.kinematic import Robot, euler_step, limit_wheel_speeds, step_gains
 from hilc_cli.reference.sampled import Floats
@@ -35,11 +36,12 @@ SCENARIOS = {
     "spiral": ("fig3-spiral", "fig5-spiral"),
 }
 BELIEFS = {"exact": (1.0, 1.0), "R x 0.7, B x 1.3": (0.7, 1.3), "R x 1.3, B x 0.7": (1.3, 0.7)}
+_BELIEVED = Robot(1.0, 1.0)  # in the place of each experiment's
 SETTINGS = {
-    "default": NormOptimalParameters(),
-    "feedback: none": NormOptimalParameters(feedback="none"),
-    "identify: false": NormOptimalParameters(identify=False),
-    "identify: false, feedback: none": NormOptimalParameters(identify=False, feedback="none"),
+    "default": NormOptimalLaw(_BELIEVED),
+    "feedback: none": NormOptimalLaw(_BELIEVED, feedback="none"),
+    "identify: false": NormOptimalLaw(_BELIEVED, identify=False),
+    "identify: false, feedback: none": NormOptimalLaw(_BELIEVED, identify=False, feedback="none"),
 }
 NOISES = {
     "output 10 mm, 10 mrad": (0.0, 1e-2),
@@ -69,7 +71,7 @@ class Result:
 
 def learn(
     experiment: Experiment,
-    parameters: NormOptimalParameters,
+    law: NormOptimalLaw,
     shares: tuple[float, float],
     disturbance: Disturbance,
     iterations: int,
@@ -77,7 +79,7 @@ def learn(
     """Iteration 0 at rest, then so many learned ones."""
     reference, robot = experiment.reference, experiment.robot
     model = Robot(robot.wheel_radius * shares[0], robot.half_track * shares[1])
-    learner = NormOptimalLearner(parameters, reference, model, LIMIT)
+    learner = NormOptimalLearner(replace(law, model=model), reference, LIMIT)
     target = np.stack([reference.x, reference.y, reference.heading], axis=1)
     off = np.abs(target[0] - experiment.initial_pose).max() > 0
     first = reference.samples // 2 if off else 0
@@ -89,7 +91,8 @@ def learn(
         fastest = max(fastest, float(np.abs(applied).max()))
         if iteration < iterations:
             start = time.perf_counter()
-            plan = learner.next(measured, applied)
+            learner.learn(Iteration(*applied.T, *(target - measured).T))
+            plan = learner.plan()
             seconds += time.perf_counter() - start
     return Result(errors, fastest, seconds, None if plan is None else plan.merge_sample, poses)
 
@@ -112,8 +115,8 @@ def run(
     for k in range(n):
         x, y, heading = poses[k].tolist()
         if plan is not None:
-            error = plan.desired[k] - poses[k] - alpha[k]
-            left, right = (plan.feedforward[k] + plan.gains[k] @ error).tolist()
+            error = plan.poses[k] - poses[k] - alpha[k]
+            left, right = ([plan.left[k], plan.right[k]] + plan.feedback[k] @ error).tolist()
             applied[k] = limit_wheel_speeds(left, right, LIMIT)
         left, right = applied[k].tolist()
         cos, sin = math.cos(heading), math.sin(heading)
@@ -121,14 +124,14 @@ def run(
     return poses, poses + alpha, applied
 
 
-def cases(parameters: NormOptimalParameters, iterations: int) -> list[str]:
+def cases(law: NormOptimalLaw, iterations: int) -> list[str]:
     """A row of the table for each case."""
     rows = []
     for name, scenarios in SCENARIOS.items():
         for scenario, wrong in zip(scenarios, (False, True), strict=True):
             experiment = hilc.load_scenario(f"example:{scenario}").experiment()
             for belief, shares in BELIEFS.items():
-                result = learn(experiment, parameters, shares, Disturbance(), iterations)
+                result = learn(experiment, law, shares, Disturbance(), iterations)
                 shown = [result.errors[i] for i in (1, 2, 5, 10) if i <= iterations]
                 numbers = " | ".join(f"{1000 * error:.3g}" for error in shown)
                 rows.append(
@@ -164,8 +167,8 @@ def draw(path: Path) -> None:
         reference = experiment.reference
         axis.plot(reference.x[:260], reference.y[:260], color="0.6", lw=4, label="trajectory")
         for h, style in ((100, "--"), (200, "-")):
-            parameters = replace(SETTINGS["default"], h=h)
-            result = learn(experiment, parameters, (1.0, 1.0), Disturbance(), 1)
+            law = replace(SETTINGS["default"], h=h)
+            result = learn(experiment, law, (1.0, 1.0), Disturbance(), 1)
             x, y, _ = result.poses[:260].T
             axis.plot(x, y, style, color={100: "#d55e00", 200: "#0072b2"}[h], label=f"h = {h}")
         target = np.stack([reference.x, reference.y, reference.heading], axis=1)
@@ -212,10 +215,10 @@ def main() -> None:
             f"{name}: the trajectory asks for {demand:.1f} rad/s; the limit allows to be on it "
             f"from sample {earliest} on"
         )
-    for title, parameters in SETTINGS.items():
+    for title, law in SETTINGS.items():
         print(f"\n{title}: trajectory, start, belief, error [mm] after 1, 2, 5, 10 iterations,")
         print("merge sample, fastest wheel [rad/s], time of the law [s]")
-        print("\n".join(cases(parameters, arguments.iterations)), flush=True)
+        print("\n".join(cases(law, arguments.iterations)), flush=True)
     print(
         "\nnoise, R x 0.7 and B x 1.3, wrong start: error [mm], mean and worst of iterations 3..100"
     )

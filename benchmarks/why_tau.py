@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 
 import hilc_cli as hilc
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.batch import simulate_many
 from hilc_cli.engine.loop import simulate
-from hilc_cli.engine.many import simulate_many
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.theory.laws.hybrid_waves import HybridWaves, iteration_response

@@ -9,7 +9,7 @@ from hilc_cli.comparisons.comparing import (
     compare as compare,
 )
 from hilc_cli.drawing.looks import picture_look as picture_look
-from hilc_cli.engine.learning import Learning as Learning
+from hilc_cli.engine.experiment import Learning as Learning
 from hilc_cli.errors import HilcError as HilcError
 from hilc_cli.laws.law import Plan as Plan
 from hilc_cli.leaderboards.comparing import (

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
 
 from hilc_cli.wording import near_name, printable, shortened
 
@@ -48,6 +50,11 @@ class InvalidInputError(HilcError):
             lines.append(f"... and {len(self.problems) - MOST_PROBLEMS} more problems")
         super().__init__("\n".join(lines))
 
+    @classmethod
+    def of(cls, where: object, path: str, message: str) -> InvalidInputError:
+        """Returns the error of a single `Problem`."""
+        return cls([Problem(str(where), path, message)])
+
 
 class UsageError(HilcError):
     """The command line, or a call of the Python interface, asks for something that is not there."""
@@ -89,6 +96,18 @@ class MissingPackageError(UsageError):
         super().__init__(
             f"{option} needs the package {package}; pip install '.[{extra}]' in a checkout of hilc"
         )
+
+
+def needed(option: str, package: str, extra: str) -> Any:
+    """The package that an option needs.
+
+    Raises:
+        MissingPackageError: It is not installed.
+    """
+    try:
+        return import_module(package)
+    except ImportError:
+        raise MissingPackageError(option, package.partition(".")[0], extra) from None
 
 
 class MissingFileError(UsageError):

@@ -223,11 +223,7 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def write_file(path: Path, write: Callable[[Path], None]) -> None:
-    """Replaces a file as a whole.
-
-    Args:
-        path: The file.
-        write: Writes the content to the path that it is given.
+    """Replaces a file as a whole by what is written to the path that `write` is given.
 
     Raises:
         FileAccessError: The system refused; the old file is as it was.
@@ -321,7 +317,7 @@ def merge_folder(
                 if (
                     os.path.lexists(there)
                     and not may_replace(there)
-                    and not (or_same and _is_same(file, there))
+                    and not (or_same and is_same(file, there))
                 ):
                     raise ExistingResultsError(
                         f"{there}: exists; choose another folder with --out, "
@@ -334,7 +330,7 @@ def merge_folder(
             return [path / file.name for file in filled]
 
 
-def _is_same(one: Path, other: Path) -> bool:
+def is_same(one: Path, other: Path) -> bool:
     """Whether two files, of which the other may be anything, have the same content."""
     return other.is_file() and filecmp.cmp(one, other, shallow=False)
 

@@ -123,13 +123,7 @@ def installed(kind: Kind) -> list[str]:
 def packages_of(
     kind: Kind, names: Iterable[str], own: Container[str]
 ) -> dict[str, dict[str, str | None]]:
-    """Returns package and version of what is not hilc's own, by name, for manifests.
-
-    Args:
-        kind: What it is.
-        names: Names that have been found before.
-        own: The names of hilc's own.
-    """
+    """Returns package and version of names found before, but for hilc's own, for manifests."""
     found = {name: find(kind, name) for name in names if name not in own}
     return {
         name: {"package": each.distribution, "version": each.version}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 from hilc_cli.errors import ExistingResultsError, UsageError
@@ -98,7 +97,7 @@ def copy_examples(folder: Path, *, force: bool = False) -> list[Path]:
             )
         for path, content in files.items():
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_file(path, partial(_write_bytes, content))
+            write_file(path, lambda draft, content=content: draft.write_bytes(content))  # type: ignore[misc]
     return list(files)
 
 
@@ -106,7 +105,3 @@ def _differs(path: Path, content: bytes) -> bool:
     if not path.is_file() or path.stat().st_size != len(content):
         return True
     return path.read_bytes() != content
-
-
-def _write_bytes(content: bytes, path: Path) -> None:
-    path.write_bytes(content)

@@ -81,10 +81,6 @@ def check_law(model: type[Controller], parameters: Mapping[str, Any]) -> None:
 def experiment_of(model: type[Controller], parameters: Mapping[str, Any]) -> Experiment:
     """Returns a short experiment of a law: a robot that starts beside a bent path.
 
-    Args:
-        model: The class of its parameters.
-        parameters: Some that are valid.
-
     Raises:
         AssertionError: They are not valid, or make no law.
     """
@@ -98,12 +94,7 @@ def experiment_of(model: type[Controller], parameters: Mapping[str, Any]) -> Exp
 
 
 def says_its_parameters(model: type[Controller], parameters: Mapping[str, Any]) -> None:
-    """Makes sure that a law's parameters can be described, checked and written down.
-
-    Args:
-        model: The class of its parameters.
-        parameters: Some that are valid.
-    """
+    """Makes sure that a law's parameters can be described, checked and written down."""
     assert issubclass(model, Controller), f"{model.__name__} must be a subclass of Controller"
     limited = "b_w" in model.model_fields
     assert limited, "the parameters must have a field b_w, the speed limit of the wheels"
@@ -122,10 +113,7 @@ def is_deterministic(experiment: Experiment) -> None:
 
 def can_be_sent(experiment: Experiment) -> None:
     """Makes sure that a law does the same in another process: that it can be pickled."""
-    try:
-        law = pickle.loads(pickle.dumps(experiment.law))
-    except Exception as error:  # whatever pickling raises
-        raise AssertionError(f"the law must be data that can be pickled: {error}") from error
+    law = _sent(experiment.law, "law")
     message = "the law must give the same wheel speeds in another process"
     _assert_same(_driven(experiment), _driven(replace(experiment, law=law)), message)
 
@@ -172,11 +160,7 @@ def check_plant(model: type[RobotSpec], parameters: Mapping[str, Any]) -> None:
     plant = _valid(model, parameters).as_plant()
     assert isinstance(plant, Plant), f"as_plant must return a Plant, not {type(plant).__name__}"
     begins_each_pass_anew(plant)
-    try:
-        sent = pickle.loads(pickle.dumps(plant))
-    except Exception as error:  # whatever pickling raises
-        raise AssertionError(f"the plant must be data that can be pickled: {error}") from error
-    same = _poses(sent) == _poses(plant)
+    same = _poses(_sent(plant, "plant")) == _poses(plant)
     assert same, "the plant must give the same poses in another process"
     starts_from_the_pose_that_it_is_handed(plant)
     agrees_with_its_linearisation(plant)
@@ -241,6 +225,14 @@ def agrees_with_its_lane_gains(plant: Plant) -> None:
         pose = step(pose, left, right)
         message = "the plant must move as its lane_gains say, or have none"
         assert np.allclose(pose, expected, rtol=0, atol=1e-9), message
+
+
+def _sent(thing: Any, what: str) -> Any:
+    """Returns what another process would get."""
+    try:
+        return pickle.loads(pickle.dumps(thing))
+    except Exception as error:  # whatever pickling raises
+        raise AssertionError(f"the {what} must be data that can be pickled: {error}") from error
 
 
 def _poses(plant: Plant) -> list[Pose]:

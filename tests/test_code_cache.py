@@ -15,8 +15,8 @@ from typing import Any
 import numba
 import pytest
 
-from hilc_cli import code_cache
-from hilc_cli.code_cache import CodeCache
+from hilc_cli import compiling
+from hilc_cli.compiling import CodeCache
 
 SIGNATURE = (numba.int64,)
 Damage = Callable[[bytes], bytes]
@@ -49,7 +49,7 @@ def new_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], C
     monkeypatch.setattr(sys, "dont_write_bytecode", True)  # else it lies in the same folder
 
     def new() -> CodeCache:
-        code_cache._told.clear()
+        compiling._told.clear()
         return CodeCache(function_of(tmp_path / "small.py"))
 
     return new
@@ -178,7 +178,7 @@ def test_code_under_the_name_of_other_code_is_not_used(
     another = name.replace(".1.nbc", ".2.nbc")
     put(cache, {another: kept(cache)[name]})
     cache._cache_file._load_data(name)
-    with pytest.raises(code_cache._UnusableError, match="damaged"):
+    with pytest.raises(compiling._UnusableError, match="damaged"):
         cache._cache_file._load_data(another)
 
 

@@ -75,7 +75,8 @@ def sheets(make_run: MakeRun, look: Look) -> dict[str, Figure]:
     law = "Eq. 17, l1 1, l2 0, l3 0"
     pictures["transient"] = transient_figure("circle", FALLING, 3, runs[0], 0.1, law, look)
     rows = [row("a", runs[0]), row("b", other, SPEEDS)]
-    pictures["paper"] = sheet_figure("Figure 9. A title of some length", rows, look)
+    title, reading = "Figure 9. A title of some length", "Literal reading: the law as printed"
+    pictures["paper"] = sheet_figure(title, reading, rows, look)
     return pictures
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import hilc_cli as hilc
-from hilc_cli.engine.many import simulate_many
+from hilc_cli.engine.lanes.batch import simulate_many
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENARIOS = {  # of the paper's situations

@@ -25,14 +25,10 @@ def advice(theory: LawTheory) -> list[str]:
             which the linear theory speaks.
     """
     experiment, law = theory.experiment, theory.linear
-    found = [*_iterations(experiment), *_path(experiment), *_disturbances(experiment)]
+    found = [*_path(experiment), *_disturbances(experiment)]
+    if experiment.iterations == 0 and not experiment.learn_in_first:
+        found.insert(0, "iterations is 0: the first input is run, and nothing is learned")
     return found if law is None else found + law.advice()
-
-
-def _iterations(experiment: Experiment) -> list[str]:
-    if experiment.iterations > 0 or experiment.learn_in_first:
-        return []
-    return ["iterations is 0: the first input is run, and nothing is learned"]
 
 
 def _path(experiment: Experiment) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -96,11 +95,7 @@ def check(
         for picture in pictures:
             print_text(f"Written to {picture}")
     if found.failures:
-        _say_first(found.failures, "without -q" if quiet and not json else "in the report")
+        first, more = found.failures[0], len(found.failures) - 1
+        where = "without -q" if quiet and not json else "in the report"
+        say(f"{first} ({more} more {where})" if more else first)
         raise typer.Exit(WRONG)
-
-
-def _say_first(failures: Sequence[str], where: str) -> None:
-    """Says the first failure, and where the others stand."""
-    first, more = failures[0], len(failures) - 1
-    say(f"{first} ({more} more {where})" if more else first)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from enum import StrEnum
 from functools import partial
 from itertools import count
 from pathlib import Path
@@ -41,9 +42,28 @@ Bibtex = Annotated[
 ]
 
 
+class ReadingChoice(StrEnum):
+    """How the paper may be read."""
+
+    LITERAL = "literal"
+    DERIVATIVE = "derivative"
+    BOTH = "both"
+
+
+Readings = Annotated[
+    ReadingChoice,
+    typer.Option(
+        "--reading",
+        help="How the paper is read: its law and starts as printed, or with l1 acting on the "
+        "error and its derivative (tau = 0.1 s) and two starts taken for misprints.",
+    ),
+]
+
+
 def reproduce(
     context: typer.Context,
     figures: Figures = None,
+    reading: Readings = ReadingChoice.BOTH,
     out: options.OutputFolder = None,
     force: options.Force = False,
     formats: options.Formats = None,
@@ -64,9 +84,14 @@ def reproduce(
     Writes to runs/reproduce: the figures, the data of every panel, claims.md and claims.csv, and
     index.md that shows it all. Judging the claims takes the runs of all figures.
 
+    The paper is read twice, side by side: as printed (fig3-literal.png), and with a derivative in
+    its law, under which other claims hold (fig3-derivative.png). Neither is known to be what its
+    authors ran.
+
     \b
     Examples:
       hilc reproduce
+      hilc reproduce fig3 fig5 --reading derivative --out runs/second-reading
       hilc reproduce fig3 fig7 --format svg --out runs/two-figures
       hilc reproduce fig6 --format pdf --width 175mm --font "DejaVu Serif"
       hilc reproduce --bibtex >> thesis.bib
@@ -81,7 +106,7 @@ def reproduce(
     from hilc_cli.paper.reproducing import check_reproduction, reproduce
 
     look = options.picture_look(width, font, font_size, style, no_title)
-    plan = plan_reproduction(figures or [])
+    plan = plan_reproduction(figures or [], reading=reading.value)
     folder = out or Path("runs") / "reproduce"
     chosen = options.picture_formats(formats)
     check_reproduction(plan, folder, force=force)
@@ -114,10 +139,10 @@ def reproduce(
 
 def _stage(plan: ReproductionPlan, done: int) -> str:
     """What is going on after so many steps: runs, then claims, then figures."""
-    claims = done - len(plan.scenarios)
+    claims = done - plan.runs
     if claims < 0:
         return ": simulating"
-    if claims < len(plan.claims):
+    if claims < len(plan.claims) * len(plan.readings):
         # The first claims may wait some seconds for machine code.
         return ": judging claims (the first time, the engine is compiled)"
     return ": drawing"

@@ -24,7 +24,7 @@ from hilc_cli.reporting.terminal import (
 
 if TYPE_CHECKING:
     from hilc_cli.results.summary import Summary
-    from hilc_cli.runs.requirements import Requirement
+    from hilc_cli.runs.report import Requirement
     from hilc_cli.runs.running import Run
 
 
@@ -77,7 +77,7 @@ def run(
       hilc run my.yaml --json --no-plots --require max_position_error_m:le:0.05
     """
     from hilc_cli.cli.default_folders import default_folder
-    from hilc_cli.runs.requirements import parse_requirements
+    from hilc_cli.runs.report import parse_requirements
     from hilc_cli.runs.running import check_folder, load_scenario, run, warnings_before
 
     look = options.picture_look(width, font, font_size, style, no_title)

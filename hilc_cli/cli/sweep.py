@@ -6,29 +6,15 @@ import shlex
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from hilc_cli.cli import options
 from hilc_cli.cli.completion import complete_case_metric, complete_scenario, complete_varied_key
-from hilc_cli.cli.options import (
-    Font,
-    FontSize,
-    Force,
-    Json,
-    NoTitle,
-    OutputFolder,
-    Overrides,
-    Quiet,
-    Style,
-    Trust,
-    Verbose,
-    Version,
-    Width,
-    picture_look,
-)
 from hilc_cli.cli.session import Session
 from hilc_cli.errors import ExistingResultsError, UsageError
 
@@ -166,16 +152,16 @@ def sweep(
     tolerance: Tolerance = None,
     bands: Bands = False,
     metric: Metric = None,
-    set_: Overrides = None,
-    out: OutputFolder = None,
-    force: Force = False,
+    set_: options.Overrides = None,
+    out: options.OutputFolder = None,
+    force: options.Force = False,
     formats: Formats = None,
     no_plots: NoPlots = False,
-    width: Width = None,
-    font: Font = "",
-    font_size: FontSize = None,
-    style: Style = None,
-    no_title: NoTitle = False,
+    width: options.Width = None,
+    font: options.Font = "",
+    font_size: options.FontSize = None,
+    style: options.Style = None,
+    no_title: options.NoTitle = False,
     workers: Workers = None,
     scheduler: Scheduler = None,
     shard: Shard = None,
@@ -183,11 +169,11 @@ def sweep(
     resume: Resume = False,
     fail_fast: FailFast = False,
     dry_run: DryRun = False,
-    trust: Trust = False,
-    json: Json = False,
-    quiet: Quiet = False,
-    verbose: Verbose = False,
-    version: Version = False,
+    trust: options.Trust = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+    verbose: options.Verbose = False,
+    version: options.Version = False,
 ) -> None:
     """Run a scenario with many values, or search for the best ones.
 
@@ -236,7 +222,7 @@ def sweep(
         "force": force,
         "formats": chosen,
         "plots": not no_plots,
-        "look": picture_look(width, font, font_size, style, no_title),
+        "look": options.picture_look(width, font, font_size, style, no_title),
         "command": sys.argv,
         "go_on": session.go_on,
     }
@@ -253,7 +239,7 @@ def sweep(
             dry_run,
             set_,
         )
-        if any(option not in (None, False) for option in others):
+        if any(other not in (None, False) for other in others):
             raise UsageError(
                 "--merge takes the folders of all shards and no scenario, so that only --out, "
                 "--force, --json, -q and what is about pictures go with it"
@@ -311,7 +297,7 @@ def _compute_shard(
     place = shard_folder(folder, *part)
     cases = len(shard_cases(len(plan.cases), *part))
     with _resumable(place), report.progress(plan, cases) as on_cases:
-        how = how.telling(on_cases)
+        how = replace(how, on_cases=on_cases)
         failures = sweep_shard(plan, part, place, how, resume=resume, force=force)
     report.shard(plan, part, failures, place)
 
@@ -338,7 +324,7 @@ def _compute(
         return
     with _resumable(work):
         with report.progress(plan, len(plan.cases)) as on_cases:
-            how = how.telling(on_cases)
+            how = replace(how, on_cases=on_cases)
             result = sweep(plan, how, work_folder=work, resume=resume, force=writing["force"])
         result.write(folder, **writing)
     if not result.failures:

@@ -7,13 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from hilc_cli.comparisons.formats import FILES, WRITERS
 from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
 from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
-from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRICS
 from hilc_cli.results.run import RunData, distinct_names
@@ -142,17 +139,13 @@ def compare_runs(runs: Sequence[RunData], rows: Sequence[str] = ()) -> Compariso
     columns = chosen_columns(rows)
     if len(runs) < 2:
         raise UsageError(f"a comparison needs at least two runs, got {len(runs)}")
-    groups: list[Reference] = []
+    groups: dict[tuple[float, bytes], int] = {}  # of what is asked of a robot, sample by sample
     found = []
     for run, name in zip(runs, distinct_names([run.name for run in runs]), strict=True):
         if len(run.metrics) == 0:
             raise UsageError(f"{name}: has no completed iteration, so there is nothing to compare")
-        group = next(
-            (number for number, other in enumerate(groups) if _is_same(run.reference, other)),
-            len(groups),
-        )
-        if group == len(groups):
-            groups.append(run.reference)
+        asked = run.reference.sample_time, (run.reference.poses + 0.0).tobytes()  # -0 is 0
+        group = groups.setdefault(asked, len(groups))
         values = _values(run, name)
         chosen = tuple(values[column.name] for column in columns)
         found.append(Row(chosen, group, may_be_best=run.diverged_at is None))
@@ -179,14 +172,6 @@ def _values(run: RunData, name: str) -> dict[str, Value]:
     }
 
 
-def _is_same(one: Reference, other: Reference) -> bool:
-    """Whether two references ask the same of a robot, sample by sample."""
-    return one.sample_time == other.sample_time and all(
-        np.array_equal(a, b)
-        for a, b in ((one.x, other.x), (one.y, other.y), (one.heading, other.heading))
-    )
-
-
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Comparison:
     """Several runs, and what tells them apart.
@@ -203,11 +188,7 @@ class Comparison:
         return f"Comparison of {len(self.runs)} runs: {listed(run.name for run in self.runs)}"
 
     def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
-        """The tables that are printed.
-
-        Args:
-            everything: Makes no difference: there is one.
-        """
+        """The tables that are printed; there is one, whether everything is asked for or not."""
         return [self.table]
 
     def document(self) -> dict[str, Any]:

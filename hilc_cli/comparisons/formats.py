@@ -10,14 +10,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from hilc_cli.comparisons.latex import latex_escaped, latex_settings, latex_title
-from hilc_cli.comparisons.table import Column, ComparisonTable, Value
+from hilc_cli.comparisons.table import Column, ComparisonTable
 from hilc_cli.reporting.terminal import is_decorated, print_table, print_text
 from hilc_cli.results.tables import text_cell
 from hilc_cli.wording import printable
 
 if TYPE_CHECKING:
     from rich.console import Group
-    from rich.text import Text
 
 MOST_SIDE_BY_SIDE = 4
 """The most rows of a table that stand side by side on a page; more stand below each other."""
@@ -91,7 +90,13 @@ def side_by_side(table: ComparisonTable) -> Grid:
         heads=(("", *(row[head].text for row in cells)),),
         at_right=(False, *(True for _ in cells)),
         rows=tuple(
-            (Cell(_title(column), is_title=True), *(row[place] for row in cells))
+            (
+                Cell(
+                    f"{column.title} [{column.unit}]" if column.unit else column.title,
+                    is_title=True,
+                ),
+                *(row[place] for row in cells),
+            )
             for place, column in zip(others, columns, strict=True)
         ),
     )
@@ -169,17 +174,16 @@ def _head(column: Column, *, with_unit: bool) -> tuple[str, ...]:
     return ("",) * (3 - len(words)) + tuple(words)
 
 
-def _title(column: Column) -> str:
-    return f"{column.title} [{column.unit}]" if column.unit else column.title
-
-
 _MARKDOWN = str.maketrans({character: f"\\{character}" for character in "\\`*_<>|#~&$"})
 
 
 def csv_text(table: ComparisonTable) -> str:
     """The stored values under machine names; numbers read back exactly, no value is no text."""
     rows = [[text_cell(column.name) for column in table.columns]]
-    rows += [[_stored(value) for value in row.values] for row in table.rows]
+    rows += [
+        [text_cell(v) if isinstance(v, str) else "" if v is None else repr(v) for v in row.values]
+        for row in table.rows
+    ]
     return "".join(f"{','.join(cells)}\n" for cells in rows)
 
 
@@ -230,24 +234,14 @@ FILES: Mapping[str, str] = {
 """The file that holds it."""
 
 
-def _stored(value: Value) -> str:
-    if value is None:
-        return ""
-    return text_cell(value) if isinstance(value, str) else repr(value)
-
-
 def _markdown_grid(grid: Grid) -> str:
     heads = [" ".join(filter(None, lines)) for lines in zip(*grid.heads, strict=True)]
     rules = ["---:" if right else "---" for right in grid.at_right]
-    rows = [[_markdown_cell(cell) for cell in row] for row in grid.rows]
+    texts = [[(_markdown(cell.text), cell.is_best) for cell in row] for row in grid.rows]
+    rows = [[f"**{text}**" if best else text for text, best in row] for row in texts]
     lines = [[_markdown(head) for head in heads], rules, *rows]
     table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
     return f"**{_markdown(grid.title)}**\n\n{table}" if grid.title else table
-
-
-def _markdown_cell(cell: Cell) -> str:
-    text = _markdown(cell.text)
-    return f"**{text}**" if cell.is_best else text
 
 
 def _markdown(text: str) -> str:
@@ -339,13 +333,7 @@ def _rich_table(grid: Grid, title: str) -> Group:
         head = Text("\n".join(f"{line} " for line in lines))
         table.add_column(head, justify="right" if right else "left", no_wrap=right, overflow="fold")
     for row in grid.rows:
-        table.add_row(*map(_rich_cell, row))
+        marks = [(_BEST, "bold") if cell.is_best else (" ", "") for cell in row]
+        cells = zip(row, marks, strict=True)
+        table.add_row(*(Text(f"{cell.text}{mark}", style=style) for cell, (mark, style) in cells))
     return Group(Text(title, style="bold"), table)  # the title may be the wider one
-
-
-def _rich_cell(cell: Cell) -> Text:
-    from rich.text import Text
-
-    if cell.is_best:
-        return Text(f"{cell.text}{_BEST}", style="bold")
-    return Text(f"{cell.text} ")

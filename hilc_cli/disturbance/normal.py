@@ -190,10 +190,5 @@ def far_quantile(centre: Number, depth: Number) -> Number:
 
 
 def quantile(centre: Number, depth: Number) -> Number:
-    """The standard normal number for a probability, to about 1e-15 relative, near or far.
-
-    Args:
-        centre: Probability between 0 and the number, with the number's sign.
-        depth: `depth` of the probability beyond the number, which is at least SMALLEST_TAIL.
-    """
+    """The standard normal number, near or far, as `near_quantile` and `far_quantile` have it."""
     return chosen(depth > NEAR, far_quantile(centre, depth), near_quantile(centre, depth))

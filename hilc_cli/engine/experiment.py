@@ -1,14 +1,21 @@
-"""What an engine runs: reference, plant, law, disturbance. It knows nothing of files."""
+"""What an engine runs, and its learning, pass by pass, whoever drives: an engine or a robot.
+
+It knows nothing of files.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from hilc_cli.disturbance.streams import Disturbance, Triple
-from hilc_cli.laws.law import Law
+from hilc_cli.errors import UsageError
+from hilc_cli.laws.law import Figures, Iteration, Law, Plan, Task
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.plant import Plant
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.trial import Trial
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,3 +51,85 @@ class Experiment:
     def robot(self) -> Robot:
         """The true platform."""
         return self.plant.robot
+
+
+class Learning:
+    """A law at work: a plan, the trial that came of it, the next plan, and so on.
+
+    Attributes:
+        reference: The trajectory that is to be followed.
+    """
+
+    def __init__(self, experiment: Experiment) -> None:
+        self.reference = experiment.reference
+        self._speed_limit = experiment.speed_limit
+        task = Task(
+            experiment.reference,
+            experiment.initial_left,
+            experiment.initial_right,
+            experiment.speed_limit,
+        )
+        self._learner = experiment.law.learner(task)
+        self._plan = None if experiment.learn_in_first else task.first_plan
+
+    def plan(self) -> Plan:
+        """Returns what to send next, within the speed limit; the same until a trial is learned.
+
+        Its feedback, if it has one, still answers beyond the limit.
+        """
+        return self.unlimited_plan().within(self._speed_limit)
+
+    def unlimited_plan(self) -> Plan:
+        """Returns the plan as the law made it: whoever applies it sees where the limit acts."""
+        if self._plan is None:
+            # On the way to divergence products overflow; that shows in the state they lead to.
+            with np.errstate(over="ignore", invalid="ignore"):
+                self._plan = self._learner.plan()
+        return self._plan
+
+    def learn(self, trial: Trial) -> Figures:
+        """Learns from a trial, whether its wheel speeds came from a plan of here or not.
+
+        Args:
+            trial: The measured poses x [m], y [m] and heading [rad, not wrapped], shape (n + 1,)
+                each, and the wheel speeds that were sent [rad/s], shape (n,) each.
+
+        Returns:
+            What the law has to tell of it, by column of ``learning.csv``.
+
+        Raises:
+            UsageError: An array has another length than the trajectory asks for, or is not finite.
+        """
+        _check(trial, self.reference)
+        return self.take_in(trial)
+
+    def take_in(self, trial: Trial) -> Figures:
+        """Learns from a trial whatever it holds: an engine notices divergence by itself."""
+        reference = self.reference
+        measured = Iteration(
+            trial.left,
+            trial.right,
+            reference.x - trial.x,
+            reference.y - trial.y,
+            reference.heading - trial.heading,
+        )
+        self._plan = None
+        with np.errstate(over="ignore", invalid="ignore"):
+            return self._learner.learn(measured)
+
+
+def _check(trial: Trial, reference: Reference) -> None:
+    """Raises what `Learning.learn` raises."""
+    n = reference.samples
+    arrays: list[tuple[str, Floats, int]] = [
+        *((name, getattr(trial, name), n + 1) for name in ("x", "y", "heading")),
+        *((name, getattr(trial, name), n) for name in ("left", "right")),
+    ]
+    for name, values, length in arrays:
+        if np.shape(values) != (length,):
+            raise UsageError(
+                f"{name} of the trial must have {length} numbers for the {n} samples of "
+                f"{reference.name!r}, got shape {np.shape(values)}"
+            )
+        if not np.isfinite(values).all():
+            raise UsageError(f"{name} of the trial must be finite")

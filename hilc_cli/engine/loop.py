@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.learning import Learning
+from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import WheelController
 from hilc_cli.plants.kinematic import limit_wheel_speeds
@@ -69,31 +68,23 @@ def _run_iteration(
     rights: list[float] = []
     saturated = 0
     for k in range(steps):
-        try:
-            cos, sin = math.cos(heading), math.sin(heading)
-        except ValueError as error:  # Python's "math domain error" of an infinite heading
-            raise DivergedError(iteration) from error
-        if output_noise is None:
-            left, right = controller(
-                k,
-                cos,
-                sin,
-                desired_x[k] - x,
-                desired_y[k] - y,
-                desired_heading[k] - heading,
-            )
-        else:
+        seen_x, seen_y, seen_heading = x, y, heading
+        if output_noise is not None:
             # Eq. 11: the controller sees y = q + alpha, its gain heading included.
             noise_x, noise_y, noise_heading = output_noise[k]
-            measured = heading + noise_heading
-            left, right = controller(
-                k,
-                math.cos(measured),
-                math.sin(measured),
-                desired_x[k] - (x + noise_x),
-                desired_y[k] - (y + noise_y),
-                desired_heading[k] - measured,
-            )
+            seen_x, seen_y, seen_heading = x + noise_x, y + noise_y, heading + noise_heading
+        try:
+            cos, sin = math.cos(seen_heading), math.sin(seen_heading)
+        except ValueError as error:  # Python's "math domain error" of an infinite heading
+            raise DivergedError(iteration) from error
+        left, right = controller(
+            k,
+            cos,
+            sin,
+            desired_x[k] - seen_x,
+            desired_y[k] - seen_y,
+            desired_heading[k] - seen_heading,
+        )
         limited_left, limited_right = limit_wheel_speeds(left, right, speed_limit)  # Eq. 25
         if limited_left != left or limited_right != right:
             saturated += 1

@@ -21,35 +21,6 @@ from hilc_cli.yaml_input.quantities import (
 )
 
 
-def tracking_twist(
-    speed: float,
-    yaw_rate: float,
-    ahead: Number,
-    aside: Number,
-    turned: tuple[Number, Number],
-    gains: tuple[float, float, float],
-) -> tuple[Number, Number]:
-    """Forward speed [m/s] and yaw rate [rad/s] that bring a platform back to its reference.
-
-    Args:
-        speed: v_r of the reference [m/s].
-        yaw_rate: omega_r of the reference [rad/s].
-        ahead: Error along the platform's heading [m].
-        aside: Error to its left [m].
-        turned: Cosine and sine of the heading's error, computed by the caller its own way.
-        gains: K_x [1/s], K_y [rad/m^2] and K_theta [rad/m].
-
-    Source:
-        Kanayama, Kimura, Miyazaki and Noguchi 1990, A stable tracking control method for an
-        autonomous mobile robot.
-    """
-    k_x, k_y, k_theta = gains
-    return (
-        speed * turned[0] + k_x * ahead,
-        yaw_rate + speed * (k_y * aside + k_theta * turned[1]),
-    )
-
-
 @dataclass(frozen=True, slots=True)
 class FeedbackLaw:
     """The tracking controller of Kanayama et al. 1990; iterations do not depend on each other.
@@ -105,15 +76,15 @@ class FeedbackLaw:
             heading: Cosine and sine of the measured heading.
             error: Measured error in x and y [m].
             turned: Cosine and sine of the measured heading error.
+
+        Source:
+            Kanayama, Kimura, Miyazaki and Noguchi 1990, A stable tracking control method for an
+            autonomous mobile robot.
         """
-        (cos, sin), (error_x, error_y) = heading, error
-        speed, yaw_rate = tracking_twist(
-            *twist,
-            cos * error_x + sin * error_y,
-            cos * error_y - sin * error_x,
-            turned,
-            (self.k_x, self.k_y, self.k_theta),
-        )
+        (cos, sin), (error_x, error_y), (v_r, w_r) = heading, error, twist
+        ahead, aside = cos * error_x + sin * error_y, cos * error_y - sin * error_x
+        speed = v_r * turned[0] + self.k_x * ahead
+        yaw_rate = w_r + v_r * (self.k_y * aside + self.k_theta * turned[1])
         model = self.model
         return wheel_speeds_from_twist(speed, yaw_rate, model.wheel_radius, model.signed_half_track)
 

@@ -7,9 +7,9 @@ and the sine of the heading: Eqs. 45, 56 and 57.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
@@ -163,10 +163,6 @@ def gain_matrix(choice: Named | Rows, model: Robot) -> GainMatrix:
     A matrix written out is taken as it is written: first row left wheel, second row right wheel,
     in either turn convention.
 
-    Args:
-        choice: What the scenario says.
-        model: The platform as the controller believes it to be.
-
     Raises:
         PydanticCustomError: An entry is no expression affine in cos and sin, or not finite.
     """
@@ -219,46 +215,22 @@ def _entry(entry: object, names: Mapping[str, Affine], at: tuple[int, int]) -> A
     return number
 
 
+def _lists_of(count: int, items: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "array", "minItems": count, "maxItems": count, "items": items}
+
+
 _EXPRESSION = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 GainMatrixChoice = Annotated[
     Named | Rows,
     PlainValidator(_validate),
     PlainSerializer(lambda choice: choice if isinstance(choice, str) else list(map(list, choice))),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"enum": list(_NAMED)},
-                {
-                    "type": "array",
-                    "minItems": 2,
-                    "maxItems": 2,
-                    "items": {
-                        "type": "array",
-                        "minItems": 3,
-                        "maxItems": 3,
-                        "items": _EXPRESSION,
-                    },
-                },
-            ]
-        }
-    ),
+    WithJsonSchema({"anyOf": [{"enum": list(_NAMED)}, _lists_of(2, _lists_of(3, _EXPRESSION))]}),
     Field(description="model: Eq. 45; unit: Eq. 56; or 2x3 entries affine in cos and sin"),
 ]
 
 
-PastErrors = tuple[Floats, Floats, Floats]
+PastErrors = Sequence[Floats]
 """Weighted errors in x, y and heading, shape (n,) each."""
-
-
-def per_component(formula: Callable[[Floats], Floats], previous: Iteration) -> PastErrors:
-    """A formula over each component of the previous iteration's error.
-
-    Args:
-        formula: From errors, shape (n + 1,), to weighted errors, shape (n,).
-        previous: The previous iteration.
-    """
-    return formula(previous.error_x), formula(previous.error_y), formula(previous.error_heading)
-
 
 GainHeading = Literal["measured", "previous", "reference"]
 

@@ -19,7 +19,6 @@ from hilc_cli.laws.gain_matrix import (
     corrected_plan,
     gain_matrix,
     matrix_misfits,
-    per_component,
     wheel_correction,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
@@ -193,20 +192,18 @@ class HybridLaw:
 
     def _learned(self, previous: Iteration, reference: Reference) -> PastErrors:
         """The errors of Eq. 17 where it has no feedback."""
-        return per_component(
-            lambda error: learned_error(self.l1, self.ahead(error, reference), 0.0, 0.0, 0.0, 0.0),
-            previous,
-        )
+        return [
+            learned_error(self.l1, self.ahead(error, reference), 0.0, 0.0, 0.0, 0.0)
+            for error in previous.errors
+        ]
 
     def _compensated(self, previous: Iteration, reference: Reference) -> PastErrors:
         """The errors of Eq. 21."""
         weights = self.compensations(reference)
-        return per_component(
-            lambda error: compensated_error(
-                self.l1, self.ahead(error, reference), weights, error[0]
-            ),
-            previous,
-        )
+        return [
+            compensated_error(self.l1, self.ahead(error, reference), weights, error[0])
+            for error in previous.errors
+        ]
 
     def _with_feedback(self, previous: Iteration, reference: Reference) -> WheelController:
         """Eq. 17 in full."""
@@ -214,8 +211,7 @@ class HybridLaw:
         l1, l2, l3 = self.l1, self.l2, self.l3
         left, right = previous.left.tolist(), previous.right.tolist()
         next_x, next_y, next_heading = (
-            self.ahead(error, reference).tolist()
-            for error in (previous.error_x, previous.error_y, previous.error_heading)
+            self.ahead(error, reference).tolist() for error in previous.errors
         )
         before_x = before_y = before_heading = 0.0  # e_{i+1}(-1) = 0
 

@@ -50,6 +50,11 @@ class Iteration:
     error_y: Floats
     error_heading: Floats
 
+    @property
+    def errors(self) -> tuple[Floats, Floats, Floats]:
+        """The errors in x, y and heading."""
+        return self.error_x, self.error_y, self.error_heading
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
@@ -119,12 +124,6 @@ class Task:
     speed_limit: float
 
     @property
-    def before_first(self) -> Iteration:
-        """What stands for the iteration before the first: u_0, and no error."""
-        none = np.zeros(self.reference.samples + 1)
-        return Iteration(self.initial_left, self.initial_right, none, none, none)
-
-    @property
     def first_plan(self) -> Plan:
         """The plan that sends u_0 as it is."""
         return Plan(self.initial_left, self.initial_right, self.reference.poses)
@@ -162,7 +161,8 @@ class LastIteration:
 
     def __init__(self, task: Task, after: Callable[[Iteration], Plan]) -> None:
         """Begins with what makes a plan of the iteration before."""
-        self._last = task.before_first
+        none = np.zeros(task.reference.samples + 1)  # u_0, and no error, stands for one before
+        self._last = Iteration(task.initial_left, task.initial_right, none, none, none)
         self._after = after
 
     def plan(self) -> Plan:

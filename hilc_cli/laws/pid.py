@@ -14,11 +14,9 @@ from hilc_cli.laws.gain_matrix import (
     GainHeading,
     GainMatrix,
     GainMatrixChoice,
-    PastErrors,
     corrected_plan,
     gain_matrix,
     matrix_misfits,
-    per_component,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
 from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
@@ -201,10 +199,13 @@ class PidLaw:
         reference = task.reference
         left = self._remembered(previous.left, task.initial_left)
         right = self._remembered(previous.right, task.initial_right)
-        past = self._weighted(previous, reference.samples, reference.sample_time)
+        pulse = self.pulse(reference.samples, reference.sample_time)
+        past = [
+            weighted_error(self.gains, error, pulse, reference.sample_time)
+            for error in previous.errors
+        ]
         if smoothed is not None:
-            left, right, *errors = smoothed(np.stack([left, right, *past]))
-            past = errors[0], errors[1], errors[2]
+            left, right, *past = smoothed(np.stack([left, right, *past]))
         coefficients = self.matrix.coefficients
         return corrected_plan(
             coefficients, (left, right), past, self.gain_heading, previous, reference
@@ -214,12 +215,6 @@ class PidLaw:
         if self.forgetting == 0:
             return learned  # to the bit
         return (1 - self.forgetting) * learned + self.forgetting * initial
-
-    def _weighted(self, previous: Iteration, steps: int, sample_time: float) -> PastErrors:
-        pulse = self.pulse(steps, sample_time)
-        return per_component(
-            lambda error: weighted_error(self.gains, error, pulse, sample_time), previous
-        )
 
 
 class PidGains(Model):
@@ -283,27 +278,26 @@ class PidController(Controller):
 
     def in_short(self, setting: Setting) -> str:
         """What is not 0, for a title."""
+        return ", ".join(["pid", *(text for value, text in self._parts() if value)])
+
+    def _parts(self) -> list[tuple[float | None, str]]:
+        """The numbers that shape the learning, each in words."""
         gains = self.gains
-        parts = [
+        return [
             (gains.kp, f"kp {gains.kp:g}"),
             (gains.ki, f"ki {gains.ki:g} 1/s"),
             (gains.kd, f"kd {gains.kd:g} s"),
             (self.forgetting, f"forgetting {self.forgetting:g}"),
             (self.cutoff, f"cut-off {self.cutoff:g} Hz" if self.cutoff else ""),
         ]
-        return ", ".join(["pid", *(text for value, text in parts if value)])
 
     def in_words(self, setting: Setting) -> str:
         """All gains, and what else shapes the learning."""
-        gains = self.gains
-        words = f"PID-type learning; kp {gains.kp:g}, ki {gains.ki:g} 1/s, kd {gains.kd:g} s"
-        if self.forgetting:
-            words += f", forgetting {self.forgetting:g}"
-        if self.cutoff is not None:
-            words += f", cut-off {self.cutoff:g} Hz"
+        every = ", ".join(text for _, text in self._parts()[:3])
+        more = [text for value, text in self._parts()[3:] if value]
         if self.rectifying == "on":
-            words += f", rectifying over {default_length(self.h, setting.reference)} samples"
-        return words
+            more.append(f"rectifying over {default_length(self.h, setting.reference)} samples")
+        return ", ".join([f"PID-type learning; {every}", *more])
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import reduce
 from importlib import import_module
 from operator import or_
@@ -71,21 +71,8 @@ def controller_model(data: object) -> type[Controller] | None:
         return None
 
 
-def packages_of(laws: Iterable[str]) -> dict[str, dict[str, str | None]]:
-    """Returns package and version of laws that are not hilc's own, by name, for manifests.
-
-    Args:
-        laws: Names of laws that have been found before.
-    """
-    return plug_ins.packages_of("law", laws, OWN)
-
-
 def _named(law: object) -> type[Controller]:
-    """The model of a law.
-
-    Raises:
-        PlugInError: There is no such law, or it must not or cannot be imported.
-    """
+    """The model of a law; raises PlugInError where there is none that may be imported."""
     name = law if isinstance(law, str) else ""
     if name in CONTROLLERS:
         return CONTROLLERS[name]

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
 from hilc_cli.comparisons.table import ComparisonTable, Value
 from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
-from hilc_cli.leaderboards.contests import Contests, LeaderboardData, compute_entries
+from hilc_cli.leaderboards.contests import LeaderboardData, compete, compute_entries
 from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
@@ -61,11 +62,7 @@ class LawComparison:
         return entries_table(self.data)
 
     def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
-        """The tables that are printed.
-
-        Args:
-            everything: The table of all runs too.
-        """
+        """The tables that are printed; with everything that of all runs, too."""
         tables = [*self.laws.values(), self.settings]
         return [*tables, self.entries] if everything else tables
 
@@ -150,7 +147,7 @@ class LawComparison:
             Path(folder),
             fill,
             manifest,
-            lambda there: _check(there, self.checksum, force=force),
+            lambda there: LEADERBOARD_FOLDER.check_checksum(there, self.checksum, force=force),
         )
 
 
@@ -162,11 +159,7 @@ def check_leaderboard_output(
     Raises:
         ExistingResultsError: The folder holds another leaderboard, or is no leaderboard folder.
     """
-    _check(Path(folder), leaderboard.checksum(), force=force)
-
-
-def _check(folder: Path, checksum: str, *, force: bool) -> None:
-    LEADERBOARD_FOLDER.check(folder, lambda there: there.get("checksum") == checksum, force=force)
+    LEADERBOARD_FOLDER.check_checksum(Path(folder), leaderboard.checksum(), force=force)
 
 
 def compare_laws(
@@ -193,8 +186,9 @@ def compare_laws(
         leaderboard = load_leaderboard(leaderboard)
     started, clock = datetime.now(UTC), time.perf_counter()
     spec = leaderboard.spec
-    contests = Contests(tuple(leaderboard.contests()), spec.after, spec.tolerance)
-    entries = compute_entries(contests, workers or available_cores(), on_runs, go_on)
+    contests = list(leaderboard.contests())
+    work = partial(compete, after=spec.after, tolerance=spec.tolerance)
+    entries = compute_entries(contests, work, workers or available_cores(), on_runs, go_on)
     return LawComparison(
         LeaderboardData(spec.name, spec.after, spec.tolerance, entries),
         leaderboard.checksum(),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,14 @@ from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.errors import DivergedError, HilcError
 from hilc_cli.leaderboards.plan import Contest
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import first_within, settled_at, share_within
+from hilc_cli.results.metrics import (
+    MAX_ERROR,
+    MAX_ERROR_SECOND_HALF,
+    MetricsTable,
+    first_within,
+    settled_at,
+    share_within,
+)
 from hilc_cli.wording import in_short, listed
 from hilc_cli.workers.crews import Alone, Crew, Processes, hand_out
 
@@ -118,26 +125,7 @@ class FailedContestError(HilcError):
     """A run of a leaderboard could not be computed."""
 
 
-@dataclass(frozen=True, slots=True)
-class Contests:
-    """All runs of a leaderboard: what a worker gets, and does.
-
-    Attributes:
-        runs: The runs.
-        after: Numbers of iterations after which errors are told.
-        tolerance: Largest error that counts as reached [m].
-    """
-
-    runs: tuple[Contest, ...]
-    after: tuple[int, ...]
-    tolerance: float
-
-    def __call__(self, number: int) -> Entry:
-        """The entry of a run."""
-        return compete(self.runs[number], self.after, self.tolerance)
-
-
-def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
+def compete(contest: Contest, after: Sequence[int], tolerance: float) -> Entry:
     """Runs one law in one case.
 
     Where all iterations are the same, since nothing is learned and nothing disturbed, one is run
@@ -153,43 +141,41 @@ def compete(contest: Contest, after: Iterable[int], tolerance: float) -> Entry:
     same = not law.learns and not disturbance.active
     _warm_up(experiment)
     start = time.process_time()
-    found = _errors(replace(experiment, iterations=0) if same else experiment)
+    metrics, diverged_at = _measured(replace(experiment, iterations=0) if same else experiment)
     seconds = time.process_time() - start
-    ran = len(found.max_m)
+    ran = len(metrics)
     if ran == 0:
         raise DivergedError(0)
-    wanted = list(after)
 
-    def whole(errors: list[float]) -> Floats:
+    def whole(metric: str) -> Floats:
         """Errors of all iterations: infinite where diverged, the last where all are alike."""
-        last = errors[-1] if found.diverged_at is None else math.inf
-        return np.array(errors + [last] * (experiment.iterations + 1 - ran))
+        last = metrics[metric][-1] if diverged_at is None else math.inf
+        return np.append(metrics[metric], [last] * (experiment.iterations + 1 - ran))
 
-    def told(errors: list[float]) -> tuple[float, ...]:
-        return tuple(whole(errors)[wanted].tolist())
-
-    largest, path = whole(found.max_m), whole(found.whole_m)
+    largest, path = whole(MAX_ERROR_SECOND_HALF), whole(MAX_ERROR)
+    mean, wanted = whole("mean_position_error_second_half_m"), list(after)
     return Entry(
         contest.case,
         contest.belief,
         contest.disturbance,
         contest.law,
-        told(found.max_m),
-        told(found.mean_m),
-        told(found.whole_m),
+        tuple(largest[wanted].tolist()),
+        tuple(mean[wanted].tolist()),
+        tuple(path[wanted].tolist()),
         first_within(largest, tolerance),
         share_within(largest, tolerance),
         settled_at(largest, tolerance),
         float(path[1:].max()) if len(path) > 1 else None,
-        found.fastest,
+        float(metrics["max_wheel_speed_rad_s"].max()),
         contest.scenario.speed_limit,
-        found.diverged_at,
+        diverged_at,
         seconds / ran,
     )
 
 
 def compute_entries(
-    contests: Contests,
+    contests: Sequence[Contest],
+    work: Callable[[Contest], Entry],
     workers: int,
     on_runs: Callable[[int], None] = lambda runs: None,
     go_on: Callable[[], None] = lambda: None,
@@ -198,6 +184,7 @@ def compute_entries(
 
     Args:
         contests: The runs.
+        work: Makes the entry of one.
         workers: How many processes.
         on_runs: Told how many runs are done, each time there are more.
         go_on: Called now and then; may raise to stop.
@@ -209,48 +196,30 @@ def compute_entries(
         FailedContestError: A run cannot be computed.
         WorkersError: Processes cannot be started.
     """
-    numbers = range(len(contests.runs))
-    crew: Crew[int, Entry] = (
-        Alone(contests) if workers == 1 else Processes(contests, min(workers, len(numbers)))
+    crew: Crew[Contest, Entry] = (
+        Alone(work) if workers == 1 else Processes(work, min(workers, len(contests)))
     )
-    entries: dict[int, Entry] = {}
+    entries: dict[Contest, Entry] = {}
     try:
-        for outcome in hand_out(numbers, crew, go_on):
+        for outcome in hand_out(contests, crew, go_on):
+            contest = outcome.piece
             if outcome.result is None:
-                raise _failed(contests.runs[outcome.piece], outcome.reason) from outcome.error
-            entries[outcome.piece] = outcome.result
+                where = f"law {contest.law}, case {contest.case}, belief {contest.belief}"
+                where += f", disturbance {contest.disturbance}"
+                raise FailedContestError(f"{where}: {outcome.reason}") from outcome.error
+            entries[contest] = outcome.result
             on_runs(len(entries))
     finally:
         crew.dismiss()
-    return tuple(entries[number] for number in numbers)
+    return tuple(entries[contest] for contest in contests)
 
 
-def _failed(contest: Contest, reason: str) -> FailedContestError:
-    where = f"case {contest.case}, belief {contest.belief}, disturbance {contest.disturbance}"
-    return FailedContestError(f"law {contest.law}, {where}: {reason}")
-
-
-@dataclass(slots=True)
-class _Errors:
-    """Errors by iteration, and what else is looked at in all of them."""
-
-    max_m: list[float]
-    mean_m: list[float]
-    whole_m: list[float]
-    fastest: float = 0.0
-    diverged_at: int | None = None
-
-
-def _errors(experiment: Experiment) -> _Errors:
-    trials = MeasuredTrials(experiment)
-    found = _Errors([], [], [])
-    for _, metrics in trials:
-        found.max_m.append(metrics["max_position_error_second_half_m"])
-        found.mean_m.append(metrics["mean_position_error_second_half_m"])
-        found.whole_m.append(metrics["max_position_error_m"])
-        found.fastest = max(found.fastest, metrics["max_wheel_speed_rad_s"])
-    found.diverged_at = trials.diverged_at
-    return found
+def _measured(experiment: Experiment) -> tuple[MetricsTable, int | None]:
+    """Metrics of each iteration, and the iteration that left the finite numbers, if one did."""
+    trials, metrics = MeasuredTrials(experiment), MetricsTable()
+    for _, row in trials:
+        metrics.append(row)
+    return metrics, trials.diverged_at
 
 
 _WARM: set[type[object]] = set()
@@ -261,5 +230,5 @@ which would count as their time."""
 def _warm_up(experiment: Experiment) -> None:
     kind = type(experiment.law)
     if kind not in _WARM:
-        _errors(replace(experiment, iterations=min(2, experiment.iterations)))
+        _measured(replace(experiment, iterations=min(2, experiment.iterations)))
         _WARM.add(kind)

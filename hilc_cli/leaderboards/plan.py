@@ -6,15 +6,16 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
-from hilc_cli.laws.registry import ControllerSpec, packages_of
+from hilc_cli.laws.registry import OWN, ControllerSpec
 from hilc_cli.plants.kinematic import Robot
-from hilc_cli.plug_ins import trusting
+from hilc_cli.plug_ins import packages_of, trusting
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
 from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec
@@ -141,7 +142,8 @@ class Leaderboard:
     @property
     def plug_ins(self) -> dict[str, dict[str, str | None]]:
         """Package and version of each law that is not one of hilc's own, as manifests note them."""
-        return packages_of(controller.law for controller in self.spec.laws.values())
+        laws = [controller.law for controller in self.spec.laws.values()]
+        return packages_of("law", laws, OWN)
 
     def checksum(self) -> str:
         """SHA-256 of what tells this leaderboard from others."""
@@ -150,24 +152,23 @@ class Leaderboard:
     def contests(self) -> Iterator[Contest]:
         """All runs: cases in their order; of each the beliefs, the disturbances, and the laws."""
         spec = self.spec
-        for case, scenario in self.cases.items():
-            robot = scenario.spec.robot.robot()
-            for belief, believed in spec.beliefs.items():
-                for disturbance, disturbed in spec.disturbances.items():
-                    for law, controller in spec.laws.items():
-                        limit = spec.b_w if controller.b_w is None else controller.b_w
-                        changes = {
-                            "controller": controller.model_copy(update={"b_w": limit}),
-                            "model": believed.model_of(robot),
-                            "disturbance": disturbed,
-                            "iterations": max(spec.after),
-                            "initial_input": spec.initial_input,
-                            "initial_trial": None,
-                            "record": RecordSpec(),
-                            "sweep": None,
-                        }
-                        made = Scenario(scenario.spec.model_copy(update=changes))
-                        yield Contest(case, belief, disturbance, law, made)
+        every = product(
+            self.cases.items(), spec.beliefs.items(), spec.disturbances.items(), spec.laws.items()
+        )
+        for (case, scenario), (belief, believed), (disturbance, disturbed), (law, own) in every:
+            limit = spec.b_w if own.b_w is None else own.b_w
+            changes = {
+                "controller": own.model_copy(update={"b_w": limit}),
+                "model": believed.model_of(scenario.spec.robot.robot()),
+                "disturbance": disturbed,
+                "iterations": max(spec.after),
+                "initial_input": spec.initial_input,
+                "initial_trial": None,
+                "record": RecordSpec(),
+                "sweep": None,
+            }
+            made = Scenario(scenario.spec.model_copy(update=changes))
+            yield Contest(case, belief, disturbance, law, made)
 
 
 def load_leaderboard(
@@ -190,7 +191,7 @@ def load_leaderboard(
     assert isinstance(tree, MapNode)  # anything else has been refused
     other = mistaken(tree.entries, LEADERBOARDS)
     if other is not None:
-        raise InvalidInputError([Problem(str(tree.place), "", other)])
+        raise InvalidInputError.of(tree.place, "", other)
     with trusting(trust):
         try:
             spec = LeaderboardSpec.model_validate(to_data(tree))

@@ -7,6 +7,7 @@ from statistics import median
 
 from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
 from hilc_cli.leaderboards.contests import Entry, LeaderboardData
+from hilc_cli.wording import counted
 
 NAMES = ("case", "belief", "disturbance", "law")
 """Columns that say what a run is of."""
@@ -82,25 +83,23 @@ def entries_table(data: LeaderboardData) -> ComparisonTable:
                scale=1e3, section=_REST),
     ]  # fmt: skip
     groups = list(dict.fromkeys((e.case, e.belief, e.disturbance) for e in data.entries))
-    rows = tuple(
-        Row(
-            (
-                *(getattr(entry, name) for name in NAMES),
-                *(error for what in ERRORS for error in getattr(entry, what)),
-                *(_stored(getattr(entry, what)) for what in OTHERS),
-            ),
-            groups.index((entry.case, entry.belief, entry.disturbance)),
-            may_be_best=entry.diverged_at is None,
+    rows = []
+    for entry in data.entries:
+        others = [getattr(entry, what) for what in OTHERS]
+        values = (
+            *(getattr(entry, name) for name in NAMES),
+            *(error for what in ERRORS for error in getattr(entry, what)),
+            *({True: "yes", False: "no"}[v] if isinstance(v, bool) else v for v in others),
         )
-        for entry in data.entries
-    )
+        group = groups.index((entry.case, entry.belief, entry.disturbance))
+        rows.append(Row(values, group, may_be_best=entry.diverged_at is None))
     note = (
         f"To {within} is the first iteration whose largest error of the second half is within "
         f"{within}, Within since the share of the iterations from there to the last that are, and "
         f"Stays from the iteration from which on all are. {_PEAK_NOTE}"
     )
     title = f"All runs of {data.name}"
-    return ComparisonTable(title, tuple(columns), rows, note, "the best law in that case")
+    return ComparisonTable(title, tuple(columns), tuple(rows), note, "the best law in that case")
 
 
 def laws_table(data: LeaderboardData, disturbance: str) -> ComparisonTable:
@@ -114,7 +113,7 @@ def laws_table(data: LeaderboardData, disturbance: str) -> ComparisonTable:
             columns += [
                 Column(
                     f"{kind}_{what}_position_error_second_half_after_{count}_m",
-                    f"{word} error after {counted(count)}, {kind}",
+                    f"{word} error after {counted(count, 'iteration')}, {kind}",
                     f"{kind.capitalize()} after {count}",
                     "m", digits=3, section=section, is_ranked=True,
                 )
@@ -169,7 +168,9 @@ def settings_table(data: LeaderboardData) -> ComparisonTable:
         Row((law, *(worst[law, belief, disturbance] for belief, disturbance in data.settings)))
         for law in data.laws
     ]
-    title = f"{data.name}, worst error of the second half after {counted(data.after[-1])}"
+    title = (
+        f"{data.name}, worst error of the second half after {counted(data.after[-1], 'iteration')}"
+    )
     return ComparisonTable(title, tuple(columns), tuple(rows), "", "the best law")
 
 
@@ -182,14 +183,9 @@ def settings_records(data: LeaderboardData) -> list[dict[str, Value]]:
     ]
 
 
-def counted(iterations: int) -> str:
-    """A number of iterations in words."""
-    return f"{iterations} iteration{'' if iterations == 1 else 's'}"
-
-
 def _counts(after: Sequence[int]) -> str:
     """Several numbers of iterations, in words."""
-    return ", ".join([*map(str, after[:-1]), counted(after[-1])])
+    return ", ".join([*map(str, after[:-1]), counted(after[-1], "iteration")])
 
 
 def _largest(data: LeaderboardData) -> str:
@@ -205,15 +201,11 @@ def _error_columns(
 ) -> list[Column]:
     return [
         Column(
-            error_name(what, count), f"{title} after {counted(count)}", f"{short} after {count}",
-            "m", section=section, is_ranked=True,
+            error_name(what, count), f"{title} after {counted(count, 'iteration')}",
+            f"{short} after {count}", "m", section=section, is_ranked=True,
         )
         for count in after
     ]  # fmt: skip
-
-
-def _stored(value: Value) -> Value:
-    return ("yes" if value else "no") if isinstance(value, bool) else value
 
 
 def _worst_errors(data: LeaderboardData) -> dict[tuple[str, str, str], float]:
@@ -233,6 +225,8 @@ def _law_values(law: str, entries: Sequence[Entry]) -> tuple[Value, ...]:
     reached = [entry.within_at for entry in entries if entry.within_at is not None]
     shares = [entry.within_share for entry in entries if entry.within_share is not None]
     peaks = [entry.peak_m for entry in entries if entry.peak_m is not None]
+    kept = [entry.keeps_limit for entry in entries if entry.keeps_limit is not None]
+    middle = median(reached) if reached else 0
     return (
         law,
         *map(median, largest),
@@ -241,20 +235,10 @@ def _law_values(law: str, entries: Sequence[Entry]) -> tuple[Value, ...]:
         *map(max, mean),
         len(entries),
         len(reached),
-        _whole_if_it_is(median(reached)) if reached else None,
+        (int(middle) if middle == int(middle) else middle) if reached else None,
         median(shares) if shares else None,
         max(peaks, default=None),
-        _number_that_keep(entries),
+        sum(kept) if kept else None,
         sum(entry.diverged_at is not None for entry in entries),
         median(entry.seconds_per_iteration for entry in entries),
     )
-
-
-def _number_that_keep(entries: Sequence[Entry]) -> int | None:
-    """How many keep their limit; None if none has any."""
-    kept = [entry.keeps_limit for entry in entries if entry.keeps_limit is not None]
-    return sum(kept) if kept else None
-
-
-def _whole_if_it_is(number: float) -> int | float:
-    return int(number) if number == int(number) else number

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
+from hilc_cli.paper.reading import Reading
 from hilc_cli.results.run import RunData
 
 
@@ -48,8 +49,21 @@ class Finding:
     reason: str = ""
 
 
-Evidence = Mapping[str, RunData]
-"""Runs of the shipped scenarios by name, all iterations of theirs measured."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """What a claim is judged by: runs under one reading.
+
+    Attributes:
+        reading: How the paper is read.
+        runs: Runs of the shipped scenarios under it by name, all iterations of theirs measured.
+    """
+
+    reading: Reading
+    runs: Mapping[str, RunData]
+
+    def __getitem__(self, name: str) -> RunData:
+        """The run of a shipped scenario."""
+        return self.runs[name]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +72,11 @@ class Claim:
 
     Attributes:
         name: Short name, such as ``F3-1``.
-        sentence: The claim in our words.
+        sentence: What the text of the paper says, in our words.
         place: Where in the paper it stands.
         measured: What is measured.
-        criterion: When it holds and when it holds in part; stated before measuring.
+        criterion: When it holds and when it holds in part; stated before measuring, and the same
+            for every reading.
         judge: Measures and decides.
     """
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from hilc_cli.errors import UsageError
 from hilc_cli.paper.panel import PanelKind
+from hilc_cli.paper.reading import READINGS, Reading
 from hilc_cli.results.folder import ResultFolder
 from hilc_cli.wording import suggestion
 
@@ -239,9 +240,9 @@ CLAIMS_MD = "claims.md"
 DATA = "data"
 
 
-def picture_name(figure: PaperFigure, suffix: str) -> str:
-    """The picture of a figure in one format."""
-    return f"{figure.name}.{suffix}"
+def picture_name(figure: PaperFigure, reading: Reading, suffix: str) -> str:
+    """The picture of a figure under a reading in one format; always the same, alone or not."""
+    return f"{figure.name}-{reading.name}.{suffix}"
 
 
 def with_shown(formats: Sequence[str]) -> tuple[str, ...]:
@@ -250,17 +251,22 @@ def with_shown(formats: Sequence[str]) -> tuple[str, ...]:
     return chosen if set(chosen) - {"pdf"} else (*chosen, "png")
 
 
-def data_name(panel: PaperPanel) -> str:
-    """The table of a panel."""
-    return f"{DATA}/{panel.name}.csv"
+def data_name(panel: PaperPanel, reading: Reading) -> str:
+    """The table of a panel under a reading."""
+    return f"{DATA}/{panel.name}-{reading.name}.csv"
 
 
 REPRODUCTION_FOLDER = ResultFolder(
     what="reproduction",
     kind="hilc reproduce",
-    other="other figures or scenarios",
-    pictures=tuple(FIGURE_NAMES),
+    other="other figures, readings or scenarios",
+    pictures=tuple(f"{name}-{reading.name}" for name in FIGURE_NAMES for reading in READINGS),
     files=frozenset({INDEX, CLAIMS_CSV, CLAIMS_MD, DATA}),
 )
 
-OWN_DATA = frozenset(data_name(panel) for figure in FIGURES for panel in figure.panels)
+OWN_DATA = frozenset(
+    data_name(panel, reading)
+    for figure in FIGURES
+    for panel in figure.panels
+    for reading in READINGS
+)

@@ -12,6 +12,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import simulate_batch
 from hilc_cli.engine.loop import simulate
 from hilc_cli.paper.claim import Figure, Verdict
+from hilc_cli.paper.reading import Reading
 from hilc_cli.plants.kinematic import driven_path, feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import settled_at
@@ -20,9 +21,15 @@ from hilc_cli.results.trial import Trial
 from hilc_cli.scenario.loading import load_scenario
 
 
-def shipped(name: str, *overrides: str) -> Experiment:
-    """A shipped scenario with some values replaced, such as ``controller.b_w=null``."""
-    return load_scenario(f"example:{name}", overrides).experiment()
+def shipped(reading: Reading, name: str, *overrides: str) -> Experiment:
+    """A shipped scenario under a reading, with more values replaced.
+
+    Args:
+        reading: How the paper is read.
+        name: Of the example.
+        overrides: Such as ``controller.b_w=null``.
+    """
+    return load_scenario(f"example:{name}", [*reading.overrides(name), *overrides]).experiment()
 
 
 def errors_of(experiments: Sequence[Experiment]) -> list[Floats]:
@@ -73,6 +80,16 @@ def relative_error_after(run: RunData, sample: int) -> float:
     """Maximum error after a sample of the last iteration, as a share of the path's size."""
     error = run.position_error(run.last.iteration)[sample + 1 :]
     return float(error.max()) / run.reference.size
+
+
+def second_half(run: RunData) -> Floats:
+    """Position error of the last iteration over the second half of the samples [m]."""
+    return run.position_error(run.last.iteration)[run.reference.samples // 2 :]
+
+
+def relative_error_in_second_half(run: RunData) -> float:
+    """Maximum error in the second half of the last iteration, as a share of the path's size."""
+    return float(second_half(run).max()) / run.reference.size
 
 
 def tracking(errors: Sequence[float]) -> Verdict:

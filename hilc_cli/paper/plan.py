@@ -10,6 +10,7 @@ from typing import Any
 from hilc_cli.paper.claim import Claim
 from hilc_cli.paper.contents import FIGURE_NAMES, PaperFigure, figures_named
 from hilc_cli.paper.panel import SHOWN_ITERATIONS
+from hilc_cli.paper.reading import BOTH, Reading, readings_named
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
@@ -23,59 +24,75 @@ class ReproductionPlan:
 
     Attributes:
         figures: In the order of the paper.
-        scenarios: What is run for them, by the names of the examples.
+        readings: How the paper is read: each figure is drawn, each claim judged under each.
+        scenarios: What is run for them, by the names of readings and then of examples.
         claims: What is judged; none if a claim might lack a run.
     """
 
     figures: tuple[PaperFigure, ...]
-    scenarios: Mapping[str, Scenario]
+    readings: tuple[Reading, ...]
+    scenarios: Mapping[str, Mapping[str, Scenario]]
     claims: tuple[Claim, ...]
 
     def __repr__(self) -> str:
         figures = listed(figure.name for figure in self.figures)
+        readings = listed(reading.name for reading in self.readings)
         return in_short(
-            f"Plan to reproduce {figures}: {len(self.scenarios)} runs, {len(self.claims)} claims"
+            f"Plan to reproduce {figures}, read as {readings}: {self.runs} runs, "
+            f"{len(self.claims)} claims"
         )
 
     @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return sum(map(len, self.scenarios.values()))
+
+    @property
     def steps(self) -> int:
-        """Number of runs, claims and figures."""
-        return len(self.scenarios) + len(self.claims) + len(self.figures)
+        """Number of runs, and of claims and figures under each reading."""
+        return self.runs + len(self.readings) * (len(self.claims) + len(self.figures))
 
     def checksums(self) -> dict[str, str]:
-        """SHA-256 of each scenario with everything resolved, by the names of the examples."""
+        """SHA-256 of each scenario with everything resolved, by ``READING/EXAMPLE``."""
         return {
-            name: hashlib.sha256(scenario.resolved_yaml().encode()).hexdigest()
-            for name, scenario in self.scenarios.items()
+            f"{reading}/{name}": hashlib.sha256(scenario.resolved_yaml().encode()).hexdigest()
+            for reading, scenarios in self.scenarios.items()
+            for name, scenario in scenarios.items()
         }
 
     def checksum(self) -> str:
         """SHA-256 of what tells this reproduction from others: its figures and scenarios."""
         texts = [figure.name for figure in self.figures]
-        texts += [scenario.resolved_yaml() for scenario in self.scenarios.values()]
+        texts += [f"{name} {checksum}" for name, checksum in self.checksums().items()]
         return hashlib.sha256("\0".join(texts).encode()).hexdigest()
 
 
 def plan_reproduction(
-    figures: Sequence[str] = (), *, overrides: Mapping[str, Any] | None = None
+    figures: Sequence[str] = (),
+    *,
+    reading: str = BOTH,
+    overrides: Mapping[str, Any] | None = None,
 ) -> ReproductionPlan:
     """Says what a reproduction is to consist of.
 
     Args:
         figures: Such as ``fig3``; none for all figures, whereupon the claims are judged too.
+        reading: How the paper is read: literal, derivative or both.
         overrides: Values to put into every scenario, by dotted path. The results are then no
             longer those of the paper's experiments, so that no claims are judged.
 
     Raises:
-        UsageError: The paper has no such figure with results.
+        UsageError: The paper has no such figure with results, or there is no such reading.
         InvalidInputError: A scenario is not valid with these values.
     """
-    chosen = figures_named(figures)
+    chosen, readings = figures_named(figures), readings_named(reading)
     names = dict.fromkeys(s.scenario for figure in chosen for s in figure.situations)
-    scenarios = {name: _load(name, overrides or {}) for name in names}
-    return ReproductionPlan(
-        chosen, scenarios, _claims() if _is_whole(chosen) and not overrides else ()
-    )
+    scenarios = {
+        each.name: {name: _load(name, {**each.values(name), **(overrides or {})}) for name in names}
+        for each in readings
+    }
+    claims = _claims() if _is_whole(chosen) and not overrides else ()
+    return ReproductionPlan(chosen, readings, scenarios, claims)
 
 
 def _is_whole(figures: Sequence[PaperFigure]) -> bool:

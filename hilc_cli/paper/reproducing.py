@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.paper.claim import Claim, Finding
+from hilc_cli.paper.claim import Claim, Evidence, Finding
+from hilc_cli.paper.claim_texts import claims_text, write_claims_csv
 from hilc_cli.paper.contents import (
     CLAIMS_CSV,
     CLAIMS_MD,
@@ -27,20 +29,25 @@ from hilc_cli.paper.contents import (
 )
 from hilc_cli.paper.panel import Panel, PanelRow, write_panel
 from hilc_cli.paper.plan import ReproductionPlan
-from hilc_cli.paper.texts import (
-    claims_text,
-    gains_text,
-    group_text,
-    index_text,
-    situation_text,
-    write_claims_csv,
-)
+from hilc_cli.paper.reading import READINGS, Reading
+from hilc_cli.paper.texts import gains_text, group_text, index_text, situation_text
 from hilc_cli.results.folder import DRAWN_WITH, origin, versions
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.running import Run, run
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.wording import in_short, listed
+from hilc_cli.workers.crews import (
+    Alone,
+    Crew,
+    Processes,
+    WorkersError,
+    available_cores,
+    hand_out,
+)
+
+_MANY = 1000
+"""Iterations of all runs, of some 4 ms each, from which on worker processes pay."""
 
 DPI = 300
 """Resolution of pictures in print [dots per inch]."""
@@ -52,22 +59,23 @@ class Reproduction:
 
     Attributes:
         plan: What was to be reproduced.
-        runs: The results by the names of the examples.
-        judged: The claims with their verdicts; none unless all figures are reproduced.
+        runs: The results by the names of readings and then of examples.
+        judged: The claims, each with its verdict under each reading by the reading's name; none
+            unless all figures are reproduced.
         started: When, in UTC.
         timings: Seconds that each step took.
     """
 
     plan: ReproductionPlan
-    runs: Mapping[str, Run]
-    judged: tuple[tuple[Claim, Finding], ...]
+    runs: Mapping[str, Mapping[str, Run]]
+    judged: tuple[tuple[Claim, Mapping[str, Finding]], ...]
     started: datetime
     timings: Mapping[str, float]
 
     def __repr__(self) -> str:
         figures = listed(figure.name for figure in self.plan.figures)
         return in_short(
-            f"Reproduction of {figures}: {len(self.runs)} runs, {len(self.judged)} claims judged"
+            f"Reproduction of {figures}: {self.plan.runs} runs, {len(self.judged)} claims judged"
         )
 
     def write(
@@ -91,7 +99,7 @@ class Reproduction:
             dpi: Resolution of png.
             look: How the figures are to look, from `picture_look`.
             command: Command line to note in the manifest.
-            on_step: Called after each figure; may raise to stop.
+            on_step: Called after each figure of each reading; may raise to stop.
 
         Returns:
             Seconds that it took.
@@ -115,14 +123,20 @@ class Reproduction:
 
         def fill(into: Path) -> None:
             (into / DATA).mkdir()
-            for figure in plan.figures:
-                rows = [_row(panels, runs, plan.scenarios) for panels in figure.rows]
-                sheet = sheet_figure(f"Figure {figure.number}. {figure.title}", rows, look)
+            for figure, reading in product(plan.figures, plan.readings):
+                of_reading = runs[reading.name], plan.scenarios[reading.name], reading
+                rows = [_row(panels, *of_reading) for panels in figure.rows]
+                sheet = sheet_figure(
+                    f"Figure {figure.number}. {figure.title}",
+                    f"{reading.name.capitalize()} reading: {reading.law}",
+                    rows,
+                    look,
+                )
                 for suffix in shown:
-                    save_figure(sheet, into / picture_name(figure, suffix), dpi)
+                    save_figure(sheet, into / picture_name(figure, reading, suffix), dpi)
                 drawn = [panel for row in rows for panel in row.panels]
                 for panel, content in zip(figure.panels, drawn, strict=True):
-                    write_panel(into / data_name(panel), content)
+                    write_panel(into / data_name(panel, reading), content)
                 on_step()
             if judged:
                 write_claims_csv(into / CLAIMS_CSV, judged)
@@ -134,6 +148,7 @@ class Reproduction:
             timings["figures and tables"] = time.perf_counter() - clock
             return {
                 "figures": [figure.name for figure in plan.figures],
+                "readings": [reading.name for reading in plan.readings],
                 "checksum": plan.checksum(),
                 "scenarios_sha256": plan.checksums(),
                 **origin(self.started, DRAWN_WITH),
@@ -154,20 +169,59 @@ def reproduce(
 
     Args:
         plan: From `plan_reproduction`.
-        on_step: Called after each run and each claim; may raise to stop.
+        on_step: Called after each run, and after each claim under each reading; may raise to stop.
+
+    Raises:
+        WorkersError: Worker processes, which share many runs out, cannot do anything here.
     """
     started, clock = datetime.now(UTC), time.perf_counter()
-    runs: dict[str, Run] = {}
-    for name, scenario in plan.scenarios.items():
-        runs[name] = run(scenario)
-        on_step()
+    runs = _simulate(plan, on_step)
     simulated = time.perf_counter()
-    judged: list[tuple[Claim, Finding]] = []
+    judged: list[tuple[Claim, Mapping[str, Finding]]] = []
     for claim in plan.claims:
-        judged.append((claim, claim.judge(runs)))
-        on_step()
+        findings: dict[str, Finding] = {}
+        for reading in plan.readings:
+            findings[reading.name] = claim.judge(Evidence(reading, runs[reading.name]))
+            on_step()
+        judged.append((claim, findings))
     timings = {"simulation": simulated - clock, "claims": time.perf_counter() - simulated}
     return Reproduction(plan, runs, tuple(judged), started, timings)
+
+
+@dataclass(frozen=True, slots=True)
+class _Runs:
+    """What a worker gets, the scenarios, and does: it runs the one of a number.
+
+    Nobody asks for the plan of one more iteration, which is code and cannot be sent.
+    """
+
+    scenarios: tuple[Scenario, ...]
+
+    def __call__(self, number: int) -> Run:
+        return replace(run(self.scenarios[number]), plan=None)
+
+
+def _simulate(plan: ReproductionPlan, on_step: Callable[[], None]) -> dict[str, dict[str, Run]]:
+    """All runs of a plan, in worker processes where that is worth their start."""
+    keys = [(reading, name) for reading, named in plan.scenarios.items() for name in named]
+    work = _Runs(tuple(plan.scenarios[reading][name] for reading, name in keys))
+    iterations = sum(scenario.spec.iterations + 1 for scenario in work.scenarios)
+    workers = min(available_cores(), len(keys)) if iterations >= _MANY else 1
+    crew: Crew[int, Run] = Alone(work) if workers == 1 else Processes(work, workers)
+    found: dict[int, Run] = {}
+    try:
+        for outcome in hand_out(range(len(keys)), crew, lambda: None):
+            if outcome.result is None:
+                reading, name = keys[outcome.piece]
+                raise outcome.error or WorkersError(f"{name} ({reading}): {outcome.reason}")
+            found[outcome.piece] = outcome.result
+            on_step()
+    finally:
+        crew.dismiss()
+    runs: dict[str, dict[str, Run]] = {reading: {} for reading in plan.scenarios}
+    for number, (reading, name) in enumerate(keys):
+        runs[reading][name] = found[number]
+    return runs
 
 
 def check_reproduction(plan: ReproductionPlan, folder: str | Path, *, force: bool = False) -> None:
@@ -215,15 +269,16 @@ def _row(
     panels: tuple[PaperPanel, ...],
     runs: Mapping[str, RunData],
     scenarios: Mapping[str, Scenario],
+    reading: Reading,
 ) -> PanelRow:
-    """What a row of a figure shows."""
+    """What a row of a figure shows under a reading."""
     first = panels[0]
     scenario = scenarios[first.situation.scenario]
     together = all(panel.situation == first.situation for panel in panels)
     if together:
-        heading = f"({first.letter[0]}) {situation_text(first.situation, scenario)}"
+        heading = f"({first.letter[0]}) {situation_text(first.situation, scenario, reading)}"
     else:
-        heading = group_text(first.situation, scenario)
+        heading = group_text(first.situation, scenario, reading)
     return PanelRow(
         heading,
         tuple(
@@ -245,6 +300,8 @@ def _command(plan: ReproductionPlan, formats: Sequence[str], dpi: int, look: Loo
     """The shortest command that writes the same; where it writes is left out."""
     names = [figure.name for figure in plan.figures]
     words = ["hilc", "reproduce", *(names if len(names) < len(FIGURES) else [])]
+    if plan.readings != READINGS:
+        words += ["--reading", plan.readings[0].name]
     if tuple(formats) != ("png",):
         words += [word for name in formats for word in ("--format", name)]
     if dpi != DPI:

@@ -21,7 +21,7 @@ from hilc_cli.drawing import layout, style, view
 from hilc_cli.drawing.labels import number_text
 from hilc_cli.paper.panel import ERROR_METRICS, Panel, PanelKind, PanelRow, shown_trials
 from hilc_cli.results.look import USUAL, Look
-from hilc_cli.runs.pictures.error import draw_error
+from hilc_cli.runs.pictures.error import draw_error, saturated_share
 from hilc_cli.runs.pictures.final_path import draw_final_path
 from hilc_cli.runs.pictures.path_change import draw_color_bar, draw_path_change, iteration_scale
 from hilc_cli.runs.pictures.wheel_speeds import LIMIT_LABEL, draw_wheel_speeds
@@ -32,8 +32,10 @@ PAGE_WIDTH, PAGE_HEIGHT = 7.0, 9.5
 # [inch]
 _LEFT, _RIGHT = 0.44, 0.1  # beside a panel, for its labels
 _LIMIT = 0.24  # right of wheel speeds, for the values of the limit
-_HEADING, _ROW_HEADING, _TITLE, _LABELS = 0.28, 0.17, 0.17, 0.36
+_HEADING, _ROW_HEADING, _TITLE, _LABELS = 0.44, 0.17, 0.17, 0.36
+_READING = 0.27  # from the upper edge
 _LEGEND_ROW, _LEGEND_ROWS = 0.16, 2
+_MOST_LINES = 3  # of the legend
 _HANDLE, _LETTER = 0.45, 0.05  # of an entry of the legend: line with gaps, and mean letter
 _BAR_WIDTH, _BAR_HEIGHT, _BAR_ROOM = 1.75, 0.09, 0.42
 _EDGE, _FOOT = 0.15, 0.06  # left of headings; around what stands below all panels
@@ -52,17 +54,22 @@ class _Row:
     Attributes:
         panels: From left to right.
         above: Room above the panels [inch].
+        below: Room below them, for their labels and notes [inch].
     """
 
     panels: list[Axes]
     above: float
+    below: float
 
 
-def sheet_figure(heading: str, rows: Sequence[PanelRow], look: Look = USUAL) -> Figure:
+def sheet_figure(
+    heading: str, reading: str, rows: Sequence[PanelRow], look: Look = USUAL
+) -> Figure:
     """A page of panels.
 
     Args:
         heading: What stands above everything.
+        reading: What stands below it: how the paper is read in all that is shown.
         rows: At least one, all of one number of panels.
         look: What the user asks for; on a narrow sheet rows are broken, and it may be longer than
             a page.
@@ -77,6 +84,8 @@ def sheet_figure(heading: str, rows: Sequence[PanelRow], look: Look = USUAL) -> 
         height = min(width, _LARGEST, _highest(len(rows)) if broken == columns else width)
         rows = [part for row in rows for part in _in_parts(row, broken)]
         figure = layout.new_sheet(page, PAGE_HEIGHT, heading, look, style.PRINT_SIZE)
+        below = figure.transFigure + ScaledTranslation(_EDGE, -_READING, figure.dpi_scale_trans)
+        figure.text(*(0, 1, reading), transform=below, va="top", fontsize=style.PRINT_SIZE)
         scale = iteration_scale([panel.run for row in rows for panel in row.panels])
         drawn = [_draw_row(figure, row, (width, height), gutter, scale) for row in rows]
         legend = _legend_entries([axes for row in drawn for axes in row.panels])
@@ -94,7 +103,7 @@ def _in_parts(row: PanelRow, columns: int) -> list[PanelRow]:
 
 def _highest(rows: int) -> float:
     """The largest height of panels so that all rows fit a page, with two lines of notes each."""
-    room = PAGE_HEIGHT - _HEADING - _BAR_ROOM - _FOOT
+    room = PAGE_HEIGHT - _HEADING - max(_BAR_ROOM, _MOST_LINES * _LEGEND_ROW) - _FOOT
     return room / rows - _ROW_HEADING - _TITLE - 2 * NOTE_LINE - _LABELS
 
 
@@ -111,13 +120,12 @@ def _draw_row(
     most, left = 0, _LEFT
     for panel in row.panels:
         axes = layout.add_panel(figure, left, 0, width, height)
-        notes = draw_panel(axes, panel, scale)
-        entitle_panel(axes, panel, notes)
-        most = max(most, notes)
+        most = max(most, draw_panel(axes, panel, scale))
+        axes.set_title(f"({panel.letter}) {panel.title}", loc="left", y=1.0, pad=_TITLE_PAD)
         panels.append(axes)
         left += width + _RIGHT + _LEFT
         left += gutter if panel.kind is PanelKind.WHEEL_SPEEDS else 0
-    above = _TITLE + NOTE_LINE * most
+    above = _TITLE
     page = float(figure.get_size_inches()[0])
     longest = int(72 * (page - 2 * _EDGE) / (_BOLD_CHARACTER * style.PRINT_SIZE))
     heading = textwrap.wrap(row.heading, longest)
@@ -131,7 +139,7 @@ def _draw_row(
             va="bottom",
         )
         above += _ROW_HEADING + (len(heading) - 1) * _HEADING_LINE
-    return _Row(panels, above)
+    return _Row(panels, above, _LABELS + NOTE_LINE * most)
 
 
 def _legend_entries(panels: Sequence[Axes]) -> dict[str, Artist]:
@@ -167,7 +175,7 @@ def _arrange(
     rooms = (_BAR_ROOM if scale is not None else 0.0, _LEGEND_ROW * legend_rows)
     foot = (sum(rooms) if is_narrow else max(rooms)) + _FOOT
     heading = _HEADING if figure.texts else 0.0
-    total = heading + sum(row.above + height + _LABELS for row in rows) + foot
+    total = heading + sum(row.above + height + row.below for row in rows) + foot
     boxes = [[axes.get_position(original=True) for axes in row.panels] for row in rows]
     figure.set_size_inches(page, total)
     top = heading
@@ -176,7 +184,7 @@ def _arrange(
         for axes, box in zip(row.panels, places, strict=True):
             bottom = 1 - (top + height) / total
             axes.set_position((box.x0, bottom, box.width, height / total))
-        top += height + _LABELS
+        top += height + row.below
     left = _LEFT
     if scale is not None:
         bar = layout.add_panel(figure, left, top + _FOOT, _BAR_WIDTH, _BAR_HEIGHT)
@@ -208,6 +216,7 @@ VALUE = "value"
 """What stands in a panel on purpose."""
 
 _TITLE_PAD = 3.0  # [pt]
+_STRIP = 0.16  # height of the share of samples at the limit, of a panel's
 _CHARACTER = 0.52  # mean width of a letter, in sizes of the text
 
 
@@ -220,7 +229,7 @@ def draw_panel(axes: Axes, panel: Panel, scale: Normalize | None) -> int:
         scale: Colours of the iterations, see `path_change.iteration_scale`.
 
     Returns:
-        Number of lines with notes above the panel.
+        Number of lines with notes below the panel.
     """
     lines: list[str] = []
 
@@ -232,16 +241,15 @@ def draw_panel(axes: Axes, panel: Panel, scale: Normalize | None) -> int:
         case PanelKind.PATH_CHANGE | PanelKind.PATHS:
             iterations = [trial.iteration for trial in shown_trials(run)]
             draw_path_change(axes, run, iterations, scale, entitle=entitle)
-            if panel.kind is PanelKind.PATHS:
-                axes.plot(
-                    *(run.last.x, run.last.y),
-                    color=style.FINAL_PATH_COLOR,
-                    linewidth=1.5 * style.PATH_WIDTH,
-                    label=FINAL_PATH,
-                    zorder=4,
-                )
-                view.draw_end(axes, run.last)
-                view.name_poses(axes, end=True)
+            axes.plot(
+                *(run.last.x, run.last.y),
+                color=style.FINAL_PATH_COLOR,
+                linewidth=2 * style.PATH_WIDTH,
+                label=FINAL_PATH,
+                zorder=4,
+            )
+            view.draw_end(axes, run.last)
+            view.name_poses(axes, end=True)
         case PanelKind.FINAL_PATH:
             draw_final_path(axes, [run], entitle)
             for line in _lines(axes, f"Iteration {run.last.iteration}"):
@@ -252,7 +260,7 @@ def draw_panel(axes: Axes, panel: Panel, scale: Normalize | None) -> int:
                 line.set_label(MOTOR_LIMIT)  # of the motors, whether the run kept it or not
         case PanelKind.MAXIMUM_ERROR | PanelKind.AVERAGE_ERROR:
             metric = ERROR_METRICS[panel.kind]
-            draw_error(axes, [run], [metric], entitle)
+            draw_error(axes, [run], [metric], entitle, _STRIP)
             first = axes.lines[0]
             first.set(label="_error", color=style.BLUE, linestyle="-")
             axes.set_ylabel(f"{panel.kind.capitalize()} [m]", labelpad=2)
@@ -263,28 +271,37 @@ def draw_panel(axes: Axes, panel: Panel, scale: Normalize | None) -> int:
                 va="top",
                 gid=VALUE,
             )
+            _tell_share(axes, float(saturated_share(run).max()))
     _shrink(axes)
     return len(lines)
 
 
-def entitle_panel(axes: Axes, panel: Panel, notes: int) -> None:
-    """Writes letter and title above a panel, with room for so many lines of notes below them."""
-    above = _TITLE_PAD + 72 * NOTE_LINE * notes
-    axes.set_title(f"({panel.letter}) {panel.title}", loc="left", y=1.0, pad=above)
+def _tell_share(axes: Axes, largest: float) -> None:
+    """Writes the largest share of samples at the limit into the strip that shows them all."""
+    if largest > 0:
+        axes.text(
+            *(0.97, 0.87 * _STRIP, f"up to {100 * largest:.2g} %"),
+            transform=axes.transAxes,
+            ha="right",
+            va="top",
+            gid=VALUE,
+            bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0, "pad": 0.6},
+        )
 
 
 def _write_notes(axes: Axes, notes: Sequence[str]) -> list[str]:
-    """Writes notes above a panel, and returns the lines that fit it."""
+    """Writes notes below a panel and its labels, and returns the lines that fit it."""
     width, _ = layout.panel_size(axes)
     longest = int(width * 72 / (_CHARACTER * style.PRINT_SIZE))
     lines = [line for note in notes for line in textwrap.wrap(note, longest)]
     if lines:
         axes.annotate(
             "\n".join(lines),
-            xy=(0, 1),
+            xy=(0, 0),
             xycoords="axes fraction",
-            xytext=(0, 2),
+            xytext=(0, -72 * (_LABELS - 0.03)),
             textcoords="offset points",
+            va="top",
             color=style.NOTE_COLOR,
             fontsize=style.PRINT_SIZE,
             linespacing=1.0,

@@ -1,17 +1,23 @@
-"""The texts of a reproduction: ``index.md``, ``claims.md`` and ``claims.csv``."""
+"""What figures and situations are called, and the page that shows them, ``index.md``."""
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import shlex
+from collections.abc import Mapping, Sequence
 from itertools import groupby
-from pathlib import Path
 
 from hilc_cli.drawing.labels import number_text
 from hilc_cli.laws.hybrid import HybridController
 from hilc_cli.laws.parameters import default_length
-from hilc_cli.paper.claim import Claim, Figure, Finding, Verdict
+from hilc_cli.paper.claim_texts import (
+    Judged,
+    cell,
+    readings_text,
+    table,
+    verdict_table,
+    verdicts_text,
+)
 from hilc_cli.paper.contents import (
     CLAIMS_CSV,
     CLAIMS_MD,
@@ -25,140 +31,43 @@ from hilc_cli.paper.contents import (
 )
 from hilc_cli.paper.panel import SHOWN_ITERATIONS
 from hilc_cli.paper.plan import ReproductionPlan
+from hilc_cli.paper.reading import Reading
 from hilc_cli.results.run import RunData
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.shipped_files import PREFIX
 
 
-def cell(text: str) -> str:
-    """A text that a table's cell can hold."""
-    return " ".join(text.split()).replace("|", r"\|")
-
-
-def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table; the cells stand as they are."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
-
-
-CLAIMS_HEADER = ("id", "sentence", "place", "measured", "criterion", "figures", "verdict", "reason")
-
-Judged = Sequence[tuple[Claim, Finding]]
-
-
-def write_claims_csv(path: Path, judged: Judged) -> None:
-    """Writes ``claims.csv``: a row per claim; every figure reads back exactly."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(CLAIMS_HEADER)
-        for claim, finding in judged:
-            figures = "; ".join(f"{f.name}={_exact(f)}" for f in finding.figures)
-            writer.writerow(
-                [
-                    *(claim.name, claim.sentence, claim.place, claim.measured, claim.criterion),
-                    *(figures, finding.verdict.value, finding.reason),
-                ]
-            )
-
-
-def _exact(figure: Figure) -> str:
-    value = "none" if figure.value is None else repr(float(figure.value))
-    return f"{value} {figure.unit}".rstrip()
-
-
-def claims_text(judged: Judged) -> str:
-    """The content of ``claims.md``."""
-    parts = [
-        "# What the paper claims, and what was measured",
-        f"{count_text(judged)}. A claim that does not hold is a finding, not an error.",
-        verdict_table(judged, ""),
-        *(_section(claim, finding) for claim, finding in judged),
-    ]
-    return "\n\n".join(parts) + "\n"
-
-
-def verdict_table(judged: Judged, file: str) -> str:
-    """A table of claims and verdicts.
-
-    Args:
-        judged: The claims.
-        file: That has a section for each claim; empty for the one that the table stands in.
-    """
-    return table(
-        ("claim", "the paper says", "verdict"),
-        (
-            (f"[{claim.name}]({file}#{claim.name.lower()})", cell(claim.sentence), finding.verdict)
-            for claim, finding in judged
-        ),
-    )
-
-
-def count_text(judged: Judged) -> str:
-    """How many claims there are of each verdict."""
-    verdicts = [finding.verdict for _, finding in judged]
-    plural = {Verdict.HOLDS: "hold", Verdict.IN_PART: "hold in part", Verdict.FAILS: "do not hold"}
-    counts = [(verdicts.count(verdict), verdict) for verdict in Verdict]
-    told = ", ".join(
-        f"{count} {verdict.value if count == 1 else plural[verdict]}" for count, verdict in counts
-    )
-    return f"{len(verdicts)} claims: {told}" if len(verdicts) != 1 else f"1 claim: {told}"
-
-
-def figure_text(figure: Figure) -> str:
-    """The value of a measured figure, in a few digits."""
-    if figure.value is None:
-        return "none"
-    value = figure.value
-    text = number_text(value, 4) if math.isfinite(value) else str(value)
-    return f"{text} {figure.unit}".rstrip()
-
-
-def _open(text: str) -> str:
-    """A sentence without its full stop."""
-    return text.rstrip().removesuffix(".")
-
-
-def _section(claim: Claim, finding: Finding) -> str:
-    lines = [
-        f"## {claim.name}",
-        f"{_open(claim.sentence)} ({_open(claim.place)}).",
-        f"**Verdict: {finding.verdict}.** {finding.reason}".rstrip(),
-        f"- Measured: {_open(claim.measured)}.",
-        f"- Criterion: {_open(claim.criterion)}.",
-    ]
-    text = "\n\n".join(lines[:4]) + f"\n{lines[4]}"
-    if not finding.figures:
-        return text
-    figures = ((cell(figure.name), cell(figure_text(figure))) for figure in finding.figures)
-    return f"{text}\n\n{table(('figure', 'value'), figures)}"
-
-
-def situation_text(situation: Situation, scenario: Scenario) -> str:
+def situation_text(situation: Situation, scenario: Scenario, reading: Reading) -> str:
     """Number, trajectory and controller of a situation, on one line."""
     controller = ", ".join([gains_text(scenario), *setting_texts(scenario)])
-    return f"{_head(situation.number, situation)}: {course_text(scenario)}, {controller}"
+    course = course_text(situation, scenario, reading)
+    return f"{_head(situation.number, situation)}: {course}, {controller}"
 
 
-def group_text(situation: Situation, scenario: Scenario) -> str:
+def group_text(situation: Situation, scenario: Scenario, reading: Reading) -> str:
     """What runs of one situation have in common: all but the gains."""
-    number = situation.number.rstrip("abc")
-    return ", ".join(
-        [f"{_head(number, situation)}: {course_text(scenario)}", *setting_texts(scenario)]
-    )
+    head = _head(situation.number.rstrip("abc"), situation)
+    course = course_text(situation, scenario, reading)
+    return ", ".join([f"{head}: {course}", *setting_texts(scenario)])
 
 
 def _head(number: str, situation: Situation) -> str:
     return f"Situation {number}, Eq. {situation.equation}"
 
 
-def course_text(scenario: Scenario) -> str:
-    """The trajectory, and where the platform starts if not on it."""
+def course_text(situation: Situation, scenario: Scenario, reading: Reading) -> str:
+    """The trajectory, and where the platform starts if not on it.
+
+    A heading that the reading does not take as printed is told with the printed one.
+    """
     name = scenario.spec.trajectory.name
     if not any(scenario.spec.initial_error):
         return name
     x, y, heading = scenario.spec.start_pose
     degrees = number_text(math.degrees(heading), 4)
-    return f"{name} from ({number_text(x)}, {number_text(y)}) m at {degrees}°"
+    start = f"{name} from ({number_text(x)}, {number_text(y)}) m at {degrees}°"
+    misprint = reading.starts.get(situation.scenario)
+    return start if misprint is None else f"{start} ({misprint})"
 
 
 def law_text(scenario: Scenario) -> str:
@@ -208,7 +117,7 @@ PAPER = (
 
 def index_text(
     plan: ReproductionPlan,
-    runs: Mapping[str, RunData],
+    runs: Mapping[str, Mapping[str, RunData]],
     judged: Judged,
     formats: Sequence[str],
     command: str,
@@ -218,7 +127,7 @@ def index_text(
 
     Args:
         plan: What has been reproduced.
-        runs: The results by the names of the examples.
+        runs: The results by the names of readings and then of examples.
         judged: The claims with their verdicts; none if they were not judged.
         formats: Of the pictures; the page shows the first that browsers show.
         command: That writes the same folder.
@@ -227,7 +136,9 @@ def index_text(
     parts = [
         f"# {_numbers(plan.figures)} of the paper, simulated again",
         f"{PAPER}. Captions are in our words; letters are the paper's.",
-        *(_figure(figure, runs, plan.scenarios, formats) for figure in plan.figures),
+        "## Readings" if len(plan.readings) > 1 else "## Reading",
+        f"{readings_text(plan.readings)}",
+        *(_figure(figure, plan, runs, formats) for figure in plan.figures),
         "## Claims",
         *_claims(judged),
         "## Data",
@@ -258,17 +169,33 @@ def _numbers(figures: Sequence[PaperFigure]) -> str:
 
 def _figure(
     figure: PaperFigure,
-    runs: Mapping[str, RunData],
-    scenarios: Mapping[str, Scenario],
+    plan: ReproductionPlan,
+    runs: Mapping[str, Mapping[str, RunData]],
     formats: Sequence[str],
 ) -> str:
-    files = [picture_name(figure, suffix) for suffix in formats]
-    shown = next((file for file in files if not file.endswith(".pdf")), None)
-    panels = "; ".join(_panel(panel, scenarios) for panel in figure.panels)
-    parts = [
-        f"## Figure {figure.number}",
-        f"![Figure {figure.number}]({shown})" if shown else "",
-        f"**{figure.title}.** {figure.caption} {panels}.",
+    parts = [f"## Figure {figure.number}", f"**{figure.title}.** {figure.caption}"]
+    for reading in plan.readings:
+        parts += _read(
+            figure, reading, plan.scenarios[reading.name], runs[reading.name], list(formats)
+        )
+    return "\n\n".join(parts)
+
+
+def _read(
+    figure: PaperFigure,
+    reading: Reading,
+    scenarios: Mapping[str, Scenario],
+    runs: Mapping[str, RunData],
+    formats: list[str],
+) -> Sequence[str]:
+    """A figure under a reading: its picture, what the panels show, and how the runs ended."""
+    files = [picture_name(figure, reading, suffix) for suffix in formats]
+    shown = next(file for file in files if not file.endswith(".pdf"))
+    panels = "; ".join(_panel(panel, scenarios, reading) for panel in figure.panels)
+    return (
+        f"### Figure {figure.number}, {reading.name}: {reading.law}",
+        f"![Figure {figure.number}, {reading.name}]({shown})",
+        f"{panels}.",
         f"Files: {', '.join(f'[{file}]({file})' for file in files)}.",
         table(
             (
@@ -276,19 +203,20 @@ def _figure(
                 *("maximum error [m]", "average error [m]", "data"),
             ),
             (
-                _situation(situation, list(panels), runs, scenarios)
+                _situation(situation, list(panels), runs, scenarios, reading)
                 for situation, panels in groupby(figure.panels, lambda panel: panel.situation)
             ),
         ),
-    ]
-    return "\n\n".join(part for part in parts if part)
+    )
 
 
-def _panel(panel: PaperPanel, scenarios: Mapping[str, Scenario]) -> str:
-    scenario, equation = scenarios[panel.situation.scenario], panel.situation.equation
+def _panel(panel: PaperPanel, scenarios: Mapping[str, Scenario], reading: Reading) -> str:
+    situation = panel.situation
+    scenario, equation = scenarios[situation.scenario], situation.equation
     if len(panel.letter) == 1:
         return f"({panel.letter}) {gains_text(scenario)} (Eq. {equation})"
-    return f"({panel.letter}) {panel.kind}, {course_text(scenario)} (Eq. {equation})"
+    course = course_text(situation, scenario, reading)
+    return f"({panel.letter}) {panel.kind}, {course} (Eq. {equation})"
 
 
 def _situation(
@@ -296,17 +224,21 @@ def _situation(
     panels: Sequence[PaperPanel],
     runs: Mapping[str, RunData],
     scenarios: Mapping[str, Scenario],
+    reading: Reading,
 ) -> Sequence[str]:
     scenario, run = scenarios[situation.scenario], runs[situation.scenario]
     last = run.metrics.row(-1)
     law = ", ".join([law_text(scenario), gains_text(scenario), *setting_texts(scenario)])
-    data = ", ".join(f"[{panel.letter}]({data_name(panel)})" for panel in panels)
+    data = ", ".join(f"[{panel.letter}]({data_name(panel, reading)})" for panel in panels)
+    words = [f"{PREFIX}{situation.scenario}"]
+    for override in reading.overrides(situation.scenario):
+        words += ["--set", override]
     return (
         ", ".join(panel.letter for panel in panels),
         f"{situation.number}, Eq. {situation.equation}",
-        cell(course_text(scenario)),
+        cell(course_text(situation, scenario, reading)),
         cell(law),
-        f"`{PREFIX}{situation.scenario}`",
+        f"`{shlex.join(words)}`",
         str(run.last.iteration),
         number_text(last["max_position_error_m"], 4),
         number_text(last["mean_position_error_m"], 4),
@@ -321,7 +253,7 @@ def _claims(judged: Judged) -> Sequence[str]:
             "figures judges them."
         ]
     return [
-        f"{count_text(judged)}. What was measured, by which criterion, and why a claim does not "
+        f"{verdicts_text(judged)} What was measured, by which criterion, and why a claim does not "
         f"hold: [{CLAIMS_MD}]({CLAIMS_MD}); for programs: [{CLAIMS_CSV}]({CLAIMS_CSV}).",
         verdict_table(judged, CLAIMS_MD),
     ]

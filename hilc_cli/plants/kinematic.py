@@ -140,19 +140,9 @@ def drifting_step(
     drift_left: float,
     drift_turn: float,
 ) -> tuple[float, float, float]:
-    """Pose after `advance` and a drift of the platform in its own frame.
+    """Pose after `advance`, whose numbers come first, and a drift of the platform in its own frame.
 
-    Args:
-        x: Position [m].
-        y: Position [m].
-        heading: Heading [rad].
-        cos_heading: Cosine of the heading.
-        sin_heading: Sine of the heading.
-        distance: Length of the step [m].
-        turn: Turn [rad].
-        drift_ahead: Drift along the heading [m].
-        drift_left: Drift to its left [m].
-        drift_turn: Drift of the heading [rad].
+    The drift is that along the heading [m], to its left [m], and of the heading [rad].
     """
     ahead = distance + drift_ahead
     return (

@@ -48,11 +48,7 @@ class InstalledRobot(RobotSpec):
 
 
 def _named(plant: object) -> type[RobotSpec]:
-    """Returns the model of a plant.
-
-    Raises:
-        PlugInError: There is no such plant, or it must not or cannot be imported.
-    """
+    """Returns the model of a plant; raises PlugInError as for laws."""
     name = plant if isinstance(plant, str) else ""
     if name in OWN:
         return OWN[name]

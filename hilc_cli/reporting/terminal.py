@@ -9,10 +9,12 @@ from __future__ import annotations
 import json
 import math
 import os
+import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TextIO
 
 from hilc_cli.errors import FileAccessError
@@ -21,13 +23,6 @@ from hilc_cli.wording import printable
 
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
-    from rich.table import Table
-import shutil
-import textwrap
-from dataclasses import field
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 
@@ -240,15 +235,10 @@ class Section:
         """What the report of one screen has of it."""
         return self.rows if self.brief is None else self.brief
 
-    @property
-    def beyond_brief(self) -> Sequence[tuple[str, str]]:
-        """The rows that the report of one screen leaves out."""
-        return () if self.brief is None else self.rows
-
 
 def print_section(section: Section) -> None:
     """What the report of one screen leaves out of a section, if anything, to stdout."""
-    rows = section.beyond_brief
+    rows = () if section.brief is None else section.rows
     if not (rows or section.grids or section.notes):
         return
     print_text("")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import filecmp
 import json
 import platform
 import shutil
@@ -16,7 +15,15 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from hilc_cli.errors import ExistingResultsError, MissingFileError, UsageError
-from hilc_cli.files import is_there, output_place, read_file, resolved, write_folder, writing
+from hilc_cli.files import (
+    is_same,
+    is_there,
+    output_place,
+    read_file,
+    resolved,
+    write_folder,
+    writing,
+)
 from hilc_cli.results.reading import MAX_JSON_BYTES, Document, read_document
 from hilc_cli.version import __version__
 
@@ -141,6 +148,10 @@ class ResultFolder:
                 "choose another folder with --out, or replace it with --force"
             )
 
+    def check_checksum(self, path: Path, checksum: str, *, force: bool) -> None:
+        """Does what `check` does where results are the same if their manifests' checksum is."""
+        self.check(path, lambda there: there.get("checksum") == checksum, force=force)
+
     def write(
         self,
         path: Path,
@@ -191,8 +202,9 @@ class ResultFolder:
     def _keep_pictures(self, old: Path, new: Path) -> None:
         """Copies pictures that still show what the tables say into the folder that replaces one."""
         with suppress(FileNotFoundError):  # another program has replaced the old folder meanwhile
+            both = [(old / name, new / name) for name in self.tables]
             if not old.is_dir() or not all(
-                _is_same(old / name, new / name) for name in self.tables
+                is_same(*pair) if pair[0].exists() else not pair[1].exists() for pair in both
             ):
                 return
             for name in self._picture_files():
@@ -202,13 +214,6 @@ class ResultFolder:
                     continue
                 if picture.stat().st_size <= _MAX_PICTURE_BYTES:
                     shutil.copyfile(picture, copy)
-
-
-def _is_same(one: Path, other: Path) -> bool:
-    """Whether two files have the same content, or neither is there."""
-    if not one.exists() and not other.exists():
-        return True
-    return one.is_file() and other.is_file() and filecmp.cmp(one, other, shallow=False)
 
 
 DRAWN_WITH = ("matplotlib", "numpy", "pydantic", "pyyaml")

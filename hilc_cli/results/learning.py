@@ -10,16 +10,12 @@ from __future__ import annotations
 import math
 import re
 from array import array
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from hilc_cli.errors import UsageError
-from hilc_cli.names import named
-from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import stem_and_unit
+from hilc_cli.results.metrics import IterationTable, stem_and_unit
 from hilc_cli.results.reading import Numbers, check_counted, parse_numbers, table_rows
 from hilc_cli.wording import in_short, listed
 
@@ -29,45 +25,24 @@ _MOST = 1e200
 """No estimate is larger; squares of it are hardly finite."""
 
 
-class LearningTable:
-    """Figures of iterations 0, 1, ...: a column of eight-byte numbers each; most laws have none."""
+class LearningTable(IterationTable):
+    """Figures of iterations, not-a-number where there is none; most laws have no columns."""
 
-    def __init__(self) -> None:
-        self._columns: dict[str, array[float]] = {}
+    def __init__(self, names: Iterable[str] = ()) -> None:
+        super().__init__("figure", {name: array("d") for name in names})
 
     def append(self, figures: Mapping[str, float]) -> None:
         """Adds the next iteration; the names are those of the first."""
-        if not self._columns:
-            self._columns = {name: array("d") for name in figures}
-        for name, column in self._columns.items():
-            column.append(figures[name])
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the columns, units in them; none if the law has nothing to tell."""
-        return tuple(self._columns)
-
-    def __len__(self) -> int:
-        return len(next(iter(self._columns.values()), ()))
-
-    def __getitem__(self, name: str) -> Floats:
-        """A column, shape (iterations,); not-a-number where there is no such figure.
-
-        Raises:
-            UnknownNameError: There is no such column; names those that there are.
-        """
-        return np.array(named("figure", self._columns)[name], dtype=np.float64)
+        if not self.names:
+            LearningTable.__init__(self, figures)
+        super().append(figures)
 
     def __repr__(self) -> str:
         return in_short(f"What the law tells of {len(self)} iterations", listed(self.names, most=3))
 
     def last(self) -> dict[str, float]:
         """Figures of the last iteration by name; not-a-number where there is no such figure."""
-        return {name: column[-1] for name, column in self._columns.items()}
-
-    def rows(self) -> Iterator[tuple[float, ...]]:
-        """All rows in order."""
-        return zip(*self._columns.values(), strict=True)
+        return self.row(-1)
 
 
 def write_learning(path: Path, table: LearningTable) -> None:
@@ -75,7 +50,7 @@ def write_learning(path: Path, table: LearningTable) -> None:
     with path.open("w", encoding="ascii", newline="") as file:
         file.write(",".join([_ITERATION, *table.names]) + "\n")
         for iteration, row in enumerate(table.rows()):
-            cells = ("" if math.isnan(number) else repr(number) for number in row)
+            cells = ("" if math.isnan(number) else repr(number) for number in row.values())
             file.write(",".join([str(iteration), *cells]) + "\n")
 
 
@@ -172,12 +147,7 @@ def quantities(columns: Iterable[str]) -> list[Quantity]:
 
 
 def says_more(quantity: Quantity, known: Collection[str]) -> bool:
-    """Whether a quantity says more than others do.
-
-    Args:
-        quantity: The quantity.
-        known: The columns that have a number.
-    """
+    """Whether a quantity says more than the columns that are known to have a number."""
     return _TOLD_BY.get(quantity.column) not in known
 
 

@@ -275,51 +275,54 @@ def metrics_of_sums(sums: Sums) -> Floats:
     return np.stack([metric.of_sums(sums) for metric in METRICS.values()], axis=1)
 
 
-class MetricsTable:
-    """Metrics of iterations 0, 1, ...: a column of eight-byte numbers each, nothing else."""
+class IterationTable:
+    """Numbers of iterations 0, 1, ...: a column of eight bytes each, nothing else."""
 
-    def __init__(self) -> None:
-        columns: dict[str, array[float]] = {
-            name: array("q" if metric.whole else "d") for name, metric in METRICS.items()
-        }
-        self._columns = Named("metric", columns)
+    def __init__(self, what: str, columns: Mapping[str, array[float]]) -> None:
+        self._columns = Named(what, columns)
 
-    def append(self, metrics: Mapping[str, float]) -> None:
-        """Adds the next iteration, all metrics by name."""
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return tuple(self._columns)
+
+    def append(self, numbers: Mapping[str, float]) -> None:
+        """Adds the next iteration, all numbers by name."""
         for name, column in self._columns.items():
-            column.append(metrics[name])
+            column.append(numbers[name])
 
     def __len__(self) -> int:
-        return len(self._columns[MAX_ERROR])
+        return len(next(iter(self._columns.values()), ()))
 
     def __getitem__(self, name: str) -> Floats:
         """A column, shape (iterations,).
 
         Raises:
-            UnknownNameError: There is no such metric; names those that there are.
+            UnknownNameError: There is no such column; names those that there are.
         """
         return np.array(self._columns[name], dtype=np.float64)
 
-    def __repr__(self) -> str:
-        return in_short(f"Metrics of {len(self)} iterations", listed(METRICS, most=3))
-
     def row(self, iteration: int) -> dict[str, float]:
-        """All metrics of one iteration by name; -1 is the last."""
+        """All numbers of one iteration by name; -1 is the last."""
         return {name: column[iteration] for name, column in self._columns.items()}
 
     def rows(self) -> Iterator[Mapping[str, float]]:
         """All rows in order."""
         return (self.row(iteration) for iteration in range(len(self)))
 
+
+class MetricsTable(IterationTable):
+    """The metrics of iterations."""
+
+    def __init__(self) -> None:
+        kinds = {name: "q" if metric.whole else "d" for name, metric in METRICS.items()}
+        super().__init__("metric", {name: array(kind) for name, kind in kinds.items()})
+
+    def __repr__(self) -> str:
+        return in_short(f"Metrics of {len(self)} iterations", listed(METRICS, most=3))
+
     def settled_at(self, tolerance: float) -> int | None:
-        """First iteration from which on the maximum position error stays at or below a bound.
-
-        Args:
-            tolerance: The bound [m].
-
-        Returns:
-            The iteration, or None if the last iteration is still above the bound.
-        """
+        """Returns `settled_at` of the maximum position errors, for a bound in m."""
         return settled_at(self[MAX_ERROR], tolerance)
 
 
@@ -341,12 +344,7 @@ def settled_at(errors: Floats, tolerance: float) -> int | None:
 def first_within(errors: Floats, tolerance: float) -> int | None:
     """First iteration in which an error is at or below a bound, whatever comes after it.
 
-    Args:
-        errors: Error of each iteration, shape (iterations,); not-a-number is above any bound.
-        tolerance: The bound, in the same unit.
-
-    Returns:
-        The iteration, or None if there is none.
+    Of the same errors and bounds as `settled_at`; None if there is no such iteration.
     """
     within = np.flatnonzero(errors <= tolerance)
     return int(within[0]) if len(within) else None
@@ -355,12 +353,7 @@ def first_within(errors: Floats, tolerance: float) -> int | None:
 def share_within(errors: Floats, tolerance: float) -> float | None:
     """Share of the iterations at or below a bound, from the first that is to the last of all.
 
-    Args:
-        errors: Error of each iteration, shape (iterations,); not-a-number is above any bound.
-        tolerance: The bound, in the same unit.
-
-    Returns:
-        The share, above 0 and at most 1; None if no iteration is within the bound.
+    Of the same errors and bounds as `settled_at`; above 0 and at most 1, None if none is within.
     """
     first = first_within(errors, tolerance)
     return None if first is None else float(np.mean(errors[first:] <= tolerance))

@@ -137,11 +137,7 @@ _SPEED = Numbers(-FASTEST, FASTEST)
 
 
 def metric_columns(*, empty: bool = False) -> list[tuple[str, Numbers]]:
-    """The metrics of an iteration and what each may be.
-
-    Args:
-        empty: Whether there may be none.
-    """
+    """The metrics of an iteration and what each may be; empty: or not be there."""
     return [
         (
             name,

@@ -139,13 +139,7 @@ def read_run(folder: str | Path) -> RunData:
 def holds_scenario(
     path: Path, scenario_yaml: str, initial_input: tuple[Floats, Floats] | None
 ) -> bool:
-    """Whether the run in a folder is one of a resolved scenario.
-
-    Args:
-        path: The folder.
-        scenario_yaml: The scenario.
-        initial_input: Left and right wheel speeds of the input file that it names, if it does.
-    """
+    """Whether the run in a folder is one of a resolved scenario and its input, if it has a file."""
     try:
         text = read_file(path / SCENARIO, _MAX_SCENARIO_BYTES).decode("utf-8")
     except (UsageError, UnicodeDecodeError):

@@ -7,12 +7,11 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.learning import Learning
+from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import folder_to_read, merge_folder
@@ -46,7 +45,7 @@ from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
 from hilc_cli.theory.feasibility.feasibility import beyond_wheels
-from hilc_cli.theory.wheel_noise import seen_in, seen_warnings
+from hilc_cli.theory.noise import seen_in, seen_warnings
 from hilc_cli.wording import printable
 
 __all__ = [
@@ -65,11 +64,8 @@ __all__ = [
 ]
 
 
-class OnIteration(Protocol):
-    """Told of each completed iteration."""
-
-    def __call__(self, iteration: int, /) -> None:
-        """Iteration number ``iteration`` is complete."""
+OnIteration = Callable[[int], None]
+"""Told the number of each completed iteration."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -328,10 +324,5 @@ def warnings_before(scenario: ScenarioSource) -> list[str]:
 
 
 def warnings_after(run: RunData, experiment: Experiment) -> list[str]:
-    """Says what was probably not meant and only a simulation shows.
-
-    Args:
-        run: The results, with at least one completed iteration.
-        experiment: What was simulated.
-    """
+    """Says what was probably not meant and only a simulation shows, by its last iteration."""
     return seen_warnings(seen_in(run.last, experiment))

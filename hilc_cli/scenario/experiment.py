@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from hilc_cli import plug_ins
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.learning import Learning
+from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
-from hilc_cli.laws.registry import packages_of
+from hilc_cli.laws.registry import OWN as LAWS
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import OWN as PLANTS
@@ -83,7 +82,8 @@ class Scenario:
     def plug_ins(self) -> dict[str, dict[str, str | None]]:
         """Package and version of what is not hilc's own in it, as manifests note them."""
         law, plant = self.spec.controller.law, self.spec.robot.plant
-        return packages_of([law]) | plug_ins.packages_of("plant", [plant], PLANTS)
+        of_law = plug_ins.packages_of("law", [law], LAWS)
+        return of_law | plug_ins.packages_of("plant", [plant], PLANTS)
 
     @property
     def speed_limit(self) -> float | None:

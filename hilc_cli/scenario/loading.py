@@ -63,8 +63,10 @@ def load_scenario(
     inputs = Inputs()
     tree = inputs.tree(source)
     changes = _changes(overrides)
-    _check_kind(tree)
-    assert isinstance(tree, MapNode)  # _check_kind
+    assert isinstance(tree, MapNode)  # anything else has been refused
+    message = mistaken(tree.entries, SCENARIOS)
+    if message is not None:
+        raise InvalidInputError.of(tree.place, "", message)
     for keys, value in changes:
         tree = _with_both_radii(tree, keys)
         tree = apply_override(tree, keys, value, inputs.with_trajectory, _default)
@@ -122,13 +124,6 @@ def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
     return changes
 
 
-def _check_kind(tree: Node) -> None:
-    assert isinstance(tree, MapNode)  # anything else has been refused
-    message = mistaken(tree.entries, SCENARIOS)
-    if message is not None:
-        raise InvalidInputError([Problem(str(tree.place), "", message)])
-
-
 def _validated(
     tree: MapNode, trajectory_problems: list[Problem], yaml_problems: list[Problem]
 ) -> ScenarioSpec:
@@ -176,4 +171,4 @@ def _initial_input(
         return read_input(path, content, reference.samples, reference.sample_time)
     except HilcError as error:
         choices = f"{error} (initial_input is {', '.join(NAMED_INPUTS)} or such a file)"
-        raise InvalidInputError([Problem(str(node.place), "initial_input", choices)]) from None
+        raise InvalidInputError.of(node.place, "initial_input", choices) from None

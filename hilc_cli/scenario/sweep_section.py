@@ -193,47 +193,34 @@ class CompleteSweepSpec(SweepSpec):
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
         """What does not fit together, whatever else is wrong."""
-        found = super().misfits(data)
-        found += cls._of_sampling(data) if data.get("minimise") is None else cls._of_search(data)
-        for key in ("metric", "minimise"):
-            if data.get(key) == ITERATIONS_TO_TOLERANCE and data.get("tolerance") is None:
-                remedy = "give it too, such as 'tolerance: 5 cm' or --tolerance '5 cm'"
-                found.append(((key,), "needs a tolerance", remedy))
-        return found
-
-    @classmethod
-    def _of_sampling(cls, data: dict[str, Any]) -> list[Located]:
-        found: list[Located] = []
-        sample = data.get("sample", "grid") or "grid"
-        if sample == "grid":
-            if data.get("cases") is not None:
-                remedy = "remove it, or set 'sample: random' or 'sample: sobol'"
-                found.append((("cases",), "has no meaning for a grid", remedy))
-            vary = data.get("vary")
-            for key, value in vary.items() if isinstance(vary, dict) else ():
-                if _has_no_count(value):
-                    remedy = "add it, such as 0.1:10:20, or draw from the range with 'sample'"
-                    found.append(
-                        (("vary", str(key)), "is a range without a number of values", remedy)
-                    )
-        elif sample in ("random", "sobol") and data.get("cases") is None:
-            remedy = "give it too, such as 'cases: 1000' or --cases 1000"
-            found.append((("sample",), "needs the number of cases to draw", remedy))
-        return found
-
-    @classmethod
-    def _of_search(cls, data: dict[str, Any]) -> list[Located]:
-        found: list[Located] = []
-        if data.get("cases") is None:
-            remedy = "give it too, such as 'cases: 200' or --cases 200"
-            found.append((("minimise",), "needs the number of cases to try", remedy))
-        if data.get("sample") is not None:
-            remedy = "remove it, or 'minimise'"
-            found.append((("sample",), "has no meaning for a search", remedy))
-        if data.get("metric") not in (None, data["minimise"]):
-            remedy = "remove it: cases are ranked by what is minimised"
-            found.append((("metric",), "has no meaning for a search", remedy))
-        return found
+        given = {key: value for key, value in data.items() if value is not None}
+        searches, sample = "minimise" in given, given.get("sample") or "grid"
+        is_grid = not searches and sample == "grid"
+        vary = given.get("vary")
+        ranges = vary.items() if is_grid and isinstance(vary, dict) else ()
+        ranked = given.get("metric", given.get("minimise"))
+        found: list[tuple[bool, tuple[str, ...], str, str]] = [
+            (is_grid and "cases" in given, ("cases",), "has no meaning for a grid",
+             "remove it, or set 'sample: random' or 'sample: sobol'"),
+            *((_has_no_count(value), ("vary", str(key)), "is a range without a number of values",
+               "add it, such as 0.1:10:20, or draw from the range with 'sample'")
+              for key, value in ranges),
+            (not searches and sample in ("random", "sobol") and "cases" not in given,
+             ("sample",), "needs the number of cases to draw",
+             "give it too, such as 'cases: 1000' or --cases 1000"),
+            (searches and "cases" not in given, ("minimise",), "needs the number of cases to try",
+             "give it too, such as 'cases: 200' or --cases 200"),
+            (searches and "sample" in given, ("sample",), "has no meaning for a search",
+             "remove it, or 'minimise'"),
+            (searches and ranked != given["minimise"], ("metric",), "has no meaning for a search",
+             "remove it: cases are ranked by what is minimised"),
+            *((given.get(key) == ITERATIONS_TO_TOLERANCE and "tolerance" not in given,
+               (key,), "needs a tolerance",
+               "give it too, such as 'tolerance: 5 cm' or --tolerance '5 cm'")
+              for key in ("metric", "minimise")),
+        ]  # fmt: skip
+        told = [(at, problem, remedy) for is_wrong, at, problem, remedy in found if is_wrong]
+        return [*super().misfits(data), *told]
 
 
 def _has_no_count(value: object) -> bool:

@@ -12,10 +12,9 @@ from functools import partial
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.lanes.batch import BatchResult, is_compiled, simulate_batch
+from hilc_cli.engine.lanes.batch import BatchResult, is_compiled, simulate_batch, simulate_many
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.engine.lanes.packs import Kind, knows
-from hilc_cli.engine.many import simulate_many
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, METRICS
@@ -91,10 +90,6 @@ class Execution:
         if place is None or not 0 < int(place[1]) <= _LAST_PORT:
             raise UsageError(f"--scheduler {self.scheduler}: must read tcp://HOST:PORT")
 
-    def telling(self, on_cases: Callable[[int], None]) -> Execution:
-        """Returns the same execution with somebody who is told how many cases are done."""
-        return replace(self, on_cases=on_cases)
-
 
 def compute(plan: Plan, store: Store, how: Execution) -> None:
     """Computes what is missing in a store.
@@ -137,14 +132,7 @@ def compute_chunks(
     chunks: Iterable[Chunk],
     how: Execution,
 ) -> None:
-    """Computes chunks that are missing in a store.
-
-    Args:
-        plan: The sweep.
-        store: Where results go.
-        crew: Who computes them.
-        chunks: The chunks.
-        how: Whom to tell, and whether to stop when the first case has failed.
+    """Has a crew compute chunks that are missing in a store.
 
     Raises:
         FailedCasesError: A case has failed and `fail_fast` is set.
@@ -236,15 +224,9 @@ def seconds_per_case(plan: Plan) -> float:
 
 
 def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
-    """How many cases make about a second of work, and keep all workers busy to the end.
+    """How many of so many cases make about a second of work, and keep all workers busy to the end.
 
-    Args:
-        plan: The sweep.
-        cases: How many there are to compute.
-        workers: How many compute them.
-
-    Returns:
-        A multiple of the number of lanes, so that none is empty, if cases run in lanes.
+    A multiple of the number of lanes, so that none is empty, if cases run in lanes.
     """
     fair = cases / (4 * workers)
     pack = LANES if plan.in_lanes else 1
@@ -253,13 +235,7 @@ def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
 
 
 def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None) -> ChunkResult:
-    """Computes the cases of a chunk.
-
-    Args:
-        plan: The sweep.
-        chunk: Which of its cases.
-        go_on: Called now and then; may raise to stop.
-    """
+    """Computes the cases of a chunk; what is called now and then may raise to stop."""
     found = _nothing_known(plan, chunk)
     failures: list[Failure] = []
     samples = plan.scenario.spec.trajectory.reference().samples

@@ -293,12 +293,7 @@ class SweepSummary:
 
 
 def summarise_sweep(data: SweepData, best: int = 5) -> SweepSummary:
-    """The few figures that tell how a sweep went.
-
-    Args:
-        data: The results.
-        best: How many of the best cases to name.
-    """
+    """The few figures that tell how a sweep went, and so many of its best cases."""
     order = data.ranked()
     column = data.columns[data.metric]
     within = int(np.isfinite(data.columns[ITERATIONS_TO_TOLERANCE]).sum())

@@ -8,8 +8,8 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.batch import simulate_many
 from hilc_cli.engine.lanes.lanes import LANES
-from hilc_cli.engine.many import simulate_many
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.sweeps.compute import cases_per_chunk, samples_per_case
 from hilc_cli.sweeps.plan import CANNOT_BE_MADE, Plan
@@ -44,13 +44,7 @@ class Estimate:
 
 
 def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
-    """What a sweep will cost, from a short trial of its first cases.
-
-    Args:
-        plan: The sweep.
-        workers: How many compute it.
-        computed: How many of its cases they compute; by default all.
-    """
+    """What a sweep, or so many of its cases, will cost, from a short trial of its first ones."""
     cases, samples = computed or len(plan.cases), samples_per_case(plan)
     columns = len(CASE_COLUMNS) + len(plan.axes)
     rows = cases * _BYTES_PER_VALUE * len(CASE_COLUMNS)

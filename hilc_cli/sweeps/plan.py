@@ -19,7 +19,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.errors import HilcError, InvalidInputError
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.scenario.experiment import Scenario
@@ -160,10 +160,10 @@ class Plan:
         samples = reference.samples
         for at, problem, remedy in scenario.spec.controller.misfits_on(reference):
             path = ".".join(map(str, ("controller", *at)))
-            raise InvalidInputError([Problem("", path, f"{problem}; {remedy}")])
+            raise InvalidInputError.of("", path, f"{problem}; {remedy}")
         if given is not None and len(given[0]) != samples:
             message = f"has {len(given[0])} samples, but the trajectory has {samples}"
-            raise InvalidInputError([Problem("", "initial_input", message)])
+            raise InvalidInputError.of("", "initial_input", message)
         return scenario.experiment()
 
     def _trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:
@@ -172,19 +172,14 @@ class Plan:
             kept = sum(path.reference().samples for path in self._paths.values())
             if kept > _MOST_SAMPLES:
                 self._paths.clear()
-            self._paths[given] = self._new_trajectory(values)
+            spec, name = self.scenario.spec, values.get(TRAJECTORY)
+            if name is not None:
+                spec = spec.model_copy(update={TRAJECTORY: self.trajectories[str(name)]})
+            place = Place(Source("the trajectory", Path(), has_lines=False))
+            changes = [(key, value, place) for key, value in values.items() if key != TRAJECTORY]
+            path = validated(spec, changes).trajectory if changes else spec.trajectory
+            self._paths[given] = path
         return self._paths[given]
-
-    def _new_trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:
-        spec = self.scenario.spec
-        name = values.get(TRAJECTORY)
-        if name is not None:
-            spec = spec.model_copy(update={TRAJECTORY: self.trajectories[str(name)]})
-        changes = [(key, value) for key, value in values.items() if key != TRAJECTORY]
-        if not changes:
-            return spec.trajectory
-        place = Place(Source("the trajectory", Path(), has_lines=False))
-        return validated(spec, [(key, value, place) for key, value in changes]).trajectory
 
     @cached_property
     def _tree(self) -> _KeyTree:

@@ -16,7 +16,7 @@ from hilc_cli.errors import MOST_PROBLEMS, InvalidInputError, Problem, UsageErro
 from hilc_cli.results.tables import value_text
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
-from hilc_cli.scenario.scenario import RecordSpec, ScenarioSpec
+from hilc_cli.scenario.scenario import RecordSpec
 from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec, read_axis, shown_axis
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.plan import (
@@ -116,9 +116,10 @@ def plan_sweep(
             "nothing is varied; give --vary KEY=VALUES, such as --vary controller.gains.l1=0:1:11, "
             "or a section 'sweep:' in the scenario"
         )
-    axes, trajectories = _checked(base, asked.vary, _places(tree))
+    checked = _Checked(base, asked.vary, _places(tree))
+    axes = {key: checked.axes[key] for key in asked.vary}
     changes = {"vary": axes, "metric": asked.minimise or asked.metric}
-    plan = Plan(base, asked.model_copy(update=changes), trajectories)
+    plan = Plan(base, asked.model_copy(update=changes), checked.trajectories)
     _check_size(plan)
     if plan.searches:
         require_optuna()
@@ -155,7 +156,7 @@ def _others(scenario: Scenario, tree: MapNode, unread: Collection[PathKeys]) -> 
             if ("vary", key) not in unread:
                 axes[key] = read_axis(to_data(node))
     try:
-        _checked(scenario, axes, _places(tree))
+        _Checked(scenario, axes, _places(tree))
     except InvalidInputError as error:
         return list(error.problems)
     return []
@@ -224,47 +225,34 @@ def _place(label: str) -> Place:
     return Place(Source(label, Path(), has_lines=False))
 
 
-def _checked(
-    scenario: Scenario, axes: Mapping[str, Axis], places: Mapping[str, Place]
-) -> tuple[dict[str, Axis], dict[str, TrajectorySpec]]:
-    """Checks the values that a sweep puts into a scenario.
+class _Checked:
+    """The values that a sweep puts into a scenario, validated.
 
     Every value of a list and both ends of a range are validated beside the first values of the
-    other keys, then the corners of the box that they span, as far as these are few. All problems
-    are told.
+    other keys, then the corners of the box that they span, as far as these are few.
 
-    Args:
-        scenario: The scenario.
-        axes: Values by dotted key.
-        places: Where the values of each key stand, for messages and relative paths.
-
-    Returns:
-        The values with whole numbers and units resolved, and the trajectories among them by name.
+    Attributes:
+        axes: The values by key, with whole numbers and units resolved.
+        trajectories: Those among them, by name.
 
     Raises:
-        InvalidInputError: A key is unknown, or a value not valid.
+        InvalidInputError: A key is unknown, or a value not valid; tells all problems.
     """
-    given = None if "initial_input" in axes else scenario.initial_input
-    checked = _Checked(scenario.spec, places, None if given is None else len(given[0]))
-    checked.add_all(axes)
-    checked.corners()
-    if checked.problems:
-        raise InvalidInputError(dict.fromkeys(checked.problems))
-    return {key: checked.axes[key] for key in axes}, checked.trajectories
-
-
-class _Checked:
-    """The axes found valid so far."""
 
     def __init__(
-        self, spec: ScenarioSpec, places: Mapping[str, Place], input_samples: int | None
+        self, scenario: Scenario, axes: Mapping[str, Axis], places: Mapping[str, Place]
     ) -> None:
-        self.spec = spec
-        self.places = places
-        self.input_samples = input_samples
+        given = None if "initial_input" in axes else scenario.initial_input
+        self.spec = scenario.spec
+        self.places = places  # where the values of each key stand
+        self.input_samples = None if given is None else len(given[0])
         self.axes: dict[str, Axis] = {}
         self.trajectories: dict[str, TrajectorySpec] = {}
         self.problems: list[Problem] = []
+        self.add_all(axes)
+        self.corners()
+        if self.problems:
+            raise InvalidInputError(dict.fromkeys(self.problems))
 
     def add_all(self, axes: Mapping[str, Axis]) -> None:
         """Validates the values of each key beside the first values of the others."""
@@ -299,11 +287,11 @@ class _Checked:
         try:
             if any(key == other or key.startswith(f"{other}.") for other in WITHOUT_EFFECT):
                 message = "has no effect on the results; vary another key"
-                raise InvalidInputError([Problem(str(place), key, message)])
+                raise InvalidInputError.of(place, key, message)
             if key == _LAW:
                 message = "cannot be varied, since each law has parameters of its own; "
                 message += "make a scenario for each law"
-                raise InvalidInputError([Problem(str(place), key, message)])
+                raise InvalidInputError.of(place, key, message)
             if key == TRAJECTORY:
                 self.axes[key] = self._trajectories(axis, place)
             elif isinstance(axis, Choices):
@@ -337,7 +325,7 @@ class _Checked:
             key = next(key for key in self.places if root(key) == TRAJECTORY)
             message = f"has {samples} samples in {path.name}, but the initial input has"
             message += f" {self.input_samples}; set initial_input to zero or feedforward"
-            raise InvalidInputError([Problem(str(self.places[key]), TRAJECTORY, message)])
+            raise InvalidInputError.of(self.places[key], TRAJECTORY, message)
 
     def _choices(self, key: str, axis: Choices, place: Place) -> Choices:
         found: dict[Value, None] = {}
@@ -361,10 +349,10 @@ class _Checked:
     def _choice(self, key: str, value: Any, place: Place) -> Value:
         if isinstance(value, Mapping):
             message = "must hold single values, got a mapping; vary the keys below it"
-            raise InvalidInputError([Problem(str(place), key, message)])
+            raise InvalidInputError.of(place, key, message)
         if key == "initial_input" and value not in NAMED_INPUTS:
             message = f"must be zero or feedforward in a sweep, got '{value}'"
-            raise InvalidInputError([Problem(str(place), key, message)])
+            raise InvalidInputError.of(place, key, message)
         valid = value_at(validated(self.spec, [(key, value, place)]), parts(key))
         given: Value = value
         return valid if isinstance(valid, bool | int | float | str) else given
@@ -373,8 +361,7 @@ class _Checked:
         ends = Choices(tuple(dict.fromkeys(_written_ends(axis))))
         found = self._choices(key, ends, place).values
         if not all(isinstance(end, int | float) and not isinstance(end, bool) for end in found):
-            message = "takes no numbers; give a list of values"
-            raise InvalidInputError([Problem(str(place), key, message)])
+            raise InvalidInputError.of(place, key, "takes no numbers; give a list of values")
         whole = axis.spacing != "integer" and all(isinstance(end, int) for end in found)
         return replace(axis, whole=whole)
 
@@ -385,12 +372,12 @@ class _Checked:
             try:
                 if not isinstance(value, str | Mapping):
                     message = "must be a list of trajectory files; give their paths"
-                    raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])
+                    raise InvalidInputError.of(place, TRAJECTORY, message)
                 tree = inputs.with_trajectory(with_changes(self.spec, [(TRAJECTORY, value, place)]))
                 path = scenario_of(tree).trajectory
                 if path.name in self.trajectories:
                     message = f"has two trajectories named {path.name}; give them different names"
-                    raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])
+                    raise InvalidInputError.of(place, TRAJECTORY, message)
             except InvalidInputError as error:
                 problems.extend(error.problems)
             else:

@@ -18,18 +18,19 @@ from hilc_cli.reporting.terminal import (
     print_text,
     progress,
     say,
+    say_timings,
     two_columns,
 )
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.sweeps.data import BEST, summarise_sweep, tied
 from hilc_cli.variation import Range
-from hilc_cli.wording import printable
+from hilc_cli.wording import counted, printable
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from hilc_cli.sweeps.chunks import Failure
-    from hilc_cli.sweeps.data import BestCase, OwnValues, SweepData, SweepSummary
+    from hilc_cli.sweeps.data import OwnValues, SweepData, SweepSummary
     from hilc_cli.sweeps.estimate import Estimate
     from hilc_cli.sweeps.plan import Plan
     from hilc_cli.sweeps.sweeping import Sweep
@@ -43,7 +44,7 @@ def search_table(summary: SweepSummary, as_it_is: OwnValues) -> Table:
     from rich import box
     from rich.table import Table
 
-    best = _best(summary)
+    best = next(iter(summary.best), None)
     table = Table(
         title=f"Smallest {summary.metric}",
         box=box.SIMPLE_HEAD,
@@ -63,7 +64,7 @@ def search_table(summary: SweepSummary, as_it_is: OwnValues) -> Table:
 
 def search_document(summary: SweepSummary, as_it_is: OwnValues, folder: Path) -> dict[str, Any]:
     """Returns the best case beside the scenario as it is, for a JSON document."""
-    best = _best(summary)
+    best = next(iter(summary.best), None)
     return {
         "minimise": summary.metric,
         "as_it_is": as_it_is.to_data(),
@@ -77,10 +78,6 @@ def shown(value: object) -> str:
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
     return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _best(summary: SweepSummary) -> BestCase | None:
-    return summary.best[0] if summary.best else None
 
 
 def _number(number: float) -> str:
@@ -134,30 +131,28 @@ class SweepReport:
             return
         if self.quiet:
             return
+        workers = counted(estimate.workers, "worker")
         rows = [
             ("cases", f"{estimate.cases:,}"),
             ("samples of all iterations", f"{estimate.samples:,.0f}"),
-            ("time", f"about {_duration(estimate.seconds)} with {_workers(estimate.workers)}"),
+            (
+                "time",
+                f"about {_duration(estimate.seconds)} with {workers}",
+            ),
             ("memory", f"about {_size(estimate.memory)}"),
             ("disk, until it is done", f"about {_size(estimate.disk)}"),
         ]
         print_table(two_columns(f"{plan.name}, not computed", rows))
 
     def result(self, result: Sweep, folder: Path, again: str) -> None:
-        """How a sweep went.
-
-        Args:
-            result: The sweep.
-            folder: Where it has been written.
-            again: How to try cases again that have failed.
+        """How a sweep went, and how to try cases again that have failed.
 
         Raises:
             typer.Exit: Some cases have failed, or a search has found nothing.
         """
         self._summary(result, result.failures, folder)
         if self.verbose:
-            for step, seconds in result.how.get("timings_s", {}).items():
-                say(f"{step}: {seconds:.3f} s")
+            say_timings(result.how.get("timings_s", {}))
         self._failures(result.failures, again)
         _check_found(result)
 
@@ -256,10 +251,6 @@ def _duration(seconds: float) -> str:
     if seconds < 6000:
         return f"{seconds / 60:.0f} min"
     return f"{seconds / 3600:.1f} h"
-
-
-def _workers(count: int) -> str:
-    return "1 worker" if count == 1 else f"{count} workers"
 
 
 def _size(size: float) -> str:

@@ -9,14 +9,14 @@ import itertools
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hilc_cli.engine.lanes.lanes import LANES
-from hilc_cli.errors import MissingPackageError
+from hilc_cli.errors import needed
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, MAX_ERROR
 from hilc_cli.sweeps.chunks import Chunk, Store
@@ -57,24 +57,14 @@ _LEAST, _SHARE = 4, 4
 _COLUMNS = list(CASE_COLUMNS)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Found:
-    """What a search has tried.
-
-    Attributes:
-        cases: All its cases.
-        as_it_is: The metric of the scenario with its own values, not-a-number if it has none.
-    """
-
-    cases: ListedCases
-    as_it_is: float
-
-
-def search(plan: Plan, store: Store, how: Execution) -> Found:
+def search(plan: Plan, store: Store, how: Execution) -> ListedCases:
     """Computes the cases of a search, of which a store may have some.
 
     A batch follows from the results of the batches before it, not from who computed them, so that
     a search that goes on after a stop thinks of the same cases again and finds them in the store.
+
+    Returns:
+        All its cases.
 
     Raises:
         UsageError: The package for that is not installed.
@@ -95,7 +85,7 @@ def search(plan: Plan, store: Store, how: Execution) -> Found:
             listed += values
     finally:
         crew.dismiss()
-    return Found(ListedCases(plan.axes, listed), _as_it_is(plan))
+    return ListedCases(plan.axes, listed)
 
 
 def costs(plan: Plan, rows: Floats) -> Floats:
@@ -138,8 +128,8 @@ def _missing(plan: Plan, store: Store, batch: Chunk, workers: int) -> list[Chunk
     return pieces
 
 
-def _as_it_is(plan: Plan) -> float:
-    """The metric of the scenario with its own values."""
+def own_metric(plan: Plan) -> float:
+    """The metric of the scenario with its own values, not-a-number if it has none."""
     own = replace(plan, spec=plan.spec.model_copy(update={"vary": {}}))
     return float(_metric(plan, run_chunk(own, Chunk(0, 1, ((),))).rows)[0])
 
@@ -147,15 +137,9 @@ def _as_it_is(plan: Plan) -> float:
 _SUFFIX, _LONGEST_NAME = "-best", 100
 
 
-def beside_cases(plan: Plan, data: SweepData, metric: float) -> dict[str, Any]:
-    """The fields that a `Sweep` has of a search only.
-
-    Args:
-        plan: The search.
-        data: Its cases.
-        metric: What it minimises, of the scenario as it is.
-    """
-    own = plan.scenario.resolved()
+def beside_cases(plan: Plan, data: SweepData) -> dict[str, Any]:
+    """The fields that a `Sweep` has of a search only."""
+    own, metric = plan.scenario.resolved(), own_metric(plan)
     values = {key: value_of(own, key) for key in plan.axes}
     return {"as_it_is": OwnValues(values, metric), "best_yaml": _best_yaml(plan, data, metric)}
 
@@ -199,15 +183,11 @@ def value_of(resolved: Mapping[str, Any], key: str) -> Value:
         return 2 * float(resolved[platform]["half_track"])
     found: Any = resolved
     for part in parts(key):
-        is_there = part in found if isinstance(found, Mapping) else _is_place(part, found)
-        if not is_there:
+        is_place = isinstance(found, list) and isinstance(part, int) and part < len(found)
+        if not is_place and not (isinstance(found, Mapping) and part in found):
             return None
         found = found[part]
     return found if isinstance(found, bool | int | float | str) else None
-
-
-def _is_place(part: str | int, data: Any) -> bool:
-    return isinstance(data, list) and isinstance(part, int) and part < len(data)
 
 
 def batches(cases: int) -> Iterator[tuple[Chunk, int]]:
@@ -250,7 +230,8 @@ class Sampler:
         """
         self._optuna = require_optuna()
         self._axes = cases.axes
-        self._drawn = _points(cases)
+        blocks = itertools.count(0, _BLOCK)
+        self._drawn = (point for at in blocks for point in cases.values(at, at + _BLOCK))
         self._space = {key: _distribution(axis, self._optuna) for key, axis in cases.axes.items()}
         self._batch: list[tuple[_Params, Trial | None]] = []
         self._tried: set[tuple[Any, ...]] = set()
@@ -284,7 +265,10 @@ class Sampler:
                 self._tried.add(tuple(params.values()))
                 self._batch.append((params, trial))
         return tuple(
-            tuple(_value(axis, params[key]) for key, axis in self._axes.items())
+            tuple(
+                _ordered(axis)[params[key]] if isinstance(axis, Choices) else params[key]
+                for key, axis in self._axes.items()
+            )
             for params, _ in self._batch
         )
 
@@ -308,16 +292,13 @@ class Sampler:
         """The next point that is drawn and has not been tried, if there is one soon."""
         for _ in range(_MOST_DRAWS):
             point = next(self._drawn)
-            params = {key: _param(self._axes[key], value) for key, value in point.items()}
+            params = {
+                key: _ordered(axis).index(point[key]) if isinstance(axis, Choices) else point[key]
+                for key, axis in self._axes.items()
+            }
             if tuple(params.values()) not in self._tried:
                 break
         return params
-
-
-def _points(cases: Cases) -> Iterator[dict[str, Value]]:
-    """Points drawn one after the other, without end."""
-    for first in itertools.count(0, _BLOCK):
-        yield from cases.values(first, first + _BLOCK)
 
 
 def require_optuna() -> Any:
@@ -326,11 +307,7 @@ def require_optuna() -> Any:
     Raises:
         MissingPackageError: It is not installed.
     """
-    try:
-        import optuna
-    except ImportError:
-        raise MissingPackageError("--minimise", "optuna", "tune") from None
-    return optuna
+    return needed("--minimise", "optuna", "tune")
 
 
 @contextmanager
@@ -366,16 +343,5 @@ def _distribution(axis: Axis, optuna: Any) -> BaseDistribution:
 
 
 def _ordered(axis: Choices) -> list[Value]:
-    """The values of a list so that neighbours are near each other, if they are numbers."""
+    """The values of a list by Optuna's parameter: neighbours are near each other, if numbers."""
     return sorted(axis.values) if axis.is_numeric else list(axis.values)  # type: ignore[type-var]
-
-
-def _value(axis: Axis, param: Any) -> Value:
-    """The value of a key that Optuna's parameter stands for."""
-    value: Value = _ordered(axis)[param] if isinstance(axis, Choices) else param
-    return value
-
-
-def _param(axis: Axis, value: Value) -> Any:
-    """Optuna's parameter that stands for a value."""
-    return _ordered(axis).index(value) if isinstance(axis, Choices) else value

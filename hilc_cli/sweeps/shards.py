@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hilc_cli.errors import MissingFileError, UsageError
-from hilc_cli.files import folder_to_read, read_file
-from hilc_cli.reference.sampled import Floats
+from hilc_cli.errors import UsageError
+from hilc_cli.files import folder_to_read, is_there, read_file
 from hilc_cli.results.folder import COMPILED_WITH, INITIAL_INPUT, SCENARIO, origin
 from hilc_cli.results.reading import damaged
 from hilc_cli.results.tables import read_stored_input
@@ -135,23 +134,19 @@ def merge_shards(
             header.path_size_m,
             go_on,
         )
-        initial_input = _read_initial_input(Path(folders[0]))
+        given = Path(folders[0]) / INITIAL_INPUT
         return Sweep(
             **as_fields(data),
             failures=tuple(failure for store in stores for failure in store.failures()),
             checksum=header.checksum,
             scenario_yaml=_read_scenario(Path(folders[0])),
-            initial_input=initial_input,
+            initial_input=read_stored_input(given) if is_there(given) else None,
             how={**origin(started, COMPILED_WITH), "shards": len(stores)},
         )
 
 
 def _check_whole(stores: Sequence[FolderStore]) -> None:
-    """Makes sure that some stores are all the shards of a sweep, and finished.
-
-    Raises:
-        UsageError: They are not.
-    """
+    """Makes sure that some stores are all the shards of a sweep, and finished."""
     first = stores[0]
     position = 0
     searched = next((store.folder for store in stores if store.header.minimise), None)
@@ -177,20 +172,8 @@ def _check_whole(stores: Sequence[FolderStore]) -> None:
 
 
 def _read_scenario(folder: Path) -> str:
-    """The resolved scenario of a shard, with its sweep, as text.
-
-    Raises:
-        HilcError: It cannot be read, or is no text.
-    """
+    """The resolved scenario of a shard, with its sweep, as text."""
     try:
         return read_file(folder / SCENARIO, _MOST_SCENARIO_BYTES).decode("utf-8")
     except UnicodeDecodeError:
         raise damaged(folder / SCENARIO, "it is no UTF-8 text") from None
-
-
-def _read_initial_input(folder: Path) -> tuple[float, Floats, Floats] | None:
-    """Sample time, left and right wheel speeds of a shard's input file, if it has one."""
-    try:
-        return read_stored_input(folder / INITIAL_INPUT)
-    except MissingFileError:
-        return None

@@ -21,8 +21,7 @@ from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.results.reading import Document, Length, Name, check_columns, damaged
 from hilc_cli.results.tables import write_input
-from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
-from hilc_cli.sweeps.journal import Entry, Journal
+from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Entry, Failure, Journal, Store
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.sweep_folder import CASE_NUMBERS, Axes, CaseMetric
 from hilc_cli.variation import Cases, axis_to_data
@@ -104,11 +103,6 @@ def _remove(folder: Path) -> None:
 def _locked_journal(folder: Path, header: Mapping[str, Any], *, read_only: bool = False) -> Journal:
     """The journal, with which nobody else can have the folder open, unless all only read it.
 
-    Args:
-        folder: The folder.
-        header: What it says of the sweep in it.
-        read_only: Whether nothing is to be written.
-
     Raises:
         ExistingResultsError: Somebody has, or has replaced it since its header was read.
         UsageError: The folder or the journal is a link, or none of the kind.
@@ -160,11 +154,7 @@ class FolderStore(Store):
     """
 
     def __init__(self, folder: Path, *, read_only: bool = False) -> None:
-        """Opens a folder that `create` has made.
-
-        Args:
-            folder: The folder.
-            read_only: Nothing is to be kept, so that it may be anybody's.
+        """Opens a folder that `create` has made; one that is only read may be anybody's.
 
         Raises:
             UsageError: It is no such folder, or something else than its files stands in it.
@@ -195,13 +185,7 @@ class FolderStore(Store):
 
     @classmethod
     def create(cls, folder: Path, plan: Plan, cases: Chunk, shard: str | None) -> FolderStore:
-        """Makes the folder of a sweep, or of a shard of it, and opens it.
-
-        Args:
-            folder: The folder; no sweep is in it.
-            plan: The sweep.
-            cases: The cases that belong into it.
-            shard: ``K/N``, for a shard.
+        """Makes a folder for some cases of a sweep, or for a shard ``K/N`` of it, and opens it.
 
         Raises:
             ExistingResultsError: Another program has just put a sweep there.

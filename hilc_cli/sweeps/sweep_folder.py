@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import PlainValidator
 
-from hilc_cli.errors import MissingPackageError, UsageError
+from hilc_cli.errors import UsageError, needed
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
@@ -191,17 +191,13 @@ def write_cases(
             cells += [_words(column, first, last) for column in values.values()]
             for name, column in columns.items():
                 block: list[float] = column[first:last].tolist()
-                cells.append(_whole_cells(block) if CASE_COLUMNS[name].whole else _cells(block))
+                cells.append(_cells(block, whole=CASE_COLUMNS[name].whole))
             file.writelines(f"{','.join(row)}\n" for row in zip(*cells, strict=True))
             go_on()
 
 
-def _cells(numbers: list[float]) -> list[str]:
-    return ["" if number != number else repr(number) for number in numbers]
-
-
-def _whole_cells(numbers: list[float]) -> list[str]:
-    return ["" if number != number else str(int(number)) for number in numbers]
+def _cells(numbers: list[float], *, whole: bool = False) -> list[str]:
+    return ["" if n != n else str(int(n)) if whole else repr(n) for n in numbers]
 
 
 def _words(column: NumberArray | Sequence[Value], first: int, last: int) -> list[str]:
@@ -375,9 +371,6 @@ def require_parquet() -> tuple[Any, Any]:
     Raises:
         MissingPackageError: It is not installed.
     """
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError:
-        raise MissingPackageError("--format parquet", "pyarrow", "parquet") from None
+    names = ("pyarrow", "pyarrow.parquet")
+    pyarrow, parquet = (needed("--format parquet", name, "parquet") for name in names)
     return pyarrow, parquet

@@ -128,7 +128,7 @@ class Sweep(SweepData):
             Path(folder),
             fill,
             manifest,
-            lambda there: _check(there, self.checksum, force=force),
+            lambda there: SWEEP_FOLDER.check_checksum(there, self.checksum, force=force),
         )
 
 
@@ -140,13 +140,9 @@ def check_sweep_output(plan: Plan, folder: str | Path, *, force: bool = False) -
         FileAccessError: Nothing can be written there, or the name is too long for what belongs to
             it while the sweep is under way.
     """
-    _check(Path(folder), plan.checksum(), force=force)
+    SWEEP_FOLDER.check_checksum(Path(folder), plan.checksum(), force=force)
     with writing(Path(folder)):
         work_folder(folder).is_symlink()
-
-
-def _check(folder: Path, checksum: str, *, force: bool) -> None:
-    SWEEP_FOLDER.check(folder, lambda there: there.get("checksum") == checksum, force=force)
 
 
 def as_fields(data: SweepData) -> dict[str, Any]:
@@ -191,7 +187,7 @@ def sweep(
             compute(plan, store, how)
         data = collect(
             plan.name,
-            plan.cases if found is None else found.cases,
+            plan.cases if found is None else found,
             store.rows(),
             store.errors() if plan.bands else None,
             plan.spec.tolerance,
@@ -202,7 +198,7 @@ def sweep(
         failures = tuple(store.failures())
     scenario = plan.scenario
     given = scenario.initial_input
-    beside = {} if found is None else beside_cases(plan, data, found.as_it_is)
+    beside = {} if found is None else beside_cases(plan, data)
     return Sweep(
         **{**as_fields(data), **beside},
         failures=failures,

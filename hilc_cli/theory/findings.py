@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from hilc_cli.disturbance.streams import Bounded, Disturbance
@@ -26,13 +26,22 @@ class Findings:
     failures: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
 
+    @classmethod
+    def failure(cls, text: str) -> Findings:
+        """Returns a single failure."""
+        return cls(failures=(text,))
 
-def joined(parts: Iterable[Findings]) -> Findings:
+    @classmethod
+    def warning(cls, text: str) -> Findings:
+        """Returns a single warning."""
+        return cls(warnings=(text,))
+
+
+def joined(*parts: Findings) -> Findings:
     """Returns the findings of several parts, in their order."""
-    found = list(parts)
     return Findings(
-        tuple(text for part in found for text in part.failures),
-        tuple(text for part in found for text in part.warnings),
+        tuple(text for part in parts for text in part.failures),
+        tuple(text for part in parts for text in part.warnings),
     )
 
 
@@ -128,12 +137,7 @@ def expected_of_seeds(
 
 
 def expected_rows(expected: ExpectedError, iterations: int) -> Rows:
-    """Returns the error to be expected of a law of which no iterations are predicted.
-
-    Args:
-        expected: That error.
-        iterations: Of the scenario.
-    """
+    """Returns the error to be expected of a law of which no iterations are predicted."""
     last = f"{length_text(expected.final_m)} in iteration {iterations}"
     if iterations:
         last = f"{length_text(expected.first_m)} in iteration 0, {last}"

@@ -7,7 +7,7 @@ from hilc_cli.theory.findings import ExpectedError, Findings, Rows
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import Outcome
 from hilc_cli.theory.linear_law import LinearLaw, theory_class
-from hilc_cli.theory.wheel_noise import WheelNoise
+from hilc_cli.theory.noise import WheelNoise
 
 
 class LawTheory:
@@ -27,7 +27,6 @@ class LawTheory:
     linear: LinearLaw | None = None
 
     def __init__(self, experiment: Experiment) -> None:
-        """Takes an experiment of the law."""
         self.experiment = experiment
 
     @property

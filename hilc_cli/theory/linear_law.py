@@ -61,7 +61,6 @@ class LinearLaw(ABC):
     def __init__(
         self, experiment: Experiment, matrix: GainMatrix, gain_heading: GainHeading
     ) -> None:
-        """Takes an experiment of the law."""
         self._experiment = experiment
         self._sample_time = experiment.reference.sample_time
         self.matrix, self.gain_heading = matrix, gain_heading

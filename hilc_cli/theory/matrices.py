@@ -114,10 +114,7 @@ class Linearisation:
 
 
 def linearise(experiment: Experiment) -> Linearisation:
-    """Returns the plant to first order about the reference and the feedforward.
-
-    Args:
-        experiment: Its reference, and the plant as it really is.
+    """Returns the plant, as it really is, to first order about reference and feedforward.
 
     Raises:
         UsageError: Theory does not know the plant.

@@ -24,11 +24,7 @@ _MOST_POINTS = 400  # of the reference that are looked at in pairs
 
 
 def start_findings(theory: LawTheory) -> Findings:
-    """Returns what the start means for an experiment.
-
-    Args:
-        theory: What is known of the experiment's law; its disturbances are left out.
-    """
+    """Returns what the start means for an experiment, whose disturbances are left out."""
     experiment = theory.experiment
     if not knows_plant(experiment):
         return Findings()
@@ -39,7 +35,7 @@ def start_findings(theory: LawTheory) -> Findings:
     if by_wheels.failures:
         return by_wheels  # of which the law's own way is a consequence
     if law is None or expected is None:
-        return joined([by_wheels, theory.way_in])
+        return joined(by_wheels, theory.way_in)
     left = _left_by_learning(experiment, expected, law.for_the_start)
     return Findings(left, by_wheels.warnings)
 
@@ -52,13 +48,7 @@ def cannot_be_reached(experiment: Experiment) -> str:
     limit = experiment.speed_limit
     if math.isinf(limit) or is_too_fast(experiment):
         return ""
-    left = least_left(
-        experiment.reference.poses,
-        np.array(experiment.initial_pose),
-        experiment.robot.wheel_radius * limit,
-        experiment.robot.half_track,
-        experiment.reference.sample_time,
-    )
+    left = least_left(*_to_reach(experiment))
     if left <= NEAR * extent(experiment):
         return ""
     return (
@@ -70,13 +60,15 @@ def cannot_be_reached(experiment: Experiment) -> str:
 
 def earliest_on_trajectory(experiment: Experiment) -> int | None:
     """Returns the first sample that any controller can reach within the wheels' limit, if any."""
-    return earliest_merge(
-        experiment.reference.poses,
-        np.array(experiment.initial_pose),
-        experiment.robot.wheel_radius * experiment.speed_limit,
-        experiment.robot.half_track,
-        experiment.reference.sample_time,
-    )
+    return earliest_merge(*_to_reach(experiment))
+
+
+def _to_reach(experiment: Experiment) -> tuple[Floats, Floats, float, float, float]:
+    """Returns the numbers of an experiment that `earliest_merge` takes."""
+    reference, robot = experiment.reference, experiment.robot
+    top_speed = robot.wheel_radius * experiment.speed_limit
+    start = np.array(experiment.initial_pose)
+    return reference.poses, start, top_speed, robot.half_track, reference.sample_time
 
 
 def is_too_fast(experiment: Experiment) -> bool:
@@ -150,7 +142,7 @@ def late_start(
             f"from initial_pose, {found.off:.3g} m off, {who} does not get onto the "
             f"trajectory before its end, where {found.left:.3g} m are left; {remedy}"
         )
-        return Findings(failures=(text,))
+        return Findings.failure(text)
     if found.joins <= max(asked, (found.samples + 1) // 2):
         return Findings()
     text = (
@@ -159,26 +151,24 @@ def late_start(
         f"up to {found.left_later:.3g} m off in its second half; {remedy}"
     )
     fails = hopeless and found.left_later > _MOSTLY_GONE * max(found.off, found.size)
-    return Findings(failures=(text,)) if fails else Findings(warnings=(text,))
+    return Findings.failure(text) if fails else Findings.warning(text)
 
 
 def _by_wheels(experiment: Experiment, h: int | None) -> Findings:
     """Returns what the wheels' limit forbids, to any law and to a compensation within h samples."""
     why = cannot_be_reached(experiment)
     if why:
-        return Findings(failures=(why,))
+        return Findings.failure(why)
     reference = experiment.reference
     if h is None or math.isinf(experiment.speed_limit):
         return Findings()
     earliest = earliest_on_trajectory(experiment)
     if earliest is None or h >= earliest:
         return Findings()
-    return Findings(
-        warnings=(
-            f"controller.h of {h} is sooner than any law can be on the trajectory: within "
-            f"controller.b_w of {experiment.speed_limit:g} rad/s that is at sample {earliest} "
-            f"({earliest * reference.sample_time:.6g} s) at the earliest; raise h",
-        )
+    return Findings.warning(
+        f"controller.h of {h} is sooner than any law can be on the trajectory: within "
+        f"controller.b_w of {experiment.speed_limit:g} rad/s that is at sample {earliest} "
+        f"({earliest * reference.sample_time:.6g} s) at the earliest; raise h"
     )
 
 
@@ -232,12 +222,6 @@ def judged_feasibility(
     not. Else what is too fast is a warning: a corner that takes some samples more than it should
     leaves a small error, and everything else can be learned. What the tyres do not hold stays a
     failure, and so does everything of a plant that theory does not know.
-
-    Args:
-        feasibility: What was looked at.
-        experiment: The experiment.
-        model: The platform as the controller believes it to be.
-        expected: What is expected of the last iteration, if that is known.
     """
     found = feasibility_findings(feasibility)
     limits = replace(feasibility.limits, wheel_speed=math.inf)
@@ -297,17 +281,9 @@ def least_left(
     """What no controller can make up for, at whichever sample that is least [m]; 0 for none.
 
     A platform that at some sample is within a distance e and an angle p of the trajectory's pose
-    has a way to that pose itself that costs at most e + B p more than it has rolled by then.
-
-    Args:
-        trajectory: Poses, shape (n + 1, 3).
-        start: Pose of sample 0, shape (3,).
-        top_speed: R_c b_w [m/s].
-        half_track: B_c [m], > 0.
-        sample_time: d_t [s].
-
-    Returns:
-        The least position error plus B_c times the heading error that is left.
+    has a way to that pose itself that costs at most e + B p more than it has rolled by then. So
+    much of the same numbers as of `earliest_merge`: the least position error plus B_c times the
+    heading error that is left.
     """
     rolled = top_speed * np.arange(len(trajectory)) * sample_time
     return max(0.0, float((shortest_way(trajectory, start, half_track) - rolled).min()))

@@ -20,7 +20,7 @@ from itertools import count
 from typing import Any, Generic, TypeVar
 from urllib.parse import urlsplit
 
-from hilc_cli.errors import HilcError, MissingPackageError, UsageError
+from hilc_cli.errors import HilcError, UsageError, needed
 from hilc_cli.files import reason
 from hilc_cli.version import __version__
 from hilc_cli.workers.crews import PATIENCE, Outcome, Piece, Result
@@ -63,11 +63,7 @@ class DaskCrew(Generic[Piece, Result]):
             MissingPackageError: The package for that is not installed.
             ClusterError: There is no scheduler, or it has no workers.
         """
-        try:
-            import distributed
-        except ImportError:
-            raise MissingPackageError("--scheduler", "distributed", "dask") from None
-        self._distributed = distributed
+        self._distributed = distributed = needed("--scheduler", "distributed", "dask")
         _silence()
         _greet(address, go_on)
         self._address, self._go_on = address, go_on
@@ -117,8 +113,8 @@ class DaskCrew(Generic[Piece, Result]):
                 found += self._outcomes(*self._ended.get_nowait())
         except queue.Empty:
             pass
-        if not found:
-            self._check_connection()
+        if not found and self._client.status not in ("running", "connecting"):
+            raise ClusterError(f"{self._address}: the scheduler is gone")
         # The cluster may have grown or shrunk.
         self.workers = max(1, self._threads())
         return found
@@ -155,21 +151,13 @@ class DaskCrew(Generic[Piece, Result]):
             return Outcome(piece, None, "it has ended several workers of the cluster", True)
         raise ClusterError(f"{self._address}: a worker cannot compute {piece}: {error}")
 
-    def _check_connection(self) -> None:
-        if self._client.status not in ("running", "connecting"):
-            raise ClusterError(f"{self._address}: the scheduler is gone")
-
     def _threads(self, seconds: float = _SILENCE) -> int:
         known = self._ask(lambda: self._client.scheduler_info(n_workers=-1), seconds)
         workers = known["workers"]
         return sum(int(worker["nthreads"]) for worker in workers.values())
 
     def _ask(self, question: Callable[[], T], seconds: float) -> T:
-        """What the scheduler says to a question.
-
-        Raises:
-            ClusterError: It says nothing in time.
-        """
+        """What the scheduler says to a question, if it does so in time."""
         try:
             return within(seconds, question, self._go_on)
         except SilentError:
@@ -192,11 +180,7 @@ class DaskCrew(Generic[Piece, Result]):
 
 
 def _greet(address: str, go_on: Callable[[], None]) -> None:
-    """Makes sure that a scheduler answers, which Dask's client may do for minutes.
-
-    Raises:
-        ClusterError: None answers in time.
-    """
+    """Makes sure that a scheduler answers, which Dask's client may do for minutes."""
     end = time.monotonic() + _CONNECT
 
     def ask() -> object:

@@ -162,12 +162,7 @@ class Processes(Generic[Piece, Result]):
     """
 
     def __init__(self, work: Callable[[Piece], Result], workers: int) -> None:
-        """Starts them.
-
-        Args:
-            work: What each does with a piece; it is sent to them.
-            workers: How many.
-        """
+        """Starts so many, to which is sent what each does with a piece."""
         self._work = work
         self._members: list[_Worker[Piece]] = []
         self._losses, self._has_begun = 0, False

@@ -142,7 +142,7 @@ def meant(tree: Node, keys: PathKeys, model: type[Model], known: Sequence[KnownK
         misplaced = _misplaced(tree, keys, step, known)
         if misplaced is not None:
             return misplaced
-    part = [name for name in step.fields if _ends_with(name, word)]
+    part = [name for name in step.fields if name.lower().endswith(f"_{word.lower()}")]
     near = part[0] if len(part) == 1 else near_word(word, step.fields)
     if near is not None:
         return f"did you mean '{near}'?"
@@ -152,10 +152,7 @@ def meant(tree: Node, keys: PathKeys, model: type[Model], known: Sequence[KnownK
 def _elsewhere(word: str, known: Sequence[KnownKey], there: Sequence[KnownKey]) -> str | None:
     """A key of another part of the file, by another name of it or one that is surely meant.
 
-    Args:
-        word: The unknown key.
-        known: The keys that a file like this may have.
-        there: The same, as `_with_entries` gives them.
+    There are the known keys as `_with_entries` gives them.
     """
     for key in known:
         other = key.model.other_names.get(_plain(word))
@@ -267,7 +264,7 @@ def _misplaced(tree: Node, keys: PathKeys, step: Step, known: Sequence[KnownKey]
     places = [key.keys[:-1] for key in known if _plain(key.keys[-1]) == word]
     deeper = [place for place in places if place[: len(above)] == above and place != above]
     if deeper:
-        section = _section_before(tree, keys, deeper) or _only(deeper)
+        section = _section_before(tree, keys, deeper) or (deeper[0] if len(deeper) == 1 else None)
         if section is not None:
             return f"it is a key of {_section(section)}: indent it below '{section[-1]}:'"
     source = nearest(tree, keys)[1].source
@@ -306,10 +303,6 @@ def _section_before(
     return None
 
 
-def _only(places: Sequence[tuple[str, ...]]) -> tuple[str, ...] | None:
-    return places[0] if len(places) == 1 else None
-
-
 def _has(tree: Node, keys: PathKeys) -> bool:
     return nearest(tree, keys)[2]
 
@@ -337,7 +330,3 @@ def _wild(key: str | int) -> str:
 
 def _plain(word: str) -> str:
     return word.replace("_", "").replace("-", "").replace(" ", "").lower()
-
-
-def _ends_with(name: str, word: str) -> bool:
-    return name.lower().endswith(f"_{word.lower()}")

@@ -126,10 +126,7 @@ _Named = TypeVar("_Named", bound=BaseModel)
 def of_named_model(key: str, data: Any, named: Callable[[], type[_Named]]) -> _Named:
     """Validates data against the model that one of its keys names, and against no other.
 
-    Args:
-        key: The key.
-        data: The data.
-        named: Finds the model; raises PlugInError if there is none.
+    It is found by a function that raises PlugInError if there is none.
 
     Raises:
         ValidationError: There is no such model, or the data does not fit it.
@@ -163,13 +160,7 @@ def wrong(problem: str, remedy: str) -> PydanticCustomError:
 
 
 def wrong_at(at: PathKeys, problem: str, remedy: str) -> PydanticCustomError:
-    """A validation error of a model that points at one of the keys below it.
-
-    Args:
-        at: Keys from the model down to the offending value.
-        problem: What is wrong.
-        remedy: What is allowed.
-    """
+    """A validation error of a model, with the keys from it down to the offending value."""
     return together([(at, problem, remedy)])
 
 
@@ -216,11 +207,7 @@ class Step:
         return None if self.model is None else self.model.chosen_by(self.data)
 
     def choices_with(self, keys: PathKeys) -> list[tuple[str, str]]:
-        """The other choices that would make a key a known one.
-
-        Args:
-            keys: From the root, through this mapping, to the key.
-        """
+        """The other choices that would make a key known, by the keys from the root down to it."""
         below = [key for key in keys[len(self.keys) :] if isinstance(key, str)]
         found = (model.chosen_by() for model in self.choices if _has(model, below))
         return [choice for choice in found if choice is not None and choice != self.choice]
@@ -229,10 +216,7 @@ class Step:
 def steps_to(tree: Node, keys: PathKeys, model: type[Model]) -> list[Step]:
     """The mappings on the way to a path, the one that stands there last.
 
-    Args:
-        tree: The root, which need not be valid.
-        keys: The path.
-        model: What the root is validated against.
+    The root need not be valid; the model is what it is validated against.
     """
     found = [Step((), model, (model,))]
     named: object = None  # what the names in a mapping of names stand for

@@ -106,11 +106,7 @@ def describe(node: Node, most: int = 40) -> str:
 
 
 def nearest(node: Node, keys: PathKeys) -> tuple[Node, Place, bool]:
-    """The node at a path, or the deepest one on the way to it.
-
-    Args:
-        node: Root of the tree.
-        keys: Keys and list indices.
+    """The node at a path of keys and list indices, or the deepest one on the way to it.
 
     Returns:
         The node, the place to point at, and whether the whole path was there.

@@ -44,13 +44,7 @@ _UNKNOWN = ("is an unknown key", None)
 
 
 def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[Problem]:
-    """Each validation error as a problem at the place of the offending value.
-
-    Args:
-        error: What Pydantic found.
-        tree: The tree that was validated.
-        model: The model that it was validated against.
-    """
+    """Each validation error as a problem at the place of the offending value in the tree."""
     found: list[tuple[Place, Problem]] = []
     every = error.errors(include_url=False)
     strange = [details["loc"] for details in every if details["type"] == "extra_forbidden"]
@@ -64,11 +58,9 @@ def problems_of(error: ValidationError, tree: Node, model: type[Model]) -> list[
         keys: PathKeys = details["loc"]
         if keys and keys[-1] == "[key]":  # what is wrong is the key itself
             keys = keys[:-1]
+            message = "is no key; give keys with dots between them, such as controller.gains.l1"
             if context.get("pattern") == NAME_PATTERN:
                 message = f"is no name; {name_remedy(keys[-1])}"
-                found.append(_at(tree, keys, message, point_at_key=True))
-                continue
-            message = "is no key; give keys with dots between them, such as controller.gains.l1"
             found.append(_at(tree, keys, message, point_at_key=True))
         elif details["type"] == "hilc":
             for at, problem, remedy in context["problems"]:

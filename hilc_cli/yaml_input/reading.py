@@ -141,11 +141,7 @@ class Inputs:
         return content
 
     def tree(self, source: str | Path | Mapping[str, object], kind: str = SCENARIOS) -> Node:
-        """The YAML tree of a file, of standard input (``-``), of an example, or of data.
-
-        Args:
-            source: Which.
-            kind: Of the example.
+        """The YAML tree of a file, of standard input (``-``), of an example of a kind, or of data.
 
         Raises:
             HilcError: It cannot be read, or is no valid YAML.
@@ -173,17 +169,17 @@ class Inputs:
                 "must be the path of a trajectory file or a mapping, "
                 f"got {describe(node)}; name a trajectory file"
             )
-            raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
+            raise InvalidInputError.of(node.place, "trajectory", message)
         try:
             path = _short(node.place.source.folder / node.value)
             trajectory = self._of_file(_file_of(node.value, TRAJECTORIES, path), TRAJECTORIES)
         except (UsageError, FileAccessError) as error:
             message = f"{error}{hint(node.value, quoted=node.quoted)}"
-            raise InvalidInputError([Problem(str(node.place), "trajectory", message)]) from None
+            raise InvalidInputError.of(node.place, "trajectory", message) from None
         if isinstance(trajectory, MapNode):
             other = mistaken(trajectory.entries, TRAJECTORIES, node.value)
             if other is not None:
-                raise InvalidInputError([Problem(str(node.place), "trajectory", other)])
+                raise InvalidInputError.of(node.place, "trajectory", other)
         return with_entry(tree, "trajectory", trajectory, trajectory.place)
 
     def _of_file(self, path: Path, kind: str) -> Node:
@@ -200,7 +196,7 @@ class Inputs:
         tree = parse_yaml(content, source, problems, show=shown)
         message = is_no(kind, tree)
         if message is not None:
-            raise InvalidInputError([Problem(str(tree.place), "", message)])
+            raise InvalidInputError.of(tree.place, "", message)
         self.problems.extend(problems)
         return tree
 
@@ -255,7 +251,7 @@ def parse_override(text: str) -> tuple[tuple[str, ...], Node]:
     keys = parts_of_key(key.strip(), "--set")
     if not equals or not all(keys):
         message = "must read KEY=VALUE, such as controller.gains.l1=0.5"
-        raise InvalidInputError([Problem(source.label, "", message)])
+        raise InvalidInputError.of(source.label, "", message)
     if not value.strip():
         return keys, Scalar(Place(source), None, "null")
     try:
@@ -278,7 +274,7 @@ def parts_of_key(key: str, option: str) -> tuple[str, ...]:
     if len(key) > LONGEST_KEY:
         shown = f"{option} {shortened(key, _SHOWN_OF_LONG_KEYS)}"
         message = f"has a key of {len(key)} characters; give keys with dots between them, such as "
-        raise InvalidInputError([Problem(shown, "", f"{message}controller.gains.l1")])
+        raise InvalidInputError.of(shown, "", f"{message}controller.gains.l1")
     return tuple(key.split("."))
 
 
@@ -288,7 +284,7 @@ def data_override(key: str, value: object) -> tuple[tuple[str, ...], Node]:
     place = Place(_source(f"override {key}"))
     if not all(keys):
         message = "must be keys with dots between them, such as controller.gains.l1"
-        raise InvalidInputError([Problem(str(place), "", message)])
+        raise InvalidInputError.of(place, "", message)
     return keys, from_data(value, place)
 
 
@@ -348,7 +344,7 @@ def _put(
         message = f"is no entry of the list; give a number from 0 to {last}"
     else:
         message = f"cannot be set, since {'.'.join(above)} is a single value; set that instead"
-    raise InvalidInputError([Problem(str(value.place), path, message)])
+    raise InvalidInputError.of(value.place, path, message)
 
 
 def _source(label: str) -> Source:

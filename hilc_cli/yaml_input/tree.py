@@ -99,7 +99,7 @@ def parse_yaml(
         byte = content[error.start]
         got = f", got byte 0x{byte:02x}" if show else ""
         message = f"is not UTF-8 text{got}; save the file as UTF-8"
-        raise InvalidInputError([Problem(str(Place(source, line, column)), "", message)]) from None
+        raise InvalidInputError.of(Place(source, line, column), "", message) from None
     composer = _Composer(source, show)
     tree: Node | None = None
     loader = _Loader(text)

@@ -237,6 +237,11 @@ USAGE: list[tuple[str, list[str], str]] = [
         "hilc: fig1: is no figure of the paper's results; known: fig3, fig4, fig5, fig6, fig7, fig8",
     ),
     (
+        "no-such-reading",
+        ["reproduce", "fig3", "--reading", "derived"],
+        "hilc: invalid value for '--reading': 'derived' is not one of 'literal', 'derivative', 'both'; see 'hilc reproduce --help'",
+    ),
+    (
         "unknown-command",
         ["rum", "scenario.yaml"],
         "hilc: no such command 'rum'. Did you mean 'run'?; see 'hilc --help'",

@@ -55,6 +55,8 @@ def complete(hilc: Hilc, monkeypatch: pytest.MonkeyPatch) -> Complete:
         ("hilc|sweep|x|--minimise|peak", ["peak_max_position_error_m"]),
         ("hilc|sweep|x|--metric|iterations", ["iterations_to_tolerance"]),
         ("hilc|run|x|--require|", list(METRICS)),
+        ("hilc|reproduce|fig3|--reading|d", ["derivative"]),
+        ("hilc|reproduce|--reading|", ["literal", "derivative", "both"]),
         ("hilc|run|x|--set|controller.gains.l1|=", []),
         ("hilc|plot|runs/b", ["runs/b"]),
         ("hilc|compare|runs/a+h|=|", ["runs/a+h=1", "runs/a+h=2", "runs/b"]),

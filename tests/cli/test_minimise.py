@@ -237,7 +237,7 @@ def stop_at_the_end(hilc: Hilc) -> None:
         def stop(*_: object) -> None:
             raise KeyboardInterrupt
 
-        patch.setattr("hilc_cli.sweeps.search._as_it_is", stop)
+        patch.setattr("hilc_cli.sweeps.search.own_metric", stop)
         assert hilc(*SEARCH).code == 130
     assert sweeps.chunks_kept() == BATCHES
 

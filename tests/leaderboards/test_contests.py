@@ -12,9 +12,7 @@ import pytest
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import DivergedError
-from hilc_cli.leaderboards import contests
 from hilc_cli.leaderboards.contests import (
-    Contests,
     Entry,
     FailedContestError,
     compete,
@@ -144,12 +142,11 @@ def test_what_is_told_of_the_iterations(made_up: Contest, monkeypatch: pytest.Mo
     assert entry.peak_m is None
 
 
-def test_run_that_cannot_be_computed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    def compete(*_: object) -> Entry:
+def test_run_that_cannot_be_computed_is_told() -> None:
+    def work(contest: Contest) -> Entry:
         raise ZeroDivisionError("nothing to divide by")
 
-    monkeypatch.setattr(contests, "compete", compete)
-    runs = tuple(islice(SHIPPED.contests(), 1))
+    runs = list(islice(SHIPPED.contests(), 1))
     told = r"law paper-17, case circle, belief exact, disturbance none: ZeroDivisionError: nothing"
     with pytest.raises(FailedContestError, match=told):
-        compute_entries(Contests(runs, (1,), 0.01), workers=1)
+        compute_entries(runs, work, workers=1)

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from hilc_cli.paper.claim import Evidence
+from hilc_cli.paper.reading import LITERAL, Reading
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import METRICS, MetricsTable
 from hilc_cli.results.run import RunData
@@ -59,8 +61,8 @@ def reached(iteration: int | None, of: int = 100) -> RunData:
     return run_of([0.5 if i < first else 0.02 for i in range(of + 1)])
 
 
-def evidence(**runs: RunData) -> dict[str, RunData]:
+def evidence(reading: Reading = LITERAL, /, **runs: RunData) -> Evidence:
     """Evidence of some runs, named with underscores for hyphens; all others are perfect."""
     found: dict[str, RunData] = defaultdict(run_of)
     found.update({name.replace("_", "-"): run for name, run in runs.items()})
-    return found
+    return Evidence(reading, found)

@@ -11,6 +11,8 @@ import pytest
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.paper.claim import Claim, Finding, Verdict
 from hilc_cli.paper.claims import CLAIMS, gains, initial_error, limit, structure, theorems
+from hilc_cli.paper.measuring import shipped
+from hilc_cli.paper.reading import DERIVATIVE, LITERAL, Reading
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
@@ -25,9 +27,9 @@ NAMES = [
 ]
 
 
-def judge(name: str, **runs: RunData) -> Finding:
+def judge(name: str, reading: Reading = LITERAL, /, **runs: RunData) -> Finding:
     """What a claim makes of made-up runs; a verdict that is not the best must say why."""
-    finding = BY_NAME[name].judge(evidence(**runs))
+    finding = BY_NAME[name].judge(evidence(reading, **runs))
     assert finding.figures
     assert bool(finding.reason) is (finding.verdict is not HOLDS)
     return finding
@@ -252,8 +254,12 @@ def test_smoothness(amplitudes: Sequence[float], errors: Sequence[float], verdic
 def test_without_parameters(
     error: float, verdict: Verdict, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(structure, "errors_of", settling([50]))
-    assert judge("F8-1", fig8b=run_of([error])).verdict is verdict
+    monkeypatch.setattr(structure, "errors_of", settling([50, 8]))
+    finding = judge("F8-1", fig8b=run_of([error]))
+    assert finding.verdict is verdict
+    figures = {figure.name: figure.value for figure in finding.figures}
+    assert figures["iterations to 5 % (8b)"] == 50
+    assert figures["iterations to 5 % with R and B, scalars of 8b"] == 8
 
 
 @pytest.mark.parametrize(("error", "verdict"), [(0.051, HOLDS), (0.05, IN_PART), (0.01, FAILS)])
@@ -336,3 +342,54 @@ def test_reasons_tell_what_decided(monkeypatch: pytest.MonkeyPatch) -> None:
     reason = judge("F6-1").reason
     assert reason.startswith("The number does not fall from l1 = 1 to 2 (20 to 50). A larger gain")
     assert "Above 20" not in reason
+    monkeypatch.setattr(limit, "errors_of", settling([10]))
+    runs = {f"fig7{c}": reached(n) for c, n in zip("abcd", (60, 30, 20, 25), strict=True)}
+    reason = judge("F7-2", **runs).reason
+    assert reason.startswith("The number is no lower with the limit in 7d against 7c. The pair")
+    speeds = {f"fig7{c}": run_of(left=s) for c, s in zip("abcd", (200.0, 1, 166, 2), strict=True)}
+    assert "7c stays in range without the limit, at 166 rad/s" in judge("F7-1", **speeds).reason
+
+
+def test_derivative_reading_is_judged_by_experiments_of_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What claims simulate has tau and the other starts, and the reasons are its own."""
+    seen: list[Experiment] = []
+
+    def errors_of(experiments: Sequence[Experiment]) -> list[Floats]:
+        seen.extend(experiments)
+        return [np.full(301, 1e-9) for _ in experiments]
+
+    for module in (gains, limit, structure, theorems):
+        monkeypatch.setattr(module, "errors_of", errors_of)
+    for name in ("F6-1", "F6-3", "F7-2", "F8-1", "T1"):
+        judge(name, DERIVATIVE)
+    assert len(seen) == 10 + 7 + 1 + 2 + 12
+    assert {experiment.law.derivative for experiment in seen} == {0.1}  # type: ignore[attr-defined]
+
+    circle = judge("F4-2", DERIVATIVE, fig4_compensated=after_h(0.4))
+    assert "closed form" not in " ".join(figure.name for figure in circle.figures)
+    # The slower roots of s^2 + 10 s + pi^2 and s^2 + 10 s + 4 pi^2: -1.11 and -5 + 3.8 i.
+    assert "1.1/s on the circle and 5/s on arcs" in circle.reason
+    assert "errors of up to 0.93 m, where the run has" in circle.reason
+    others = judge("F5-1", DERIVATIVE, fig5_spiral=after_h(0.4))
+    # The second half begins with sample h, which is still 5 m off.
+    assert "it is 0.00 % (arc-and-line), 0.00 % (cardioid), 50.00 % (spiral) of" in others.reason
+    assert others.reason.endswith(
+        "Not all start as printed: cardioid at 7π/15, printed: 14π/15; spiral at 31π/60, printed: "
+        "31π/30."
+    )
+    assert "Not all start as printed" not in judge("F5-1", fig5_spiral=after_h(0.4)).reason
+    assert "would turn the platform" not in others.reason  # with the starts that are read
+
+
+def test_misprinted_starts_are_half_as_far_turned() -> None:
+    """Cardioid and spiral begin with the heading pi/2, the paper's starts 13/30 and 8/15 pi off."""
+    for name, printed, read in (
+        ("fig5-cardioid", 14 / 15, 7 / 15),
+        ("fig5-spiral", 31 / 30, 31 / 60),
+        ("fig5-arc-and-line", 1 / 2, 1 / 2),
+    ):
+        for reading, share in ((LITERAL, printed), (DERIVATIVE, read)):
+            heading = shipped(reading, name).initial_pose[2]
+            assert heading == pytest.approx(share * math.pi, rel=1e-15)

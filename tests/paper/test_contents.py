@@ -101,12 +101,24 @@ def test_panels_are_those_of_the_captions() -> None:
 def test_situations_are_those_of_the_paper() -> None:
     plan = plan_reproduction()
     told = {
-        situation.scenario: situation_text(situation, plan.scenarios[situation.scenario])
-        for figure in FIGURES
-        for situation in figure.situations
+        reading.name: {
+            situation.scenario: situation_text(
+                situation, plan.scenarios[reading.name][situation.scenario], reading
+            )
+            for figure in FIGURES
+            for situation in figure.situations
+        }
+        for reading in plan.readings
     }
-    assert told == SITUATIONS
-    assert {scenario.spec.iterations for scenario in plan.scenarios.values()} == {100}
+    assert told["literal"] == SITUATIONS
+    # 7 pi / 15 is 84 degrees, 31 pi / 60 is 93; tau stands above the figure.
+    read = {"168°": "84° (7π/15, printed: 14π/15)", "186°": "93° (31π/60, printed: 31π/30)"}
+    for name, text in SITUATIONS.items():
+        expected = text
+        for printed, other in read.items():
+            expected = expected.replace(printed, other)
+        assert told["derivative"][name] == expected
+    assert {s.spec.iterations for of in plan.scenarios.values() for s in of.values()} == {100}
 
 
 @pytest.mark.parametrize("names", [["fig7", "fig3"], ["3", "7"], ["FIG3", "fig7", "3"]])
@@ -124,9 +136,22 @@ def test_unknown_figure_is_named_with_a_hint(name: str, hint: str) -> None:
 
 
 def test_some_figures_take_their_own_runs_only_and_no_claims() -> None:
-    plan = plan_reproduction(["fig4"])
-    assert list(plan.scenarios) == ["fig4-uncompensated", "fig4-compensated"]
+    plan = plan_reproduction(["fig4"], reading="derivative")
+    assert {name: list(of) for name, of in plan.scenarios.items()} == {
+        "derivative": ["fig4-uncompensated", "fig4-compensated"]
+    }
     assert (plan.claims, plan.steps) == ((), 3)
+    assert plan_reproduction(["fig4"]).steps == 6
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [("derivativ", "did you mean 'derivative'?"), ("D", "known: both, derivative, literal")],
+)
+def test_unknown_reading_is_named_with_a_hint(name: str, hint: str) -> None:
+    with pytest.raises(UsageError) as raised:
+        plan_reproduction(["fig4"], reading=name)
+    assert str(raised.value) == f"{name}: is no reading of the paper; {hint}"
 
 
 def test_plans_are_told_apart_by_figures_and_values() -> None:
@@ -134,8 +159,10 @@ def test_plans_are_told_apart_by_figures_and_values() -> None:
         plan_reproduction(["fig4"]),
         plan_reproduction(["fig4", "fig5"]),
         plan_reproduction(["fig4"], overrides={"controller.b_w": 170}),
+        plan_reproduction(["fig4"], reading="literal"),
+        plan_reproduction(["fig4"], reading="derivative"),
     ]
-    assert len({plan.checksum() for plan in plans}) == 3
+    assert len({plan.checksum() for plan in plans}) == 5
     assert plans[0].checksum() == plan_reproduction(["4"]).checksum()
 
 
@@ -143,4 +170,4 @@ def test_all_figures_bring_the_claims() -> None:
     plan = plan_reproduction()
     assert len(plan.claims) > 0
     assert len({claim.name for claim in plan.claims}) == len(plan.claims)
-    assert plan.steps == len(plan.scenarios) + len(plan.claims) + 6
+    assert plan.steps == 2 * (25 + len(plan.claims) + 6)

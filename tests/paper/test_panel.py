@@ -30,7 +30,7 @@ HEADERS = {
 
 
 def drawn(panel: Panel) -> Axes:
-    return sheet_figure("Figure 9", [PanelRow("", (panel,))]).axes[0]
+    return sheet_figure("Figure 9", "as it is", [PanelRow("", (panel,))]).axes[0]
 
 
 def written(path: Path, panel: Panel) -> tuple[str, dict[str, Floats]]:

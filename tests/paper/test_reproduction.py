@@ -16,7 +16,7 @@ def result() -> hilc_api.Reproduction:
 
 
 def test_each_run_and_each_figure_is_a_step(tmp_path: Path) -> None:
-    plan = hilc_api.plan_reproduction(["fig4"], overrides={"iterations": 0})
+    plan = hilc_api.plan_reproduction(["fig4"], reading="literal", overrides={"iterations": 0})
     steps: list[str] = []
     result = hilc_api.reproduce(plan, on_step=lambda: steps.append("run"))
     result.write(tmp_path / "out", dpi=20, on_step=lambda: steps.append("figure"))
@@ -26,8 +26,8 @@ def test_each_run_and_each_figure_is_a_step(tmp_path: Path) -> None:
 
 def test_a_single_iteration_is_drawn_too(result: hilc_api.Reproduction, tmp_path: Path) -> None:
     result.write(tmp_path / "out", dpi=20, formats=["svg", "png", "svg"])
-    assert (tmp_path / "out/fig4.svg").stat().st_size > 0
-    rows = (tmp_path / "out/data/fig4a1.csv").read_text().splitlines()
+    assert (tmp_path / "out/fig4-derivative.svg").stat().st_size > 0
+    rows = (tmp_path / "out/data/fig4a1-literal.csv").read_text().splitlines()
     assert len(rows) == 1 + 2001  # the header and the samples of one iteration
 
 

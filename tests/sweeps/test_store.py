@@ -12,9 +12,8 @@ from pathlib import Path
 import pytest
 
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.sweeps.chunks import Chunk
+from hilc_cli.sweeps.chunks import Chunk, Journal
 from hilc_cli.sweeps.compute import run_chunk
-from hilc_cli.sweeps.journal import Journal
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.store import FolderStore, open_store
 from tests.cli.inputs import listing

@@ -13,7 +13,6 @@ from hilc_cli.errors import UsageError
 from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.law import Law
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Linearisation, euler_step, step_gains
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.plants.plant import Plant, Pose, Step
@@ -71,7 +70,7 @@ LAWS = [
     law_of(1.0),
     law_of(1.0, compensation=True, h=3),
     PidCase(kp=1.0).law(),
-    NormOptimalLaw(NormOptimalParameters(), PLATFORM),
+    NormOptimalLaw(PLATFORM),
     FeedbackLaw(1.0, 1.0, 1.0, PLATFORM),
 ]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from hilc_cli.reporting.terminal import Grid, Section
@@ -12,7 +12,7 @@ from hilc_cli.wording import counted
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
-    from hilc_cli.theory.feasibility.demand import Demand, Joint, Jump, Peak, SegmentDemand
+    from hilc_cli.theory.feasibility.demand import Joint, Jump, Peak, SegmentDemand
     from hilc_cli.theory.feasibility.feasibility import Feasibility
 
 _NOTHING = 1e-6
@@ -22,12 +22,7 @@ _MOST_ROWS = 24
 
 
 def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
-    """Returns what the trajectory demands, beside what is possible.
-
-    Args:
-        check: What was found.
-        verbose: All segments, and the joints between them.
-    """
+    """Returns what the trajectory demands, beside what is possible; verbose: all segments."""
     feasibility = check.feasibility
     demand = feasibility.demand
     shown = demand.segments if verbose else _shown(feasibility)
@@ -35,10 +30,12 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
     grids = [_segments(feasibility, shown, accelerations=accelerate)]
     if verbose:
         grids.append(_joints(demand.joints))
+    inside = max(segment.wheel_acceleration for segment in demand.segments)
+    accelerating = f"up to {inside:.4g} rad/s^2" if inside else "none: each runs at constant speed"
     return Section(
         "feasibility",
         "Can wheels and tyres follow the trajectory?",
-        [("Verdict", _verdict(feasibility)), ("Acceleration in segments", _inside(demand))],
+        [("Verdict", _verdict(feasibility)), ("Acceleration in segments", accelerating)],
         grids,
         _document(feasibility),
         brief=_brief(feasibility),
@@ -85,11 +82,6 @@ def _jump(jump: Jump, feasibility: Feasibility) -> str:
     return f"{speeds} rad/s in one sample ({rounded(rim / GRAVITY)} g)"
 
 
-def _inside(demand: Demand) -> str:
-    inside = max(segment.wheel_acceleration for segment in demand.segments)
-    return f"up to {inside:.4g} rad/s^2" if inside else "none: each runs at constant speed"
-
-
 def _verdict(feasibility: Feasibility) -> str:
     from hilc_cli.theory.feasibility.demand import Joint
 
@@ -124,75 +116,52 @@ def _shown(feasibility: Feasibility) -> Sequence[SegmentDemand]:
 def _segments(
     feasibility: Feasibility, shown: Sequence[SegmentDemand], *, accelerations: bool
 ) -> Grid:
-    header = [
-        ("Segment", ""),
-        ("Time", "s"),
-        ("Length", "m"),
-        ("Speed", "m/s"),
-        ("Yaw", "rad/s"),
-        ("Wheel", "rad/s"),
-        ("Lateral", "m/s^2"),
-        ("", "g"),
+    limit = feasibility.limits.wheel_speed
+    columns: list[tuple[str, str, Callable[[SegmentDemand], str]]] = [
+        ("Segment", "", lambda segment: segment.name.removeprefix("segments.")),
+        ("Time", "s", lambda segment: f"{segment.duration:.4g}"),
+        ("Length", "m", lambda segment: f"{segment.length:.4g}"),
+        ("Speed", "m/s", lambda segment: f"{segment.speed:.4g}"),
+        ("Yaw", "rad/s", lambda segment: f"{segment.yaw_rate:.4g}"),
+        ("Wheel", "rad/s", lambda segment: f"{segment.fastest_wheel:.4g}"),
+        ("b_w", "%", lambda segment: f"{100 * (segment.fastest_wheel / limit):.1f}"),
+        ("Lateral", "m/s^2", lambda segment: f"{segment.lateral_acceleration:.4g}"),
+        ("", "g", lambda segment: f"{segment.lateral_acceleration / GRAVITY:.3g}"),
+        ("Wheel acc.", "rad/s^2", lambda segment: f"{segment.wheel_acceleration:.4g}"),
+        ("Needs", "s", lambda segment: _needed(feasibility, segment)),
     ]
-    limited, short = feasibility.share(0.0) is not None, not feasibility.feasible
-    header[6:6] = [("b_w", "%")] if limited else []
-    header += [("Wheel acc.", "rad/s^2")] if accelerations else []
-    header += [("Needs", "s")] if short else []
-    rows = []
-    for segment in shown:
-        row = [
-            segment.name.removeprefix("segments."),
-            f"{segment.duration:.4g}",
-            f"{segment.length:.4g}",
-            f"{segment.speed:.4g}",
-            f"{segment.yaw_rate:.4g}",
-            f"{segment.fastest_wheel:.4g}",
-            f"{segment.lateral_acceleration:.4g}",
-            f"{segment.lateral_acceleration / GRAVITY:.3g}",
-        ]
-        share = feasibility.share(segment.fastest_wheel)
-        row[6:6] = [] if share is None else [f"{100 * share:.1f}"]
-        row += [f"{segment.wheel_acceleration:.4g}"] if accelerations else []
-        row += [_needed(feasibility, segment)] if short else []
-        rows.append(row)
+    absent = {
+        "b_w": math.isinf(limit), "Wheel acc.": not accelerations, "Needs": feasibility.feasible
+    }  # fmt: skip
+    told = [column for column in columns if not absent.get(column[0])]
     total = len(feasibility.demand.segments)
-    note = (
-        ""
-        if len(shown) == total
-        else (f"{len(shown)} of {total} segments, those that demand most; -v shows all")
+    note = f"{len(shown)} of {total} segments, those that demand most; -v shows all"
+    return Grid(
+        [(name, unit) for name, unit, _ in told],
+        [[text(segment) for _, _, text in told] for segment in shown],
+        "" if len(shown) == total else note,
     )
-    return Grid(header, rows, note)
 
 
 def _needed(feasibility: Feasibility, segment: SegmentDemand) -> str:
     """Returns the duration that a segment needs, if it has less."""
     if feasibility.keeps(segment, segment.samples):
         return "-"
-    samples = feasibility.least_samples(segment)
-    return "none" if samples is None else f"{samples * feasibility.demand.sample_time:.12g}"
+    duration = feasibility.least_duration(segment)
+    return "none" if duration is None else f"{duration:.12g}"
 
 
 def _joints(joints: Sequence[Joint]) -> Grid:
-    header = [
-        ("Start of", ""),
-        ("Sample", ""),
-        ("Left jump", "rad/s"),
-        ("Right jump", "rad/s"),
-        ("Corner", "rad"),
-        ("Wheel in it", "rad/s"),
+    columns: list[tuple[str, str, Callable[[Joint], str]]] = [
+        ("Start of", "", lambda joint: joint.name.removeprefix("segments.")),
+        ("Sample", "", lambda joint: f"{joint.sample}"),
+        ("Left jump", "rad/s", lambda joint: f"{joint.left_jump:.4g}"),
+        ("Right jump", "rad/s", lambda joint: f"{joint.right_jump:.4g}"),
+        ("Corner", "rad", lambda joint: f"{joint.corner:.4g}" if joint.corner else "-"),
+        ("Wheel in it", "rad/s", lambda j: f"{j.corner_wheel:.4g}" if j.corner else "-"),
     ]
-    rows = [
-        [
-            joint.name.removeprefix("segments."),
-            f"{joint.sample}",
-            f"{joint.left_jump:.4g}",
-            f"{joint.right_jump:.4g}",
-            f"{joint.corner:.4g}" if joint.corner else "-",
-            f"{joint.corner_wheel:.4g}" if joint.corner else "-",
-        ]
-        for joint in joints
-    ]
-    return Grid(header, rows)
+    rows = [[text(joint) for _, _, text in columns] for joint in joints]
+    return Grid([(name, unit) for name, unit, _ in columns], rows)
 
 
 def _document(feasibility: Feasibility) -> dict[str, object]:
@@ -223,7 +192,7 @@ def _document(feasibility: Feasibility) -> dict[str, object]:
                 "max_wheel_acceleration_rad_s2": segment.wheel_acceleration,
                 "lateral_acceleration_m_s2": segment.lateral_acceleration,
                 "feasible": feasibility.keeps(segment, segment.samples),
-                "least_duration_s": _least_duration(feasibility, segment),
+                "least_duration_s": feasibility.least_duration(segment),
             }
             for segment in demand.segments
         ],
@@ -241,8 +210,3 @@ def _document(feasibility: Feasibility) -> dict[str, object]:
             for joint in demand.joints
         ],
     }
-
-
-def _least_duration(feasibility: Feasibility, segment: SegmentDemand) -> float | None:
-    samples = feasibility.least_samples(segment)
-    return None if samples is None else samples * feasibility.demand.sample_time

@@ -10,11 +10,10 @@ from hilc_cli.results.summary import RELATIVE_TOLERANCES
 from hilc_cli.scenario.units import unit_of
 from hilc_cli.theory.findings import expected_document, length_text
 from hilc_cli.theory.matrices import knows_plant
-from hilc_cli.theory.wheel_noise import wheel_document, wheel_rows
+from hilc_cli.theory.noise import wheel_document, wheel_rows
 
 if TYPE_CHECKING:
-    from hilc_cli.checks.checking import Check
-    from hilc_cli.checks.simulation import Simulated
+    from hilc_cli.checks.checking import Check, Simulated
     from hilc_cli.plants.parameters import RobotSpec
     from hilc_cli.results.summary import Summary
     from hilc_cli.theory.learning.forecast import Forecast
@@ -79,11 +78,7 @@ _BELOW_LAST = 3 + len(RELATIVE_TOLERANCES)  # rows below that of the last iterat
 def errors_grid(check: Check) -> Grid | None:
     """Returns the maximum position error of the iterations in a few rows.
 
-    Args:
-        check: What was found.
-
-    Returns:
-        A column of what is predicted and one of what was simulated; None if there is neither.
+    A column of what is predicted and one of what was simulated; None if there is neither.
     """
     iterations = check.scenario.spec.iterations
     names = [
@@ -128,9 +123,11 @@ def errors_grid(check: Check) -> Grid | None:
 
 def _predicted(transient: Transient, iterations: int) -> list[str]:
     errors, peak = transient.max_position_error_m, transient.peak_iteration
+    last = transient.at(iterations)
+    at_last = "beyond what is predicted" if last is None else length_text(last)
     return [
         length_text(errors[0]),
-        _told(transient, _at(transient, iterations), iterations),
+        _told(transient, at_last, iterations),
         _told(transient, length_text(errors.max()), peak),
         f"{peak}",
         f"{transient.peak_growth:.4g}",
@@ -187,8 +184,3 @@ def _simulated(simulated: Simulated) -> list[str]:
             for at in summary.settled_at.values()
         ),
     ]
-
-
-def _at(transient: Transient, iteration: int) -> str:
-    error = transient.at(iteration)
-    return "beyond what is predicted" if error is None else length_text(error)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
     from hilc_cli.theory.proof.bounds import Bounds
     from hilc_cli.theory.proof.constants import Conditions
-    from hilc_cli.theory.proof.measured import Comparison, Measured
+    from hilc_cli.theory.proof.measured import Comparison
 
 _CONSTANTS = (
     *("rho", "b_B", "C_B", "b_ud", "b_L1", "b_L2", "b_L3", "b_q0", "b_alpha", "b_beta"),
@@ -29,17 +29,13 @@ _EQUATIONS = {"input": (38, 39), "state": (40, 41), "output": (42, 43)}
 """The equations of each iteration, and of the limit."""
 _ZERO = 1e-12  # constants below are rounding
 _ROUNDING = 1e-9  # of logarithms
+_MANY = 8  # digits of a number that is to be below 1, to see whether it is
 _LAST = 10
 """So many last iterations of a simulation stand for its limit."""
 
 
 def theory_section(check: Check, *, verbose: bool = False) -> Section:
-    """Returns the paper's theory, as printed and as it holds; of another law, nothing.
-
-    Args:
-        check: What was found.
-        verbose: Say what was corrected.
-    """
+    """Returns the paper's theory, as printed and as it holds; verbose: and what was corrected."""
     title = "What do the paper's theorems say?"
     if check.conditions is None or check.theories is None:
         other = "law" if knows_plant(check.law.experiment) else "robot"
@@ -103,7 +99,7 @@ def _told(rho: float) -> str:
 def _constants(theories: Mapping[str, Bounds]) -> Grid:
     """Returns the constants of each theory, a column each."""
     rows = [
-        ["rho", *(_contraction(theory.constants.rho) for theory in theories.values())],
+        ["rho", *(_number(theory.constants.rho, _MANY) for theory in theories.values())],
         *(
             [name, *(_number(getattr(theory.constants, name)) for theory in theories.values())]
             for name in _CONSTANTS
@@ -112,7 +108,7 @@ def _constants(theories: Mapping[str, Bounds]) -> Grid:
     ]
     rows += [
         ["lambda", *(_number(theory.lambda_) for theory in theories.values())],
-        ["A", *(_contraction(theory.A) for theory in theories.values())],
+        ["A", *(_number(theory.A, _MANY) for theory in theories.values())],
         ["B", *(_number(theory.B) for theory in theories.values())],
     ]
     columns = _columns(theories)
@@ -155,7 +151,10 @@ def _bounds(
             parts = [comparison.parts[quantity] for comparison in measured.values()]
             rows += [
                 [f"  simulated, last {last}", *(_log(part.over_last(_LAST)) for part in parts)],
-                [f"  least room below Eq. {in_each}", *(_room(part) for part in parts)],
+                [
+                    f"  least room below Eq. {in_each}",
+                    *(_gap(float(part.looseness.min())) for part in parts),
+                ],
                 ["  iterations above it", *(f"{len(part.violated)}" for part in parts)],
                 [
                     f"  room below Eq. {at_the_end}, last {last}",
@@ -187,10 +186,6 @@ def _limit(theory: Bounds, bound: float) -> float:
     return -math.inf if theory.has_limit and theory.B <= _ZERO else bound
 
 
-def _room(part: Measured) -> str:
-    return _gap(float(part.looseness.min()))
-
-
 def _gap(room: float) -> str:
     if math.isinf(room):
         return "any" if room > 0 else "none"
@@ -205,13 +200,8 @@ def _columns(theories: Mapping[str, object]) -> list[tuple[str, str]]:
     return [(_SHORT[name], "") for name in theories]
 
 
-def _number(value: float) -> str:
-    return f"{value:.5g}" if abs(value) > _ZERO else "0"
-
-
-def _contraction(value: float) -> str:
-    """Returns a number that is to be below 1, with enough digits to see whether it is."""
-    return f"{value:.8g}" if abs(value) > _ZERO else "0"
+def _number(value: float, digits: int = 5) -> str:
+    return f"{value:.{digits}g}" if abs(value) > _ZERO else "0"
 
 
 def _log(value: float) -> str:

@@ -66,12 +66,7 @@ def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -
 
 
 def document(check: Check, pictures: Sequence[Path] = ()) -> dict[str, object]:
-    """Returns the report as one JSON document.
-
-    Args:
-        check: What was found.
-        pictures: What was drawn.
-    """
+    """Returns the report, with the pictures that were drawn, as one JSON document."""
     parts = [feasibility_section(check), learning_section(check), theory_section(check)]
     return {
         "name": check.scenario.name,

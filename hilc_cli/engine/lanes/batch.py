@@ -1,4 +1,7 @@
-"""The batch engine: many experiments at once, one per vector lane, metrics only."""
+"""The batch engine: many experiments at once, metrics only.
+
+One per vector lane where the law is known here, else in turn by the loop engine.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,11 @@ from hilc_cli.compiling import is_at_hand
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.iterations import run_iterations
 from hilc_cli.engine.lanes.lanes import LANES, SUM_ROWS
-from hilc_cli.engine.lanes.packs import NEVER as NEVER, Kind, Pack
+from hilc_cli.engine.lanes.packs import NEVER as NEVER, Kind, Pack, knows
+from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.numba_loading import typeof
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import METRICS, Sums, metrics_of_sums
+from hilc_cli.results.metrics import MAX_ERROR, METRICS, Sums, metrics_of_sums
 
 Integers = NDArray[np.int64]
 
@@ -70,6 +74,39 @@ def simulate_batch(experiments: Sequence[Experiment]) -> BatchResult:
             diverged_at[numbers] = pack.diverged_at[:used]
         final[members] = metrics_of_sums(Sums(reference.samples, *sums))
     return BatchResult(final, errors, diverged_at)
+
+
+def simulate_many(experiments: Sequence[Experiment]) -> BatchResult:
+    """Runs experiments of any laws, at least one.
+
+    The result of an experiment does not depend on which others are run with it.
+    """
+    cases = len(experiments)
+    most = max(experiment.iterations for experiment in experiments)
+    result = BatchResult(
+        np.full((cases, len(METRICS)), np.nan),
+        np.full((cases, most + 1), np.nan),
+        np.full(cases, NEVER, dtype=np.int64),
+    )
+    in_lanes = [number for number, each in enumerate(experiments) if knows(each)]
+    if in_lanes:
+        batch = simulate_batch([experiments[number] for number in in_lanes])
+        result.final[in_lanes] = batch.final
+        result.errors[in_lanes, : batch.errors.shape[1]] = batch.errors
+        result.diverged_at[in_lanes] = batch.diverged_at
+    for number in sorted(set(range(cases)) - set(in_lanes)):
+        _one(experiments[number], result, number)
+    return result
+
+
+def _one(experiment: Experiment, result: BatchResult, number: int) -> None:
+    """Runs one in the loop engine and notes it like the batch engine."""
+    trials = MeasuredTrials(experiment)
+    for trial, metrics in trials:
+        result.errors[number, trial.iteration] = metrics[MAX_ERROR]
+        result.final[number] = list(metrics.values())
+    if trials.diverged_at is not None:
+        result.diverged_at[number] = trials.diverged_at
 
 
 def groups(experiments: Sequence[Experiment]) -> Iterator[tuple[Kind, list[int]]]:
@@ -132,9 +169,6 @@ def is_compiled(experiments: Sequence[Experiment]) -> bool:
     Compiling takes seconds and is done once for each law and kind of disturbance; the code is kept
     in the ``__pycache__`` beside the engine, or in the user's cache folder where that cannot be
     written; the environment variable ``NUMBA_CACHE_DIR`` names another one.
-
-    Args:
-        experiments: As for `simulate_batch`.
 
     Raises:
         UsageError: An experiment has a law that the batch engine does not know.

@@ -44,12 +44,7 @@ def compiled(function: Callable[..., Any]) -> Any:
 
 
 def cached(function: Callable[..., Any], parts: Iterable[Callable[..., Any]]) -> Any:
-    """A function with lane loops as machine code that is kept for later processes.
-
-    Args:
-        function: With lane loops.
-        parts: Functions of other files that become part of it.
-    """
+    """A function with lane loops, with `parts` of other files, as `compiling.cached` keeps it."""
     return compiling.cached(function, LIBERTIES, (*parts, compiled))
 
 

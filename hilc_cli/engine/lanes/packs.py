@@ -106,11 +106,7 @@ def _lane_parameters(experiment: Experiment) -> LaneParameters | None:
 
 
 def _known_parameters(experiment: Experiment) -> LaneParameters:
-    """Returns the same of a law that offers something.
-
-    Raises:
-        UsageError: It is another one than the hybrid law.
-    """
+    """Returns the same of a law that offers something; of another one raises a UsageError."""
     parameters = _lane_parameters(experiment)
     if parameters is None:
         raise UsageError("the batch engine knows the hybrid law only")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -38,6 +38,13 @@ class Identification:
     half_track_error: float
     ratio: float
     ratio_error: float
+
+    @property
+    def figures(self) -> tuple[float, ...]:
+        """Each number with its standard error; not-a-number where the iteration tells nothing."""
+        numbers, none = astuple(self), (math.nan, math.nan)
+        pairs = zip(numbers[::2], numbers[1::2], strict=True)
+        return tuple(n for pair in pairs for n in (pair if math.isfinite(pair[1]) else none))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,6 +89,20 @@ class Belief:
     def ratio_error(self) -> float:
         """Standard error of R / B; infinity as long as it has not been measured."""
         return self.ratio * _measured(float(self.covariance[1, 1]))
+
+    @property
+    def figures(self) -> tuple[float, ...]:
+        """R, B and R / B with their standard errors; not-a-number for what is only believed."""
+        pairs = (
+            (self.robot.wheel_radius, self.wheel_radius_error),
+            (self.robot.half_track, self.half_track_error),
+            (self.ratio, self.ratio_error),
+        )
+        return tuple(
+            n
+            for number, error in pairs
+            for n in (number, error if math.isfinite(error) else math.nan)
+        )
 
     def updated(self, fit: MotionFit, sample_time: float) -> tuple[Belief, Identification]:
         """The belief after an iteration, and what that iteration alone says.

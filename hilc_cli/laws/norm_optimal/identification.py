@@ -50,11 +50,7 @@ class EarlierMotion:
         return Earlier(self.iterations, self.mean.headings, self.mean.turned, self.of_turn)
 
     def ahead(self, along: Floats) -> Earlier:
-        """Returns what the fit of the distance gain needs of them.
-
-        Args:
-            along: Unit vectors of the steps, shape (n, 2).
-        """
+        """Returns what the fit of the distance gain needs, along unit vectors of shape (n, 2)."""
         went, drove = (
             summed(np.sum(parts * along, axis=1)) for parts in (self.mean.steps, self.mean.driven)
         )
@@ -226,12 +222,7 @@ class MeasuredMotion:
 
     @classmethod
     def of(cls, poses: Floats, applied: Floats) -> MeasuredMotion:
-        """One iteration.
-
-        Args:
-            poses: Poses, shape (n + 1, 3).
-            applied: Wheel speeds after the limit, shape (n, 2).
-        """
+        """One iteration: its poses, shape (n + 1, 3), and wheel speeds within the limit, (n, 2)."""
         cos, sin = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
         x, y, turn = np.diff(poses, axis=0).T
         moved = np.stack([cos * x + sin * y, cos * y - sin * x, turn], axis=1)

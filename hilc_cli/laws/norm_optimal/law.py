@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
-from hilc_cli.laws.law import Figures, Iteration, Learner, Plan, Task
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
+from hilc_cli.laws.law import Learner, Task
 from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, SpeedLimit, length_misfits
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
@@ -23,11 +20,6 @@ from hilc_cli.yaml_input.quantities import (
     Samples,
     such_as,
 )
-
-if TYPE_CHECKING:
-    from hilc_cli.laws.norm_optimal.belief import Belief, Identification
-    from hilc_cli.laws.norm_optimal.learner import OptimalPlan
-
 
 MERGE_TIME = "merge_time_s"
 """Column of the time from which the plan stays on the trajectory."""
@@ -48,90 +40,60 @@ _IDENTIFIED = (
 
 @dataclass(frozen=True, slots=True)
 class NormOptimalLaw:
-    """The law with its parameters.
+    """The law with its parameters, each with a meaning on the floor.
+
+    An error is weighted by what counts as one: the cost of an iteration is half the sum, over all
+    samples, of (position error / position)^2 + (heading error / heading)^2 + (change of each
+    wheel's speed / input_change)^2. Only the ratios matter.
 
     Attributes:
-        parameters: Weights, feedback, identification and the way in.
         model: The platform as the controller believes it to be at first.
+        position: A position error that counts as one [m], > 0.
+        heading: A heading error that counts as one [rad], > 0. Large against position / step
+            length, or the heading's own samples, tangents of the path, keep the platform off it.
+        input_change: A change of a wheel speed from one iteration to the next that counts as one
+            [rad/s], > 0. Smaller: slower learning, less of one iteration's noise in the next.
+        feedback: lqr: the regulator about the planned motion runs in the iteration; none: the
+            learned wheel speeds alone.
+        feedback_position: As `position`, for the regulator [m]. Smaller: stiffer, and more of the
+            measured output's noise on the wheels.
+        feedback_heading: As `heading`, for the regulator [rad].
+        identify: Whether wheel radius and half track are estimated anew after each iteration.
+        h: Samples within which the platform shall be on the trajectory after an initial error,
+            where the speed limit allows it, >= 1.
+        memory: Number of iterations over which motion that the model does not explain is
+            averaged, >= 1; without identification always the last one alone.
     """
 
     theory: ClassVar[str] = "hilc_cli.theory.laws.norm_optimal:NormOptimalTheory"
 
-    parameters: NormOptimalParameters
     model: Robot
+    position: float = 1e-3
+    heading: float = 0.05
+    input_change: float = 10.0
+    feedback: Literal["lqr", "none"] = "lqr"
+    feedback_position: float = 1e-2
+    feedback_heading: float = 0.1
+    identify: bool = True
+    h: int = 200
+    memory: int = 4
+
+    @property
+    def squared_weights(self) -> tuple[float, float, float]:
+        """The weights of a squared position error, heading error and wheel speed in learning."""
+        return self.position**-2, self.heading**-2, self.input_change**-2
 
     def learner(self, task: Task) -> Learner:
         """The law at the start of an experiment."""
-        return _AtWork(self, task)
-
-
-class _AtWork:
-    """The law on one experiment."""
-
-    def __init__(self, law: NormOptimalLaw, task: Task) -> None:
         # The compiler starts slowly.
         from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner
 
-        reference = task.reference
-        self._reference = reference
-        self._learner = NormOptimalLearner(law.parameters, reference, law.model, task.speed_limit)
-        self._plan: OptimalPlan | None = None  # of the iteration that runs
-
-    def plan(self) -> Plan:
-        """Plans the next iteration: its own way to the trajectory, and the regulator about it."""
-        self._plan = plan = self._learner.plan()
-        return Plan(plan.feedforward[:, 0], plan.feedforward[:, 1], plan.desired, plan.gains)
-
-    def learn(self, iteration: Iteration) -> Figures:
-        """Takes in an iteration that is over."""
-        error = np.stack([iteration.error_x, iteration.error_y, iteration.error_heading], axis=1)
-        applied = np.stack([iteration.left, iteration.right], axis=1)
-        said = self._learner.learn(self._reference.poses - error, applied)
-        told = [] if said is None else [*_alone(said), *_together(self._learner.belief)]
-        names = figures_told(identify=said is not None)
-        return dict(zip(names, [*told, *self._of_plan()], strict=True))
-
-    def _of_plan(self) -> tuple[float, float]:
-        """When the iteration's plan was on the trajectory [s], infinity if not by the end.
-
-        And whether the search for it settled, 0 or 1; not-a-number where no plan was run.
-        """
-        if self._plan is None:
-            return math.nan, math.nan
-        merged = self._plan.merge_sample
-        time = math.inf if merged is None else merged * self._reference.sample_time
-        return time, float(self._plan.settled)
+        return NormOptimalLearner(self, task.reference, task.speed_limit)
 
 
 def figures_told(*, identify: bool) -> tuple[str, ...]:
     """Columns of ``learning.csv`` that the law fills, with and without identification."""
     return (*(_IDENTIFIED if identify else ()), MERGE_TIME, "search_settled")
-
-
-def _alone(said: Identification) -> tuple[float, ...]:
-    """What one iteration says; not-a-number where it says nothing."""
-    return (
-        *_if_told(said.wheel_radius, said.wheel_radius_error),
-        *_if_told(said.half_track, said.half_track_error),
-        *_if_told(said.ratio, said.ratio_error),
-    )
-
-
-def _together(belief: Belief) -> tuple[float, ...]:
-    """What the model takes from all iterations; without standard errors while it only believes."""
-    robot = belief.robot
-    return (
-        robot.wheel_radius,
-        _if_told(robot.wheel_radius, belief.wheel_radius_error)[1],
-        robot.half_track,
-        _if_told(robot.half_track, belief.half_track_error)[1],
-        belief.ratio,
-        _if_told(belief.ratio, belief.ratio_error)[1],
-    )
-
-
-def _if_told(value: float, error: float) -> tuple[float, float]:
-    return (value, error) if math.isfinite(error) else (math.nan, math.nan)
 
 
 _NONE = 1e-9  # an initial error up to this [m and rad] is rounding
@@ -198,7 +160,8 @@ class NormOptimalController(Controller):
 
     def law_for(self, setting: Setting) -> NormOptimalLaw:
         """The law for the engines."""
-        parameters = NormOptimalParameters(
+        return NormOptimalLaw(
+            setting.model,
             self.weights.position,
             self.weights.heading,
             self.weights.input_change,
@@ -209,7 +172,6 @@ class NormOptimalController(Controller):
             _within(self.h, setting.reference),
             self.memory,
         )
-        return NormOptimalLaw(parameters, setting.model)
 
     def figures(self) -> tuple[str, ...]:
         """What is identified, if anything is, and what there is to tell of the plan."""

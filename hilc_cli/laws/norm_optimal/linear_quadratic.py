@@ -212,44 +212,28 @@ class LinearQuadratic:
         object.__setattr__(self, "_factors", (np.empty((n, 2, 3)), np.empty((n, 3))))
 
     def solution(self, input_weights: Floats, input_slopes: Floats) -> tuple[Floats, Floats]:
-        """The best c, shape (n, 2), and the gains K, shape (n, 2, 3).
+        """The best c, shape (n, 2), and gains K, shape (n, 2, 3), with other weights and slopes.
 
         The gains are overwritten by the next call.
-
-        Args:
-            input_weights: In place of the problem's own.
-            input_slopes: Likewise.
         """
         factorised(self.motion, self.pose_weights, input_weights, *self._factors)
         return self.solution_again(input_slopes), self._factors[0]
 
     def solution_again(self, input_slopes: Floats) -> Floats:
-        """The best c with the weights of the last solution, shape (n, 2).
-
-        Args:
-            input_slopes: In place of the problem's own.
-        """
+        """The best c with the weights of the last solution and other slopes, shape (n, 2)."""
         changes = np.empty_like(self.input_slopes)
         solved(self.motion, *self._factors, self.pose_slopes, input_slopes, changes)
         return changes
 
     def slope(self, changes: Floats) -> Floats:
-        """The derivative of the cost with respect to c, shape (n, 2).
-
-        Args:
-            changes: c, shape (n, 2).
-        """
+        """The derivative of the cost with respect to c, both of shape (n, 2)."""
         moved = self.moved(changes)
         pose_slopes = self.pose_slopes + self.pose_weights[:, [0, 0, 1]] * moved
         slopes: Floats = self.input_slopes + self.input_weights * changes
         return slopes + input_derivatives(self.motion, pose_slopes)  # type: ignore[no-any-return]
 
     def moved(self, changes: Floats) -> Floats:
-        """How c changes the motion, d, shape (n + 1, 3).
-
-        Args:
-            changes: c, shape (n, 2).
-        """
+        """How c, shape (n, 2), changes the motion: d, shape (n + 1, 3)."""
         return linear_motion(self.motion, changes)  # type: ignore[no-any-return]
 
 

@@ -7,7 +7,7 @@ found anew, and so on (Gauss and Newton's method, in control known as iterative 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -222,6 +222,7 @@ class OptimalMotion:
         inputs: Wheel speeds [rad/s], shape (n, 2).
         poses: Where they bring the model, shape (n + 1, 3).
         cost: What it costs.
+        length: Share of the way to the solution of the last linear quadratic problem; 0 at first.
         steps: Number of linear quadratic problems that were solved.
         settled: Whether the search ended by itself.
     """
@@ -229,8 +230,9 @@ class OptimalMotion:
     inputs: Floats
     poses: Floats
     cost: float
-    steps: int
-    settled: bool
+    length: float = 0.0
+    steps: int = 0
+    settled: bool = False
 
 
 def optimal_motion(
@@ -245,7 +247,7 @@ def optimal_motion(
         poses: The model's motion with them, shape (n + 1, 3); its start is that of all others.
         most_steps: So many linear quadratic problems at most.
     """
-    at = _Step(inputs, poses, aim.cost(inputs, poses), 0.0)
+    at = OptimalMotion(inputs, poses, aim.cost(inputs, poses))
     damping = 0.0
     steps = 0
     settled = False
@@ -263,27 +265,10 @@ def optimal_motion(
         if before - at.cost <= _SETTLED * before:
             settled = True
             break
-    return OptimalMotion(at.inputs, at.poses, at.cost, steps, settled)
+    return replace(at, steps=steps, settled=settled)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Step:
-    """A step of the search: the wheel speeds that it brings, and what they do.
-
-    Attributes:
-        inputs: Wheel speeds [rad/s], shape (n, 2).
-        poses: Where they bring the model, shape (n + 1, 3).
-        cost: What it costs.
-        length: Share of the way to the solution of the linear quadratic problem; 0 at first.
-    """
-
-    inputs: Floats
-    poses: Floats
-    cost: float
-    length: float
-
-
-def _searched(model: Model, aim: Aim, at: _Step, damping: float) -> _Step | None:
+def _searched(model: Model, aim: Aim, at: OptimalMotion, damping: float) -> OptimalMotion | None:
     """A motion that does not cost more; None if none is found.
 
     It lies on the way to the solution of the linear quadratic problem. The motion goes there with
@@ -311,14 +296,14 @@ def _searched(model: Model, aim: Aim, at: _Step, damping: float) -> _Step | None
 
 
 def _best_step(
-    model: Model, aim: Aim, at: _Step, changes: Floats, moved: Floats, gains: Floats
-) -> _Step | None:
+    model: Model, aim: Aim, at: OptimalMotion, changes: Floats, moved: Floats, gains: Floats
+) -> OptimalMotion | None:
     """The best of steps of which each is half of the one before; None if all cost more.
 
     The first that costs less is not enough: far from what the wheels can follow, it may be hardly
     better than none, and a fourth of it much.
     """
-    found: _Step | None = None
+    found: OptimalMotion | None = None
     length = 1.0
     while length >= _SHORTEST:
         tried, reached = closed_loop(
@@ -328,6 +313,6 @@ def _best_step(
         if found is not None and new_cost >= found.cost:
             break
         if new_cost <= at.cost:
-            found = _Step(tried, reached, new_cost, length)
+            found = OptimalMotion(tried, reached, new_cost, length)
         length /= 2
     return found

@@ -49,9 +49,15 @@ def _limit_is_kept(evidence: Evidence) -> Finding:
     keep = [speed <= _BOUND for speed in of_all.values()]
     if all(leave) and all(keep):
         return Finding(Verdict.HOLDS, figures)
+    told = [
+        f"{name[3:]} stays in range without the limit, at {speeds[name]:.0f} rad/s at most"
+        for name, leaves in zip(_FREE, leave, strict=True)
+        if not leaves
+    ]
+    if not all(keep):
+        told.append("with the limit the speeds leave it")
     verdict = Verdict.IN_PART if all(keep) else Verdict.FAILS
-    wrong = "leave the range" if not all(keep) else "stay in range without the limit"
-    return Finding(verdict, figures, f"In some of the situations the speeds {wrong}.")
+    return Finding(verdict, figures, f"{'; '.join(told).capitalize()}.")
 
 
 def _fewer_iterations(evidence: Evidence) -> Finding:
@@ -61,7 +67,7 @@ def _fewer_iterations(evidence: Evidence) -> Finding:
         for name in pair
     ]
     # Situations 9 and 10 differ in l1 too: the same gains tell what the limit does.
-    limited = shipped("fig7c", f"controller.b_w={_BOUND:g}")
+    limited = shipped(evidence.reading, "fig7c", f"controller.b_w={_BOUND:g}")
     same_gains = iterations_needed_by(errors_of([limited])[0], limited.reference.size)
     figures.append(count("needed with the gains of 7c and the limit", same_gains))
     better = [
@@ -71,7 +77,12 @@ def _fewer_iterations(evidence: Evidence) -> Finding:
     if all(better):
         return Finding(Verdict.HOLDS, tuple(figures))
     verdict = Verdict.IN_PART if any(better) else Verdict.FAILS
-    return Finding(verdict, tuple(figures), "The limit does not always lower the number.")
+    pairs = (*(f"{b[3:]} against {a[3:]}" for a, b in _PAIRS), "7c with it and without")
+    worse = ", ".join(pair for pair, is_better in zip(pairs, better, strict=True) if not is_better)
+    reason = f"The number is no lower with the limit in {worse}."
+    if better[-1] and not better[1]:
+        reason += " The pair 7c, 7d has another l1 as well: with the same gains it is lower."
+    return Finding(verdict, tuple(figures), reason)
 
 
 def _rougher_but_better(evidence: Evidence) -> Finding:

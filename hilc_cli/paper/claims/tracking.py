@@ -39,7 +39,7 @@ def _tracks(evidence: Evidence) -> Finding:
         f"{_error_at(evidence[run], _HALFWAY):.2f} to {_error_at(evidence[run], -1):.2f} m ({name})"
         for name, run in missed.items()
     )
-    radius = LiftedIteration(shipped(RUNS["circle"])).spectral_radius().value
+    radius = LiftedIteration(shipped(evidence.reading, RUNS["circle"])).spectral_radius().value
     reason = (
         f"Learning is slow: from iteration {_HALFWAY} to the last the maximum error goes from "
         f"{steps}. Eq. 19 promises more than there is. As printed rho is 0, but what is iterated "

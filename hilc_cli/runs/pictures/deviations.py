@@ -25,7 +25,7 @@ def as_deviations(run: RunData, quantity: Quantity) -> RunData:
     series = [each for each in (quantity.alone, quantity.model) if each is not None]
     values, errors = ({each.value for each in series}, {each.error for each in series})
     for row in run.learning.rows():
-        figures = dict(zip(run.learning.names, row, strict=True))
+        figures = dict(row)
         for name, figure in figures.items():
             if name in values:
                 figures[name] = 100 * (figure - base) / abs(base)

@@ -62,6 +62,7 @@ def draw_error(
     runs: Sequence[RunData],
     metrics: Collection[str] | None = None,
     entitle: labels.Entitle = labels.set_title,
+    strip: float = _STRIP,
 ) -> None:
     """Draws the position error against the iteration.
 
@@ -75,6 +76,7 @@ def draw_error(
         runs: At least one.
         metrics: Which of ``SINGLE_METRICS`` to draw of a single run, and nothing else.
         entitle: Puts the title above the panel.
+        strip: Height of the strip of a single run's share at the limit, of the panel's.
     """
     several, detailed = len(runs) > 1, len(runs) <= MOST_DETAILED
     off = metrics is None and any(run.start_decides for run in runs)
@@ -85,7 +87,7 @@ def draw_error(
         else (_SINGLE[2][0], MEAN, style.DOTTED)
     )
     shares = [share for share in map(saturated_share, runs) if detailed and share.any()]
-    strip = min(_STRIP, _STRIPS / max(1, len(shares)))
+    strip = min(strip, _STRIPS / max(1, len(shares)))
     strips = strip * len(shares)
 
     lines: list[Floats] = []

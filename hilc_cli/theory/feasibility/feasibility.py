@@ -128,11 +128,7 @@ class Feasibility:
     def least_samples(self, segment: SegmentDemand) -> int | None:
         """Returns the samples that a segment must take at least to keep all limits.
 
-        Args:
-            segment: Run at constant speed, as those of a path are.
-
-        Returns:
-            Their number; none where even 2^53 are too few.
+        It is run at constant speed, as those of a path are; None where even 2^53 are too few.
         """
         if self.keeps(segment, segment.samples):
             return segment.samples
@@ -147,6 +143,11 @@ class Feasibility:
             else:
                 too_few = middle
         return enough
+
+    def least_duration(self, segment: SegmentDemand) -> float | None:
+        """Returns `least_samples` in seconds."""
+        samples = self.least_samples(segment)
+        return None if samples is None else samples * self.demand.sample_time
 
     def _enough_samples(self, segment: SegmentDemand) -> int | None:
         """Returns a number of samples that will do: as if the chords were as long as the arc."""
@@ -221,10 +222,10 @@ def _excess(feasibility: Feasibility, fastest_wheel: float, lateral: float) -> s
 
 def _longer(feasibility: Feasibility, segment: SegmentDemand) -> str:
     """Returns how long the segment is to take."""
-    samples, sample_time = feasibility.least_samples(segment), feasibility.demand.sample_time
+    samples = feasibility.least_samples(segment)
     if samples is None:
         return "no duration would do: raise the limit"
-    duration = samples * sample_time
+    duration = samples * feasibility.demand.sample_time
     remedy = (
         f"give it at least {duration:.12g} s (at most {_rounded_down(segment.length / duration)} "
         f"m/s) instead of {segment.duration:.12g} s"

@@ -23,14 +23,7 @@ _ROUNDING = 1e-9  # relative
 def implausible(
     demand: Demand, robot: Robot, model: Robot, headings: Mapping[str, float]
 ) -> list[str]:
-    """Returns what is to be told of such numbers, each with what may be meant.
-
-    Args:
-        demand: Of the reference.
-        robot: The platform as it really is.
-        model: The platform as the controller believes it to be.
-        headings: Headings that are given [rad], by key.
-    """
+    """Returns what is to be told of such numbers, among them headings [rad] by key."""
     # Of arcs, those of more than a turn whose angle is no part of a turn, but a plain number.
     sweeps = [(f"trajectory.{part.name}.sweep", abs(part.turn)) for part in demand.segments]
     return [

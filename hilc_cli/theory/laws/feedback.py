@@ -39,9 +39,8 @@ from hilc_cli.theory.laws.feedback_response import (
     tracking_response,
 )
 from hilc_cli.theory.learning.outcome import CLEARLY
-from hilc_cli.theory.noise import Remedies, noise_findings
+from hilc_cli.theory.noise import Remedies, WheelNoise, noise_findings, wheel_findings, wheel_rows
 from hilc_cli.theory.reach import late_start
-from hilc_cli.theory.wheel_noise import WheelNoise, wheel_findings, wheel_rows
 
 _REMEDIES = Remedies(
     start="place the robot better, or raise controller.gains",
@@ -89,11 +88,9 @@ class FeedbackTheory(LawTheory):
     def findings(self) -> Findings:
         """What all this means."""
         return joined(
-            [
-                tracking_findings(self.loop, self.response),
-                wheel_findings(self.wheels, "lower controller.gains.k_y and k_theta"),
-                noise_findings(self.experiment, self.expected, _REMEDIES, learns=False),
-            ]
+            tracking_findings(self.loop, self.response),
+            wheel_findings(self.wheels, "lower controller.gains.k_y and k_theta"),
+            noise_findings(self.experiment, self.expected, _REMEDIES, learns=False),
         )
 
     @property

@@ -24,9 +24,8 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import LEVEL, SOURCES, ExpectedError, Rows, active_sources
 from hilc_cli.theory.matrices import starts_off
-from hilc_cli.theory.noise import NoiseDraws, Passes, open_loop_error
+from hilc_cli.theory.noise import NoiseDraws, Passes, WheelNoise, open_loop_error
 from hilc_cli.theory.reach import WayIn, way_in
-from hilc_cli.theory.wheel_noise import WheelNoise
 
 ManyWheels = Callable[[int, Floats, Floats, Floats, Floats, Floats], tuple[Floats, Floats]]
 """A `WheelController` of many passes at once, shape (passes,) each."""

@@ -29,8 +29,9 @@ from hilc_cli.theory.law_theory import LawTheory
 from hilc_cli.theory.laws.norm_optimal_merging import Merging, merging, merging_findings
 from hilc_cli.theory.laws.norm_optimal_noise import expected_of_norm_optimal
 from hilc_cli.theory.learning.outcome import Outcome
-from hilc_cli.theory.noise import Remedies, noise_findings
-from hilc_cli.theory.wheel_noise import WheelNoise, wheel_findings, wheel_rows
+from hilc_cli.theory.noise import Remedies, WheelNoise, noise_findings, wheel_findings, wheel_rows
+
+_MADE_UP_FOR = "feedback makes up for a wrong model"
 
 
 class NormOptimalTheory(LawTheory):
@@ -83,14 +84,12 @@ class NormOptimalTheory(LawTheory):
         """What all the rest means."""
         softer = "raise controller.feedback_weights, or set 'feedback: none'"
         return joined(
-            [
-                untried_findings(self.experiment, self.law),
-                wheel_findings(self.wheels, softer),
-                Findings()
-                if self.mismatch is None
-                else mismatch_findings(self.mismatch, self.expected, self.outcome),
-                noise_findings(self.experiment, self.expected, _remedies(self.law)),
-            ]
+            untried_findings(self.experiment, self.law),
+            wheel_findings(self.wheels, softer),
+            Findings()
+            if self.mismatch is None
+            else mismatch_findings(self.mismatch, self.expected, self.outcome),
+            noise_findings(self.experiment, self.expected, _remedies(self.law)),
         )
 
     @property
@@ -104,12 +103,8 @@ class NormOptimalTheory(LawTheory):
         found = self.merging
         told = self._learning()
         if self.mismatch is None:
-            told[-1] = (
-                "Learning",
-                "identifies wheel radius and half track"
-                if self.law.parameters.identify
-                else "feedback makes up for a wrong model",
-            )
+            identifies = "identifies wheel radius and half track"
+            told[-1] = "Learning", identifies if self.law.identify else _MADE_UP_FOR
         if found.is_off:
             planned = _merge(found)
             text = (
@@ -158,11 +153,8 @@ class NormOptimalTheory(LawTheory):
                 )
             )
         if mismatch is None:
-            why = (
-                "wheel radius and half track are identified"
-                if self.law.parameters.identify
-                else "the feedback makes up for a wrong model"
-            )
+            identified = "wheel radius and half track are identified"
+            why = identified if self.law.identify else f"the {_MADE_UP_FOR}"
             return [*rows, ("Theory", f"no condition is evaluated: {why}")]
         strongest = f"{mismatch.along:.4g} along the path, {mismatch.turning:.4g} in turning"
         return [
@@ -174,7 +166,7 @@ class NormOptimalTheory(LawTheory):
 
 def _remedies(law: NormOptimalLaw) -> Remedies:
     """Returns what can be done about disturbances."""
-    if law.parameters.feedback == "none":
+    if law.feedback == "none":
         return Remedies(
             start="place the robot better, or set controller.feedback: lqr",
             readings="measure better, or raise iterations",
@@ -255,7 +247,7 @@ def model_mismatch(experiment: Experiment, law: NormOptimalLaw) -> ModelMismatch
         None where no theory is evaluated: R and B are identified, or a feedback in the iteration
         makes up for what is wrong with them.
     """
-    if law.parameters.identify or law.parameters.feedback != "none":
+    if law.identify or law.feedback != "none":
         return None
     along, turning = _shares(experiment, law)
     return ModelMismatch(along, turning, _strongest(experiment, law, along, turning))
@@ -263,19 +255,17 @@ def model_mismatch(experiment: Experiment, law: NormOptimalLaw) -> ModelMismatch
 
 def untried_findings(experiment: Experiment, law: NormOptimalLaw) -> Findings:
     """Tells whether feedback is asked to make up for more than it has been seen to."""
-    if law.parameters.identify or law.parameters.feedback == "none":
+    if law.identify or law.feedback == "none":
         return Findings()
     shares = _shares(experiment, law)
     tried = (_TRIED_ALONG, _TRIED_TURNING)
     if all(low <= share <= high for share, (low, high) in zip(shares, tried, strict=True)):
         return Findings()
-    return Findings(
-        warnings=(
-            f"with R / R_b of {shares[0]:.3g} and R B_b / (R_b B) of {shares[1]:.3g} errors may "
-            "grow from iteration to iteration: learning without identification has been tried from "
-            "1/3 to 1.5 of the one and 0.4 to 2 of the other; correct model, or set "
-            "controller.identify: true",
-        )
+    return Findings.warning(
+        f"with R / R_b of {shares[0]:.3g} and R B_b / (R_b B) of {shares[1]:.3g} errors may "
+        "grow from iteration to iteration: learning without identification has been tried from "
+        "1/3 to 1.5 of the one and 0.4 to 2 of the other; correct model, or set "
+        "controller.identify: true"
     )
 
 
@@ -287,34 +277,24 @@ def _shares(experiment: Experiment, law: NormOptimalLaw) -> tuple[float, float]:
 
 
 def mismatch_findings(found: ModelMismatch, expected: ExpectedError, outcome: Outcome) -> Findings:
-    """Returns what a wrong model means for the experiment.
-
-    Args:
-        found: What a wrong model does to learning.
-        expected: What comes of it.
-        outcome: Whether it learns.
-    """
+    """Returns what a wrong model means for the experiment, of which so much is expected."""
     if found.converges and outcome is not Outcome.DOES_NOT_LEARN:
         return Findings()
     if found.converges:
-        return Findings(
-            warnings=(
-                f"on a model that stays wrong an iteration leaves {found.left:.3g} of the error, "
-                f"which goes from {expected.first_m:.3g} m to {expected.final_m:.3g} m: correct "
-                "model, set controller.identify: true or controller.feedback: lqr, or raise "
-                "iterations",
-            )
+        return Findings.warning(
+            f"on a model that stays wrong an iteration leaves {found.left:.3g} of the error, "
+            f"which goes from {expected.first_m:.3g} m to {expected.final_m:.3g} m: correct "
+            "model, set controller.identify: true or controller.feedback: lqr, or raise "
+            "iterations"
         )
     # The track has a part in it only if turning is the worse one, beyond rounding.
     is_radius = found.along > found.turning * (1 - _ENOUGH)
     worst = "R / R_b" if is_radius else "R B_b / (R_b B)"
-    return Findings(
-        failures=(
-            f"learning cannot converge: the correction is {found.strongest:.4g} times what would "
-            f"be right, and may be 2 times at most, because {worst} is "
-            f"{max(found.along, found.turning):.4g}; correct model, or set "
-            "controller.identify: true or controller.feedback: lqr",
-        )
+    return Findings.failure(
+        f"learning cannot converge: the correction is {found.strongest:.4g} times what would "
+        f"be right, and may be 2 times at most, because {worst} is "
+        f"{max(found.along, found.turning):.4g}; correct model, or set "
+        "controller.identify: true or controller.feedback: lqr"
     )
 
 
@@ -329,7 +309,7 @@ def _strongest(experiment: Experiment, law: NormOptimalLaw, along: float, turnin
     gains = step_gains(
         model.wheel_radius, model.signed_half_track, experiment.reference.sample_time
     )
-    position, heading, wheel = law.parameters.squared_weights
+    position, heading, wheel = law.squared_weights
     motion = linearised(experiment.reference.poses, *gains)
     pose_weights = np.tile([position, heading], (samples + 1, 1))
     input_weights, none = np.full((samples, 2), wheel), np.zeros((samples, 2))

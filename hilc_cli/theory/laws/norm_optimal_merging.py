@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.plants.kinematic import feedforward, step_gains
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Findings, extent
 from hilc_cli.theory.laws.norm_optimal_noise import planned_motion
@@ -24,6 +25,9 @@ from hilc_cli.theory.reach import (
     late_start,
     way_in,
 )
+
+if TYPE_CHECKING:
+    from hilc_cli.laws.norm_optimal.learner import OptimalPlan
 
 _LATE = 2  # samples behind h that nobody minds
 _ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
@@ -76,12 +80,7 @@ class Merging:
 
 
 def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
-    """Returns the way into the trajectory, from the experiment's initial pose.
-
-    Args:
-        experiment: An experiment of the law; its disturbances are left out.
-        law: The law.
-    """
+    """Returns the way into the trajectory, from the experiment's initial pose, undisturbed."""
     reference = experiment.reference
     off = np.array(experiment.initial_pose) - reference.poses[0]
     position, heading = math.hypot(off[0], off[1]), abs(float(off[2]))
@@ -91,11 +90,12 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
     away, out_of_reach = np.zeros(reference.samples + 1), ""
     if is_off:
         earliest = earliest_on_trajectory(experiment)
-        planned, away = _planned(experiment, law), _away(experiment, law)
+        plan = planned_motion(experiment, law)
+        planned, away = plan.merge_sample, _away(experiment, law, plan)
         out_of_reach = cannot_be_reached(experiment)
     believed = feedforward(reference, law.model)
     return Merging(
-        min(law.parameters.h, reference.samples),
+        min(law.h, reference.samples),
         experiment.speed_limit,
         position,
         heading,
@@ -110,17 +110,7 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
     )
 
 
-def _planned(experiment: Experiment, law: NormOptimalLaw) -> int | None:
-    """Returns where the law's path on the true robot, which identification leads to, merges."""
-    from hilc_cli.laws.norm_optimal.learner import rectified_for  # the compiler starts slowly
-
-    robot, sample_time = experiment.robot, experiment.reference.sample_time
-    gains = step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
-    poses, start = experiment.reference.poses, np.array(experiment.initial_pose)
-    return rectified_for(law.parameters, poses, start, *gains, experiment.speed_limit).merged
-
-
-def _away(experiment: Experiment, law: NormOptimalLaw) -> Floats:
+def _away(experiment: Experiment, law: NormOptimalLaw, plan: OptimalPlan) -> Floats:
     """Returns how far the motion that learning leads to is from the trajectory [m], shape (n + 1,).
 
     Where that is too fast for the wheels, from what the law makes of it from its own start.
@@ -129,7 +119,7 @@ def _away(experiment: Experiment, law: NormOptimalLaw) -> Floats:
     if is_too_fast(experiment):
         x, y, heading = own[0].tolist()
         own = planned_motion(replace(experiment, initial_pose=(x, y, heading)), law).poses
-    away: Floats = np.hypot(*(planned_motion(experiment, law).poses - own)[:, :2].T)
+    away: Floats = np.hypot(*(plan.poses - own)[:, :2].T)
     return away
 
 
@@ -165,12 +155,10 @@ def merging_findings(found: Merging) -> Findings:
         f"({_seconds(found, found.planned)}), later than controller.h of {found.h}"
     )
     if found.earliest is not None and is_too_soon:
-        return Findings(
-            warnings=(
-                f"{merges}: within {limit} no sample before {found.earliest} "
-                f"({_seconds(found, found.earliest)}) can be reached from initial_pose; raise h "
-                f"to at least {found.earliest}",
-            )
+        return Findings.warning(
+            f"{merges}: within {limit} no sample before {found.earliest} "
+            f"({_seconds(found, found.earliest)}) can be reached from initial_pose; raise h "
+            f"to at least {found.earliest}"
         )
     return Findings(warnings=(f"{merges}, because of {limit}; raise h for a gentler way in",))
 

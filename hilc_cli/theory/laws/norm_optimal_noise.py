@@ -14,7 +14,8 @@ takes the platform to be, and is on the trajectory at sample h.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,11 +33,15 @@ from hilc_cli.theory.noise import (
     DisturbanceDraws,
     NoiseDraws,
     Passes,
+    WheelNoise,
+    changes_beside_first,
     deviations,
     open_loop_error,
     open_loop_errors,
 )
-from hilc_cli.theory.wheel_noise import WheelNoise, changes_beside_first
+
+if TYPE_CHECKING:
+    from hilc_cli.laws.norm_optimal.learner import OptimalPlan
 
 _WITHIN = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
 _PLANS = 3  # updates after which the plan of a platform that is known hardly changes
@@ -50,47 +55,27 @@ _TOO_LONG = "what noise makes of identification is not followed over so many sam
 _OTHER_SEEDS = 2**63  # than anybody takes
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PlannedMotion:
-    """What the law plans once it knows the platform.
-
-    Attributes:
-        poses: Shape (n + 1, 3).
-        inputs: Wheel speeds of the true platform [rad/s], shape (n, 2).
-        gains: Of the regulator, shape (n, 2, 3).
-    """
-
-    poses: Floats
-    inputs: Floats
-    gains: Floats
-
-
-def planned_motion(experiment: Experiment, law: NormOptimalLaw) -> PlannedMotion:
+def planned_motion(experiment: Experiment, law: NormOptimalLaw) -> OptimalPlan:
     """Returns the motion that learning leads to, within the limit and without disturbances."""
     from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner  # the compiler starts slowly
 
-    learner = NormOptimalLearner(
-        law.parameters, experiment.reference, experiment.robot, experiment.speed_limit
-    )
+    known = replace(law, model=experiment.robot)
+    learner = NormOptimalLearner(known, experiment.reference, experiment.speed_limit)
     start = np.array(experiment.initial_pose)
     for _ in range(_PLANS):
         plan = learner.plan(start)
-    return PlannedMotion(plan.desired, plan.feedforward, plan.gains)
+    return plan
 
 
 def noisy_passes(
-    experiment: Experiment, law: NormOptimalLaw, plan: PlannedMotion, seeds: int
+    experiment: Experiment, law: NormOptimalLaw, plan: OptimalPlan, seeds: int
 ) -> Passes:
     """Returns the last iteration of many seeds, the first of which is not disturbed.
 
-    Args:
-        experiment: With its disturbances, and at least one learning update.
-        law: Its law.
-        plan: What learning leads to.
-        seeds: How many are followed side by side.
+    The plan is what learning leads to, of which the experiment has at least one update.
     """
     n, draws = experiment.reference.samples, DisturbanceDraws(experiment.disturbance, seeds)
-    memory = min(law.parameters.memory if law.parameters.identify else 1, experiment.iterations)
+    memory = min(law.memory if law.identify else 1, experiment.iterations)
     nothing = np.zeros((n + 1, 3, seeds))
     start_before = _mean(draws.start, 1, memory, nothing[:1])[0]
     state_before = _mean(draws.state, n, memory, nothing[1:])
@@ -105,40 +90,40 @@ def noisy_passes(
     limit = experiment.speed_limit
     deviation = np.empty((n + 1, 3, seeds))
     deviation[0] = away
+    inputs = np.stack([plan.left, plan.right], axis=1)[:, :, None]
     gains, applied, held = _gains(experiment, law, plan), np.empty((n, 2, seeds)), np.zeros(seeds)
     for k in range(n):
         now = deviation[k]
         seen = now if output is None else now + output[k]
-        speeds = plan.inputs[k][:, None] - gains[k] @ seen
+        speeds = inputs[k] - gains[k] @ seen
         fastest = np.abs(speeds).max(axis=0)
         if (fastest > limit).any():
             speeds = speeds * np.minimum(1.0, limit / np.maximum(fastest, limit))
             held += fastest > limit * (1 + _WITHIN)
         applied[k] = speeds
-        driven = plant.inputs[k] @ (speeds - plan.inputs[k][:, None])
+        driven = plant.inputs[k] @ (speeds - inputs[k])
         deviation[k + 1] = plant.states[k] @ now + driven + pushed[k]
 
-    way_in = np.clip(1 - np.arange(n + 1) / min(law.parameters.h, n), 0, 1)[:, None, None]
+    way_in = np.clip(1 - np.arange(n + 1) / min(law.h, n), 0, 1)[:, None, None]
     meant = (plan.poses - experiment.reference.poses)[:, :, None]
     error = meant + deviation + way_in * (start_before + left[0])
     furthest = np.sqrt((error[:, 0] ** 2 + error[:, 1] ** 2).max(axis=0))
     return Passes(furthest, changes_beside_first(applied), held / n)
 
 
-def _gains(experiment: Experiment, law: NormOptimalLaw, plan: PlannedMotion) -> Floats:
+def _gains(experiment: Experiment, law: NormOptimalLaw, plan: OptimalPlan) -> Floats:
     """Returns the gains of the regulator, for the believed platform where it stays as it is."""
     from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
 
-    parameters = law.parameters
-    if parameters.identify or parameters.feedback == "none":
-        return plan.gains
-    weights = [parameters.feedback_position**-2, parameters.feedback_heading**-2]
+    if law.identify or law.feedback == "none":
+        return plan.feedback
+    weights = [law.feedback_position**-2, law.feedback_heading**-2]
     model = law.model
     return feedback_gains(
         plan.poses,
         *step_gains(model.wheel_radius, model.signed_half_track, experiment.reference.sample_time),
         np.tile(weights, (len(plan.poses), 1)),
-        parameters.input_change**-2,
+        law.input_change**-2,
     )
 
 
@@ -175,10 +160,7 @@ def expected_of_norm_optimal(
 ) -> tuple[ExpectedError, Outcome, WheelNoise | None]:
     """Returns the error to be expected, what comes of learning, and the noise of the wheels.
 
-    Args:
-        experiment: The experiment.
-        law: Its law.
-        iteration_leaves: Share that an iteration leaves of an error because its model is wrong.
+    An iteration leaves so large a share of an error because its model is wrong.
     """
     plan = planned_motion(experiment, law)
     away: Floats = np.hypot(*(plan.poses - experiment.reference.poses)[:, :2].T)
@@ -201,7 +183,7 @@ def expected_of_norm_optimal(
     def passes(part: Experiment) -> Floats:
         # Readings are what identification goes wrong by; all noise together has the last word.
         is_spoiled = part.disturbance.output.active or part is experiment
-        if not (law.parameters.identify and is_spoiled) or is_too_long:
+        if not (law.identify and is_spoiled) or is_too_long:
             return known(part)
         if part.iterations <= _FEW_PASSES:
             return _few_passes(part, final)
@@ -212,7 +194,7 @@ def expected_of_norm_optimal(
         errors = known(part)
         return np.append(errors[:1], np.sqrt(errors[1:] ** 2 + left))
 
-    is_unsure = is_too_long and law.parameters.identify and experiment.disturbance.output.active
+    is_unsure = is_too_long and law.identify and experiment.disturbance.output.active
     unsure = _TOO_LONG if is_unsure else None
     found = expected_of_seeds(experiment, first, final, passes(experiment), passes, unsure)
     return found, outcome, WheelNoise.of_seeds(together.change_rad_s, together.at_limit)

@@ -88,7 +88,6 @@ class PidLearning(LinearLaw):
     """Q[(1 - gamma) u + gamma u_0](k) + G_k Q[w](k) of PID-type learning."""
 
     def __init__(self, experiment: Experiment) -> None:
-        """Takes an experiment of the law."""
         law = cast("PidLaw", experiment.law)
         super().__init__(experiment, law.matrix, law.gain_heading)
         self._law = law

@@ -16,8 +16,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import active_sources
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.matrices import driven_errors
-from hilc_cli.theory.noise import SEEDS, DisturbanceDraws
-from hilc_cli.theory.wheel_noise import changes_beside_first
+from hilc_cli.theory.noise import SEEDS, DisturbanceDraws, changes_beside_first
 
 _MOST_STEPS = 30_000
 """Samples that may be followed one by one: about 1 s. More is done without the limit."""
@@ -110,7 +109,9 @@ class _Ensemble:
             for iteration in range(last + 1):
                 open_loop = iteration == 0 and not self._experiment.learn_in_first
                 if not open_loop:
-                    inputs = self._updated(inputs, seen)
+                    inputs = lifted.law.learned(inputs, seen)
+                    if lifted.added is not None:
+                        inputs = inputs + lifted.added[:, :, None]
                 start, state, output = (
                     self._draws.start.drawn(1),
                     self._draws.state.drawn(n),
@@ -127,11 +128,6 @@ class _Ensemble:
                 seen = errors if output is None else errors - output
             changes = changes_beside_first(inputs)
         return NoisyLearning(position, heading, held, changes, self._is_limited)
-
-    def _updated(self, inputs: Floats, seen: Floats) -> Floats:
-        lifted = self._lifted
-        found = lifted.law.learned(inputs, seen)
-        return found if lifted.added is None else found + lifted.added[:, :, None]
 
     def _pass(
         self,

@@ -162,23 +162,14 @@ def forecast(experiment: Experiment) -> Forecast:
 
 
 def expected_of_learning(experiment: Experiment, found: Forecast) -> ExpectedError:
-    """Returns the error to be expected of the laws hybrid and pid.
-
-    Args:
-        experiment: The experiment.
-        found: What is predicted of it.
-    """
+    """Returns the error to be expected of the laws hybrid and pid, of which so much is foretold."""
     errors = found.errors_m
-
-    def alone(part: Experiment) -> Floats:
-        return noisy_learning(part).final_m
-
     return expected_of_seeds(
         experiment,
         float(errors[0]),
         float(errors[-1]),
         found.ensemble.final_m,
-        alone,
+        lambda part: noisy_learning(part).final_m,
         _unsure(experiment, found),
     )
 

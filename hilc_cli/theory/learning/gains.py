@@ -139,11 +139,10 @@ class RippleGrowth:
 def ripple_growth(experiment: Experiment) -> RippleGrowth:
     """Returns the largest factor by which an iteration multiplies a ripple of the wheel speeds.
 
-    Args:
-        experiment: With a law of which the linear theory speaks; the speed limit is left out.
+    The speed limit is left out.
 
     Raises:
-        UsageError: It does not speak of the law.
+        UsageError: The linear theory does not speak of the law.
     """
     law, reference = linear_law(experiment), experiment.reference
     eigenvalues = loop_gains_of(experiment, law.matrix)

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
@@ -101,25 +100,14 @@ class ErrorRecursion:
                     self._bands[below, column:-6:3] -= before[1:, row, column]
 
     def solve(self, right: Floats) -> Floats:
-        """Returns the errors e.
+        """Returns the errors e of r, both as in `DriftRecursion`.
 
-        Args:
-            right: r, shape (n + 1, 3), or (n + 1, 3, m) for m of them.
-
-        Returns:
-            e, of the same shape; infinite or not-a-number from where it leaves the finite numbers.
+        They are infinite or not-a-number from where they leave the finite numbers.
         """
         return self._solve(right, b"N")
 
     def solve_transposed(self, right: Floats) -> Floats:
-        """Solves the transposed system: a recursion backwards along the trajectory.
-
-        Args:
-            right: Shape (n + 1, 3).
-
-        Returns:
-            The solution, shape (n + 1, 3).
-        """
+        """Solves the transposed system: a recursion backwards along the trajectory."""
         return self._solve(right, b"T")
 
     def _solve(self, right: Floats, transposed: bytes) -> Floats:
@@ -179,9 +167,6 @@ class LiftedIteration:
 
     def __init__(self, experiment: Experiment) -> None:
         """Linearises an experiment.
-
-        Args:
-            experiment: The experiment.
 
         Raises:
             UsageError: The linear theory does not speak of its law.
@@ -255,11 +240,7 @@ class LiftedIteration:
         return LinearPass(self.first_input, errors)
 
     def next(self, previous: LinearPass) -> LinearPass:
-        """Returns the iteration after a given one.
-
-        Args:
-            previous: The iteration that is learned from.
-        """
+        """Returns the iteration after a given one, from which it learns."""
         learned = self.law.learned(previous.inputs, previous.errors)
         if self.added is not None:
             learned = learned + self.added
@@ -273,10 +254,11 @@ class LiftedIteration:
         """
         if self.law.smooths:
             return estimated_radius(self.apply, (self.samples, 2))
-        gains = self._loop_gains()
-        if gains is None:
+        with np.errstate(over="ignore", invalid="ignore"):
+            products = self.law.next_gain * (self.gains @ self.plant.inputs)
+        if not np.isfinite(products).all():
             return SpectralRadius(math.inf)
-        return SpectralRadius(float(np.abs(self.law.kept - gains).max()))
+        return SpectralRadius(float(np.abs(self.law.kept - np.linalg.eigvals(products)).max()))
 
     def largest_singular_value(self) -> SingularValue:
         """The most by which T may lengthen an input; if below 1 the convergence is monotone.
@@ -288,14 +270,6 @@ class LiftedIteration:
             The value, and how surely it is known: a lower bound if the search was given up.
         """
         return largest_singular_value(self.apply, self.adjoint, (self.samples, 2))
-
-    def _loop_gains(self) -> NDArray[np.complex128] | None:
-        """Returns the eigenvalues of c d G_k B_k, shape (n, 2); None beyond the finite numbers."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            products = self.law.next_gain * (self.gains @ self.plant.inputs)
-        if not np.isfinite(products).all():
-            return None
-        return np.linalg.eigvals(products).astype(np.complex128)
 
     def _driven(self, constant: Floats, inputs: Floats) -> Floats:
         """Returns the right side of the error's recursion for a given input."""

@@ -27,8 +27,7 @@ from hilc_cli.theory.learning.outcome import CLEARLY, NEAR, Outcome
 from hilc_cli.theory.learning.transient import FAR_HEADING
 from hilc_cli.theory.linear_law import LinearLaw
 from hilc_cli.theory.matrices import desired_motion
-from hilc_cli.theory.noise import Remedies, noise_findings
-from hilc_cli.theory.wheel_noise import WheelNoise, wheel_findings, wheel_rows
+from hilc_cli.theory.noise import Remedies, WheelNoise, noise_findings, wheel_findings, wheel_rows
 from hilc_cli.wording import counted
 
 WHERE = "along the reference, without limit and disturbances"
@@ -51,7 +50,6 @@ class LinearTheory(LawTheory):
     linear: LinearLaw
 
     def __init__(self, experiment: Experiment) -> None:
-        """Takes an experiment of the law."""
         super().__init__(experiment)
         self.linear = type(self).law_class(experiment)
 
@@ -77,11 +75,9 @@ class LinearTheory(LawTheory):
     def findings(self) -> Findings:
         """What all this means."""
         return joined(
-            [
-                forecast_findings(self),
-                noise_findings(self.experiment, self.expected, self._remedies()),
-                wheel_findings(self.wheels, self.linear.less_noise),
-            ]
+            forecast_findings(self),
+            noise_findings(self.experiment, self.expected, self._remedies()),
+            wheel_findings(self.wheels, self.linear.less_noise),
         )
 
     @property
@@ -221,13 +217,7 @@ def _verdict(found: Forecast, iterations: int) -> str:
 
 
 def _errors_in_brief(found: Forecast, expected: ExpectedError, iterations: int) -> Rows:
-    """Returns the predicted errors in a few rows, with the speed limit where it acts.
-
-    Args:
-        found: What learning is expected to do.
-        expected: The error to be expected of the last iteration.
-        iterations: Of the scenario.
-    """
+    """Returns the predicted errors in a few rows, with the speed limit where it acts."""
     transient, errors = found.transient, np.concatenate([found.errors_m, found.later_m])
     first, limited = f"{length_text(errors[0])} in iteration 0", found.is_limited
     disturbed = disturbed_rows(expected)

@@ -9,7 +9,7 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.metrics import settled_at
+from hilc_cli.results.metrics import first_within, settled_at
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.matrices import driven_errors
 
@@ -62,29 +62,12 @@ class Transient:
         return peak / first
 
     def settled_at(self, share: float) -> int | None:
-        """The first iteration from which on the error stays at or below a share of the path's size.
-
-        Args:
-            share: Such as 0.01.
-
-        Returns:
-            The iteration; None if the last iteration of the horizon is above it.
-        """
+        """Returns `settled_at` of the errors, for a share of the path's size such as 0.01."""
         return settled_at(self.max_position_error_m, share * self.path_size_m)
 
     def first_within(self, share: float) -> int | None:
-        """Returns the first iteration whose error is at or below a share of the path's size.
-
-        It may be above it again later: ripples that grow come through in the end.
-
-        Args:
-            share: Such as 0.01.
-
-        Returns:
-            The iteration; None if no iteration of the horizon is.
-        """
-        within = np.flatnonzero(self.max_position_error_m <= share * self.path_size_m)
-        return int(within[0]) if len(within) else None
+        """Returns `first_within` likewise; ripples that grow may come through later."""
+        return first_within(self.max_position_error_m, share * self.path_size_m)
 
     def spell_within(self, share: float, iterations: int) -> tuple[int, int] | None:
         """Returns from when to when the error is at or below a share of the path's size.

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
+from hilc_cli.laws.law import Figures, Iteration
+from hilc_cli.laws.norm_optimal.belief import Belief
+from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, OptimalPlan
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot, euler_step, limit_wheel_speeds, step_gains
 from hilc_cli.reference.sampled import Floats, Reference
 from tests.engine.experiments import PLATFORM
 
-DEFAULT = NormOptimalParameters()
+
+def learned_from(
+    learner: NormOptimalLearner, reference: Reference, measured: Floats, applied: Floats
+) -> Figures:
+    """Has the law learn from measured poses and the wheel speeds that led there."""
+    return learner.learn(Iteration(*applied.T, *(reference.poses - measured).T))
 
 
 def noise(bound: Triple, distribution: Distribution = "uniform") -> Bounded:
@@ -25,11 +32,16 @@ def noise(bound: Triple, distribution: Distribution = "uniform") -> Bounded:
 
 @dataclass(frozen=True)
 class Learned:
-    """One iteration: true poses, wheel speeds that the platform got, and the plan that it ran."""
+    """One iteration: true poses, wheel speeds that the platform got, and the plan that it ran.
+
+    And what the law took from the iteration before: its belief, and what it told.
+    """
 
     poses: Floats
     applied: Floats
     plan: OptimalPlan | None
+    belief: Belief | None = None
+    told: Figures = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -38,23 +50,21 @@ class Workplace:
 
     reference: Reference
     start: Triple
-    model: Robot
-    parameters: NormOptimalParameters = DEFAULT
+    law: NormOptimalLaw
     robot: Robot = PLATFORM
     speed_limit: float = 180.0
     disturbance: Disturbance = field(default_factory=Disturbance)
 
     def learn(self, iterations: int) -> list[Learned]:
         """Iteration 0 with the wheels at rest, then so many learned ones."""
-        learner = NormOptimalLearner(self.parameters, self.reference, self.model, self.speed_limit)
-        done: list[Learned] = []
-        plan: OptimalPlan | None = None
-        for iteration in range(iterations + 1):
-            if done:
-                alpha = self.disturbance.of_output(iteration - 1, self.reference.samples + 1)
-                measured = done[-1].poses + (0 if alpha is None else alpha)
-                plan = learner.next(measured, done[-1].applied)
-            done.append(self.run(iteration, plan))
+        learner = NormOptimalLearner(self.law, self.reference, self.speed_limit)
+        done = [self.run(0, None)]
+        for iteration in range(1, iterations + 1):
+            alpha = self.disturbance.of_output(iteration - 1, self.reference.samples + 1)
+            measured = done[-1].poses + (0 if alpha is None else alpha)
+            told = learned_from(learner, self.reference, measured, done[-1].applied)
+            found = self.run(iteration, learner.plan())
+            done.append(replace(found, belief=learner.belief, told=told))
         return done
 
     def run(self, iteration: int, plan: OptimalPlan | None) -> Learned:
@@ -75,8 +85,8 @@ class Workplace:
         for k in range(n):
             left, right = 0.0, 0.0
             if plan is not None:
-                off = plan.desired[k] - pose - alpha[k]
-                left, right = (plan.feedforward[k] + plan.gains[k] @ off).tolist()
+                off = plan.poses[k] - pose - alpha[k]
+                left, right = ([plan.left[k], plan.right[k]] + plan.feedback[k] @ off).tolist()
             left, right = limit_wheel_speeds(left, right, self.speed_limit)
             cos, sin = math.cos(pose[2]), math.sin(pose[2])
             x, y, heading = euler_step(*pose, cos, sin, left, right, *gains)

@@ -12,7 +12,6 @@ from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.norm_optimal.law import MERGE_TIME, NormOptimalLaw, figures_told
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, build_reference
 from tests.engine.experiments import experiment_of, law_of
@@ -25,9 +24,8 @@ ARC = build_reference(
 OFF = (0.05, -0.05, 0.0)
 
 
-def learning(parameters: NormOptimalParameters, **changes: object) -> Experiment:
+def learning(law: NormOptimalLaw, **changes: object) -> Experiment:
     experiment = experiment_of(ARC, law_of(0.0), iterations=2)
-    law = NormOptimalLaw(parameters, BELIEF)
     return replace(experiment, law=law, speed_limit=180.0, **changes)  # type: ignore[arg-type]
 
 
@@ -37,7 +35,7 @@ def told(experiment: Experiment) -> dict[str, list[float]]:
 
 
 def test_iteration_at_rest_tells_what_is_believed_and_nothing_else() -> None:
-    figures = told(learning(NormOptimalParameters(h=30), initial_pose=OFF))
+    figures = told(learning(NormOptimalLaw(BELIEF, h=30), initial_pose=OFF))
     assert tuple(figures) == figures_told(identify=True)
     at_first = {name: values[0] for name, values in figures.items()}
     believed = {
@@ -57,9 +55,7 @@ def test_iteration_at_rest_tells_what_is_believed_and_nothing_else() -> None:
 
 def test_model_is_the_mean_of_all_iterations_by_their_standard_errors() -> None:
     noises = noise((5e-3, 5e-3, 5e-3)), noise((2e-2, 2e-2, 2e-2))
-    experiment = learning(
-        NormOptimalParameters(), iterations=5, disturbance=Disturbance(1, *noises)
-    )
+    experiment = learning(NormOptimalLaw(BELIEF), iterations=5, disturbance=Disturbance(1, *noises))
     figures = told(experiment)
     for name, believed in (("wheel_radius", 0.14), ("half_track", 0.67)):
         values = np.array(figures[f"{name}_m"])[1:]
@@ -75,7 +71,7 @@ def test_model_is_the_mean_of_all_iterations_by_their_standard_errors() -> None:
 
 
 def test_nothing_is_told_of_what_is_not_identified() -> None:
-    experiment = learning(NormOptimalParameters(identify=False, h=30), initial_pose=OFF)
+    experiment = learning(NormOptimalLaw(BELIEF, identify=False, h=30), initial_pose=OFF)
     figures = told(experiment)
     assert tuple(figures) == figures_told(identify=False) == (MERGE_TIME, "search_settled")
     assert math.isnan(figures[MERGE_TIME][0])  # no plan of the law's was run
@@ -83,5 +79,5 @@ def test_nothing_is_told_of_what_is_not_identified() -> None:
 
 def test_plan_that_never_merges_has_an_infinite_merge_time() -> None:
     # The arc's faster wheel needs (6 + 0.518 * 2) / 0.2, 35 rad/s.
-    experiment = replace(learning(NormOptimalParameters(h=30), initial_pose=OFF), speed_limit=20.0)
+    experiment = replace(learning(NormOptimalLaw(BELIEF, h=30), initial_pose=OFF), speed_limit=20.0)
     assert told(experiment)[MERGE_TIME][1:] == [math.inf, math.inf]

@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 import secrets
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
 
 from hilc_cli.disturbance.streams import Disturbance
+from hilc_cli.laws.norm_optimal.law import NormOptimalLaw, figures_told
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Floats, Reference
 from tests.engine.experiments import PLATFORM
-from tests.laws.norm_optimal.plant import Learned, Workplace, noise
+from tests.laws.norm_optimal.plant import Learned, Workplace, learned_from, noise
 from tests.reference.paths import PAPER_STARTS, Pose, paper_reference
 
 LIMIT = 180.0
@@ -50,15 +51,16 @@ def test_paper_cases_track_from_the_second_iteration_on(
     name: str, belief: str, wrong_start: bool
 ) -> None:
     start = (WRONG_STARTS if wrong_start else PAPER_STARTS)[name]
-    workplace = Workplace(paper_reference(name), start, BELIEFS[belief])
+    workplace = Workplace(paper_reference(name), start, NormOptimalLaw(BELIEFS[belief]))
     done = workplace.learn(3)
     assert_within_limit(done)
     first = workplace.reference.samples // 2 if wrong_start else 0
     for learned in done[2:]:
         assert workplace.position_error(learned)[first:].max() <= 2e-4
         assert learned.plan is not None
-        assert learned.plan.believed.wheel_radius == pytest.approx(0.2, rel=1e-6)
-        assert learned.plan.believed.half_track == pytest.approx(0.518, rel=1e-6)
+        assert learned.belief is not None
+        assert learned.belief.robot.wheel_radius == pytest.approx(0.2, rel=1e-6)
+        assert learned.belief.robot.half_track == pytest.approx(0.518, rel=1e-6)
         assert learned.plan.merge_sample is not None
         assert (learned.plan.merge_sample <= 205) if wrong_start else not learned.plan.merge_sample
 
@@ -76,22 +78,23 @@ def rounded(seconds: float) -> Reference:
 
 @pytest.mark.parametrize("feedback", ["lqr", "none"])
 def test_own_trajectory_is_tracked_with_and_without_feedback(feedback: str) -> None:
-    parameters = NormOptimalParameters(feedback="lqr" if feedback == "lqr" else "none", h=40)
-    workplace = Workplace(rounded(1.0), (1.3, -2.4, -0.2), BELIEFS["large"], parameters)
+    kind: Literal["lqr", "none"] = "lqr" if feedback == "lqr" else "none"
+    law = NormOptimalLaw(BELIEFS["large"], feedback=kind, h=40)
+    workplace = Workplace(rounded(1.0), (1.3, -2.4, -0.2), law)
     done = workplace.learn(3)
     assert_within_limit(done)
     assert workplace.position_error(done[-1])[100:].max() < 1e-3
     assert done[-1].plan is not None
-    assert np.any(done[-1].plan.gains) == (feedback == "lqr")
+    assert np.any(done[-1].plan.feedback) == (feedback == "lqr")
 
 
 def test_wrong_belief_that_stays_is_learned_around() -> None:
-    parameters = NormOptimalParameters(identify=False, h=40)
     for belief in ("small", "large"):
-        workplace = Workplace(rounded(1.2), (1.0, -2.0, 0.4), BELIEFS[belief], parameters)
+        law = NormOptimalLaw(BELIEFS[belief], identify=False, h=40)
+        workplace = Workplace(rounded(1.2), (1.0, -2.0, 0.4), law)
         done = workplace.learn(8)
-        assert done[-1].plan is not None
-        assert done[-1].plan.believed == BELIEFS[belief]
+        assert done[-1].belief is not None
+        assert done[-1].belief.robot == BELIEFS[belief]
         errors = [workplace.position_error(learned).max() for learned in done[1:]]
         assert errors[-1] < 5e-3
         assert errors[-1] < errors[0] / 10
@@ -132,8 +135,7 @@ def test_random_trajectory_from_a_random_start() -> None:
     x, y, heading = (reference.poses[0] + offset).tolist()
     shares = random.uniform(0.7, 1.3, 2)
     model = Robot(PLATFORM.wheel_radius * shares[0], PLATFORM.half_track * shares[1])
-    parameters = NormOptimalParameters(h=60)
-    workplace = Workplace(reference, (x, y, heading), model, parameters)
+    workplace = Workplace(reference, (x, y, heading), NormOptimalLaw(model, h=60))
     done = workplace.learn(3)
     assert_within_limit(done)
     assert workplace.position_error(done[-1])[150:].max() < 5e-3
@@ -144,13 +146,11 @@ def test_noise_does_not_add_up_over_a_hundred_iterations(identify: bool) -> None
     disturbance = Disturbance(
         7, noise((1e-3, 1e-3, 1e-3)), noise((5e-3, 5e-3, 5e-3), "truncated-normal")
     )
-    parameters = NormOptimalParameters(identify=identify, h=20)
+    law = NormOptimalLaw(BELIEFS["large"], identify=identify, h=20)
     reference = build_reference(
         "arc", (0.0, 0.0, 0.0), [ArcPlan(2.0, "left", radius=3.0, duration=1.0)], 0.01
     )
-    workplace = Workplace(
-        reference, (0.0, 0.0, 0.0), BELIEFS["large"], parameters, disturbance=disturbance
-    )
+    workplace = Workplace(reference, (0.0, 0.0, 0.0), law, disturbance=disturbance)
     done = workplace.learn(100)
     assert_within_limit(done)
     errors = np.array([workplace.position_error(learned).max() for learned in done])
@@ -174,17 +174,15 @@ def test_all_iterations_together_are_as_sure_as_they_say() -> None:
     for seed in range(seeds):
         noises = noise((1e-3, 1e-3, 1e-3)), noise((5e-3, 5e-3, 5e-3), "truncated-normal")
         disturbance = Disturbance(seed, *noises)
-        parameters = NormOptimalParameters(h=20)
-        workplace = Workplace(
-            reference, (0.0, 0.0, 0.0), BELIEFS["small"], parameters, disturbance=disturbance
-        )
-        learner = NormOptimalLearner(parameters, reference, BELIEFS["small"], LIMIT)
+        law = NormOptimalLaw(BELIEFS["small"], h=20)
+        workplace = Workplace(reference, (0.0, 0.0, 0.0), law, disturbance=disturbance)
+        learner = NormOptimalLearner(law, reference, LIMIT)
         done = workplace.run(0, None)
         for iteration in range(1, iterations + 1):
             alpha = disturbance.of_output(iteration - 1, reference.samples + 1)
             assert alpha is not None
-            plan = learner.next(done.poses + alpha, done.applied)
-            done = workplace.run(iteration, plan)
+            learned_from(learner, reference, done.poses + alpha, done.applied)
+            done = workplace.run(iteration, learner.plan())
         belief = learner.belief
         off[seed] = (
             (belief.robot.wheel_radius - PLATFORM.wheel_radius) / belief.wheel_radius_error,
@@ -198,11 +196,11 @@ def test_all_iterations_together_are_as_sure_as_they_say() -> None:
 
 def test_without_identification_nothing_is_identified() -> None:
     reference = rounded(1.0)
-    parameters = NormOptimalParameters(identify=False)
-    learner = NormOptimalLearner(parameters, reference, BELIEFS["small"], LIMIT)
+    law = NormOptimalLaw(BELIEFS["small"], identify=False)
+    learner = NormOptimalLearner(law, reference, LIMIT)
     applied = np.full((reference.samples, 2), 10.0)
-    plan = learner.next(reference.poses, applied)
-    assert plan.identification is None
+    told = learned_from(learner, reference, reference.poses, applied)
+    assert tuple(told) == figures_told(identify=False)
     assert learner.belief.robot == BELIEFS["small"]
     assert learner.belief.wheel_radius_error == math.inf
 
@@ -216,8 +214,7 @@ def test_noise_at_the_start_does_not_cut_corners() -> None:
         0.005,
         corners=True,
     )
-    parameters = NormOptimalParameters(h=200)
-    exact = Workplace(reference, (0.0, 0.0, 0.0), PLATFORM, parameters)
+    exact = Workplace(reference, (0.0, 0.0, 0.0), NormOptimalLaw(PLATFORM, h=200))
     noisy = replace(exact, disturbance=Disturbance(1, output=noise((0.02, 0.02, 0.02))))
     least = exact.position_error(exact.learn(2)[-1]).max()
     errors = [exact.position_error(learned).max() for learned in noisy.learn(10)[1:]]
@@ -229,44 +226,49 @@ def test_repeated_disturbance_leaves_the_identified_platform_right() -> None:
     # Steps of 3 to 5 cm; what is learned against a disturbance of 1 cm depends on all of it.
     repeated = replace(noise((1e-2, 1e-2, 5e-3)), repeat=True)
     workplace = Workplace(
-        rounded(1.0), (1.0, -2.0, 0.4), BELIEFS["large"], disturbance=Disturbance(3, repeated)
+        rounded(1.0),
+        (1.0, -2.0, 0.4),
+        NormOptimalLaw(BELIEFS["large"]),
+        disturbance=Disturbance(3, repeated),
     )
     done = workplace.learn(5)
     for learned in done[2:]:
-        plan = learned.plan
-        assert plan is not None
-        assert plan.identification is not None
-        said = plan.identification
-        assert abs(said.wheel_radius - PLATFORM.wheel_radius) < 3 * said.wheel_radius_error
-        assert abs(said.half_track - PLATFORM.half_track) < 3 * said.half_track_error
+        told, belief = learned.told, learned.belief
+        assert belief is not None
+        for name, true in (
+            ("wheel_radius", PLATFORM.wheel_radius),
+            ("half_track", PLATFORM.half_track),
+        ):
+            assert abs(told[f"{name}_m"] - true) < 3 * told[f"{name}_standard_error_m"]
         if learned is not done[2]:  # from the difference between the first two that moved on
-            assert plan.believed.wheel_radius == pytest.approx(PLATFORM.wheel_radius, rel=1e-3)
-            assert plan.believed.half_track == pytest.approx(PLATFORM.half_track, rel=1e-3)
+            assert belief.robot.wheel_radius == pytest.approx(PLATFORM.wheel_radius, rel=1e-3)
+            assert belief.robot.half_track == pytest.approx(PLATFORM.half_track, rel=1e-3)
 
 
 def test_platform_at_rest_changes_no_belief() -> None:
     reference = rounded(1.0)
-    learner = NormOptimalLearner(NormOptimalParameters(), reference, BELIEFS["small"], LIMIT)
-    n = reference.samples
-    plan = learner.next(np.tile(reference.poses[0], (n + 1, 1)), np.zeros((n, 2)))
-    assert plan.believed.wheel_radius == pytest.approx(BELIEFS["small"].wheel_radius, rel=1e-12)
-    assert plan.identification is not None
-    assert plan.identification.wheel_radius_error == math.inf
+    learner = NormOptimalLearner(NormOptimalLaw(BELIEFS["small"]), reference, LIMIT)
+    n, small = reference.samples, BELIEFS["small"].wheel_radius
+    told = learned_from(
+        learner, reference, np.tile(reference.poses[0], (n + 1, 1)), np.zeros((n, 2))
+    )
+    assert learner.belief.robot.wheel_radius == pytest.approx(small, rel=1e-12)
+    assert math.isnan(told["wheel_radius_m"])
+    assert math.isnan(told["wheel_radius_standard_error_m"])
 
 
 def test_first_plan_needs_no_measurement() -> None:
     reference = rounded(1.0)
-    learner = NormOptimalLearner(NormOptimalParameters(), reference, PLATFORM, LIMIT)
-    plan = learner.plan()
-    workplace = Workplace(reference, (1.0, -2.0, 0.4), PLATFORM)
+    law = NormOptimalLaw(PLATFORM)
+    plan = NormOptimalLearner(law, reference, LIMIT).plan()
+    workplace = Workplace(reference, (1.0, -2.0, 0.4), law)
     assert workplace.position_error(workplace.run(0, plan)).max() < 1e-3
-    assert plan.identification is None
     assert plan.merge_sample == 0
 
 
 def test_trajectory_beyond_the_limit_is_followed_as_well_as_it_goes() -> None:
     workplace = Workplace(
-        rounded(1.0), (1.0, -2.0, 0.4), BELIEFS["large"], NormOptimalParameters(), speed_limit=120.0
+        rounded(1.0), (1.0, -2.0, 0.4), NormOptimalLaw(BELIEFS["large"]), speed_limit=120.0
     )
     done = workplace.learn(3)
     assert_within_limit(done, 120.0)
@@ -281,32 +283,35 @@ def test_trajectory_beyond_the_limit_is_followed_as_well_as_it_goes() -> None:
 def test_limit_that_is_never_reached_changes_nothing(speed_limit: float) -> None:
     reference = rounded(1.0)
     plans = [
-        NormOptimalLearner(NormOptimalParameters(h=40), reference, PLATFORM, limit).plan(
+        NormOptimalLearner(NormOptimalLaw(PLATFORM, h=40), reference, limit).plan(
             reference.poses[0] + [0.2, 0.1, 0.3]
         )
         for limit in (speed_limit, 500.0)
     ]
-    assert plans[0].feedforward == pytest.approx(plans[1].feedforward, rel=1e-6)
+    assert plans[0].left == pytest.approx(plans[1].left, rel=1e-6)
+    assert plans[0].right == pytest.approx(plans[1].right, rel=1e-6)
 
 
 def test_conventions_of_turning_mirror_the_wheels() -> None:
     reference = rounded(1.0)
     plans = [
-        NormOptimalLearner(NormOptimalParameters(), reference, robot, LIMIT).plan()
+        NormOptimalLearner(NormOptimalLaw(robot), reference, LIMIT).plan()
         for robot in (Robot(0.2, 0.5), Robot(0.2, 0.5, "rep103"))
     ]
-    assert plans[0].feedforward == pytest.approx(plans[1].feedforward[:, ::-1], rel=1e-9)
-    assert plans[0].gains == pytest.approx(plans[1].gains[:, ::-1], rel=1e-9)
+    assert plans[0].left == pytest.approx(plans[1].right, rel=1e-9)
+    assert plans[0].right == pytest.approx(plans[1].left, rel=1e-9)
+    assert plans[0].feedback == pytest.approx(plans[1].feedback[:, ::-1], rel=1e-9)
 
 
 @pytest.mark.parametrize("size", [1e20, 1e100, 1e200])
 def test_numbers_on_the_way_to_divergence_end_without_an_error(size: float) -> None:
     reference = rounded(1.0)
-    learner = NormOptimalLearner(NormOptimalParameters(), reference, PLATFORM, math.inf)
+    learner = NormOptimalLearner(NormOptimalLaw(PLATFORM), reference, math.inf)
     n = reference.samples
     poses = reference.poses + size * np.arange(n + 1)[:, None]
-    plan = learner.next(poses, np.full((n, 2), size))
-    assert plan.feedforward.shape == (n, 2)
+    learned_from(learner, reference, poses, np.full((n, 2), size))
+    plan = learner.plan()
+    assert plan.left.shape == plan.right.shape == (n,)
     if size > 1e50:
         assert not plan.settled
 
@@ -314,8 +319,8 @@ def test_numbers_on_the_way_to_divergence_end_without_an_error(size: float) -> N
 def without_identification(radius: float, quotient: float, iterations: int) -> Floats:
     """Largest position errors where R and R / B are so many times those believed [m]."""
     model = Robot(PLATFORM.wheel_radius / radius, PLATFORM.half_track * quotient / radius)
-    parameters = NormOptimalParameters(identify=False)
-    workplace = Workplace(rounded(1.0), (1.0, -2.0, 0.4), model, parameters)
+    law = NormOptimalLaw(model, identify=False)
+    workplace = Workplace(rounded(1.0), (1.0, -2.0, 0.4), law)
     done = workplace.learn(iterations)
     assert_within_limit(done)
     return np.array([workplace.position_error(learned).max() for learned in done])

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner
 from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, linearised
 from hilc_cli.laws.norm_optimal.optimal_motion import bounded_changes
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
+from tests.laws.norm_optimal.plant import learned_from
 from tests.laws.norm_optimal.problems import (
     DISTANCE_GAIN,
     TURN_GAIN,
@@ -75,22 +76,23 @@ def test_law_on_a_straight_line_equals_the_dense_solution() -> None:
     n, sample_time, speed = 40, 0.01, 2.0
     line = speed * sample_time * np.arange(n + 1.0)
     reference = Reference("line", sample_time, line, np.zeros(n + 1), np.zeros(n + 1))
-    parameters = NormOptimalParameters(
-        position=0.01, input_change=4.0, identify=False, feedback="none"
+    law = NormOptimalLaw(
+        Robot(0.25, 0.5), position=0.01, input_change=4.0, identify=False, feedback="none"
     )
-    learner = NormOptimalLearner(parameters, reference, Robot(0.25, 0.5), 1e3)
+    learner = NormOptimalLearner(law, reference, 1e3)
     true_gain, believed_gain = 0.01 * 0.2, 0.01 * 0.25  # metres per rad/s of both wheels
 
     # Both wheels cost together twice what one does.
     sums = believed_gain * np.tril(np.ones((n, n)))
     gain = np.linalg.solve(sums.T @ sums / 0.01**2 + 2 * np.eye(n) / 4.0**2, sums.T / 0.01**2)
     plan = learner.plan()
-    dense = plan.feedforward[:, 0].copy()
+    dense = plan.left.copy()
     assert dense == pytest.approx(np.full(n, speed / 0.25), rel=1e-9)
     for _ in range(4):
         x = np.concatenate([[0], np.cumsum(true_gain * dense)])
         poses = np.stack([x, np.zeros(n + 1), np.zeros(n + 1)], axis=1)
-        plan = learner.next(poses, np.stack([dense, dense], axis=1))
+        learned_from(learner, reference, poses, np.stack([dense, dense], axis=1))
+        plan = learner.plan()
         dense = dense + gain @ (line - x)[1:]
-        assert plan.feedforward[:, 0] == pytest.approx(dense, rel=1e-9)
-        assert plan.feedforward[:, 1] == pytest.approx(dense, rel=1e-9)
+        assert plan.left == pytest.approx(dense, rel=1e-9)
+        assert plan.right == pytest.approx(dense, rel=1e-9)

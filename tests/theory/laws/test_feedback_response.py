@@ -19,7 +19,7 @@ from hilc_cli.results.trial import Trial
 from hilc_cli.theory.findings import joined
 from hilc_cli.theory.laws.feedback import tracking_findings, tracking_loop, way_findings
 from hilc_cli.theory.laws.feedback_response import TrackingResponse, tracking_response
-from hilc_cli.theory.wheel_noise import seen_in, seen_warnings, wheel_findings
+from hilc_cli.theory.noise import seen_in, seen_warnings, wheel_findings
 from tests.engine.experiments import experiment_of, law_of
 
 DT, ROBOT = 0.05, Robot(0.03, 0.07, "rep103")
@@ -91,7 +91,7 @@ def told(made: Experiment) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """How the findings begin: failures, and warnings."""
     assert isinstance(made.law, FeedbackLaw)
     loop, response = tracking_loop(made, made.law), response_of(made)
-    found = joined([tracking_findings(loop, response), way_findings(loop, response)])
+    found = joined(tracking_findings(loop, response), way_findings(loop, response))
     return found.failures, found.warnings
 
 

@@ -11,8 +11,8 @@ import pytest
 
 import hilc_cli as hilc
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.batch import simulate_many
 from hilc_cli.engine.loop import simulate
-from hilc_cli.engine.many import simulate_many
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.sampled import Floats

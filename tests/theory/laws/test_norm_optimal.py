@@ -10,7 +10,6 @@ import pytest
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import ExpectedError, Findings
@@ -20,14 +19,14 @@ from tests.engine.experiments import PLATFORM, experiment_of, law_of
 from tests.theory.cases import Case, line, winding
 
 STEPS = 30
-ALONE = NormOptimalParameters(feedback="none", identify=False)
+ALONE = NormOptimalLaw(PLATFORM, feedback="none", identify=False)
 MODELS = [PLATFORM, Robot(0.26, 0.36), Robot(0.14, 0.67), Robot(0.08, 0.4)]
 
 SMALL = ExpectedError(0.1, 0.01, 0.01)
 
 
-def law(model: Robot, parameters: NormOptimalParameters = ALONE) -> NormOptimalLaw:
-    return NormOptimalLaw(parameters, model)
+def law(model: Robot, other: NormOptimalLaw = ALONE) -> NormOptimalLaw:
+    return replace(other, model=model)
 
 
 def on_the_line(model: Robot, iterations: int = 0) -> Experiment:
@@ -116,8 +115,8 @@ def test_nothing_is_evaluated_where_the_model_is_made_up_for(change: dict[str, o
     ],
 )
 def test_feedback_is_not_asked_for_more_than_was_tried(model: Robot, is_tried: bool) -> None:
-    parameters = NormOptimalParameters(identify=False)
+    parameters = NormOptimalLaw(PLATFORM, identify=False)
     found = untried_findings(on_the_line(model), law(model, parameters))
     assert (found == Findings()) is is_tried
-    for other in (ALONE, NormOptimalParameters()):
+    for other in (ALONE, NormOptimalLaw(PLATFORM)):
         assert untried_findings(on_the_line(model), law(model, other)) == Findings()

@@ -11,7 +11,6 @@ import pytest
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import LinePlan, build_reference
 from hilc_cli.theory.findings import Findings
@@ -24,7 +23,7 @@ LINE = build_reference("line", (0, 0, 0), [LinePlan(length=2.4, duration=1.2)], 
 
 
 def law(h: int = 20, model: Robot = PLATFORM) -> NormOptimalLaw:
-    return NormOptimalLaw(NormOptimalParameters(h=h), model)
+    return NormOptimalLaw(model, h=h)
 
 
 def experiment(

@@ -16,7 +16,6 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
@@ -133,10 +132,8 @@ LAWS = {
     "p-type": law_of(0.5),
     "feedback": law_of(0.6, 0.5, 0.1),
     "compensated": law_of(0.5, compensation=True, h=15),
-    "norm-optimal": NormOptimalLaw(NormOptimalParameters(h=15), MODEL),
-    "norm-optimal, no feedback": NormOptimalLaw(
-        NormOptimalParameters(h=15, feedback="none"), MODEL
-    ),
+    "norm-optimal": NormOptimalLaw(MODEL, h=15),
+    "norm-optimal, no feedback": NormOptimalLaw(MODEL, h=15, feedback="none"),
 }
 
 

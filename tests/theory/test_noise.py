@@ -14,7 +14,6 @@ from hilc_cli.engine.loop import simulate
 from hilc_cli.laws.gain_matrix import model_gain
 from hilc_cli.laws.law import Law
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.theory.law_theory import law_theory
@@ -28,7 +27,7 @@ SLIGHT = Disturbance(0, Bounded((1e-4, 1e-4, 2e-4)), Bounded((2e-3, 2e-3, 4e-3))
 
 
 def optimal(believed: Robot, *, identify: bool = True) -> NormOptimalLaw:
-    return NormOptimalLaw(NormOptimalParameters(h=50, identify=identify), believed)
+    return NormOptimalLaw(believed, h=50, identify=identify)
 
 
 def pid(gain: float, cutoff: float | None = None) -> PidLaw:
@@ -78,5 +77,5 @@ def test_nothing_is_told_without_disturbances_or_feedback_in_the_iteration() -> 
     law = optimal(ROBOT)
     assert law_theory(made_of(law, 13.0, Disturbance(), 3)).wheels is None
     assert law_theory(made_of(HYBRID, 13.0, Disturbance(), 3)).wheels is None
-    alone = NormOptimalLaw(NormOptimalParameters(h=50, feedback="none"), ROBOT)
+    alone = NormOptimalLaw(ROBOT, h=50, feedback="none")
     assert law_theory(made_of(alone, 13.0, NOISE, 3)).wheels is None

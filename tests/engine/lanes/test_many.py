@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hilc_cli.engine.lanes.batch import NEVER, simulate_batch
-from hilc_cli.engine.many import simulate_many
+from hilc_cli.engine.lanes.batch import NEVER, simulate_batch, simulate_many
 from hilc_cli.results.metrics import METRICS
 from hilc_cli.runs.running import load_scenario, run
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import hilc_cli as hilc_api
-from hilc_cli.engine.learning import Learning
+from hilc_cli.engine.experiment import Learning
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
 from hilc_cli.results.trial import Trial
