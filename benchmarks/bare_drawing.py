@@ -1,7 +1,8 @@
 """What `benchmarks/run.py` compares with: the pictures of a run by a bare Matplotlib script.
 
 Reads the arrays of a run from an .npz file and draws, at the same size and resolution, the same
-lines as hilc does: path change, final path, error, wheel speeds and the four together.
+lines as hilc does: path change, final path, error, wheel speeds and the four together, and the
+error along the path.
 """
 
 import sys
@@ -9,6 +10,7 @@ import sys
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 data = np.load(sys.argv[1])
@@ -49,3 +51,18 @@ FigureCanvasAgg(figure)
 for index, kind in enumerate(kinds):
     kind(figure.add_subplot(2, 2, index + 1))
 figure.savefig(f"{folder}/summary.png", dpi=150)
+
+figure = Figure(figsize=(12, 5.8))
+FigureCanvasAgg(figure)
+x, y = data["x"][-1], data["y"][-1]
+errors = data["reference_x"] - x, data["reference_y"] - y
+for row, values in enumerate((*errors, np.hypot(*errors))):
+    figure.add_subplot(3, 2, 2 * row + 1).plot(values)
+axes = figure.add_subplot(1, 2, 2)
+points = np.column_stack([x, y])
+pieces = LineCollection(np.stack([points[:-1], points[1:]], axis=1).tolist(), linewidths=3)
+pieces.set_array(np.hypot(*errors)[1:])
+figure.colorbar(axes.add_collection(pieces))
+axes.plot(data["reference_x"], data["reference_y"], "k--")
+axes.set_aspect("equal")
+figure.savefig(f"{folder}/error_along_path.png", dpi=150)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from hilc_cli.paper.sheet import sheet_figure
 from hilc_cli.paths.picture import path_figure
 from hilc_cli.paths.showing import show
 from hilc_cli.results.look import Look
-from hilc_cli.sweeps.data import Bands
+from hilc_cli.sweeps.data import Bands, OwnValues
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep
 from hilc_cli.variation import Range
 from tests.checks.test_picture import FALLING
@@ -32,7 +33,21 @@ from tests.drawing.reading import overlaps
 from tests.drawing.test_looks import smallest_text
 from tests.leaderboards.test_picture import DATA
 from tests.made_up_runs import MakeRun, straight
-from tests.made_up_sweeps import HEADING, L1, L2, L3, NAME, RATES, SPEED, STEPS, WORDS, bowl, sweep
+from tests.made_up_sweeps import (
+    HEADING,
+    L1,
+    L2,
+    L3,
+    NAME,
+    RATES,
+    SEED,
+    SPEED,
+    STEPS,
+    WORDS,
+    bowl,
+    number,
+    sweep,
+)
 from tests.pages import ROOT, blocks
 from tests.paper.test_sheet import SPEEDS, row
 
@@ -43,7 +58,10 @@ SWEEPS = {
     "best": sweep({L1: RATES, L2: STEPS, L3: STEPS, HEADING: WORDS}, bowl),
     "effects": sweep({L1: RATES, L2: STEPS, L3: STEPS, HEADING: WORDS}, bowl),
     "bands": sweep({L1: RATES}, bowl, bands=BANDS),
+    "search": replace(sweep({L1: RATES}, bowl), as_it_is=OwnValues({L1: 1.0}, 3.0)),
 }
+OF_SEEDS = sweep({SEED: Range(0, 100, "integer")}, lambda case: 1e-3 * (1 + number(case[SEED])))
+BOUNDED = replace(sweep({L1: RATES, L2: STEPS}, bowl), path_size=5.0, tolerance=1.0)
 
 
 def sheets(make_run: MakeRun, look: Look) -> dict[str, Figure]:
@@ -51,6 +69,8 @@ def sheets(make_run: MakeRun, look: Look) -> dict[str, Figure]:
     runs = [make_run("a-long-name-of-a-run-with-many-letters", saturated=3), make_run("b")]
     other = make_run("along-a-line", reference=straight())
     pictures = {kind: draw_sweep(kind, data, look) for kind, data in SWEEPS.items()}
+    pictures["distribution"] = draw_sweep("curve", OF_SEEDS, look)
+    pictures["bounded map"] = draw_sweep("map", BOUNDED, look)
     pictures["comparison"] = comparison_figure(runs, look)
     pictures["of several paths"] = comparison_figure([*runs, other], look)
     pictures["leaderboard"] = leaderboard_figure(DATA, look)

@@ -38,6 +38,7 @@ def test_sweep_in_memory_is_that_of_the_command(hilc: Hilc, folder: Path) -> Non
         key: list(column) for key, column in result.values.items()
     }
     assert (read.name, read.tolerance, read.metric) == ("test", 1, "max_position_error_m")
+    assert read.path_size == plan.scenario.experiment().reference.size > 0
     assert [read.case(number) for number in range(len(read))] == plan.cases.values(0, 8)
 
 

@@ -23,7 +23,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData, distinct_names
-from hilc_cli.runs.pictures.error import ZERO_LABEL, draw_error, drawable
+from hilc_cli.runs.pictures.error import MAXIMUM, MEAN, ZERO_LABEL, draw_error, drawable
 from hilc_cli.runs.pictures.final_path import draw_final_path, same_path
 
 PITCH = 0.22  # of the rows [inch]
@@ -150,7 +150,7 @@ def _draw_key(axes: Axes, row: int, color: str, marker: str) -> None:
 
 def _legend_proxies(axes: Axes, *, zeros: bool) -> None:
     """Names what the marks have in common."""
-    kinds = [("Maximum", "o", "black"), ("Mean", "o", "white")]
+    kinds = [(f"Last {MAXIMUM.lower()}", "o", "black"), (f"Last {MEAN.lower()}", "o", "white")]
     if zeros:
         kinds.append((ZERO_LABEL, "<", "white"))
     for label, marker, face in kinds:
@@ -175,7 +175,7 @@ def _scale(axes: Axes, runs: Sequence[RunData]) -> None:
     beside = max(0.0, _LEAST_SPREAD - (high - low)) / 2
     beside += _MARGIN * (high - low + 2 * beside)
     most = most_ticks(axes, 9)
-    least = min(4, most)
+    least = max(2, min(4, most - 2))
     labels.set_logarithmic(
         axes.xaxis, 10.0 ** (low - beside), 10.0 ** (high + beside), most, least=least
     )
@@ -190,10 +190,10 @@ MOST_PATHS = 4
 """The most trajectories that have a panel of their own."""
 
 _ERROR_WIDTH, _PATH_WIDTH, _HEIGHT = 5.2, 4.3, 3.6  # of the panels above [inch]
-_LONGEST_HEADING = 120  # [characters]
 _NUMBER = len(" (9999)")  # behind names that are equal
 _BESIDE = 2 * (layout.LEFT + layout.RIGHT)  # of the panels above [inch]
 _SHEET = _BESIDE + _ERROR_WIDTH + _PATH_WIDTH  # [inch]
+_LEAST_COLUMN = 2.6  # of paths with their labels [inch]
 _NARROW = _BESIDE + 3.6  # sheets that are narrower have no two panels side by side [inch]
 _NAMES, _LETTER = 0.5, 0.066  # part of a sheet that names may take, and width of a letter [inch]
 
@@ -220,14 +220,9 @@ def comparison_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
         rows = best_runs(_told_apart(runs, sheet), MOST_ROWS)
         lines = best_runs(rows, MOST_LINES)
         groups = _by_trajectory(lines)
-        figure = layout.new_sheet(
-            sheet,
-            layout.HEADING,
-            _heading(
-                runs, _LONGEST_HEADING if look.width is None else layout.longest_heading(sheet) - 9
-            ),
-            look,
-        )
+        room = sheet if look.width is None else sheet - layout.RIGHT
+        heading = layout.heading_of(labels.run_labels(runs), room)
+        figure = layout.new_sheet(sheet, layout.HEADING, heading, look)
         is_narrow = sheet < _NARROW
         if is_narrow:
             above = _draw_below_each_other(figure, lines, groups)
@@ -242,7 +237,11 @@ def comparison_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
         below = layout.add_panel(figure, left, above + layout.TOP, right - left, height)
         draw_last_errors(below, rows, lines, with_paths=not is_narrow)
         _note_what_is_left_out(below, len(runs), len(rows), len(lines), len(groups))
-        legend = layout.legend_below([below], right - left)
+        names = labels.run_labels(lines)
+        outdent = 0.0 if look.width is None else left - layout.LEFT
+        legend = layout.legend_below(
+            figure.axes, right - left + outdent, without=names, outdent=outdent
+        )
         beside = first if len(groups) == 1 else first[:1]  # what stands at the upper edge
         layout.close_sheet(figure, legend=legend, top=[] if is_narrow else beside)
         return figure
@@ -250,8 +249,7 @@ def comparison_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
 
 def _draw_side_by_side(figure: Figure, runs: Sequence[RunData]) -> float:
     """Draws errors and paths beside each other, and returns where they end [inch]."""
-    top, names = layout.HEADING + layout.TOP, labels.run_labels(runs)
-    sheet = float(figure.get_size_inches()[0])
+    top, sheet = layout.HEADING + layout.TOP, float(figure.get_size_inches()[0])
     share = (sheet - _BESIDE) / (_SHEET - _BESIDE)
     error_width, path_width = share * _ERROR_WIDTH, share * _PATH_WIDTH
     height = layout.panel_height(error_width, _ERROR_WIDTH, _HEIGHT)
@@ -261,30 +259,22 @@ def _draw_side_by_side(figure: Figure, runs: Sequence[RunData]) -> float:
     path = layout.add_panel(figure, left, top, path_width, height)
     draw_error(error, runs)
     draw_final_path(path, runs)
-    legend = max(
-        layout.legend_below([error], error_width, without=names),
-        layout.legend_below([path], path_width, without=names),
-    )
-    layout.resize_sheet(figure, bottom=legend)
-    return top + height + layout.BOTTOM + legend
+    return top + height + layout.BOTTOM
 
 
 def _draw_below_each_other(
     figure: Figure, runs: Sequence[RunData], groups: Sequence[Sequence[RunData]]
 ) -> float:
     """Draws errors and paths below each other, and returns where they end [inch]."""
-    names = labels.run_labels(runs)
     width = float(figure.get_size_inches()[0]) - layout.LEFT - layout.RIGHT
     height = layout.panel_height(width, _ERROR_WIDTH, _HEIGHT)
-    axes = layout.append_panel(figure, height, partial(draw_error, runs=runs))
-    layout.append_legend(figure, axes, without=names)
+    layout.append_panel(figure, height, partial(draw_error, runs=runs))
     for group in groups[:MOST_PATHS]:
         entitle: labels.Entitle = labels.set_title
         if len(groups) > 1:
             entitle = _title_for(group[0].reference.name, width)
         draw = partial(draw_final_path, runs=group, entitle=entitle, among=runs)
-        axes = layout.append_panel(figure, min(width, _HEIGHT), draw)
-    layout.append_legend(figure, axes, without=names)
+        layout.append_panel(figure, min(width, _HEIGHT), draw)
     return float(figure.get_size_inches()[1])
 
 
@@ -292,27 +282,22 @@ def _draw_paths_below(
     figure: Figure, runs: Sequence[RunData], groups: Sequence[Sequence[RunData]]
 ) -> float:
     """Draws the paths on each trajectory below the errors, and returns where they end [inch]."""
-    names, shown = labels.run_labels(runs), groups[:MOST_PATHS]
-    sheet = float(figure.get_size_inches()[0])
+    shown, sheet = groups[:MOST_PATHS], float(figure.get_size_inches()[0])
     top, width = layout.HEADING + layout.TOP, sheet - layout.LEFT - layout.RIGHT
     layout.resize_sheet(figure, bottom=layout.TOP + _HEIGHT + layout.BOTTOM)
     error = layout.add_panel(figure, layout.LEFT, top, width, _HEIGHT)
     draw_error(error, runs)
-    legend = layout.legend_below([error], width, without=names)
-    top += _HEIGHT + layout.BOTTOM + legend + layout.TOP
-    width = sheet / len(shown) - layout.LEFT - layout.RIGHT
+    top += _HEIGHT + layout.BOTTOM + layout.TOP
+    columns = min(len(shown), int(sheet / _LEAST_COLUMN))
+    width = sheet / columns - layout.LEFT - layout.RIGHT
     height = min(width, _HEIGHT)
-    layout.resize_sheet(figure, bottom=legend + layout.TOP + height + layout.BOTTOM)
-    paths = []
+    row, rows = layout.TOP + height + layout.BOTTOM, -(-len(shown) // columns)
+    layout.resize_sheet(figure, bottom=rows * row)
     for place, group in enumerate(shown):
-        left = place * sheet / len(shown) + layout.LEFT
-        axes = layout.add_panel(figure, left, top, width, height)
-
+        left = place % columns * sheet / columns + layout.LEFT
+        axes = layout.add_panel(figure, left, top + place // columns * row, width, height)
         draw_final_path(axes, group, _title_for(group[0].reference.name, width), among=runs)
-        paths.append(axes)
-    legend = layout.legend_below(paths[:1], sheet, without=names)
-    layout.resize_sheet(figure, bottom=legend)
-    return top + height + layout.BOTTOM + legend
+    return float(figure.get_size_inches()[1])
 
 
 def _title_for(trajectory: str, width: float) -> labels.Entitle:
@@ -337,19 +322,6 @@ def _by_trajectory(runs: Sequence[RunData]) -> list[list[RunData]]:
         else:
             group.append(run)
     return groups
-
-
-def _heading(runs: Sequence[RunData], longest: int) -> str:
-    """The names of the runs, as many as there is room for."""
-    names = labels.run_labels(runs)
-    if len(names) == 1:
-        return names[0]
-    for shown in range(len(names), 0, -1):
-        left = len(names) - shown
-        text = ", ".join(names[:shown]) + (f" and {left} more" if left else "")
-        if len(text) <= longest:
-            return f"{len(names)} runs: {text}"
-    return f"{len(names)} runs"
 
 
 def best_runs(runs: Sequence[RunData], most: int) -> list[RunData]:

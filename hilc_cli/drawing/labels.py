@@ -13,7 +13,7 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.ticker import Formatter, MaxNLocator
 from numpy.typing import NDArray
 
-from hilc_cli.drawing.sheet import is_fitted, look_of, most_ticks, panel_size
+from hilc_cli.drawing.sheet import balanced, is_fitted, look_of, most_ticks, panel_size
 from hilc_cli.drawing.style import MARKER_SIZE, NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.wording import printable
@@ -44,6 +44,11 @@ def shortened(name: str, longest: int = LONGEST_LABEL) -> str:
         return name
     head = (longest - 1) // 2
     return f"{name[:head]}…{name[len(name) - (longest - 1 - head) :]}"
+
+
+def with_unit(text: str, unit: str) -> str:
+    """A text with a unit behind it, if there is one."""
+    return f"{text} [{unit}]" if unit else text
 
 
 def wrapped(text: str, width: float) -> str:
@@ -240,7 +245,7 @@ def set_title(
         width += _BESIDE
         title = wrapped(title, width) if "\n" not in title else title
         longest = int(width * 72 / (0.56 * (SMALL_SIZE - 0.5)))
-        notes = [line for note in notes for line in textwrap.wrap(note, longest)]
+        notes = [line for note in notes for line in balanced(note, longest)]
     # A fixed height spares Matplotlib from measuring all tick labels to find a free one.
     axes.set_title(title, loc="left", y=1.0, pad=_TITLE_PAD + _LINE_PITCH * len(notes))
     if notes:

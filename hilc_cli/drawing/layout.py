@@ -27,7 +27,10 @@ from hilc_cli.results.look import USUAL, Look
 LEFT, RIGHT, TOP, BOTTOM = 0.85, 0.3, 0.56, 0.5
 HEADING = 0.3  # for the name of the run above all panels [inch]
 LEAST_HEIGHT = 2.0  # of a panel on a narrow sheet, unless it is lower on any [inch]
+STACK_GAP = 0.14  # between panels below each other that share an x axis [inch]
 
+_LETTER = 0.7  # mean width of a bold letter, of its size
+_LABEL_LINE = 0.14  # more below a panel if the label of its x axis has two lines [inch]
 _LEGEND_ROW = 0.185  # [inch]
 _LEGEND_LINE = 0.135  # of a label that is broken [inch]
 _CHARACTER = 0.072  # generous width of a legend's character [inch]
@@ -91,6 +94,7 @@ def legend_below(
     without: Collection[str] = (),
     first: Collection[str] = (),
     below: Axes | None = None,
+    outdent: float = 0.0,
 ) -> float:
     """Puts one legend of panels, each label once, below the last of them.
 
@@ -102,24 +106,27 @@ def legend_below(
         without: Labels that are shown elsewhere.
         first: Labels that come before all others.
         below: Axes that the legend is to stand below, if not the last of the panels.
+        outdent: How far left of these axes the legend begins [inch].
 
     Returns:
-        Height of the legend [inch].
+        Height of the legend, and of what the axis label above it has below its first line [inch].
     """
     found = {
         label: handle
         for axes in panels
         for label, handle in _entries(axes, without=without).items()
     }
+    fit_axis_labels(root_figure(panels[-1]))
+    above = panels[-1] if below is None else below
+    lines = _LABEL_LINE * above.get_xlabel().count("\n")
     if not found:
-        return 0.0
+        return lines
     entries = {label: found[label] for label in sorted(found, key=lambda name: name not in first)}
     entries = _fitted(panels[-1], entries, width + RIGHT)
     columns = _columns(entries, width + RIGHT)
-    offset = ScaledTranslation(0, -BOTTOM, root_figure(panels[-1]).dpi_scale_trans)
-    corner = (panels[-1] if below is None else below).transAxes + offset
-    _draw_legend(panels[-1], entries, (0, 0), corner, columns)
-    return _height(entries, columns)
+    offset = ScaledTranslation(-outdent, -BOTTOM - lines, root_figure(panels[-1]).dpi_scale_trans)
+    _draw_legend(panels[-1], entries, (0, 0), above.transAxes + offset, columns)
+    return lines + _height(entries, columns)
 
 
 def shared_legend(
@@ -240,39 +247,68 @@ def finish(figure: Figure, axes: Axes) -> None:
     close_sheet(figure, legend=legend_below([axes], panel_size(axes)[0]), top=[axes])
 
 
-def append_panel(
-    figure: Figure, height: float, draw: Callable[[Axes], object], beside: float = 0.0
-) -> Axes:
-    """Draws a panel of the sheet's width below all that there is; titles get what they need.
+def stack(
+    figure: Figure, left: float, top: float, width: float, heights: Sequence[float]
+) -> list[Axes]:
+    """Adds panels that share an x axis below each other, from an upper left corner on [inch]."""
+    tops = [top + sum(heights[:place]) + place * STACK_GAP for place in range(len(heights))]
+    return [
+        add_panel(figure, left, at, width, height) for at, height in zip(tops, heights, strict=True)
+    ]
+
+
+def append_panels(
+    figure: Figure,
+    heights: Sequence[float],
+    draw: Callable[[Sequence[Axes]], object],
+    beside: float = 0.0,
+) -> list[Axes]:
+    """Draws a stack of panels of the sheet's width below all there is; titles get what they need.
 
     Args:
         figure: The sheet.
-        height: Of the panel [inch].
-        draw: Draws into the axes.
-        beside: Room for what stands to the right of it [inch].
+        heights: Of the panels [inch].
+        draw: Draws into the axes, under one title.
+        beside: Room for what stands to the right of them [inch].
     """
-    width, end = figure.get_size_inches()
+    before, (width, end) = len(figure.axes), figure.get_size_inches()
+    height = sum(heights) + (len(heights) - 1) * STACK_GAP
     resize_sheet(figure, bottom=TOP + height + BOTTOM)
-    axes = add_panel(figure, LEFT, end + TOP, width - LEFT - RIGHT - beside, height)
-    draw(axes)
-    spare = spare_room([axes])
+    panels = stack(figure, LEFT, end + TOP, width - LEFT - RIGHT - beside, heights)
+    draw(panels)
+    spare = spare_room(panels[:1])
     resize_sheet(figure, bottom=-spare)
-    box = axes.get_position(original=True)
     up = spare / float(figure.get_size_inches()[1])
-    axes.set_position((box.x0, box.y0 + up, box.width, box.height))
-    return axes
+    for axes in figure.axes[before:]:
+        box = axes.get_position(original=True)
+        axes.set_position((box.x0, box.y0 + up, box.width, box.height))
+    return panels
 
 
-def append_legend(figure: Figure, axes: Axes, without: Collection[str] = ()) -> None:
-    """Puts the legend of the last panel below it, and makes the sheet so much longer."""
-    resize_sheet(figure, bottom=legend_below([axes], panel_size(axes)[0], without=without))
+def append_panel(figure: Figure, height: float, draw: Callable[[Axes], object]) -> None:
+    """Draws a single panel below all there is, as `append_panels` does."""
+    append_panels(figure, [height], lambda panels: draw(panels[0]))
 
 
-def panel_height(width: float, usual_width: float, usual_height: float) -> float:
+def append_legend(figure: Figure, panels: Sequence[Axes], first: Collection[str] = ()) -> None:
+    """Puts the legend of panels below the last of them, and makes the sheet so much longer."""
+    width, _ = panel_size(panels[-1])
+    resize_sheet(figure, bottom=legend_below(panels, width, first=first))
+
+
+def panel_width(look: Look, usual: float, extra_right: float = 0.0) -> float:
+    """Width of a panel that stands alone on the sheet, with room to the right of it [inch]."""
+    sheet = LEFT + usual + RIGHT + extra_right
+    return usual + (room_on(look, sheet) - sheet)
+
+
+def panel_height(
+    width: float, usual_width: float, usual_height: float, least: float = LEAST_HEIGHT
+) -> float:
     """Height of a panel that is so wide: in proportion, but with room for its labels [inch]."""
     if width == usual_width:
         return usual_height
-    return max(usual_height * width / usual_width, min(usual_height, LEAST_HEIGHT))
+    return max(usual_height * width / usual_width, min(usual_height, least))
 
 
 def panel_figure(
@@ -309,14 +345,28 @@ def single_panel(
 ) -> tuple[Figure, Axes]:
     """A figure of one panel, with axes of the given size [inch], as far as the look allows."""
     top = TOP + (HEADING if heading else 0)
-    usual = LEFT + width + RIGHT + extra_right
-    sheet = room_on(look, usual)
-    true_width = width + (sheet - usual)
+    true_width = panel_width(look, width, extra_right)
     true_height = panel_height(true_width, width, height)
+    sheet = LEFT + true_width + RIGHT + extra_right
     figure = new_sheet(sheet, top + true_height + BOTTOM, heading, look)
     return figure, add_panel(figure, LEFT, top, true_width, true_height)
 
 
-def heading_of(labels: Sequence[str]) -> str:
-    """The name of the run, or how many there are."""
-    return labels[0] if len(labels) == 1 else f"{len(labels)} runs"
+def heading_of(names: Sequence[str], width: float, what: str = "") -> str:
+    """The name of the run, or how many there are and as many names as there is room for.
+
+    Args:
+        names: Of the runs.
+        width: Room [inch].
+        what: What the picture shows, if nothing else says so.
+    """
+    if len(names) == 1:
+        return names[0]
+    begin = f"{what}, {len(names)} runs" if what else f"{len(names)} runs"
+    longest = int(width * 72 / (_LETTER * HEADING_SIZE))
+    for shown in range(len(names), 0, -1):
+        left = len(names) - shown
+        text = f"{begin}: {', '.join(names[:shown])}" + (f" and {left} more" if left else "")
+        if len(text) <= longest:
+            return text
+    return begin

@@ -100,10 +100,10 @@ def fit_axis_labels(figure: Figure) -> None:
             text = axis.get_label_text()
             longest = max(12, int((length + 0.2) / _LINE))
             if len(text) > longest and "\n" not in text:
-                axis.set_label_text("\n".join(_balanced(text, longest)))
+                axis.set_label_text("\n".join(balanced(text, longest)))
 
 
-def _balanced(text: str, longest: int) -> list[str]:
+def balanced(text: str, longest: int) -> list[str]:
     """A text in as few lines as it takes, all of about one length: no unit stands alone."""
     lines = textwrap.wrap(text, longest)
     for width in range(-(-len(text) // len(lines)), longest):

@@ -28,6 +28,9 @@ LIMIT_COLOR = "0.25"
 STRIP_COLOR = "0.9"
 NOTE_COLOR = "#A03C00"
 BEST_COLOR = "#F0E442"
+BEYOND_COLOR = "#FDE725"  # beyond the colours of `iteration_colors`, brighter than all of them
+FINAL_PATH_COLOR = VERMILLION
+APPLIED_COLOR, AIM_COLOR = "#56B4E9", "0.5"  # of wheel speeds that were applied, or asked for
 
 DASHED = (0, (5, 2.5))
 DOTTED = (0, (1.2, 1.6))

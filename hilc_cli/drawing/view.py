@@ -19,6 +19,7 @@ from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 
 REACH = 0.5  # how far beyond reference and start a view may reach, in sizes of the two
+_MOST_SIZES = 5.0  # of the smallest trajectory, up to which panels show the same
 MARGIN = 0.05  # empty border of a view, of its size
 
 # A pose seen from above, at the origin and with heading 0: the body and where it drives. On a
@@ -101,6 +102,16 @@ def view_of(references: Sequence[Reference], trials: Sequence[Trial]) -> View:
         )
     margin = MARGIN * (max(x_max - x_min, y_max - y_min) or 1.0)
     return View(x_min - margin, x_max + margin, y_min - margin, y_max + margin)
+
+
+def common_view(references: Sequence[Reference], trials: Sequence[Trial]) -> View | None:
+    """The part of the plane that panels of several runs show; None for what suits each of them.
+
+    That is so where trajectories differ so much in size that the smallest could hardly be seen.
+    """
+    shown = view_of(references, trials)
+    least = min(reference.size for reference in references)
+    return shown if max(shown.width, shown.height) <= _MOST_SIZES * least else None
 
 
 def _bounds(paths: Sequence[tuple[Floats, Floats]]) -> tuple[float, float, float, float]:

@@ -6,6 +6,7 @@ import hilc_cli.drawing  # noqa: F401  # loads Matplotlib, whatever is set for i
 
 # isort: split
 
+import math
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -13,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.drawing.save import save_pictures
@@ -25,7 +27,9 @@ _LEAST = 1e-6  # [m]; smaller errors are drawn here, as rounding would stretch t
 _WIDTH, _HEIGHT = 4.2, 3.4  # of a panel [inch]
 _LEAST_WIDTH = 2.4  # of a panel on a narrow sheet [inch]
 _GAP = 0.25  # between panels [inch]
-_SPREAD = 0.8  # of a number of iterations, in which the laws stand side by side
+_ASIDE = 3.0  # from the bar of a law to the next [pt]
+_DIGIT = 0.075  # of a tick's label [inch]
+_BESIDE = 0.08  # the first and the last iteration, of the way from one to the other
 
 
 def leaderboard_figure(data: LeaderboardData, look: Look = USUAL) -> Figure:
@@ -97,33 +101,65 @@ def save_leaderboard(
 
 
 def _draw(axes: Axes, data: LeaderboardData, disturbance: str, low: float, high: float) -> None:
-    """One panel: marks at the medians, bars from the best case to the worst."""
-    places = np.arange(len(data.after), dtype=np.float64)
+    """One panel: marks at the medians, and beside them bars from the best case to the worst."""
     laws = data.laws
+    # A logarithmic axis has no place for iteration 0.
+    after = np.array(data.after, dtype=np.float64) + (1 if data.after[0] == 0 else 0)
+    points = layout.root_figure(axes).dpi_scale_trans
     for number, law in enumerate(laws):
         errors = _errors(data, law, disturbance)
-        at = places + _SPREAD * ((number + 0.5) / len(laws) - 0.5)
         middle = np.median(errors, axis=0)
         color = style.run_color(number)
-        axes.vlines(at, errors.min(axis=0), errors.max(axis=0), color=color, linewidth=2.2,
-                    alpha=0.45, label=f"_range of {law}")  # fmt: skip
+        aside = _ASIDE / 72 * (number - (len(laws) - 1) / 2)
+        axes.vlines(
+            *(after, errors.min(axis=0), errors.max(axis=0)),
+            color=color,
+            linewidth=1.6,
+            alpha=0.5,
+            transform=axes.transData + ScaledTranslation(aside, 0, points),
+            label=f"_range of {law}",
+        )
         axes.plot(
-            at, middle, color=color, linewidth=style.THIN, marker=style.run_marker(number, 2),
-            markersize=style.MARKER_SIZE + 1, label=law,
-        )  # fmt: skip
-    axes.set_xticks(places, [str(count) for count in data.after])
-    axes.set_xlim(-0.5, len(places) - 0.5)
-    for edge in places[1:] - 0.5:
-        axes.axvline(edge, color="0.88", linewidth=0.5)
+            *(after, middle),
+            color=color,
+            linewidth=style.THIN,
+            marker=style.run_marker(number, 2),
+            markersize=style.MARKER_SIZE + 1,
+            label=law,
+        )
+    _scale_iterations(axes, after, list(map(str, data.after)))
     labels.set_logarithmic(axes.yaxis, low, high, 9)
-    axes.axhline(data.tolerance, color=style.LIMIT_COLOR, linewidth=style.THIN,
-                 linestyle=style.DASHED, label=f"{data.tolerance:g} m")  # fmt: skip
-    axes.grid(visible=True, axis="y")
-    axes.set_xlabel("Iterations")
-    notes = [f"median and range over {len(data.of(laws[0], disturbance))} runs of each law"]
+    axes.axhline(
+        data.tolerance,
+        color=style.LIMIT_COLOR,
+        linewidth=style.THIN,
+        linestyle=style.DASHED,
+        label=f"Tolerance, {data.tolerance:g} m",
+    )
+    axes.grid(visible=True)
+    axes.set_xlabel("Iteration")
+    runs = len(data.of(laws[0], disturbance))
+    notes = [f"median of {runs} runs per law; bars: range"]
     if any(min(entry.max_m) < _LEAST for law in laws for entry in data.of(law, disturbance)):
-        notes[0] += f"; less than {labels.exponent_text(_LEAST)} m is drawn there"
+        notes.append(f"what is less than {labels.exponent_text(_LEAST)} m is drawn there")
     labels.set_title(axes, f"Disturbance: {disturbance}", notes, tells_apart=True)
+
+
+def _scale_iterations(axes: Axes, places: Floats, texts: Sequence[str]) -> None:
+    """Makes the x axis a logarithmic one of iterations; ticks whose labels would meet have none."""
+    axes.set_xscale("log")
+    beside = max(places[-1] / places[0], 2.0) ** _BESIDE
+    axes.set_xlim(places[0] / beside, places[-1] * beside)
+    width, _ = layout.panel_size(axes)
+    per_decade = width / math.log10(places[-1] / places[0] * beside**2)
+    shown, end = [], -math.inf
+    for place, text in zip((per_decade * np.log10(places)).tolist(), texts, strict=True):
+        half = _DIGIT / 2 * len(text)
+        fits = place - half > end
+        shown.append(text if fits else "")
+        end = place + half if fits else end
+    axes.set_xticks(places, shown)
+    axes.set_xticks([], minor=True)
 
 
 def _errors(data: LeaderboardData, law: str, disturbance: str) -> Floats:

@@ -211,7 +211,6 @@ def _arrange(
 
 FINAL_PATH = "Final path"
 MOTOR_LIMIT = "Limit of the motors"
-FINAL_COLOR = style.VERMILLION
 NOTE_LINE = 0.115  # [inch]
 VALUE = "value"
 """What stands in a panel on purpose."""
@@ -244,7 +243,7 @@ def draw_panel(axes: Axes, panel: Panel, scale: Normalize | None) -> int:
             draw_path_change(axes, run, iterations, scale, entitle=entitle)
             axes.plot(
                 *(run.last.x, run.last.y),
-                color=FINAL_COLOR,
+                color=style.FINAL_PATH_COLOR,
                 linewidth=2 * style.PATH_WIDTH,
                 label=FINAL_PATH,
                 zorder=4,
@@ -254,7 +253,7 @@ def draw_panel(axes: Axes, panel: Panel, scale: Normalize | None) -> int:
         case PanelKind.FINAL_PATH:
             draw_final_path(axes, [run], entitle)
             for line in _lines(axes, f"Iteration {run.last.iteration}"):
-                line.set(label=FINAL_PATH, color=FINAL_COLOR)
+                line.set(label=FINAL_PATH, color=style.FINAL_PATH_COLOR)
         case PanelKind.WHEEL_SPEEDS:
             draw_wheel_speeds(axes, [run], [panel.speed_limit], entitle)
             for line in _lines(axes, LIMIT_LABEL):

@@ -39,6 +39,7 @@ RUN_PICTURES = _table(
     "hilc_cli.runs.pictures",
     ("path-change", "path_change", "how the path changes over the iterations"),
     ("final-path", "final_path", "the last path and the reference"),
+    ("error-along-path", "error_along_path", "the last errors along the path"),
     ("error", "error", "the position error over the iterations"),
     ("wheel-speeds", "wheel_speeds", "the wheel speeds of the last iteration"),
     ("summary", "summary", "four of these on one sheet"),

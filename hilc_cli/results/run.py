@@ -7,8 +7,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from hilc_cli.laws.law import Plan
 from hilc_cli.names import named
-from hilc_cli.plants.kinematic import gravity_center_position
+from hilc_cli.plants.kinematic import (
+    Robot,
+    gravity_center_position,
+    reference_twist,
+    wheel_speeds_from_twist,
+)
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, MetricsTable
@@ -37,6 +43,9 @@ class RunData:
         yardsticks: Values to hold what the law tells against, by column of ``learning.csv`` and
             by name, such as ``true`` and ``believed``; what is not known is left out.
         warnings: What was probably not meant: first what was known beforehand, then what happened.
+        plan: The plan of the iteration after the last one; None after divergence, or if it is not
+            known.
+        robot: The true platform; None if it is not known.
     """
 
     name: str
@@ -51,6 +60,8 @@ class RunData:
     settings: Mapping[str, str] = field(default_factory=dict)
     yardsticks: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    plan: Plan | None = None
+    robot: Robot | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "trials", named("recorded iteration", self.trials))
@@ -64,6 +75,17 @@ class RunData:
     def learned_input(self) -> tuple[Floats, Floats]:
         """Left and right wheel speeds [rad/s] that were learned last, shape (n,) each."""
         return self.last.left, self.last.right
+
+    @property
+    def reference_input(self) -> tuple[Floats, Floats] | None:
+        """Left and right wheel speeds [rad/s] that the reference asks of the true platform.
+
+        Shape (n,) each; None if the platform is not known.
+        """
+        if self.robot is None:
+            return None
+        robot, twist = self.robot, reference_twist(self.reference)
+        return wheel_speeds_from_twist(*twist, robot.wheel_radius, robot.signed_half_track)
 
     @property
     def starts_off(self) -> bool:

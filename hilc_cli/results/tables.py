@@ -270,6 +270,40 @@ def read_stored_input(path: Path) -> tuple[float, Floats, Floats]:
     return sample_time, table[:, 2], table[:, 3]
 
 
+_PLAN_COLUMNS = [
+    ("sample", _COUNT),
+    ("t_s", _FINITE),
+    *((name, replace(_SPEED, empty=True)) for name in PLAN_HEADER[2:4]),
+    *((name, _POSE) for name in PLAN_HEADER[4:]),
+]
+
+
+def read_plan(path: Path, reference: Reference) -> Plan | None:
+    """Reads ``plan.csv``, without the feedback, which it does not hold.
+
+    Args:
+        path: The file.
+        reference: What the plan is to follow.
+
+    Returns:
+        The plan; None if there is no such file.
+
+    Raises:
+        HilcError: It cannot be read, or it is damaged.
+    """
+    if not path.exists():
+        return None
+    table = read_numbers(path, _PLAN_COLUMNS)
+    check_counted(path, "sample", table[:, 0])
+    if len(table) != reference.samples + 1:
+        raise damaged(path, f"it has {len(table)} rows, not {reference.samples + 1}")
+    if not np.allclose(table[:, 1], reference.times, rtol=1e-9, atol=0):
+        raise damaged(path, "its times are not those of samples")
+    if (np.isnan(table[:, 2:4]) != (table[:, :1] == reference.samples)).any():
+        raise damaged(path, "wheel speeds must stand at all samples but the last")
+    return Plan(table[:-1, 2].copy(), table[:-1, 3].copy(), table[:, 4:].copy())
+
+
 def text_cell(text: str) -> str:
     """A text as a cell of a CSV file: on one line, and for a spreadsheet never a formula."""
     return quoted(unrun(text))

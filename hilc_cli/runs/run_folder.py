@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
 
 from hilc_cli.errors import UsageError
 from hilc_cli.files import folder_to_read, is_there, read_file
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.learning import LEARNING, read_learning
@@ -19,6 +20,7 @@ from hilc_cli.results.reading import Count, Document, Name, Pair, damaged
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
     read_iterations,
+    read_plan,
     read_samples,
     read_stored_input,
 )
@@ -44,6 +46,23 @@ RUN_FOLDER = ResultFolder(
 _MAX_SCENARIO_BYTES = 10_000_000
 
 
+class _Robot(Document):
+    """The true platform, as the manifest of a run has it."""
+
+    wheel_radius_m: Annotated[float, Field(gt=0, le=1e9)]
+    half_track_m: Annotated[float, Field(gt=0, le=1e9)]
+    turn_convention: Literal["paper", "rep103"]
+
+
+def robot_to_data(robot: Robot) -> dict[str, Any]:
+    """What the manifest of a run says of the true platform, but for its centre of gravity."""
+    return {
+        "wheel_radius_m": robot.wheel_radius,
+        "half_track_m": robot.half_track,
+        "turn_convention": robot.turn_convention,
+    }
+
+
 class _Manifest(Document):
     """What is read of the manifest of a run."""
 
@@ -54,6 +73,7 @@ class _Manifest(Document):
     settings: dict[str, str]
     yardsticks: dict[str, dict[str, float]]
     gravity_center_m: Pair
+    robot: _Robot | None = None
     diverged_at: Count | None
     readings_off_m: Annotated[float, Field(ge=0)] = 0.0
     warnings: list[str]
@@ -92,14 +112,19 @@ def read_run(folder: str | Path) -> RunData:
             for number, trial in trials.items()
         },
         learning=learning,
+        plan=read_plan(path / PLAN, reference),
     )
     if manifest is None:
         return data
+    robot, center = manifest.robot, manifest.gravity_center_m
     return replace(
         data,
         name=manifest.name,
         speed_limit=manifest.speed_limit_rad_s,
-        gravity_center=manifest.gravity_center_m,
+        gravity_center=center,
+        robot=None
+        if robot is None
+        else Robot(robot.wheel_radius_m, robot.half_track_m, robot.turn_convention, center),
         diverged_at=manifest.diverged_at,
         readings_off_m=manifest.readings_off_m,
         settings={key: printable(text) for key, text in manifest.settings.items()},

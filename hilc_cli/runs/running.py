@@ -39,6 +39,7 @@ from hilc_cli.runs.run_folder import (
     SAMPLES,
     holds_scenario,
     read_run,
+    robot_to_data,
 )
 from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
@@ -75,13 +76,11 @@ class Run(RunData):
         scenario: What was run.
         started: When, in UTC.
         timings: Seconds that each step took.
-        plan: The plan of the iteration after the last one; None after divergence.
     """
 
     scenario: Scenario = field(kw_only=True)
     started: datetime = field(kw_only=True)
     timings: dict[str, float] = field(kw_only=True)
-    plan: Plan | None = None
 
     def summary(self) -> Summary:
         """The few figures that tell how the run went."""
@@ -162,6 +161,7 @@ class Run(RunData):
             "readings_off_m": self.readings_off_m,
             "yardsticks": {name: dict(values) for name, values in self.yardsticks.items()},
             "gravity_center_m": list(self.gravity_center),
+            "robot": None if self.robot is None else robot_to_data(self.robot),
             "diverged_at": self.diverged_at,
             "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
@@ -216,6 +216,7 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         learning=learning,
         settings=settings_of(scenario),
         yardsticks=yardsticks_of(scenario),
+        robot=experiment.robot,
         scenario=scenario,
         started=started,
         plan=_finite(learner.plan()) if measured.diverged_at is None else None,
@@ -271,8 +272,8 @@ def plot(
     Args:
         runs: One or several, from `run` or `read_run`, or the folders of runs.
         folder: Where to put KIND.FORMAT; made if it is not there.
-        kinds: path-change, final-path, error, wheel-speeds, summary, learning; all that there are
-            of these runs by default.
+        kinds: path-change, final-path, error-along-path, error, wheel-speeds, summary, learning;
+            all that there are of these runs by default.
         formats: png, svg, pdf.
         dpi: Resolution of png.
         iterations: Recorded iterations to draw; all by default.

@@ -110,6 +110,7 @@ class SweepData:
         bands: Quantiles over all cases, if they were asked for.
         as_it_is: The scenario with its own values, if the cases are those of a search for the
             smallest metric.
+        path_size: Of the trajectory [m], the longest if it is varied; None if it is not known.
     """
 
     name: str
@@ -121,6 +122,7 @@ class SweepData:
     metric: str = "max_position_error_m"
     bands: Bands | None = None
     as_it_is: OwnValues | None = None
+    path_size: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "columns", named("column", self.columns))
@@ -172,6 +174,7 @@ def collect(
     errors: Iterable[Floats] | None,
     tolerance: float | None,
     metric: str,
+    path_size: float | None,
     go_on: Callable[[], None] = lambda: None,
 ) -> SweepData:
     """The results of a sweep of which all cases are known.
@@ -183,6 +186,7 @@ def collect(
         errors: The maximum errors of all cases, iteration by iteration; None for no bands.
         tolerance: Of iterations_to_tolerance [m], if there is one.
         metric: What pictures show.
+        path_size: Of the trajectory [m]; None if it is not known.
         go_on: Called now and then; may raise to stop.
     """
     values = {}
@@ -198,6 +202,7 @@ def collect(
         tolerance=tolerance,
         metric=metric,
         bands=None if errors is None else bands(errors, go_on),
+        path_size=path_size,
     )
 
 

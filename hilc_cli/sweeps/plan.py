@@ -103,6 +103,12 @@ class Plan:
         in_lanes = all(robot.in_lanes for robot in robots)
         return spec.controller.in_lanes and in_lanes and not DISABLED
 
+    @property
+    def path_size(self) -> float:
+        """Size of the trajectory [m]; the largest if several are tried."""
+        paths = self.trajectories.values() or [self.scenario.spec.trajectory]
+        return max(path.reference().size for path in paths)
+
     @cached_property
     def cases(self) -> Cases:
         """All cases; of a search as many points drawn from its ranges, with which it begins."""

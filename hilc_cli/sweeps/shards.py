@@ -131,6 +131,7 @@ def merge_shards(
             map(np.concatenate, errors) if header.bands else None,
             header.tolerance_m,
             header.metric,
+            header.path_size_m,
             go_on,
         )
         given = Path(folders[0]) / INITIAL_INPUT

@@ -61,6 +61,7 @@ class Header(Document):
     seed: Annotated[int, Field(ge=0, lt=2**64)]
     tolerance_m: Length | None
     metric: CaseMetric
+    path_size_m: Length | None = None
     minimise: CaseMetric | None
 
     @model_validator(mode="after")
@@ -203,6 +204,7 @@ class FolderStore(Store):
             "cases": len(plan.cases),
             "seed": plan.spec.seed,
             "tolerance_m": plan.spec.tolerance,
+            "path_size_m": plan.path_size,
             "metric": plan.spec.metric,
             "minimise": plan.spec.minimise,
         }

@@ -73,6 +73,7 @@ class _Manifest(Document):
     grid: bool
     tolerance_m: Length | None
     metric: CaseMetric
+    path_size_m: Length | None = None
     as_it_is: Annotated[OwnValues, PlainValidator(OwnValues.from_data)] | None = None
 
 
@@ -112,6 +113,7 @@ def read_sweep(folder: str | Path) -> SweepData:
         manifest.metric,
         bands,
         beside,
+        manifest.path_size_m,
     )
 
 

@@ -115,6 +115,7 @@ class Sweep(SweepData):
                 "grid": self.is_grid,
                 "tolerance_m": self.tolerance,
                 "metric": self.metric,
+                "path_size_m": self.path_size,
                 **({} if self.as_it_is is None else {"as_it_is": self.as_it_is.to_data()}),
                 **self.how,
                 "cases": len(self),
@@ -191,6 +192,7 @@ def sweep(
             store.errors() if plan.bands else None,
             plan.spec.tolerance,
             plan.spec.metric,
+            plan.path_size,
             how.go_on,
         )
         failures = tuple(store.failures())

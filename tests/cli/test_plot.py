@@ -13,7 +13,7 @@ import pytest
 from tests.cli.inputs import listing
 from tests.conftest import Hilc, Outcome, Write
 
-KINDS = ["path-change", "final-path", "error", "wheel-speeds", "summary"]
+KINDS = ["path-change", "final-path", "error-along-path", "error", "wheel-speeds", "summary"]
 COARSE = ("--dpi", "30")
 RUN = ("run", "scenario.yaml", "--no-plots", "-q", "--out")
 
@@ -64,7 +64,7 @@ def test_tables_alone_suffice(hilc: Hilc, runs: Path) -> None:
     for name in ("scenario.yaml", "manifest.json", "input.csv"):
         (runs / "test" / name).unlink()
     assert hilc("plot", "runs/test", "-q", *COARSE) == Outcome(0, "", "")
-    assert len(pictures(runs / "test")) == 5
+    assert len(pictures(runs / "test")) == len(KINDS)
 
 
 def test_tables_are_left_as_they_are(hilc: Hilc, runs: Path) -> None:

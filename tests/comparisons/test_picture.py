@@ -64,7 +64,10 @@ def test_rows_are_the_legend_of_the_lines(make_run: MakeRun) -> None:
         assert place(key)[1] == number
     assert len({key.get_marker() for key in keys}) == 8, "told apart in grey as well"
     assert not any(f"r{number}" in legend(axes) for axes in (error, path) for number in range(8))
-    assert legend(last) == ["Maximum", "Mean"]
+    # One legend, below all panels, names what they have in common.
+    assert not legend(error) and not legend(path)
+    last_errors = ["Last maximum error", "Last mean error"]
+    assert legend(last) == ["Maximum error", "Start", "End", "Reference", *last_errors]
 
 
 def test_of_many_runs_the_best_have_lines(make_run: MakeRun) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from hilc_cli.errors import UsageError
 from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.picture import leaderboard_figure, save_leaderboard
+from tests.drawing.reading import overlaps
 from tests.leaderboards.test_contests import ENTRY, FAST
 
 NOISY = [replace(entry, disturbance="noise") for entry in (ENTRY, FAST)]
@@ -26,8 +28,12 @@ def test_a_panel_for_each_disturbance_with_medians_and_ranges() -> None:
         "Disturbance: noise",
     ]
     lines = {str(line.get_label()): line for line in left.lines}
-    assert {"slow", "fast", "0.01 m"} <= set(lines)
-    np.testing.assert_allclose(np.asarray(lines["slow"].get_ydata()), [2, 0.375])
+    assert overlaps(left.figure.figure) == []
+    assert {"slow", "fast", "Tolerance, 0.01 m"} <= set(lines)
+    np.testing.assert_allclose(np.asarray(lines["slow"].get_ydata(), float), [2, 0.375])
+    for law in ("slow", "fast"):
+        np.testing.assert_allclose(np.asarray(lines[law].get_xdata(), float), [1, 8])
+    assert left.get_xscale() == "log"
     bars = [path.vertices for path in left.collections[0].get_paths()]
     heights = [sorted(float(y) for _, y in np.asarray(bar)) for bar in bars]
     assert heights == [[1, 3], [0.25, 0.5]]
@@ -41,6 +47,17 @@ def test_what_has_diverged_or_has_no_error_is_drawn_at_the_edge() -> None:
     axes, *_ = leaderboard_figure(LeaderboardData("test", (1, 8), 0.01, (lost, none))).axes
     low, high = axes.get_ylim()
     assert 0 < low < 0.01 < high < math.inf
+
+
+def test_iteration_zero_has_a_place_and_labels_do_not_meet() -> None:
+    counts = (0, 1, 2, *range(90, 101))
+    entries = [replace(entry, max_m=(1.0,) * len(counts)) for entry in (ENTRY, FAST)]
+    figure = leaderboard_figure(LeaderboardData("test", counts, 0.01, tuple(entries)))
+    assert overlaps(figure) == []
+    labels = [label for label in figure.axes[0].get_xticklabels() if label.get_text()]
+    assert [label.get_text() for label in labels[:4]] == ["0", "1", "2", "90"]
+    boxes = [label.get_window_extent() for label in labels]
+    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
 
 
 def test_formats(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from tests.conftest import Hilc, Outcome, Write
 
 QUIET = ("--no-plots", "-q")
 OTHER = ("--set", "iterations=3", "--out", "runs/test")
-PICTURES = ["error", "final-path", "path-change", "summary", "wheel-speeds"]
+PICTURES = ["error-along-path", "error", "final-path", "path-change", "summary", "wheel-speeds"]
 
 
 @pytest.fixture
@@ -99,6 +99,7 @@ def test_nothing_of_the_manifest_is_in_the_tables(done: Path) -> None:
         *(("speed_limit_rad_s", value) for value in (-1, "fast", True, 1e300, 10**400)),
         *(("gravity_center_m", value) for value in ([1], [1, None], "ab")),
         *(("diverged_at", value) for value in (-1, 0.5, "never", 10**400)),
+        *(("robot", value) for value in (1, {"wheel_radius_m": 0.2})),
         ("settings", {"law": 1}),
         ("settings", []),
         ("settings", None),
@@ -121,6 +122,29 @@ def test_noise_of_the_manifest_is_read(done: Path) -> None:
     assert manifest["readings_off_m"] == 0
     (done / "manifest.json").write_text(json.dumps(manifest | {"readings_off_m": 0.005}))
     assert hilc_api.read_run(done).readings_off_m == 0.005
+
+
+def test_plan_and_platform_are_read_back(done: Path, folder: Path) -> None:
+    made, read = hilc_api.run(folder / "scenario.yaml"), hilc_api.read_run(done)
+    assert read.robot == made.robot == made.scenario.experiment().robot
+    assert read.plan is not None and made.plan is not None
+    for name in ("left", "right", "poses"):
+        np.testing.assert_array_equal(getattr(read.plan, name), getattr(made.plan, name))
+    for asked, again in zip(made.reference_input or (), read.reference_input or (), strict=True):
+        np.testing.assert_array_equal(asked, again)
+    lines = (done / "plan.csv").read_text().splitlines(keepends=True)
+    k, t, _, rest = lines[2].split(",", 3)
+    blank = f"{k},{t},,{rest}"
+    damages = {
+        "it has": lines[:-1],
+        "wheel speeds must stand": [*lines[:2], blank, *lines[3:]],
+    }
+    for problem, rows in damages.items():
+        (done / "plan.csv").write_text("".join(rows))
+        with pytest.raises(UsageError, match=f"plan.csv: is damaged: {problem}"):
+            hilc_api.read_run(done)
+    (done / "plan.csv").unlink()
+    assert hilc_api.read_run(done).plan is None
 
 
 def test_second_run_gives_the_same_bytes(hilc: Hilc, done: Path) -> None:

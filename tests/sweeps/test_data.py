@@ -55,7 +55,7 @@ def test_diverged_cases_are_infinite_and_shorter_ones_do_not_count(
 def test_results_stand_beside_the_values_of_their_cases() -> None:
     cases = Cases({"a": Choices((1, 2)), "b": Choices(("x", None))})
     rows = np.arange(4.0 * len(CASE_COLUMNS)).reshape(4, -1)
-    data = collect("name", cases, rows, None, 0.5, "peak_max_position_error_m")
+    data = collect("name", cases, rows, None, 0.5, "peak_max_position_error_m", 20.0)
     assert (len(data), data.is_grid, data.bands) == (4, True, None)
     assert data.case(2) == {"a": 2, "b": "x"}
     for index, column in enumerate(CASE_COLUMNS):

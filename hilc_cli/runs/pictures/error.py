@@ -18,6 +18,8 @@ from hilc_cli.runs.pictures.catalogue import RunPicture
 
 LineStyle = str | tuple[int, tuple[float, ...]]
 
+MAXIMUM, MEAN = "Maximum error", "Mean error"
+"""Of several runs, whose legend is that of other panels, too."""
 ZERO_LABEL = "Exactly zero"
 STRIP_LABEL = "Samples at speed limit (0 to 100 %)"
 SEVERAL_STRIPS = ", colours of the runs"
@@ -28,6 +30,7 @@ MARKED_UP_TO = 30
 
 # A logarithmic axis of double precision ends a little inside of what its numbers can hold.
 _SMALLEST, _LARGEST = 1e-300, 1e300
+_WIDTH = 5.8  # of the panel [inch]
 _STRIP, _STRIPS = 0.05, 0.2  # height of a strip, and of all of them, of the panel's
 _HEADROOM = 0.06  # free space above and below the lines, of the panel's height
 _SINGLE = (
@@ -79,9 +82,9 @@ def draw_error(
     off = metrics is None and any(run.start_decides for run in runs)
     single = (*_SINGLE, *((_SECOND_HALF,) if off else ()))
     thin, thin_label, thin_style = (
-        (MAX_ERROR_SECOND_HALF, SECOND_HALF_LABEL, _DASH_DOTTED)
+        (MAX_ERROR_SECOND_HALF, f"{MAXIMUM}, second half", _DASH_DOTTED)
         if off
-        else (_SINGLE[2][0], "Mean", style.DOTTED)
+        else (_SINGLE[2][0], MEAN, style.DOTTED)
     )
     shares = [share for share in map(saturated_share, runs) if detailed and share.any()]
     strip = min(strip, _STRIPS / max(1, len(shares)))
@@ -129,7 +132,7 @@ def draw_error(
                 linewidth=1.0,
                 label="_diverged",
             )
-    shared = {"Maximum": "-"} | ({thin_label: thin_style} if detailed else {})
+    shared = {MAXIMUM: "-"} | ({thin_label: thin_style} if detailed else {})
     _legend_proxies(axes, shared if several else {}, zeros=zeros)
     scale_iterations(axes, runs)
     _scale_errors(axes, lines, strips)
@@ -217,8 +220,8 @@ def _gap_notes(runs: Sequence[RunData]) -> list[str]:
 
 def error_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """The position error of one or several runs against the iteration."""
-    heading = layout.heading_of(labels.run_labels(runs))
-    return layout.panel_figure(heading, lambda axes: draw_error(axes, runs), 5.8, look=look)
+    heading = layout.heading_of(labels.run_labels(runs), layout.panel_width(look, _WIDTH))
+    return layout.panel_figure(heading, lambda axes: draw_error(axes, runs), _WIDTH, look=look)
 
 
 PICTURE = RunPicture(lambda runs, iterations, look: error_figure(runs, look))

@@ -14,6 +14,8 @@ from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
 
+_WIDTH = 5.4  # of the panel [inch]
+
 
 def same_path(references: Sequence[Reference]) -> bool:
     """Whether all references run along the very same samples."""
@@ -49,7 +51,7 @@ def draw_final_path(
     shared = same_path(references)
     notes: list[str] = []
     for index, run, name in zip(places, runs, names, strict=True):
-        color = style.run_color(index)
+        color = style.run_color(index) if several else style.FINAL_PATH_COLOR
         if not shared:
             view.draw_reference(axes, run.reference, color, "_reference")
         if not run.trials:
@@ -87,9 +89,10 @@ def final_path_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """The last recorded paths of one or several runs against the reference."""
     trials = [run.last for run in runs if run.trials]
     shape = view.shape_of(view.view_of([run.reference for run in runs], trials))
-    heading = layout.heading_of(labels.run_labels(runs))
+    heading = layout.heading_of(labels.run_labels(runs), layout.panel_width(look, _WIDTH))
+    height = max(2.4, _WIDTH * shape)
     return layout.panel_figure(
-        heading, lambda axes: draw_final_path(axes, runs), 5.4, max(2.4, 5.4 * shape), look=look
+        heading, lambda axes: draw_final_path(axes, runs), _WIDTH, height, look=look
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -18,6 +19,7 @@ from hilc_cli.results.learning import BELIEVED, TRUE, Quantity, quantities, says
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
+from hilc_cli.runs.pictures.deviations import as_deviations, base_of, deviation_in_words
 from hilc_cli.runs.pictures.error import MARKED_UP_TO, MOST_DETAILED, scale_iterations
 
 BARS = 2
@@ -135,7 +137,10 @@ def _draw_one_of_several(
 
 
 def show_estimates(
-    axes: Axes, estimates: Sequence[Floats], yardsticks: Mapping[str, Sequence[float]]
+    axes: Axes,
+    estimates: Sequence[Floats],
+    yardsticks: Mapping[str, Sequence[float]],
+    size: float = 0.0,
 ) -> list[float]:
     """Sets up the axis of values.
 
@@ -146,6 +151,8 @@ def show_estimates(
         axes: Where they are drawn.
         estimates: Estimates and standard errors of each series, shape (estimates, 2).
         yardsticks: Values that the estimates are held against, by name.
+        size: Of the quantity, against which differences are rounding; that of the values if these
+            are larger.
 
     Returns:
         Beliefs that are out of view.
@@ -157,7 +164,7 @@ def show_estimates(
         inside += [*(values - BARS * errors)[usual], *(values + BARS * errors)[usual]]
     inside = [value for value in inside if np.isfinite(value)] or believed or [0.0]
     low, high = min(inside), max(inside)
-    height, size = high - low, max(abs(low), abs(high))
+    height, size = high - low, max(size, abs(low), abs(high))
     reach = np.inf if height <= _ALIKE * size else _IN_VIEW * height
     near = [value for value in believed if low - reach <= value <= high + reach]
     low, high = min([low, *near]), max([high, *near])
@@ -170,10 +177,11 @@ def show_estimates(
 
 
 NEVER = "Not by the end"
-YARDSTICKS = {TRUE: "True value", BELIEVED: "Believed at first"}
+YARDSTICKS = {TRUE: "True value", BELIEVED: "Believed at first", "h": "Asked for by h"}
 """What yardsticks are called; others are called by their names."""
 
 _WIDTH, _HEIGHT = 5.8, 2.1  # of a panel [inch]
+_LETTER = 0.068  # of a label beside a panel [inch]
 _TICKS = 0.25  # below a panel, for tick labels alone [inch]
 _LINES = {TRUE: style.DASHED, BELIEVED: style.DOTTED}
 _DASH_DOT = (0, (6, 2, 1.2, 2))
@@ -224,7 +232,7 @@ def learning_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
         width = layout.room_on(look, layout.LEFT + _WIDTH + layout.RIGHT)
         across = width - layout.LEFT - layout.RIGHT
         height = layout.HEADING + len(shown) * row - _TICKS + layout.BOTTOM
-        figure = layout.new_sheet(width, height, layout.heading_of(names), look)
+        figure = layout.new_sheet(width, height, layout.heading_of(names, across), look)
         tops = [layout.HEADING + place * row + layout.TOP for place in range(len(shown))]
         panels = [layout.add_panel(figure, layout.LEFT, top, across, _HEIGHT) for top in tops]
         for axes, quantity in zip(panels, shown, strict=True):
@@ -241,6 +249,15 @@ def _draw_quantity(
 ) -> None:
     """Draws what is told of a quantity against the iteration, and what it is held against."""
     column, name = quantity.column, quantity.name[:1].upper() + quantity.name[1:]
+    which_base = None if quantity.best.error is None else base_of(runs, quantity)
+    title, label, unit = name, name, quantity.unit
+    if which_base is not None:
+        title = f"{name}: {deviation_in_words(which_base, quantity, runs)}"
+        label, unit = "Deviation", "%"
+        runs = [
+            as_deviations(run, quantity) if quantity.best.value in run.learning.names else run
+            for run in runs
+        ]
     of_runs = [run.yardsticks.get(column, {}) for run in runs]
     yardsticks = {
         which: [of_run.get(which, math.nan) for of_run in of_runs]
@@ -251,7 +268,7 @@ def _draw_quantity(
         _draw_plain(axes, quantity.best.value, runs, yardsticks)
     else:
         estimates = draw_estimates(axes, column, runs)
-        far = show_estimates(axes, estimates, yardsticks)
+        far = show_estimates(axes, estimates, yardsticks, 100.0 if which_base else 0.0)
         notes = notes if estimates else [*notes, "not measured"]
     for which, values in yardsticks.items():
         near = [math.nan if which == BELIEVED and value in far else value for value in values]
@@ -259,12 +276,13 @@ def _draw_quantity(
     if far:
         texts = ", ".join(labels.number_text(value, 4) for value in far[:3])
         more = ", ..." if len(far) > 3 else ""
-        notes = [*notes, f"believed at first, out of view: {texts}{more} {quantity.unit}".rstrip()]
+        notes = [*notes, f"believed at first, out of view: {texts}{more} {unit}".rstrip()]
     scale_iterations(axes, runs)
-    axes.set_ylabel(f"{name} [{quantity.unit}]" if quantity.unit else name, labelpad=2)
+    label = labels.with_unit(label, unit)
+    axes.set_ylabel(textwrap.fill(label, int(_HEIGHT / _LETTER)), labelpad=2)
     labels.plain_ticks(axes)
     axes.grid(visible=True)
-    labels.set_title(axes, name, notes)
+    labels.set_title(axes, labels.wrapped(title, layout.panel_size(axes)[0]), notes)
 
 
 def _draw_yardstick(axes: Axes, which: str, values: Sequence[float]) -> None:

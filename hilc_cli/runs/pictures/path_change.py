@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,15 +11,19 @@ from matplotlib.colors import FuncNorm, Normalize
 from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style, view
+from hilc_cli.drawing.grid import Grid, grid_on
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.pictures.catalogue import RunPicture
 
-COLUMNS = 4  # of panels, where several runs are compared
-_BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.12, 0.14, 0.75  # [inch]
-_LEAST_SIDE = 1.5  # of panels on a narrow sheet [inch]
+MOST_COLUMNS = 5
+"""The most panels side by side, where several runs are compared."""
+BAR_ROOM = 0.75
+"""For the colours of the iterations, to the right of a panel [inch]."""
+
+_BAR_GAP, _BAR_WIDTH = 0.12, 0.14  # [inch]
 
 
 def chosen_trials(run: RunData, iterations: Collection[int] | None = None) -> list[Trial]:
@@ -49,7 +52,11 @@ def iteration_scale(
 
 
 def draw_paths(
-    axes: Axes, reference: Reference, trials: Sequence[Trial], scale: Normalize | None
+    axes: Axes,
+    reference: Reference,
+    trials: Sequence[Trial],
+    scale: Normalize | None,
+    part: view.View | None = None,
 ) -> list[str]:
     """Draws paths, coloured by iteration, below the dashed reference.
 
@@ -58,11 +65,12 @@ def draw_paths(
         reference: The path that was to be followed.
         trials: The paths in order.
         scale: The scale of `iteration_scale`.
+        part: What part of the plane is shown; None for what suits the paths.
 
     Returns:
         What the reader must be told: that paths leave the view.
     """
-    shown = view.show(axes, view.view_of([reference], trials))
+    shown = view.show(axes, view.view_of([reference], trials) if part is None else part)
     colors = style.iteration_colors()
     for trial in trials:
         axes.plot(
@@ -85,6 +93,7 @@ def draw_path_change(
     scale: Normalize | None = None,
     title: str = "Path over the iterations",
     entitle: labels.Entitle = labels.set_title,
+    part: view.View | None = None,
 ) -> None:
     """Draws the recorded paths of one run.
 
@@ -95,11 +104,12 @@ def draw_path_change(
         scale: Colours of the iterations if several runs share them, see `iteration_scale`.
         title: What stands above the panel.
         entitle: Puts it there.
+        part: What part of the plane is shown; None for what suits the paths.
     """
     trials = chosen_trials(run, iterations)
     if scale is None:
         scale = iteration_scale([run], iterations)
-    notes = draw_paths(axes, run.reference, trials, scale)
+    notes = draw_paths(axes, run.reference, trials, scale, part)
     if not trials:
         notes.append("no path of these iterations")
     entitle(axes, title, [*notes, *labels.divergence_notes([run])])
@@ -147,13 +157,30 @@ def path_change_figure(
     with style.applied(look):
         if len(runs) == 1:
             return _single_figure(runs[0], iterations, look)
-        grid = grid_of(len(runs), layout.room_on(look, grid_of(len(runs)).width))
-        top = layout.HEADING
-        heading = f"{len(runs)} runs: path over the iterations"
-        figure = layout.new_sheet(grid.width, top + grid.height, heading, look)
-        legend = draw_grid(figure, runs, iterations, top, grid)
-        layout.close_sheet(figure, legend=legend, top=figure.axes[: grid.columns])
+        count = len(runs)
+        columns = _columns(count)
+        grid, sheet = grid_on(look, columns, panel_side(count), layout.HEADING, BAR_ROOM)
+        names = labels.run_labels(runs)
+        heading = layout.heading_of(names, grid.width, "Path over the iterations")
+        figure = layout.new_sheet(sheet, grid.end(count), heading, look)
+        panels = draw_grid(figure, runs, iterations, grid)
+        if count % grid.columns:  # the legend has a cell of its own
+            left, top = grid.corner(count)
+            entries = panels[0].get_legend_handles_labels()[1]
+            layout.shared_legend(panels[0], entries, left, top, grid.side)
+            legend = 0.0
+        else:
+            last_row = panels[count - grid.columns]
+            legend = layout.legend_below(panels[:1], grid.width, below=last_row)
+        layout.close_sheet(figure, legend=legend, top=panels[: grid.columns])
         return figure
+
+
+def _columns(runs: int) -> int:
+    """How many panels stand in a row, so that as few places as can be stay empty."""
+    if runs <= MOST_COLUMNS - 1:
+        return runs
+    return min(range(3, MOST_COLUMNS + 1), key=lambda columns: (-runs % columns, -columns))
 
 
 def _single_figure(run: RunData, iterations: Collection[int] | None, look: Look) -> Figure:
@@ -162,7 +189,7 @@ def _single_figure(run: RunData, iterations: Collection[int] | None, look: Look)
     scale = iteration_scale([run], iterations)
     width, height = 5.0, max(2.4, 5.0 * shape)
     figure, axes = layout.single_panel(
-        labels.shortened(run.name), width, height, 0.0 if scale is None else _BAR_ROOM - 0.2, look
+        labels.shortened(run.name), width, height, 0.0 if scale is None else BAR_ROOM - 0.2, look
     )
     draw_path_change(axes, run, iterations, scale)
     add_color_bar(axes, scale)
@@ -181,88 +208,56 @@ def add_color_bar(axes: Axes, scale: Normalize | None) -> None:
     draw_color_bar(figure.add_axes((left, box.y0, _BAR_WIDTH / sheet_width, box.height)), scale)
 
 
-@dataclass(frozen=True, slots=True)
-class Grid:
-    """Panels of several runs.
-
-    Attributes:
-        columns: So many stand side by side.
-        rows: So many below each other.
-        side: Width and height of each [inch].
-        width: Of all together with their labels and the colours of the iterations [inch].
-    """
-
-    columns: int
-    rows: int
-    side: float
-    width: float
-
-    @property
-    def height(self) -> float:
-        """Of all together with their labels [inch]."""
-        return self.rows * (layout.TOP + self.side + layout.BOTTOM)
-
-
-def grid_of(runs: int, width: float | None = None) -> Grid:
-    """The grid of so many runs.
-
-    Args:
-        runs: At least one.
-        width: Width of the sheet [inch]; None for what is best.
-    """
-    side = 3.6 if runs < COLUMNS else 2.75
-    columns = min(runs, COLUMNS)
-    usual = columns * (layout.LEFT + side) + _BAR_ROOM
-    if width is None or width >= usual:
-        return Grid(columns, -(-runs // columns), side, usual if width is None else width)
-    columns = max(1, min(columns, int((width - _BAR_ROOM) / (layout.LEFT + _LEAST_SIDE))))
-    side = min(side, (width - _BAR_ROOM) / columns - layout.LEFT)
-    return Grid(columns, -(-runs // columns), side, width)
+def panel_side(columns: int) -> float:
+    """Width and height of each of so many panels in a row [inch]."""
+    return 3.6 if columns < MOST_COLUMNS - 1 else 2.75
 
 
 def draw_grid(
-    figure: Figure,
-    runs: Sequence[RunData],
-    iterations: Collection[int] | None,
-    top: float,
-    grid: Grid | None = None,
-) -> float:
-    """Draws a panel for each of several runs.
+    figure: Figure, runs: Sequence[RunData], iterations: Collection[int] | None, grid: Grid
+) -> list[Axes]:
+    """Draws a panel for each of several runs, with the colours of iterations beside the first row.
 
     Args:
-        figure: The sheet, at least as large as the grid.
-        runs: The runs, a panel each.
+        figure: The sheet, with ``BAR_ROOM`` to the right of the grid.
+        runs: The runs, a panel each, at least as many as the grid has columns.
         iterations: The iterations to show; None for all that are recorded.
-        top: Distance of the panels from the upper edge [inch].
-        grid: Where they stand; `grid_of` by default.
-
-    Returns:
-        Height of the legend below the panels [inch].
+        grid: Where the panels stand.
     """
-    grid = grid_of(len(runs)) if grid is None else grid
     scale = iteration_scale(runs, iterations)
-    side = grid.side
+    part = common_view(runs, iterations)
     panels: list[Axes] = []
     for index, (run, label) in enumerate(zip(runs, labels.run_labels(runs), strict=True)):
-        row, column = divmod(index, grid.columns)
-        axes = layout.add_panel(
-            figure,
-            layout.LEFT + column * (layout.LEFT + side),
-            top + layout.TOP + row * (layout.TOP + side + layout.BOTTOM),
-            side,
-            side,
-        )
-        title = labels.wrapped(label, side)
-        draw_path_change(axes, run, iterations, scale, title, entitle_by_name)
+        axes = layout.add_panel(figure, *grid.corner(index), grid.side, grid.side)
+        draw_one_of_several(axes, run, label, iterations, scale, part)
         panels.append(axes)
-    add_color_bar(panels[min(len(panels), grid.columns) - 1], scale)
-    first_of_last_row = panels[(len(panels) - 1) // grid.columns * grid.columns]
-    return layout.legend_below([first_of_last_row], side)
+    add_color_bar(panels[grid.columns - 1], scale)
+    return panels
 
 
-def entitle_by_name(axes: Axes, title: str, notes: Sequence[str]) -> None:
-    """Titles a panel by its run, of which nothing else there tells."""
-    labels.set_title(axes, title, notes, tells_apart=True)
+def common_view(
+    runs: Sequence[RunData], iterations: Collection[int] | None = None
+) -> view.View | None:
+    """The part of the plane that the panels of several runs show, if it is the same of all."""
+    trials = [trial for run in runs for trial in chosen_trials(run, iterations)]
+    return view.common_view([run.reference for run in runs], trials)
+
+
+def draw_one_of_several(
+    axes: Axes,
+    run: RunData,
+    name: str,
+    iterations: Collection[int] | None,
+    scale: Normalize | None,
+    part: view.View | None,
+) -> None:
+    """Draws the recorded paths of a run in a panel that nothing but its name tells from others."""
+
+    def entitle(axes: Axes, title: str, notes: Sequence[str]) -> None:
+        labels.set_title(axes, title, notes, tells_apart=True)
+
+    width, _ = layout.panel_size(axes)
+    draw_path_change(axes, run, iterations, scale, labels.wrapped(name, width), entitle, part)
 
 
 PICTURE = RunPicture(path_change_figure)

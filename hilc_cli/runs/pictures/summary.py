@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style
+from hilc_cli.drawing.grid import grid_on
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures import path_change
 from hilc_cli.runs.pictures.catalogue import RunPicture
 from hilc_cli.runs.pictures.error import draw_error
 from hilc_cli.runs.pictures.final_path import draw_final_path
-from hilc_cli.runs.pictures.wheel_speeds import draw_wheel_speeds
+from hilc_cli.runs.pictures.wheel_speeds import (
+    LEAST_HEIGHT,
+    draw_each_wheel,
+    heights_of_wheels,
+)
 
 _PANEL = (4.1, 3.1)  # [inch]
-_WIDTH_OF_SEVERAL = 13.95  # [inch]
+_OTHERS = 3  # panels beside those of the paths of several runs
+_FEW = 3  # so many paths stand side by side
 _BAR = 0.75  # right of a panel of paths, for the colours of the iterations [inch]
 _GUTTER = 0.55  # right of the other panels, for the speed limit [inch]
 _LEAST = 1.7  # width of panels that stand side by side [inch]
@@ -59,19 +65,25 @@ def _summary_of_one(
     row = layout.TOP + height + layout.BOTTOM
     top, between = layout.HEADING, _LEGEND if look.width is None else _LONG_LEGEND
     figure = layout.new_sheet(sheet, top + 2 * row + between, labels.shortened(run.name), look)
+    below = top + row + between + layout.TOP
     panels = [
-        layout.add_panel(figure, left, below, width, height)
-        for below in (top + layout.TOP, top + row + between + layout.TOP)
-        for left in (layout.LEFT, layout.LEFT + column)
+        layout.add_panel(figure, left, upper, width, height)
+        for left, upper in (
+            (layout.LEFT, top + layout.TOP),
+            (layout.LEFT + column, top + layout.TOP),
+            (layout.LEFT, below),
+        )
     ]
     scale = path_change.iteration_scale(runs, iterations)
     path_change.draw_path_change(panels[0], run, iterations, scale)
     path_change.add_color_bar(panels[0], scale)
     draw_final_path(panels[1], runs)
     draw_error(panels[2], runs)
-    draw_wheel_speeds(panels[3], runs)
-    legends = [layout.legend_below([panel], width) for panel in panels]
-    layout.close_sheet(figure, legend=max(legends[2:]), top=panels[:2])
+    wheels = layout.stack(figure, layout.LEFT + column, below, width, heights_of_wheels(height))
+    draw_each_wheel(wheels, runs)
+    legends = [layout.legend_below([panel], width) for panel in (panels[2], *panels[:2])]
+    legend = max(legends[0], layout.legend_below(wheels, width))
+    layout.close_sheet(figure, legend=legend, top=panels[:2])
     return figure
 
 
@@ -79,36 +91,38 @@ def _summary_below_each_other(
     runs: Sequence[RunData], iterations: Collection[int] | None, look: Look, sheet: float
 ) -> Figure:
     """The panels of one or several runs below each other, on a narrow sheet."""
-    names = labels.run_labels(runs)
-    several = len(runs) > 1
-    figure = layout.new_sheet(sheet, layout.HEADING, layout.heading_of(names), look)
-    scale = path_change.iteration_scale(runs, iterations)
+    names, several = labels.run_labels(runs), len(runs) > 1
     across = sheet - layout.LEFT - _BAR
-    for run, name in zip(runs, names, strict=True):
+    figure = layout.new_sheet(sheet, layout.HEADING, layout.heading_of(names, across), look)
+    scale = path_change.iteration_scale(runs, iterations)
+    part = path_change.common_view(runs, iterations) if several else None
 
-        def draw_paths(axes: Axes, run: RunData = run, name: str = name) -> None:
-            if several:
-                path_change.draw_path_change(
-                    axes, run, iterations, scale, name, path_change.entitle_by_name
-                )
-            else:
-                path_change.draw_path_change(axes, run, iterations, scale)
+    def draw_paths(panels: Sequence[Axes], run: RunData, name: str) -> None:
+        if several:
+            path_change.draw_one_of_several(panels[0], run, name, iterations, scale, part)
+        else:
+            path_change.draw_path_change(panels[0], run, iterations, scale)
+        path_change.add_color_bar(panels[0], scale)
 
-        axes = layout.append_panel(figure, across, draw_paths, _BAR - layout.RIGHT)
-        path_change.add_color_bar(axes, scale)
-        if run is runs[-1]:
-            layout.append_legend(figure, axes)
     height = layout.panel_height(across, *_PANEL)
-    others = (
-        (partial(draw_final_path, runs=runs), across),
-        (partial(draw_error, runs=runs), height),
-        (partial(draw_wheel_speeds, runs=runs), height),
-    )
-    for place, (draw, high) in enumerate(others, 1):
-        axes = layout.append_panel(figure, high, draw, _BAR - layout.RIGHT)
-        # The runs are named once, below all panels.
-        once = several and place < len(others)
-        layout.append_legend(figure, axes, without=names if once else ())
+    both = layout.panel_height(across, *_PANEL, LEAST_HEIGHT)
+    stacks: list[tuple[list[float], Callable[[Sequence[Axes]], None]]] = [
+        ([across], partial(draw_paths, run=run, name=name))
+        for run, name in zip(runs, names, strict=True)
+    ]
+    stacks += [
+        ([across], lambda panels: draw_final_path(panels[0], runs)),
+        ([height], lambda panels: draw_error(panels[0], runs)),
+        (heights_of_wheels(both), partial(draw_each_wheel, runs=runs)),
+    ]
+    drawn: list[Axes] = []
+    for heights, draw in stacks:
+        panels = layout.append_panels(figure, heights, draw, _BAR - layout.RIGHT)
+        drawn += panels
+        if not several:
+            layout.append_legend(figure, panels)
+    if several:
+        layout.append_legend(figure, drawn, first=names)
     layout.close_sheet(figure, legend=0.0)
     return figure
 
@@ -116,45 +130,40 @@ def _summary_below_each_other(
 def _summary_of_several(
     runs: Sequence[RunData], iterations: Collection[int] | None, look: Look
 ) -> Figure:
-    """A panel of paths for each run, the runs laid over each other below, one legend of runs."""
-    names = labels.run_labels(runs)
-    grid = path_change.grid_of(len(runs))
-    sheet = layout.room_on(look, max(grid.width, _WIDTH_OF_SEVERAL))
-    columns = min(3, int(sheet / (layout.LEFT + _LEAST + _GUTTER)))
-    if columns < 2:
+    """A panel of paths for each run, then the runs laid over each other, under one legend.
+
+    The last panel, of the wheel speeds, takes all that is left of its row.
+    """
+    names, count = labels.run_labels(runs), len(runs)
+    columns = _columns(count)
+    side = path_change.panel_side(columns)
+    grid, sheet = grid_on(look, columns, side, layout.HEADING, path_change.BAR_ROOM)
+    if grid.columns == 1:
         return _summary_below_each_other(runs, iterations, look, sheet)
-    if look.width is not None:
-        grid = path_change.grid_of(len(runs), sheet)
-    column = sheet / columns
-    width, height = column - layout.LEFT - _GUTTER, _PANEL[1]
-    if look.width is not None:
-        height = layout.panel_height(width, *_PANEL)
-    head = layout.HEADING if look.title else 0.05
-    top = head + grid.height + _LEGEND
-    row = layout.TOP + height + layout.BOTTOM + _LONG_LEGEND
-    height_above = top + -(-3 // columns) * row - _LONG_LEGEND
-    figure = layout.new_sheet(sheet, height_above, layout.heading_of(names), look)
-    path_change.draw_grid(figure, runs, iterations, head, grid)
-    panels = [
-        layout.add_panel(
-            figure,
-            layout.LEFT + place % columns * column,
-            top + place // columns * row + layout.TOP,
-            width,
-            height,
-        )
-        for place in range(3)
-    ]
-    draw_final_path(panels[0], runs)
-    draw_error(panels[1], runs)
-    draw_wheel_speeds(panels[2], runs)
-    legends = [layout.legend_below([panel], width, without=names) for panel in panels]
-    own = max(legends[-(-3 // columns) * columns - columns :])
-    shared = layout.shared_legend(
-        panels[1], names, layout.LEFT, height_above + own, sheet - 2 * layout.LEFT
+    heading = layout.heading_of(names, grid.width)
+    figure = layout.new_sheet(sheet, grid.end(count + _OTHERS), heading, look)
+    panels = path_change.draw_grid(figure, runs, iterations, grid)
+    for place in (count, count + 1):
+        panels.append(layout.add_panel(figure, *grid.corner(place), grid.side, grid.side))
+    draw_final_path(panels[-2], runs)
+    draw_error(panels[-1], runs)
+    left, top = grid.corner(count + _OTHERS - 1)
+    wheels = layout.stack(figure, left, top, grid.width - left, heights_of_wheels(grid.side))
+    draw_each_wheel(wheels, runs)
+    first_of_last_row = [*panels, wheels[1]][(count + _OTHERS - 1) // grid.columns * grid.columns]
+    legend = layout.legend_below(
+        [*panels, *wheels], grid.width - layout.LEFT, first=names, below=first_of_last_row
     )
-    layout.resize_sheet(figure, bottom=own + shared)
+    layout.close_sheet(figure, legend=legend, top=panels[: grid.columns])
     return figure
+
+
+def _columns(runs: int) -> int:
+    """How many panels stand in a row, so that the last row has about as many as the others."""
+    if runs <= _FEW:
+        return runs
+    most = path_change.MOST_COLUMNS - (1 if runs <= 2 * _FEW else 0)
+    return min(range(_FEW, most + 1), key=lambda columns: (-(runs + _OTHERS) % columns, -columns))
 
 
 PICTURE = RunPicture(summary_figure)

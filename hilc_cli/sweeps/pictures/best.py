@@ -21,7 +21,6 @@ from hilc_cli.sweeps.pictures.key_axis import (
     key_axis,
     key_labels_in_lines,
     value_text,
-    with_unit,
 )
 from hilc_cli.sweeps.pictures.metric_axis import metric_name, scale_of
 from hilc_cli.sweeps.pictures.picking import (
@@ -43,6 +42,7 @@ _TITLE_ROOM, _NOTE_ROOM, _LEAST_WIDTH = 0.3, 0.17, 6.0  # [inch]
 _LETTER = 0.078  # of the title [inch]
 _LETTERS = 19  # of a key in a line above its column
 _TEXT_SIZE = 7.0  # [pt], of values
+_END_DIGITS, _MOST_DIGITS = 3, 15  # of the ends of ranges
 _INSET = 0.16  # from the edges of a column to the ends of its range, of its width
 
 
@@ -94,7 +94,8 @@ def best_figure(data: SweepData, look: Look = USUAL) -> Figure:
                 _name_rows(axes, best)
             panels.append(axes)
         _draw_metric(panels[0], data, best)
-        names = key_labels_in_lines([where.key for where in keys], _LETTERS)
+        letters = int(_LETTERS * column / _WIDTH)
+        names = key_labels_in_lines([where.key for where in keys], letters)
         for axes, where in zip(panels[1:], keys, strict=True):
             draw_key(axes, data, where, best.cases)
             axes.set_title(names[where.key], fontsize=style.SMALL_SIZE, pad=3)
@@ -122,10 +123,7 @@ def draw_key(axes: Axes, data: SweepData, where: KeyAxis, cases: Sequence[int] |
     axes.set_xlim(float(limits[0]), float(limits[1]))
     texts = [value_text(data.values[where.key][case]) for case in numbers]
     _draw_dots(axes, where.positions[numbers], texts)
-    axes.hlines(np.arange(len(numbers)), ends[0], ends[-1], color="0.8", linewidth=1.0, zorder=1)
-    places = [] if where.words else np.unique(ends).tolist()
-    axes.set_xticks(places, [value_text(place, 3) for place in places])
-    axes.set_xticks([], minor=True)
+    _draw_range(axes, len(numbers), (float(ends[0]), float(ends[-1])), 0 if where.words else 3)
 
 
 def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
@@ -140,9 +138,8 @@ def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
         axes.set_xlim(_padded(low, high))
     texts = [labels.number_text(value, 4) for value in best.metric.tolist()]
     _draw_dots(axes, np.clip(best.metric, low, high), texts, style.BLUE)
-    axes.set_xticks([])
-    axes.set_xticks([], minor=True)
-    axes.set_title(with_unit("Metric", scale.unit), fontsize=style.SMALL_SIZE, pad=3)
+    _draw_range(axes, len(best.cases), (low, high), 0 if scale.is_empty else _END_DIGITS)
+    axes.set_title(labels.with_unit("Metric", scale.unit), fontsize=style.SMALL_SIZE, pad=3)
 
 
 def _name_rows(axes: Axes, best: Combinations) -> None:
@@ -152,6 +149,21 @@ def _name_rows(axes: Axes, best: Combinations) -> None:
         pairs = zip(ranks, best.cases, strict=True)
         ranks = [f"{rank}  case {case}" for rank, case in pairs]
     axes.set_yticks(range(len(ranks)), ranks)
+
+
+def _draw_range(axes: Axes, rows: int, ends: tuple[float, float], digits: int) -> None:
+    """Draws the range that the dots of a column lie in, and its ends below, unless without digits.
+
+    Ends that would read the same have as many more digits as they need.
+    """
+    axes.hlines(np.arange(rows), *ends, color="0.8", linewidth=1.0, zorder=1)
+    places = list(dict.fromkeys(ends)) if digits else []
+    texts = [value_text(place, digits) for place in places]
+    while len(set(texts)) < len(texts) and digits < _MOST_DIGITS:
+        digits += 1
+        texts = [value_text(place, digits) for place in places]
+    axes.set_xticks(places, texts)
+    axes.set_xticks([], minor=True)
 
 
 def _padded(low: float, high: float) -> tuple[float, float]:

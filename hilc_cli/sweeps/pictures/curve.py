@@ -13,11 +13,12 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.sweeps.data import SEED_KEY, SweepData
 from hilc_cli.sweeps.pictures.catalogue import SweepPicture
+from hilc_cli.sweeps.pictures.distribution import draw_distribution
 from hilc_cli.sweeps.pictures.key_axis import (
     LONGEST_WORD,
     KeyAxis,
     key_axis,
-    key_label,
+    key_labels,
     short_names,
     shortened_words,
 )
@@ -26,17 +27,14 @@ from hilc_cli.sweeps.pictures.metric_axis import (
     draw_zeros,
     edge_rows,
     metric_label,
-    metric_text,
     scale_of,
     show_metric,
 )
 from hilc_cli.sweeps.pictures.picking import (
-    MEDIAN,
     Integers,
     Results,
     combined,
     curve_keys,
-    grouped,
     results_of,
     thinned,
 )
@@ -48,7 +46,6 @@ from hilc_cli.sweeps.pictures.shared import (
     draw_spread,
     heading_of,
     spread_along,
-    within,
 )
 
 _WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
@@ -84,7 +81,7 @@ def curve_figure(data: SweepData, look: Look = USUAL) -> Figure:
 
 
 def draw_curve(axes: Axes, data: SweepData) -> None:
-    """Draws the metric against a key.
+    """Draws the metric against a key, or its distribution over the seeds where it is the seed.
 
     Args:
         axes: Where to draw.
@@ -92,6 +89,9 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
     """
     keys = curve_keys(data)
     assert keys is not None  # checked by the catalogue
+    if keys[0] == SEED_KEY:
+        draw_distribution(axes, data)
+        return
     width, height = layout.panel_size(axes)
     where = key_axis(data, keys[0])
     series = None if keys[1] is None else key_axis(data, keys[1])
@@ -127,12 +127,9 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
         _, _, name, alpha = BANDS[1]
         axes.fill([], [], color="0.35", alpha=alpha, linewidth=0, label=name)
     draw_edge_marks(axes, where, results.outcomes, every)
-    if where.key == SEED_KEY:
-        title = _draw_all_seeds(axes, data, results)
-    else:
-        color = "white" if side_by_side else style.BEST_COLOR
-        title = draw_best(axes, data, combinations, columns, color, behind=side_by_side)
-    axes.set_xlabel(key_label(where.key))
+    color = "white" if side_by_side else style.BEST_COLOR
+    title = draw_best(axes, data, combinations, columns, color, behind=side_by_side)
+    axes.set_xlabel(key_labels([column.key for column in columns])[where.key])
     axes.set_ylabel(metric_label(data, height), labelpad=2)
     labels.set_title(axes, labels.wrapped(title, width), scale.notes())
 
@@ -161,10 +158,10 @@ def _curves(
 
 
 def _curve(data: SweepData, where: KeyAxis, results: Results, name: str, cases: Integers) -> _Curve:
-    dotted = not data.is_grid or where.key == SEED_KEY
+    dotted = not data.is_grid
     few = len(cases) <= (_FEW_DOTS if dotted else MOST_GRID_VALUES)
     single = few and len(np.unique(where.positions[cases])) == len(cases)
-    if single or where.key == SEED_KEY:
+    if single:
         return _Curve(name, cases, None, dotted)
     return _Curve(name, cases, spread_along(where, results, cases, sampled=dotted), dotted)
 
@@ -199,23 +196,6 @@ def _draw_dots(axes: Axes, where: KeyAxis, metric: Floats, curve: _Curve, color:
         rasterized=len(cases) > 1000,
         label=f"Cases, {curve.name}" if curve.name else "Cases",
     )
-
-
-def _draw_all_seeds(axes: Axes, data: SweepData, results: Results) -> str:
-    """Draws median and bands of a sweep of nothing but seeds; returns them in words."""
-    group_of = np.zeros(len(data), dtype=np.int64)
-    (quantiles,) = grouped(results, group_of, 1).quantiles
-    for low, high, label, alpha in BANDS:
-        if np.isfinite(quantiles[low]):
-            bottom, top = within(axes, quantiles[[low, high]])
-            axes.axhspan(bottom, top, color="0.5", alpha=alpha, linewidth=0, zorder=0, label=label)
-    median = quantiles[MEDIAN]
-    if not np.isfinite(median):
-        return "Half of the cases or more have no value"
-    axes.axhline(median, color="0.3", linewidth=style.PATH_WIDTH, zorder=1, label="Median")
-    ends = [labels.number_text(float(end), 4) for end in quantiles[[0, -1]]]
-    middle = metric_text(data, float(median))
-    return f"Median {middle}, 90 % of the cases between {ends[0]} and {ends[1]}"
 
 
 def _dot_size(dots: int) -> float:

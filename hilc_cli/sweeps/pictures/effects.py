@@ -47,8 +47,11 @@ MOST_PANELS = 12
 _MOST_COLUMNS = 4
 _WIDTH, _HEIGHT = 2.15, 2.6  # of a panel [inch]
 _LEAST_WIDTH = 1.6  # of a panel on a narrow sheet [inch]
-_GUTTER, _KEY_ROOM = 0.22, 0.72  # beside and below a panel [inch]
+_GUTTER, _KEY_ROOM = 0.4, 0.72  # beside and below a panel [inch]
+_DIGIT = 0.066  # of a tick's label [inch]
+_BEYOND = _GUTTER / 2 - 0.03  # how far labels of ticks may reach beyond their panel [inch]
 _JITTER = 0.3  # of dots that share a value, of the distance between values
+_FOOT = 0.22  # less below the last row [inch]
 _LINE = 0.14  # more below the last row if a key has two lines [inch]
 _LETTERS = 30  # of a key in a line below its panel
 
@@ -116,15 +119,17 @@ def effects_figure(data: SweepData, look: Look = USUAL) -> Figure:
             panel_width = (width - beside) / columns - _GUTTER
         row_height = _HEIGHT + _KEY_ROOM
         top = layout.HEADING + layout.TOP
-        figure = layout.new_sheet(width, top + rows * row_height - _GUTTER, heading_of(data), look)
+        figure = layout.new_sheet(width, top + rows * row_height - _FOOT, heading_of(data), look)
         cases = thinned(np.arange(len(data)))
-        names = key_labels_in_lines([effect.where.key for effect in shown], _LETTERS)
+        letters = int(_LETTERS * min(1.0, panel_width / _WIDTH))
+        names = key_labels_in_lines([effect.where.key for effect in shown], letters)
         panels = []
         for index, effect in enumerate(shown):
             row, column = divmod(index, columns)
             left = layout.LEFT + column * (panel_width + _GUTTER)
             axes = layout.add_panel(figure, left, top + row * row_height, panel_width, _HEIGHT)
             draw_effect(axes, effect, results, scale, cases)
+            _leave_out_ticks(axes)
             axes.set_xlabel(names[effect.where.key])
             if column:
                 axes.tick_params(axis="y", labelleft=False)
@@ -186,6 +191,22 @@ def draw_effect(
     draw_spread(axes, where, spread, scale, style.BLUE, bands=1)
     draw_zeros(axes, where.bent(flat), results.metric[cases], scale)
     draw_edge_marks(axes, where, results.outcomes, np.arange(len(results.metric)), size=3.0)
+
+
+def _leave_out_ticks(axes: Axes) -> None:
+    """Leaves ticks without a label that would meet those of the panel beside it."""
+    low, high = axes.get_xlim()
+    places = [place for place in axes.get_xticks() if low <= place <= high]
+    texts = axes.xaxis.get_major_formatter().format_ticks(places)
+    along = axes.transData.transform([(place, axes.get_ylim()[1]) for place in places])
+    width, _ = layout.panel_size(axes)
+    middles = axes.transAxes.inverted().transform(along)[:, 0] * width
+    kept = [
+        text if half - _BEYOND <= middle <= width + _BEYOND - half else ""
+        for text, middle in zip(texts, middles.tolist(), strict=True)
+        for half in [_DIGIT / 2 * len(text)]
+    ]
+    axes.set_xticks(places, kept)
 
 
 PICTURE = SweepPicture(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,16 +12,19 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
+from matplotlib.patheffects import Normal, Stroke
+from numpy.typing import NDArray
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.look import USUAL, Look
+from hilc_cli.results.metrics import CASE_COLUMNS, MAX_ERROR
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.catalogue import SweepPicture
 from hilc_cli.sweeps.pictures.key_axis import (
     KeyAxis,
     key_axis,
-    key_label,
+    key_labels,
 )
 from hilc_cli.sweeps.pictures.metric_axis import MetricScale, metric_label, outcome_label, scale_of
 from hilc_cli.sweeps.pictures.picking import (
@@ -84,6 +88,22 @@ class Cells:
                 rectangles.append(Path([*corners, corners[0]], closed=True))
         return Path.make_compound_path(*rectangles)
 
+    def border(self, inside: NDArray[np.bool_]) -> Floats:
+        """The edges between cells that are inside and others, with a gap behind each.
+
+        Args:
+            inside: Of each cell, shape (rows, columns).
+
+        Returns:
+            Points of a line, shape (points, 2).
+        """
+        x, y, gap = self.x_edges, self.y_edges, (math.nan, math.nan)
+        upright = np.argwhere(inside[:, :-1] != inside[:, 1:])
+        lying = np.argwhere(inside[:-1] != inside[1:])
+        edges = [[(x[c + 1], y[r]), (x[c + 1], y[r + 1]), gap] for r, c in upright]
+        edges += [[(x[c], y[r + 1]), (x[c + 1], y[r + 1]), gap] for r, c in lying]
+        return np.array(edges, dtype=np.float64).reshape(-1, 2)
+
 
 def cells_of(x: KeyAxis, y: KeyAxis, results: Results) -> Cells:
     """Cuts the plane of two keys halfway between their values.
@@ -113,7 +133,6 @@ def _cut(axis: KeyAxis) -> tuple[Integers, Floats, int]:
 
 _WIDTH, _HEIGHT = 5.0, 4.4  # of the panel [inch]
 _BAR_GAP, _BAR_WIDTH, _BAR_ROOM = 0.15, 0.16, 0.85  # [inch]
-_LETTER = 0.068  # of the name of a key [inch]
 _RASTER_FROM = 10_000  # cells, from which on vector files hold them as a picture
 
 _LOOKS = {
@@ -121,7 +140,7 @@ _LOOKS = {
     Outcome.NEVER: {"facecolor": "0.95", "hatch": "....", "edgecolor": "0.55"},
     Outcome.FAILED: {"facecolor": "white", "hatch": "xxxx", "edgecolor": "0.7"},
 }
-_COLORS = style.iteration_colors()
+_COLORS = style.iteration_colors().with_extremes(over=style.BEYOND_COLOR)
 _MARKERS = {Outcome.DIVERGED: "x", Outcome.NEVER: "^", Outcome.FAILED: "s"}
 
 
@@ -145,15 +164,19 @@ def draw_map(axes: Axes, data: SweepData) -> None:
     combinations = combined(data, results, [x.positions, y.positions])
     width, height = layout.panel_size(axes)
     notes = []
+    # An error as large as the path is as bad as any larger one.
+    most = data.path_size or math.inf
+    most = most if CASE_COLUMNS[data.metric].unit == "m" else math.inf
     if data.is_grid:
         cells = cells_of(x, y, results)
-        scale = scale_of(data, cells.medians.ravel())
+        scale = scale_of(data, cells.medians.ravel(), most=most)
         colors = _norm(scale)
         _draw_cells(axes, x, y, cells, scale, colors)
+        notes += _draw_tolerance(axes, data, x, y)
         if cells.merged != (1, 1):
             notes.append(f"each cell is the median of {cells.merged[0]} x {cells.merged[1]} values")
     else:
-        scale = scale_of(data, results.metric)
+        scale = scale_of(data, results.metric, most=most)
         colors = _norm(scale)
         notes += _draw_dots(axes, x, y, results, scale, colors)
     star = "white" if data.is_grid else style.VERMILLION
@@ -161,11 +184,12 @@ def draw_map(axes: Axes, data: SweepData) -> None:
     if not scale.is_empty:
         prefix = "median over the seeds of the " if combinations.is_median else ""
         _add_color_bar(axes, scale, colors, metric_label(data, height, prefix))
-    axes.set_xlabel(key_label(x.key))
-    axes.set_ylabel(key_label(y.key, min(50, int(height / _LETTER))), labelpad=2)
+    names = key_labels(keys)
+    axes.set_xlabel(names[x.key])
+    axes.set_ylabel(names[y.key], labelpad=2)
     zero = f"{scale.zeros} exactly zero, in the darkest colour"
     notes += [zero] if scale.zeros else []
-    notes += scale.notes()
+    notes += scale.notes("the path's size" if scale.high == most else "")
     labels.set_title(axes, labels.wrapped(title, width + _BAR_ROOM), notes)
 
 
@@ -174,7 +198,7 @@ def _norm(scale: MetricScale) -> Normalize:
     if low == high:  # one colour in the middle
         half = 0.5 * abs(low) or 0.5
         low, high = low - half, high + half
-    return (LogNorm if scale.is_logarithmic else Normalize)(low, high, clip=True)
+    return (LogNorm if scale.is_logarithmic else Normalize)(low, high)
 
 
 def _draw_cells(
@@ -196,6 +220,34 @@ def _draw_cells(
             patch = PathPatch(cells.outline(outcome), linewidth=0, **look)
             patch.set_label(outcome_label(outcome, count, "cell"))
             axes.add_patch(patch)
+
+
+def _draw_tolerance(axes: Axes, data: SweepData, x: KeyAxis, y: KeyAxis) -> list[str]:
+    """Draws a line around the cells whose maximum error is within the tolerance.
+
+    Returns:
+        A note in its place where there is no such line.
+    """
+    if data.tolerance is None:
+        return []
+    cells = cells_of(x, y, results_of(replace(data, metric=MAX_ERROR)))
+    within = cells.medians <= data.tolerance
+    tolerance = f"{labels.number_text(data.tolerance, 4)} m"
+    if within.all() or not within.any():
+        return [f"{'all cells are' if within.all() else 'no cell is'} within {tolerance}"]
+    what = "" if data.metric == MAX_ERROR else "maximum error "
+    axes.plot(
+        *cells.border(within).T,
+        color="white",
+        linewidth=1.2,
+        solid_capstyle="projecting",
+        path_effects=[Stroke(linewidth=2.6, foreground="black"), Normal()],
+        snap=False,  # or gaps are seen between the edges
+        scalex=False,
+        scaley=False,
+        label=f"Tolerance, {what}{tolerance}",
+    )
+    return []
 
 
 def _draw_dots(

@@ -17,52 +17,42 @@ from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.pictures.picking import Integers, distinct
 from hilc_cli.variation import Choices, Value
 
-LONGEST_KEY = 60
 LONGEST_NAME = 32
 
 
-def key_label(key: str, longest: int = LONGEST_KEY) -> str:
-    """A key with its unit, as an axis names it; very long keys keep both ends."""
-    return with_unit(labels.shortened(key, longest), unit_of(key))
+def short_names(keys: Sequence[str]) -> dict[str, str]:
+    """Returns the last part of each key, or as many parts as tell it from the others.
+
+    A place in a list goes with the name of the list: ``bound.0``.
+    """
+    names: dict[str, str] = {}
+    for key in keys:
+        parts = key.split(".")
+        least = 2 if parts[-1].isdigit() else 1
+        endings = (".".join(parts[-count:]) for count in range(least, len(parts) + 1))
+        others = [f".{other}" for other in keys if other != key]
+        name = next(
+            (e for e in endings if not any(other.endswith(f".{e}") for other in others)), key
+        )
+        names[key] = labels.shortened(name, LONGEST_NAME)
+    return names
 
 
-def with_unit(text: str, unit: str) -> str:
-    """A text with a unit behind it, if there is one."""
-    return f"{text} [{unit}]" if unit else text
+def key_labels(keys: Sequence[str]) -> dict[str, str]:
+    """Returns what axes call the keys of a sweep: their short names with their units."""
+    names = short_names(keys)
+    return {key: labels.with_unit(name, unit_of(key)) for key, name in names.items()}
 
 
 def key_labels_in_lines(keys: Sequence[str], longest: int) -> dict[str, str]:
-    """Keys side by side, each with its unit in at most two lines of so many characters.
-
-    Where a key is too long, what all of them begin with is left out, and then what else it needs
-    not to be told from the others.
-    """
-    found = {key: _in_lines(key, unit_of(key), longest) for key in keys}
-    if None not in found.values():
-        return {key: str(label) for key, label in found.items()}
-    parts = [key.split(".")[:-1] for key in keys]
-    alike = len(list(takewhile(lambda names: len(set(names)) == 1, zip(*parts, strict=False))))
-    return {key: _shortened_in_lines(key, keys, alike, longest) for key in keys}
+    """Returns the same in at most two lines of so many characters, for keys side by side."""
+    names = short_names(keys)
+    return {key: _in_lines(name, unit_of(key), longest) for key, name in names.items()}
 
 
-def _shortened_in_lines(key: str, keys: Sequence[str], left_out: int, longest: int) -> str:
-    """A key without so many leading parts, or as many more as it takes."""
-    others = [f".{other}" for other in keys if other != key]
-    parts = key.split(".")
-    endings = [".".join(parts[count:]) for count in range(left_out, len(parts))]
-    own = [e for e in endings if not any(o.endswith(f".{e}") for o in others)] or endings[:1]
-    unit = unit_of(key)
-    lines = (_in_lines(name, unit, longest) for name in own)
-    label = next((label for label in lines if label is not None), None)
-    if label is None:  # no good place for a break
-        label = with_unit(labels.shortened(own[-1], 2 * longest - 12), unit)
-        label = f"{label[:longest]}\n{label[longest:]}"
-    return label
-
-
-def _in_lines(name: str, unit: str, longest: int) -> str | None:
-    """A name with its unit in at most two lines, broken at a dot or before the unit."""
-    label = with_unit(name, unit)
+def _in_lines(name: str, unit: str, longest: int) -> str:
+    """A name with its unit in at most two lines, broken at a dot or before the unit if it can."""
+    label = labels.with_unit(name, unit)
     if len(label) <= longest:
         return label
     breaks = [place + 1 for place, letter in enumerate(name) if letter == "."]
@@ -71,23 +61,10 @@ def _in_lines(name: str, unit: str, longest: int) -> str | None:
         b for b in breaks if len(label[:b].rstrip()) <= longest and len(label) - b <= longest
     ]
     if not fitting:
-        return None
+        label = labels.with_unit(labels.shortened(name, 2 * longest - 12), unit)
+        return f"{label[:longest]}\n{label[longest:]}"
     place = min(fitting, key=lambda b: abs(2 * b - len(label)))
     return f"{label[:place].rstrip()}\n{label[place:]}"
-
-
-def short_names(keys: Sequence[str]) -> dict[str, str]:
-    """Returns the last part of each key, or as many parts as tell it from the others."""
-    names: dict[str, str] = {}
-    for key in keys:
-        parts = key.split(".")
-        endings = (".".join(parts[-count:]) for count in range(1, len(parts) + 1))
-        others = [f".{other}" for other in keys if other != key]
-        name = next(
-            (e for e in endings if not any(other.endswith(f".{e}") for other in others)), key
-        )
-        names[key] = labels.shortened(name, LONGEST_NAME)
-    return names
 
 
 LONGEST_WORD = 24

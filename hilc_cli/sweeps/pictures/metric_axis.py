@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from dataclasses import dataclass, replace
 
@@ -14,7 +15,7 @@ from hilc_cli.drawing import labels, style
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, ITERATIONS_TO_TOLERANCE
 from hilc_cli.sweeps.data import SweepData
-from hilc_cli.sweeps.pictures.key_axis import KeyAxis, with_unit
+from hilc_cli.sweeps.pictures.key_axis import KeyAxis
 from hilc_cli.sweeps.pictures.picking import Integers, Outcome
 
 ZERO_LABEL = "Exactly zero"
@@ -58,13 +59,17 @@ class MetricScale:
     is_empty: bool = False
     unit: str = ""
 
-    def notes(self) -> list[str]:
-        """What the reader must be told: values that are not drawn where they are."""
+    def notes(self, limit: str = "") -> list[str]:
+        """What the reader must be told: values that are not drawn where they are.
+
+        Args:
+            limit: What the largest value shown is, in words.
+        """
         if not self.beyond:
             return []
         what = "value is" if self.beyond == 1 else "values are"
-        high = labels.number_text(self.high, 2)
-        return [f"{self.beyond} {what} above {high} {self.unit}".rstrip()]
+        high = f"{labels.number_text(self.high, 3)} {self.unit}".rstrip()
+        return [f"{self.beyond} {what} above {high}{limit and ', '}{limit}"]
 
     def in_place(self, values: Floats) -> Floats:
         """Values with gaps for those that have no place on the scale."""
@@ -75,7 +80,11 @@ class MetricScale:
 
 
 def metric_scale(
-    values: Floats, *, whole: bool = False, always_logarithmic: bool = False
+    values: Floats,
+    *,
+    whole: bool = False,
+    always_logarithmic: bool = False,
+    most: float = math.inf,
 ) -> MetricScale:
     """The scale that shows values best.
 
@@ -83,19 +92,22 @@ def metric_scale(
         values: Those to be shown; what is not finite is left out.
         whole: They are counts, of which zero is one like any other.
         always_logarithmic: However narrow, as long as there are positive values.
+        most: Larger values are beyond the scale, unless all of them are.
     """
     finite = values[np.isfinite(values)]
     if not len(finite):
         return MetricScale(0.0, 1.0, is_empty=True)
     low, high = float(finite.min()), float(finite.max())
+    beyond = 0
+    if low < most < high:
+        beyond, high = int(np.count_nonzero(finite > most)), most
     positive = finite[finite >= _SMALLEST]
     zeros = len(finite) - len(positive)
     if low < 0 or not len(positive) or (whole and zeros):
-        return MetricScale(low, high)
+        return MetricScale(low, high, beyond=beyond)
     least = float(positive.min())
     if not (always_logarithmic or high / least >= _WIDE or _is_crowded(finite, low, high)):
-        return MetricScale(low, high)
-    beyond = 0
+        return MetricScale(low, high, beyond=beyond)
     if high / least > _TOO_WIDE:
         far = max(_FAR * float(np.median(positive)), _FAR * least)
         far = 10.0 ** np.floor(np.log10(far))
@@ -111,10 +123,21 @@ def _is_crowded(values: Floats, low: float, high: float) -> bool:
     return float(np.median(values)) - low < _CROWDED * (high - low)
 
 
-def scale_of(data: SweepData, values: Floats) -> MetricScale:
-    """The scale that shows values of a sweep's metric best."""
+def scale_of(
+    data: SweepData, values: Floats, *, logarithmic: bool = False, most: float = math.inf
+) -> MetricScale:
+    """The scale that shows values of a sweep's metric best.
+
+    Args:
+        data: The sweep.
+        values: Of its metric.
+        logarithmic: Errors are shown on a logarithmic scale, however narrow; counts are not.
+        most: Larger values are beyond the scale.
+    """
     metric = CASE_COLUMNS[data.metric]
-    return replace(metric_scale(values, whole=metric.whole), unit=metric.unit)
+    always = logarithmic and not metric.whole
+    scale = metric_scale(values, whole=metric.whole, always_logarithmic=always, most=most)
+    return replace(scale, unit=metric.unit)
 
 
 def metric_name(data: SweepData) -> str:
@@ -128,15 +151,15 @@ def metric_name(data: SweepData) -> str:
 
 def metric_label(data: SweepData, height: float, prefix: str = "") -> str:
     """The metric with its unit, as an axis of so many inches names it."""
-    text = with_unit(prefix + metric_name(data), CASE_COLUMNS[data.metric].unit)
+    text = labels.with_unit(prefix + metric_name(data), CASE_COLUMNS[data.metric].unit)
     return textwrap.fill(text[0].upper() + text[1:], max(20, int(height / 0.068)))
 
 
-def metric_text(data: SweepData, value: float) -> str:
+def metric_text(data: SweepData, value: float, digits: int = 4) -> str:
     """A value of the metric with its unit."""
     if data.metric == ITERATIONS_TO_TOLERANCE:
         return f"{labels.number_text(value)} iterations"
-    return f"{labels.number_text(value, 4)} {CASE_COLUMNS[data.metric].unit}".rstrip()
+    return f"{labels.number_text(value, digits)} {CASE_COLUMNS[data.metric].unit}".rstrip()
 
 
 def _with_metres(length: float) -> str:

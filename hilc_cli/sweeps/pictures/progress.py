@@ -49,7 +49,7 @@ def draw_search(axes: Axes, data: SweepData) -> None:
     where = KeyAxis("case", every.astype(np.float64))
     as_it_is = data.as_it_is.metric
     values = np.append(results.metric, as_it_is)
-    scale = scale_of(data, values)
+    scale = scale_of(data, values, logarithmic=True)
     show_metric(axes, scale, len(edge_rows(results.outcomes)), height)
     where.show(axes, "x", where.limits(), width)
     cases = thinned(every)

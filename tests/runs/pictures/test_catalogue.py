@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import matplotlib
@@ -25,7 +26,8 @@ def test_unknown_kind_is_named_with_the_nearest_or_all(make_run: MakeRun) -> Non
     ):
         draw("sumary", [make_run()])
     with pytest.raises(
-        UsageError, match="known: error, final-path, learning, path-change, summary"
+        UsageError,
+        match="known: error, error-along-path, final-path, learning, path-change, sum",
     ):
         draw("xyz", [make_run()])
 
@@ -110,15 +112,44 @@ def test_equal_names_are_told_apart(make_run: MakeRun) -> None:
     assert legend(axes)[:4] == ["a", "a (2)", "a (2) (2)", " _b"]
 
 
-def test_summary_shows_all_kinds(make_run: MakeRun) -> None:
-    one = draw("summary", [make_run()])
-    several = draw("summary", [make_run("a"), make_run("b")])
+def test_summary_shows_four_kinds(make_run: MakeRun) -> None:
+    panels = draw("summary", [make_run()]).axes
 
-    labels = {axes.get_ylabel() for axes in one.axes}
-    assert labels == {"y [m]", "Iteration", "Position error [m]", "Wheel speed [rad/s]"}
-    assert len(one.axes) == 5
-    assert len(several.axes) == 6
-    assert [text.get_text() for text in several.legends[0].get_texts()] == ["a", "b"]
+    wheels = {"Left wheel [rad/s]", "Right wheel [rad/s]"}
+    labels = {axes.get_ylabel() for axes in panels}
+    assert labels == {"y [m]", "Iteration", "Position error [m]", *wheels}
+    assert len(panels) == 6
+
+
+@pytest.mark.parametrize("count", [2, 5, 7])
+@pytest.mark.parametrize("kind", ["summary", "path-change", "error-along-path"])
+def test_several_runs_have_one_legend_one_title_and_no_empty_place(
+    make_run: MakeRun, kind: str, count: int
+) -> None:
+    runs = [make_run(f"r{i}", factors=(0.5, 1 + i / 10)) for i in range(count)]
+    figure = draw(kind, runs)
+    paths = [axes for axes in figure.axes if axes.get_ylabel() == "y [m]"]
+
+    boxes = [axes.get_legend() for axes in figure.axes]
+    (box,) = [box for box in (*boxes, *figure.legends) if box is not None]
+    found = [text.get_text() for text in box.get_texts()]
+    assert len(set(found)) == len(found) and "Reference" in found
+    if kind != "path-change":  # whose panels are called as the runs
+        assert found[:count] == [f"r{i}" for i in range(count)]
+    heading = figure.texts[0].get_text()
+    assert f"{count} runs" in heading and "r0, r1" in heading
+    of_runs = [axes for axes in paths if not axes.get_title(loc="left").startswith("Final")]
+    assert len(of_runs) == count
+    limits = [(*axes.get_xlim(), *axes.get_ylim()) for axes in of_runs]
+    np.testing.assert_allclose(limits, limits[:1] * count, rtol=1e-12)
+    # Rows from the top down are full, up to the last: there the legend or wheel speeds are.
+    rows = Counter(round(axes.get_position().y0, 6) for axes in paths)
+    per_row = [rows[place] for place in sorted(rows, reverse=True)]
+    assert set(per_row[:-1]) <= {per_row[0]}
+    if kind == "summary":
+        wheel = next(axes for axes in figure.axes if axes.get_ylabel().startswith("Right wheel"))
+        first_row = max(axes.get_position().x1 for axes in of_runs)
+        assert wheel.get_position().x1 == pytest.approx(first_row)
 
 
 @pytest.mark.parametrize("kind", RUN_PICTURES)

@@ -9,6 +9,8 @@ from matplotlib.patches import StepPatch
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.error import (
+    MAXIMUM,
+    MEAN,
     MOST_DETAILED,
     SECOND_HALF_LABEL,
     STRIP_LABEL,
@@ -97,7 +99,7 @@ def test_several_runs_have_a_colour_and_a_marker_each(make_run: MakeRun) -> None
 
     assert len({str(each.get_color()) for each in shown}) == 10
     assert len({str(each.get_marker()) for each in shown}) == 10
-    assert legend(axes) == [*names, "Maximum"]
+    assert legend(axes) == [*names, MAXIMUM]
 
 
 @pytest.mark.parametrize(
@@ -108,7 +110,7 @@ def test_means_and_strips_are_those_of_few_runs(make_run: MakeRun, count: int, d
 
     assert len(lines(axes, "_mean")) == drawn
     assert sum(isinstance(patch, StepPatch) for patch in axes.patches) == drawn
-    assert ("Mean" in legend(axes)) == bool(drawn)
+    assert (MEAN in legend(axes)) == bool(drawn)
 
 
 def test_divergence_is_noted(make_run: MakeRun) -> None:
@@ -181,4 +183,4 @@ def test_second_half_takes_the_place_of_the_mean_among_several(make_run: MakeRun
     for each, run in zip(shown, runs, strict=True):
         expected = run.metrics["max_position_error_second_half_m"]
         np.testing.assert_array_equal(each.get_ydata(), expected)
-    assert legend(axes) == ["off", "right", "Maximum", SECOND_HALF_LABEL]
+    assert legend(axes) == ["off", "right", MAXIMUM, f"{MAXIMUM}, second half"]

@@ -44,7 +44,7 @@ def test_rows_are_the_ten_best_cases() -> None:
     )
     np.testing.assert_array_equal(line(second, "_best").get_ydata(), np.arange(10))
     assert values(figure, 3) == [data.values[HEADING][case] for case in best]
-    assert (first.get_title(), words.get_title()) == (L1, "controller.\ngain_heading")
+    assert (first.get_title(), words.get_title()) == ("l1", "gain_heading")
     assert first.get_xscale() == "log"
     assert first.yaxis_inverted()
     assert "Smallest maximum position error after the last iteration" in texts(figure)
@@ -53,8 +53,16 @@ def test_rows_are_the_ten_best_cases() -> None:
 def test_ends_of_a_range_are_those_given() -> None:
     ranges = {L1: Range(0.1, 10, "log"), L2: Range(0.0, 2.0), L3: Range(-1.0, 1.0)}
     figure = draw_sweep("best", sweep(ranges, bowl, "random", 30))
-    shown = [[text.get_text() for text in axes.get_xticklabels()] for axes in figure.axes[1:]]
+    metric, *shown = [[text.get_text() for text in axes.get_xticklabels()] for axes in figure.axes]
     assert shown == [["0.1", "10"], ["0", "2"], ["\N{MINUS SIGN}1", "1"]]
+    drawn = np.asarray(line(figure.axes[0], "_best").get_xdata(), float)
+    assert metric == [f"{drawn.min():.3g}", f"{drawn.max():.3g}"]
+
+
+def test_ends_that_are_close_together_are_told_apart() -> None:
+    data = sweep({L1: RATES, L2: STEPS}, np.linspace(1.0, 1.000024, 25))
+    shown = [text.get_text() for text in draw_sweep("best", data).axes[0].get_xticklabels()]
+    assert shown == ["1", "1.00001"]
 
 
 def test_seeds_are_summed_up() -> None:
@@ -86,5 +94,5 @@ def test_keys_with_the_largest_effects_are_shown() -> None:
     )
     figure = draw_sweep("best", data)
     shown = [axes.get_title().replace("\n", "") for axes in figure.axes[1:]]
-    assert shown == [f"controller.gains.l{n}" for n in range(2, 14)]
+    assert shown == [f"l{n}" for n in range(2, 14)]
     assert "2 keys with smaller effects are left out" in texts(figure)

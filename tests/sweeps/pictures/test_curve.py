@@ -46,7 +46,7 @@ def test_line_is_the_metric_in_the_order_of_the_key() -> None:
     np.testing.assert_array_equal(shown.get_xdata(), [0.5, 1, 1.5])
     np.testing.assert_allclose(np.asarray(shown.get_ydata()), [0.26, 0.01, 0.26])
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "linear")
-    assert axes.get_xlabel() == L1
+    assert axes.get_xlabel() == "l1"
     assert axes.get_ylabel() == "Maximum position error after the last iteration [m]"
     assert axes.get_title(loc="left") == "Best: 0.01 m at l1 = 1 (case 2)"
     best = line(axes, "Best")
@@ -56,7 +56,7 @@ def test_line_is_the_metric_in_the_order_of_the_key() -> None:
 def test_axes_are_logarithmic_where_the_numbers_are() -> None:
     axes = curve(sweep({L1: RATES}, lambda case: number(case[L1]) ** 2))
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert curve(sweep({SPEED: RATES}, bowl)).get_xlabel() == "controller.b_w [rad/s]"
+    assert curve(sweep({SPEED: RATES}, bowl)).get_xlabel() == "b_w [rad/s]"
 
 
 def test_cases_without_a_metric_lie_above_the_others() -> None:
@@ -128,14 +128,6 @@ def test_band_leaves_the_panel_where_seeds_diverge() -> None:
     assert "Diverged (3 cases)" in legend(axes)
 
 
-def test_nothing_but_seeds() -> None:
-    axes = curve(sweep({SEED: Range(0, 100, "integer")}, lambda case: 100 + number(case[SEED])))
-    title = "Median 150 m, 90 % of the cases between 105 and 195"
-    assert axes.get_title(loc="left") == title
-    assert legend(axes) == ["Cases", "5 to 95 %", "25 to 75 %", "Median"]
-    assert axes.get_xlabel() == SEED
-
-
 def test_one_curve_for_each_word() -> None:
     axes = curve(sweep({L1: RATES, HEADING: WORDS}, bowl))
     names = [f"gain_heading = {word}" for word in WORDS.values]
@@ -154,7 +146,7 @@ def test_the_key_with_fewer_words_gives_the_curves(keys: tuple[str, str]) -> Non
     words = {SPEED: Choices((None, 100)), HEADING: WORDS}
     axes = curve(sweep({key: words[key] for key in keys}, bowl))
     assert legend(axes) == ["b_w = null", "b_w = 100", "Best"]
-    assert axes.get_xlabel() == HEADING
+    assert axes.get_xlabel() == "gain_heading"
 
 
 def test_drawn_cases_are_dots() -> None:

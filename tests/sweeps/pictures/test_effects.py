@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
+import pytest
 
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep
 from hilc_cli.variation import Axis, Range
@@ -16,7 +18,7 @@ def test_panels_are_sorted_by_the_spread_of_their_medians() -> None:
         lambda case: number(case[L1]) + 9 * number(case[L2]) + 3 * number(case[L3]),
     )
     panels = draw_sweep("effects", data).axes
-    assert [axes.get_xlabel() for axes in panels] == [L2, L3, L1]
+    assert [axes.get_xlabel() for axes in panels] == ["l2", "l3", "l1"]
     medians = [np.asarray(line(axes, "Median").get_ydata(), float) for axes in panels]
     # The other keys' medians are those of their middle values, 1 each.
     np.testing.assert_allclose(medians[0], 9 * np.linspace(0, 2, 5) + 4)
@@ -73,7 +75,7 @@ def test_twelve_panels_at_most() -> None:
     data = sweep(axes, lambda case: number(case[L1]), "random", 100)
     figure = draw_sweep("effects", data)
     assert len(figure.axes) == 12
-    assert figure.axes[0].get_xlabel() == L1
+    assert figure.axes[0].get_xlabel() == "l1"
     assert "3 keys with smaller effects are left out" in texts(figure)
 
 
@@ -83,10 +85,25 @@ def test_diverged_cases_count_as_the_worst() -> None:
         lambda case: math.inf if number(case[L2]) > 1 else 1 + number(case[L3]),
     )
     panels = draw_sweep("effects", data).axes
-    assert panels[0].get_xlabel() == L2
+    assert panels[0].get_xlabel() == "l2"
     shown = np.asarray(line(panels[0], "Median").get_ydata(), float)
     assert np.isnan(shown).tolist() == [False, False, False, True, True]
     np.testing.assert_allclose(
         np.asarray(line(panels[0], "Diverged (50 cases)").get_xdata(), float), [1.5, 2]
     )
     assert lines(panels[1], "Diverged (50 cases)")
+
+
+@pytest.mark.parametrize("top", [1.0, 0.00123, 123456.0])
+def test_ticks_of_neighbours_do_not_meet(top: float) -> None:
+    axes: dict[str, Axis] = {f"l{n}": Range(-top, top, "linear", 3) for n in range(3)}
+    figure = draw_sweep("effects", sweep(axes, np.arange(27.0)))
+    figure.draw_without_rendering()
+    boxes = [
+        label.get_window_extent()
+        for panel in figure.axes
+        for label in panel.get_xticklabels()
+        if label.get_text()
+    ]
+    assert len(boxes) >= 3
+    assert all(one.x1 + 2 < other.x0 for one, other in pairwise(boxes))

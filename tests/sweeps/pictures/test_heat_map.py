@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep
 from hilc_cli.variation import Axis, Range
 from tests.drawing.reading import legend, line, texts
@@ -42,7 +44,7 @@ def test_cells_are_the_metric_at_their_place() -> None:
     np.testing.assert_array_equal(corners[:, 0, 1], [0.5, 1.5, 2.5])
     expected = [[0.01 + (x - 1) ** 2 + (y - 1) ** 2 for x in (0, 1, 3)] for y in (1, 2)]
     np.testing.assert_allclose(np.asarray(cells.get_array()).reshape(2, 3), expected)
-    assert (axes.get_xlabel(), axes.get_ylabel()) == (L1, "controller.b_w [rad/s]")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("l1", "b_w [rad/s]")
     assert axes.get_title(loc="left") == "Best: 0.01 m at l1 = 1, b_w = 1 (case 2)"
     best = line(axes, "Best")
     assert np.asarray(best.get_xydata()).tolist() == [[1, 1]]
@@ -136,3 +138,32 @@ def test_colour_bar_of_less_than_a_decade_has_plain_numbers() -> None:
     assert all(text.get_text() == "" for text in bar.get_minorticklabels())
     assert all(float(text.get_text()) > 0 for text in bar.get_majorticklabels())
     assert len(bar.get_majorticklabels()) >= 3
+
+
+def test_tolerance_is_a_line_around_the_cells_that_keep_it() -> None:
+    data = sweep({L1: numbers(0, 1, 2), L2: numbers(0, 1)}, np.array([9.0, 1, 2, 3, 9, 9]))
+    figure = draw_sweep("map", replace(data, tolerance=2.0))
+    points = np.asarray(line(figure.axes[0], "Tolerance, 2 m").get_xydata(), float)
+    edges = {frozenset(map(tuple, edge)) for edge in points.reshape(-1, 3, 2)[:, :2].tolist()}
+    # Within are l1 = 0 with l2 = 1, and l1 = 1 with l2 = 0.
+    upright = [((0.5, -0.5), (0.5, 0.5)), ((0.5, 0.5), (0.5, 1.5)), ((1.5, -0.5), (1.5, 0.5))]
+    lying = [((-0.5, 0.5), (0.5, 0.5)), ((0.5, 0.5), (1.5, 0.5))]
+    assert edges == {frozenset(edge) for edge in [*upright, *lying]}
+    for tolerance, note in ((10.0, "all cells are within 10 m"), (0.5, "no cell is within 0.5 m")):
+        assert note in texts(draw_sweep("map", replace(data, tolerance=tolerance)))
+
+
+def test_errors_beyond_the_size_of_the_path_share_a_colour_at_an_arrow() -> None:
+    data = sweep({L1: RATES, L2: STEPS}, np.geomspace(1, 1e9, 25))
+    figure = draw_sweep("map", replace(data, path_size=20.0))
+    cells, bar = mesh(figure), figure.axes[1]
+    assert (cells.norm.vmin, cells.norm.vmax) == (1, 20)
+    colors = cells.cmap(cells.norm(np.array([20.0, 21.0, 1e9])))
+    assert np.array_equal(colors[1], colors[2]) and not np.array_equal(colors[0], colors[1])
+    assert f"{np.sum(np.geomspace(1, 1e9, 25) > 20)} values are above 20 m, the path's size" in (
+        texts(figure)
+    )
+    assert bar.get_ylim() == (1, 20)
+    whole = sweep({L1: RATES, L2: STEPS}, np.arange(25.0), column=ITERATIONS_TO_TOLERANCE)
+    counts = mesh(draw_sweep("map", replace(whole, path_size=20.0)))
+    assert counts.norm.vmax == 24  # which are no lengths

@@ -7,7 +7,7 @@ import pytest
 
 from hilc_cli.scenario.units import unit_of
 from hilc_cli.sweeps.pictures.key_axis import (
-    key_label,
+    key_labels,
     key_labels_in_lines,
     short_names,
     shortened_words,
@@ -44,14 +44,20 @@ ROW = re.compile(r"^\| (`[^|]*`) \| ([^|]+) \| [^|]* \| [^|]* \|$", re.MULTILINE
 )
 def test_units_of_keys(key: str, unit: str) -> None:
     assert unit_of(key) == unit
-    assert key_label(key) == (f"{key} [{unit}]" if unit else key)
 
 
-def test_long_keys_keep_their_ends_and_their_unit() -> None:
-    label = key_label("a" * 100 + ".wheel_radius")
-    assert label.startswith("aaa")
-    assert label.endswith(".wheel_radius [m]")
-    assert len(label) < 70
+def test_labels_are_short_names_with_units() -> None:
+    keys = [L1, "robot.wheel_radius", "controller.b_w", "disturbance.output.bound.2"]
+    assert list(key_labels(keys).values()) == [
+        "l1",
+        "wheel_radius [m]",
+        "b_w [rad/s]",
+        "bound.2 [rad]",
+    ]
+    twice = ["robot.wheel_radius", "model.wheel_radius"]
+    assert list(key_labels(twice).values()) == [f"{key} [m]" for key in twice]
+    (label,) = key_labels(["a" * 100 + "_wheel_radius"]).values()
+    assert label.startswith("aaa") and label.endswith("_wheel_radius") and len(label) == 32
 
 
 def test_names_are_as_short_as_they_are_different() -> None:
@@ -78,25 +84,18 @@ def test_units_are_those_of_the_pages_of_the_laws() -> None:
 WEIGHTS, FEEDBACK = "controller.weights", "controller.feedback_weights"
 
 
-def test_keys_that_fit_are_whole() -> None:
-    assert key_labels_in_lines([L1, HEADING, "controller.h"], 19) == {
-        L1: L1,
-        HEADING: "controller.\ngain_heading",
-        "controller.h": "controller.\nh [samples]",
-    }
-
-
-def test_keys_that_do_not_fit_lose_what_all_begin_with_and_then_what_tells_nothing() -> None:
-    keys = [f"{WEIGHTS}.input_change", f"{WEIGHTS}.position", f"{FEEDBACK}.position", HEADING]
+def test_labels_side_by_side_break_at_dots_and_before_units() -> None:
+    keys = [f"{WEIGHTS}.input_change", f"{WEIGHTS}.position", f"{FEEDBACK}.position", HEADING, L1]
     assert key_labels_in_lines(keys, 19) == {
         f"{WEIGHTS}.input_change": "input_change\n[rad/s]",
         f"{WEIGHTS}.position": "weights.\nposition [m]",
         f"{FEEDBACK}.position": "feedback_weights.\nposition [m]",
         HEADING: "gain_heading",
+        L1: "l1",
     }
     keys = [f"{FEEDBACK}.heading", "robot.wheel_radius", "model.wheel_radius"]
     assert key_labels_in_lines(keys, 19) == {
-        f"{FEEDBACK}.heading": "feedback_weights.\nheading [rad]",
+        f"{FEEDBACK}.heading": "heading [rad]",
         "robot.wheel_radius": "robot.\nwheel_radius [m]",
         "model.wheel_radius": "model.\nwheel_radius [m]",
     }
@@ -108,7 +107,7 @@ def test_lines_are_never_longer_and_labels_differ() -> None:
     assert list(found) == keys
     for label in found.values():
         assert max(map(len, label.split("\n"))) <= 18
-    assert found[LONG_KEY] == "very_long_name.\nhalf_track [m]"
+    assert found[LONG_KEY] == "half_track [m]"
     assert (found["x"], found["initial_pose.x"]) == ("x [m]", "initial_pose.x [m]")
 
 
