@@ -104,15 +104,15 @@ def _below_each_other(path: ShownPath, draws: Sequence[_Draw], look: Look, sheet
     beside = BAR_ROOM - layout.RIGHT
     across = sheet - layout.LEFT - BAR_ROOM
     high = across * view.shape_of(view.view_of([path.reference], []))
-    plane = layout.append_panel(figure, high, lambda axes: draw_path(axes, path), beside)
-    add_speed_colors(plane, path)
-    layout.append_legend(figure, plane)
+    above = layout.append_panels(figure, [high], lambda axes: draw_path(axes[0], path), beside)
+    add_speed_colors(above[0], path)
+    layout.append_legend(figure, above)
     for draw in draws:
 
-        def draw_panel(axes: Axes, draw: _Draw = draw) -> None:
-            draw(axes, path)
+        def draw_panel(panels: Sequence[Axes], draw: _Draw = draw) -> None:
+            draw(panels[0], path)
 
-        layout.append_legend(figure, layout.append_panel(figure, _LOW, draw_panel, beside))
+        layout.append_legend(figure, layout.append_panels(figure, [_LOW], draw_panel, beside))
     layout.close_sheet(figure, legend=0.0)
     return figure
 
