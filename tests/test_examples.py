@@ -284,6 +284,7 @@ def test_run_agrees_with_the_equations_written_down_a_second_time(name: str) -> 
     run = hilc_api.run(scenario)
 
     robot, model, start = spec.robot, spec.model, spec.trajectory.start
+    assert start is not None
     sign = {"paper": 1, "rep103": -1}[robot.turn_convention]
     true_track = _half_track(robot.half_track, robot.wheel_separation, math.nan)
     believed_track = _half_track(model.half_track, model.wheel_separation, true_track)

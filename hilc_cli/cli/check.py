@@ -10,7 +10,7 @@ import typer
 
 from hilc_cli.cli import options
 from hilc_cli.errors import UsageError
-from hilc_cli.reporting.terminal import print_json, print_text, progress, say
+from hilc_cli.reporting.terminal import print_json, print_text, progress, say, say_notes
 from hilc_cli.results.look import USUAL
 
 WRONG = 3
@@ -76,6 +76,7 @@ def check(
             "--width, --font, --style and --no-title are about the picture; add --plot"
         )
     valid = load_scenario(scenario, set_ or [], trust=trust)
+    say_notes(valid.notes, quiet=quiet)
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet or not simulate) as advance:
         found = check(valid, simulate=simulate, on_iteration=context.obj.counting(advance))
     pictures: list[Path] = []

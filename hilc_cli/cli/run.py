@@ -19,6 +19,7 @@ from hilc_cli.reporting.terminal import (
     print_text,
     progress,
     say,
+    say_notes,
     say_timings,
 )
 
@@ -85,6 +86,7 @@ def run(
     requirements = parse_requirements(require or [], valid.spec.controller.figures())
     folder = out or default_folder(valid.name, set_)
     check_folder(valid, folder, force=force)
+    say_notes(valid.notes, quiet=quiet)
     known = warnings_before(valid)
     _warn(known, quiet=quiet)
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet) as advance:

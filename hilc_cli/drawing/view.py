@@ -14,7 +14,7 @@ from matplotlib.transforms import Affine2D
 
 from hilc_cli.drawing.labels import number_text, plain_ticks, shortened
 from hilc_cli.drawing.sheet import panel_size
-from hilc_cli.drawing.style import DASHED, REFERENCE_COLOR, THIN
+from hilc_cli.drawing.style import DASHED, DOTTED, REFERENCE_COLOR, THIN
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.trial import Trial
 
@@ -157,15 +157,37 @@ def leaving_note(
 def draw_reference(
     axes: Axes, reference: Reference, color: str = REFERENCE_COLOR, label: str = "Reference"
 ) -> None:
-    """Draws the path that was to be followed: dashed, on top of the others."""
-    axes.plot(
-        *(reference.x, reference.y),
-        color=color,
-        linestyle=DASHED,
-        linewidth=1.0,
-        label=label,
-        zorder=5,
-    )
+    """Draws the path that was to be followed on top of the others.
+
+    It is dashed, dotted where it is driven backward, and has a dot where it stands or turns.
+    """
+    steps = reference.steps
+    hidden = label if label.startswith("_") else ""
+    for kind, name, here in (
+        (DASHED, label, steps >= 0),
+        (DOTTED, hidden or f"{label}, backward", steps < 0),
+    ):
+        shown = np.append(here, False) | np.append(False, here)  # both ends of each step
+        if shown.any():
+            axes.plot(
+                *(np.where(shown, each, np.nan) for each in (reference.x, reference.y)),
+                color=color,
+                linestyle=kind,
+                linewidth=1.0 if kind == DASHED else 1.5,
+                label=name,
+                zorder=5,
+            )
+    stands = np.flatnonzero((steps == 0) & (np.append(np.nan, steps[:-1]) != 0))
+    if len(stands):
+        axes.plot(
+            *(reference.x[stands], reference.y[stands]),
+            color=color,
+            linestyle="none",
+            marker="o",
+            markersize=4,
+            label=hidden or "Stop or turn in place",
+            zorder=5,
+        )
 
 
 def name_reference(axes: Axes) -> None:

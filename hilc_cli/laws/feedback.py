@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
 from hilc_cli.laws.law import LastIteration, Learner, Plan, Task
@@ -32,7 +33,8 @@ def tracking_twist(
     """Forward speed [m/s] and yaw rate [rad/s] that bring a platform back to its reference.
 
     Args:
-        speed: v_r of the reference [m/s].
+        speed: v_r of the reference [m/s], negative backward: a heading error is turned back all
+            the same.
         yaw_rate: omega_r of the reference [rad/s].
         ahead: Error along the platform's heading [m].
         aside: Error to its left [m].
@@ -46,7 +48,7 @@ def tracking_twist(
     k_x, k_y, k_theta = gains
     return (
         speed * turned[0] + k_x * ahead,
-        yaw_rate + speed * (k_y * aside + k_theta * turned[1]),
+        yaw_rate + speed * (k_y * aside + math.copysign(k_theta, speed) * turned[1]),
     )
 
 
@@ -173,7 +175,7 @@ class FeedbackController(Controller):
         """Gains with which errors grow from sample to sample."""
         sample_time = setting.reference.sample_time
         fastest, _ = reference_twist(setting.reference)
-        step = float(fastest.max()) * sample_time
+        step = float(np.abs(fastest).max()) * sample_time
         k_y, k_theta = self.gains.k_y, self.gains.damping
         found = []
         if self.gains.k_x * sample_time > 2:

@@ -320,14 +320,19 @@ class HybridController(Controller):
         """A compensation that is too long, and what the gain matrix cannot be."""
         matrix = valid(GainMatrixChoice, data.get("gain_matrix"))
         infinite = matrix_misfits(matrix, model)
+        gains = valid(HybridGains, data.get("gains"))
         return [
             *length_misfits(valid(Samples, data.get("h")), reference),
-            *(infinite or _lateral_misfits(valid(HybridGains, data.get("gains")), matrix, model)),
+            *(infinite or _lateral_misfits(gains, matrix, model)),
+            *_backward_misfits(gains, reference),
         ]
 
     def misfits_on(self, reference: Reference) -> list[Located]:
-        """A compensation longer than the trajectory."""
-        return length_misfits(self.h, reference)
+        """A compensation longer than the trajectory, and a lateral gain on a way backward."""
+        return [
+            *length_misfits(self.h, reference),
+            *_backward_misfits(self.gains, reference),
+        ]
 
     def compensates(self, setting: Setting) -> bool:
         """The position of Fig. 2's switch."""
@@ -371,6 +376,14 @@ class HybridController(Controller):
                 "Eq. 21, which has l1 only; set 'compensation: off' for Eq. 17"
             ]
         return []
+
+
+def _backward_misfits(gains: HybridGains | None, reference: Reference | None) -> list[Located]:
+    """A lateral gain, which steers to the wrong side where the robot drives backward."""
+    if gains is None or gains.lateral == 0 or reference is None or not (reference.steps < 0).any():
+        return []
+    problem = "steers to the wrong side where the trajectory is driven backward"
+    return [(("gains", "lateral"), problem, "give 0, or a trajectory without 'reverse: true'")]
 
 
 def _lateral_misfits(gains: HybridGains | None, matrix: Any, model: Robot | None) -> list[Located]:

@@ -321,8 +321,7 @@ def feedforward(reference: Reference, model: Robot) -> tuple[Floats, Floats]:
 def reference_twist(reference: Reference) -> tuple[Floats, Floats]:
     """Forward speed [m/s] and yaw rate [rad/s] of each step of a reference, shape (n,) each.
 
-    The chord and the turn of a step, by the sample time.
+    The chord and the turn of a step, by the sample time; backward the speed is negative.
     """
-    chord = np.hypot(np.diff(reference.x), np.diff(reference.y))
     turn = np.diff(reference.heading)
-    return chord / reference.sample_time, turn / reference.sample_time
+    return reference.steps / reference.sample_time, turn / reference.sample_time

@@ -1,173 +1,116 @@
 """Makes the sampled reference of a list of segments, and checks that it has no jumps.
 
-A segment is placed once, with its start in the world frame, and then evaluated at any fraction
-of its length from its closed form: samples do not accumulate rounding errors.
+Segments are placed first, each where the last one ended, then given their time, then sampled.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, Protocol
+from dataclasses import replace
 
 import numpy as np
 
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.corners import RoundingError, rounded
+from hilc_cli.reference.placed import MAX_SAMPLES, Placed
+from hilc_cli.reference.plans import (
+    ArcPlan,
+    ClothoidPlan,
+    LinePlan,
+    PathError,
+    SamplesError,
+    SegmentPlan,
+    StopPlan,
+    ThroughPlan,
+    TurnPlan,
+)
+from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.segments import (
+    Arc,
+    Backward,
+    Clothoid,
+    Line,
+    Segment,
+    TurnInPlace,
+    end_of,
+    nearest_equivalent_angle,
+    turn_sign,
+)
+from hilc_cli.reference.splines import CurveError
+from hilc_cli.reference.through_points import Curve, curve_through
 
-Turn = Literal["left", "right"]
-
-
-class Segment(Protocol):
-    """A placed piece of a path, run at constant speed."""
-
-    @property
-    def length(self) -> float:
-        """Length [m]."""
-
-    @property
-    def start_heading(self) -> float:
-        """Heading of the tangent at the start [rad]."""
-
-    def at(self, fraction: Floats) -> tuple[Floats, Floats, Floats]:
-        """Position x, y [m] and heading [rad] at fractions 0..1 of the length."""
-
-
-@dataclass(frozen=True, slots=True)
-class Line:
-    """A straight line."""
-
-    start: tuple[float, float]  # [m]
-    end: tuple[float, float]  # [m]
-    heading: float  # [rad], unwrapped
-
-    @property
-    def length(self) -> float:
-        """Length [m]."""
-        return math.dist(self.start, self.end)
-
-    @property
-    def start_heading(self) -> float:
-        """Heading of the line [rad]."""
-        return self.heading
-
-    def at(self, fraction: Floats) -> tuple[Floats, Floats, Floats]:
-        """Position x, y [m] and heading [rad] at fractions 0..1 of the length."""
-        rest = 1 - fraction  # so that fraction 1 is the end exactly
-        return (
-            self.start[0] * rest + self.end[0] * fraction,
-            self.start[1] * rest + self.end[1] * fraction,
-            np.full_like(fraction, self.heading),
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Arc:
-    """A circular arc, left (counterclockwise) or right."""
-
-    center: tuple[float, float]  # [m]
-    radius: float  # [m], > 0
-    start_angle: float  # of the start point, seen from the centre [rad]
-    sweep: float  # [rad], > 0
-    turn: Turn
-    start_heading: float  # [rad], unwrapped
-
-    @property
-    def length(self) -> float:
-        """Length [m]."""
-        return self.radius * self.sweep
-
-    def at(self, fraction: Floats) -> tuple[Floats, Floats, Floats]:
-        """Position x, y [m] and heading [rad] at fractions 0..1 of the length."""
-        swept = turn_sign(self.turn) * self.sweep * fraction
-        angle = self.start_angle + swept
-        return (
-            self.center[0] + self.radius * np.cos(angle),
-            self.center[1] + self.radius * np.sin(angle),
-            self.start_heading + swept,
-        )
-
-
-def turn_sign(turn: Turn) -> float:
-    """+1 for a left (counterclockwise) turn, -1 for a right one."""
-    return 1.0 if turn == "left" else -1.0
-
-
-def nearest_equivalent_angle(angle: float, near: float) -> float:
-    """The angle plus the whole number of turns that brings it nearest to another one [rad]."""
-    return angle + 2 * math.pi * round((near - angle) / (2 * math.pi))
-
+__all__ = [
+    "MAX_SAMPLES",
+    "POSITION_TOLERANCE",
+    "ArcPlan",
+    "ClothoidPlan",
+    "LinePlan",
+    "PathBuilder",
+    "PathError",
+    "SamplesError",
+    "SegmentPlan",
+    "StopPlan",
+    "ThroughPlan",
+    "TurnPlan",
+    "build_reference",
+]
 
 POSITION_TOLERANCE = 1e-9  # [m]
 HEADING_TOLERANCE = 1e-9  # [rad]
-SAMPLES_TOLERANCE = 1e-9  # relative, on the number of samples of a duration
-MAX_SAMPLES = 1_000_000
+MOST_TURNING = 10_000.0
+"""By which a clothoid may turn [rad]."""
+_LAST_PLACES = 8  # so many units in the last place coordinates may be off in any case
 
-
-class PathError(ValueError):
-    """A segment does not fit the path that it is to continue.
-
-    Attributes:
-        field: Name of the offending field of the segment; empty for the segment as a whole.
-    """
-
-    def __init__(self, message: str, field: str = "") -> None:
-        self.field = field
-        super().__init__(message)
-
-
-class SamplesError(PathError):
-    """A segment does not take a whole number of samples, or too many."""
-
-
-@dataclass(frozen=True, slots=True)
-class LinePlan:
-    """A line as a person writes it: to a point, or a length along the running heading."""
-
-    to: tuple[float, float] | None = None  # [m]
-    length: float | None = None  # [m]
-    duration: float | None = None  # [s]
-    speed: float | None = None  # [m/s]
-
-
-@dataclass(frozen=True, slots=True)
-class ArcPlan:
-    """An arc as a person writes it: about a centre, or with a radius off the running heading."""
-
-    sweep: float  # [rad], > 0
-    turn: Turn
-    center: tuple[float, float] | None = None  # [m]
-    radius: float | None = None  # [m]
-    duration: float | None = None  # [s]
-    speed: float | None = None  # [m/s]
-
-
-SegmentPlan = LinePlan | ArcPlan
+Pose = tuple[float, float, float]
 
 
 class PathBuilder:
     """Places segments one after the other, each where the last one ended.
 
     Args:
-        x: Start position [m].
-        y: Start position [m].
-        heading: Start heading [rad].
+        start: x [m], y [m] and heading [rad] of sample 0; None: where the first segment, a curve
+            through points, starts.
         sample_time: d_t [s], > 0.
         corners: Whether the heading may jump between segments.
+        corner_radius: Of the arcs that round corners [m]; None: they are not rounded.
+        tolerance: How far a given centre, end or start of a curve may be off [m].
 
     Attributes:
         samples: Number of sampling intervals so far.
+        curves: Curves through points, by the number of their segment.
     """
 
     def __init__(
-        self, x: float, y: float, heading: float, sample_time: float, *, corners: bool = False
+        self,
+        start: Pose | None,
+        sample_time: float,
+        *,
+        corners: bool = False,
+        corner_radius: float | None = None,
+        tolerance: float = POSITION_TOLERANCE,
     ) -> None:
-        self._start = (x, y, heading)
-        self._pose = (x, y, heading)
+        self._start = self._pose = start
+        self._curvature = 0.0  # with which the path arrives
+        self._is_backward = False
         self._sample_time = sample_time
         self._corners = corners
-        self._segments: list[tuple[Segment, int, float]] = []  # with its samples and corner
+        self._corner_radius = corner_radius
+        self._tolerance = tolerance
+        self._placed: list[Placed] = []
+        self._counts: list[int] = []
         self.samples = 0
+        self.curves: dict[int, Curve] = {}
+
+    @property
+    def start(self) -> Pose:
+        """Pose of sample 0: x [m], y [m] and heading [rad].
+
+        Raises:
+            PathError: There is none yet.
+        """
+        if self._start is None:
+            raise PathError("has no start; give 'start'")
+        return self._start
 
     def add(self, plan: SegmentPlan) -> None:
         """Places one more segment.
@@ -178,24 +121,37 @@ class PathBuilder:
             PathError: The segment does not pass through the running point, has no length, or
                 turns the heading abruptly.
         """
-        segment = self._line(plan) if isinstance(plan, LinePlan) else self._arc(plan)
-        jump = segment.start_heading - self._pose[2]
-        if abs(jump) > HEADING_TOLERANCE and not self._corners:
-            raise PathError(
-                f"starts with a heading of {segment.start_heading:.9g} rad where the path arrives "
-                f"with {self._pose[2]:.9g} rad, a corner of {jump:.3g} rad; "
-                "make them equal or set 'corners: allow'"
-            )
-        x, y, heading = segment.at(np.array([1.0]))
-        self._pose = (float(x[0]), float(y[0]), float(heading[0]))
-        samples = self._samples(segment.length, plan.duration, plan.speed)
-        corner = jump if abs(jump) > HEADING_TOLERANCE else 0.0
-        self._segments.append((segment, samples, corner))
-        self.samples += samples
+        placed = self._place(plan)
+        segment = placed.segment
+        x, y, heading, curvature = end_of(segment)
+        start = self._start
+        if start is None:
+            first = segment.at(np.array([0.0]))
+            start = (float(first.x[0]), float(first.y[0]), segment.start_heading)
+        jump = segment.start_heading - (start if self._pose is None else self._pose)[2]
+        before = self._placed[-1] if self._placed else None
+        if abs(jump) > HEADING_TOLERANCE:
+            placed, before = self._with_corner(placed, before, jump)
+        self._start, self._pose = start, (x, y, heading)
+        self._is_backward = isinstance(segment, Backward)
+        if not isinstance(plan, StopPlan):
+            self._curvature = curvature
+        if before is not None and before is not self._placed[-1]:  # its corner has been rounded
+            self._placed.pop()
+            self.samples -= self._counts.pop()
+            self._take(before)
+        self._take(placed)
 
     def gap(self) -> float:
         """Distance of the running point from the start [m]."""
-        return math.dist(self._pose[:2], self._start[:2])
+        if self._pose is None:
+            return 0.0
+        return math.dist(self._pose[:2], self.start[:2])
+
+    @property
+    def slack(self) -> float:
+        """How far the running point may be off what is given [m]."""
+        return self._slack(*(self._pose or (0.0, 0.0))[:2])
 
     def sample(self, name: str) -> Reference:
         """The reference at all samples.
@@ -206,19 +162,19 @@ class PathBuilder:
         Args:
             name: Name of the trajectory.
         """
-        if not self._segments:
+        if not self._placed:
             raise PathError("has no segments; give at least one")
         total = self.samples
         x, y, heading = (np.empty(total + 1) for _ in range(3))
         first = 0
         ends = []
-        for segment, samples, _ in self._segments:
+        for placed, samples in zip(self._placed, self._counts, strict=True):
             part = slice(first, first + samples + 1)
-            # k / m rather than a step added up: sample k comes from the closed form.
-            x[part], y[part], heading[part] = segment.at(np.arange(samples + 1) / samples)
+            fractions = placed.fractions(samples)
+            x[part], y[part], heading[part], _ = placed.segment.at(fractions)
             first += samples
             ends.append(first)
-        x[0], y[0], heading[0] = self._start
+        x[0], y[0], heading[0] = self.start
         return Reference(
             name,
             self._sample_time,
@@ -226,16 +182,67 @@ class PathBuilder:
             y,
             heading,
             segment_ends=tuple(ends),
-            lengths=tuple(segment.length for segment, _, _ in self._segments),
-            corners=tuple(corner for _, _, corner in self._segments),
+            lengths=tuple(placed.segment.length for placed in self._placed),
+            corners=tuple(placed.corner for placed in self._placed),
         )
 
-    def _line(self, plan: LinePlan) -> Line:
+    def _slack(self, *coordinates: float) -> float:
+        """How far a point of such coordinates may be off [m]."""
+        return _slack(self._tolerance, *coordinates)
+
+    def _place(self, plan: SegmentPlan) -> Placed:
+        if isinstance(plan, ThroughPlan):
+            return self._through(plan)
+        if self._pose is None:
+            raise PathError("has no start; give 'start'")
         x, y, running = self._pose
+        if isinstance(plan, TurnPlan):
+            turn = TurnInPlace((x, y), running, plan.angle)
+            return Placed(turn, plan.duration, plan.rate, "rate", abs(plan.angle))
+        if isinstance(plan, StopPlan):
+            return Placed(TurnInPlace((x, y), running), plan.duration)
+        segment: Segment
+        if isinstance(plan, ClothoidPlan):
+            segment = self._clothoid(plan, self._pose)
+        else:
+            pose = (x, y, running - math.pi) if plan.reverse else self._pose
+            segment = (
+                self._line(plan, pose) if isinstance(plan, LinePlan) else self._arc(plan, pose)
+            )
+            segment = Backward(segment) if plan.reverse else segment
+        return Placed(segment, plan.duration, plan.speed)
+
+    def _with_corner(
+        self, placed: Placed, before: Placed | None, jump: float
+    ) -> tuple[Placed, Placed | None]:
+        """A segment that starts with a corner, and the one before, as the path may have them."""
+        if self._corners:
+            return replace(placed, corner=jump), before
+        if self._corner_radius is None or before is None:
+            remedy = "make them equal or set 'corners: allow'"
+            if self._corner_radius is not None:
+                remedy = "make start.heading the first one, since there is nothing to round"
+            start = placed.segment.start_heading
+            raise PathError(
+                f"starts with a heading of {start:.9g} rad where the path arrives with "
+                f"{start - jump:.9g} rad, a corner of {jump:.3g} rad; {remedy}"
+            )
+        try:
+            first, second = rounded(before.segment, placed.segment, self._corner_radius)
+        except RoundingError as error:
+            raise PathError(f"starts with a corner of {jump:.3g} rad that {error}") from None
+        return replace(placed, segment=second), replace(before, segment=first)
+
+    def _line(self, plan: LinePlan, pose: Pose) -> Line:
+        x, y, running = pose
         if plan.to is not None:
             end = plan.to
             length = math.dist((x, y), end)
             heading = nearest_equivalent_angle(math.atan2(end[1] - y, end[0] - x), running)
+            turned = abs(heading - running)
+            if turned > HEADING_TOLERANCE and length * turned <= self._slack(x, y, *end):
+                heading = running  # the end may be off by so little: no corner is meant
+                end = (x + length * math.cos(heading), y + length * math.sin(heading))
         elif plan.length is not None:
             length, heading = plan.length, running
             end = (x + length * math.cos(heading), y + length * math.sin(heading))
@@ -249,21 +256,18 @@ class PathBuilder:
             )
         return Line((x, y), end, heading)
 
-    def _arc(self, plan: ArcPlan) -> Arc:
-        x, y, running = self._pose
+    def _arc(self, plan: ArcPlan, pose: Pose) -> Arc:
+        x, y, running = pose
         side = turn_sign(plan.turn) * math.pi / 2
         if plan.center is None:
             if plan.radius is None:
                 raise PathError("has no place; give 'center' or 'radius'")
-            center = (
-                x + plan.radius * math.cos(running + side),
-                y + plan.radius * math.sin(running + side),
-            )
-            return Arc(center, plan.radius, running - side, plan.sweep, plan.turn, running)
+            return _tangent_arc(plan, pose, plan.radius)
         center = plan.center
         distance = math.dist(center, (x, y))
         radius = distance if plan.radius is None else plan.radius
-        if abs(distance - radius) > POSITION_TOLERANCE:
+        slack = self._slack(x, y, *center)
+        if abs(distance - radius) > slack:
             raise PathError(
                 f"does not pass through ({x:.9g}, {y:.9g}), where the path stands: that point is "
                 f"{distance:.9g} m from the centre, a gap of {abs(distance - radius):.3g} m to "
@@ -278,49 +282,107 @@ class PathBuilder:
             )
         start_angle = math.atan2(y - center[1], x - center[0])
         heading = nearest_equivalent_angle(start_angle + side, running)
+        if max(abs(heading - running), abs(distance - radius)) > POSITION_TOLERANCE:
+            # The centre may be off by so little: neither a gap nor a corner is meant.
+            tangent = _tangent_arc(plan, pose, radius)
+            if math.dist(tangent.center, center) <= slack:
+                return tangent
+            radius = distance if abs(distance - radius) > POSITION_TOLERANCE else radius
         return Arc(center, radius, start_angle, plan.sweep, plan.turn, heading)
 
-    def _samples(self, length: float, duration: float | None, speed: float | None) -> int:
-        if duration is not None:
-            exact = duration / self._sample_time
-            if exact > MAX_SAMPLES:
-                raise SamplesError(
-                    f"takes {exact:.4g} samples; the longest path has {MAX_SAMPLES}", "duration"
-                )
-            samples = round(exact)
-            if samples < 1 or abs(exact - samples) > SAMPLES_TOLERANCE * max(1.0, exact):
-                near = max(1, samples) * self._sample_time
-                raise SamplesError(
-                    f"takes {duration:.9g} s, which is {exact:.9g} samples of "
-                    f"{self._sample_time:.9g} s; give a whole number of samples, such as "
-                    f"{near:.9g} s",
-                    "duration",
-                )
-        elif speed is not None:
-            # A speed hardly ever gives a whole number of samples: the nearest one is taken.
-            exact = length / speed / self._sample_time
-            if exact > MAX_SAMPLES:
-                raise SamplesError(
-                    f"takes {exact:.4g} samples; the longest path has {MAX_SAMPLES}", "speed"
-                )
-            samples = max(1, round(exact))
-        else:
-            raise PathError("has no time; give 'duration' or 'speed'")
-        if self.samples + samples > MAX_SAMPLES:
-            raise SamplesError(
-                f"brings the path to {self.samples + samples} samples; "
-                f"the longest path has {MAX_SAMPLES}"
+    def _clothoid(self, plan: ClothoidPlan, pose: Pose) -> Clothoid:
+        # Where the robot begins to drive the other way, its wheels steer on as they did.
+        arrives = -self._curvature if self._is_backward else self._curvature
+        start = arrives if plan.start_curvature is None else plan.start_curvature
+        clothoid = Clothoid(pose[:2], pose[2], plan.length, start, plan.end_curvature)
+        if clothoid.turning > MOST_TURNING:
+            raise PathError(
+                f"turns by up to {clothoid.turning:.4g} rad; the most is {MOST_TURNING:g} rad: "
+                "give smaller curvatures, or a shorter length"
             )
-        return samples
+        return clothoid
+
+    def _through(self, plan: ThroughPlan) -> Placed:
+        points, turned = plan.points, math.pi if plan.reverse else 0.0
+        heading = None
+        slack = self._slack(*map(float, points[0]))
+        if self._pose is not None:
+            x, y, running = self._pose
+            heading = running - turned
+            gap = math.dist(points[0], (x, y))
+            if gap > slack:
+                first = ", ".join(f"{each:.9g}" for each in points[0])
+                raise PathError(
+                    f"starts at ({first}), {gap:.3g} m from ({x:.9g}, {y:.9g}), where the path "
+                    "stands; make its first point the one where the segment before ends"
+                )
+            points = np.concatenate([[[x, y]], points[1:]])
+        try:
+            curve = curve_through(
+                points,
+                plan.through,
+                smoothing=plan.smoothing,
+                closed=plan.closed,
+                slack=slack,
+                same=_slack(POSITION_TOLERANCE, *map(float, points[0])),
+                start_heading=heading,
+                end_heading=None if plan.heading is None else plan.heading - turned,
+                corners=self._corners,
+                corner_radius=self._corner_radius,
+            )
+            clock = None
+            if plan.duration is None and plan.speed is None:
+                if plan.times is not None:
+                    clock = curve.clock_of_times(plan.times)
+                elif plan.speeds is not None:
+                    clock = curve.clock_of_speeds(plan.speeds)
+        except CurveError as error:
+            raise PathError(str(error)) from None
+        except RoundingError as error:
+            raise PathError(f"has a corner that {error}") from None
+        self.curves[len(self._placed)] = curve
+        segment = Backward(curve.segment) if plan.reverse else curve.segment
+        return Placed(segment, plan.duration, plan.speed, clock=clock)
+
+    def _take(self, placed: Placed) -> None:
+        """Takes a segment in, even if what is said of its time is told to be wrong.
+
+        Raises:
+            SamplesError: It is.
+        """
+        self._placed.append(placed)
+        self._counts.append(0)
+        samples = placed.samples(self._sample_time)
+        total = self.samples + samples
+        if total > MAX_SAMPLES:
+            raise SamplesError(
+                f"brings the path to {total} samples; the longest path has {MAX_SAMPLES}"
+            )
+        self._counts[-1], self.samples = samples, total
+
+
+def _slack(tolerance: float, *coordinates: float) -> float:
+    """A tolerance, but no less than what the coordinates can be told apart by [m]."""
+    return max(tolerance, _LAST_PLACES * math.ulp(max(map(abs, coordinates))))
+
+
+def _tangent_arc(plan: ArcPlan, pose: Pose, radius: float) -> Arc:
+    """An arc that leaves a pose along its heading."""
+    x, y, running = pose
+    side = turn_sign(plan.turn) * math.pi / 2
+    center = (x + radius * math.cos(running + side), y + radius * math.sin(running + side))
+    return Arc(center, radius, running - side, plan.sweep, plan.turn, running)
 
 
 def build_reference(
     name: str,
-    start: tuple[float, float, float],
+    start: Pose | None,
     plans: Sequence[SegmentPlan],
     sample_time: float,
     *,
     corners: bool = False,
+    corner_radius: float | None = None,
+    tolerance: float = POSITION_TOLERANCE,
 ) -> Reference:
     """Samples a path of segments, see `PathBuilder`.
 
@@ -330,11 +392,15 @@ def build_reference(
         plans: The segments in order.
         sample_time: d_t [s].
         corners: Whether the heading may jump between segments.
+        corner_radius: Of the arcs that round corners [m].
+        tolerance: How far a given centre, end or start of a curve may be off [m].
 
     Raises:
         PathError: A segment does not fit.
     """
-    builder = PathBuilder(*start, sample_time, corners=corners)
+    builder = PathBuilder(
+        start, sample_time, corners=corners, corner_radius=corner_radius, tolerance=tolerance
+    )
     for plan in plans:
         builder.add(plan)
     return builder.sample(name)

@@ -48,6 +48,16 @@ class Reference:
         return np.stack([self.x, self.y, self.heading], axis=1)
 
     @property
+    def steps(self) -> Floats:
+        """Length of each step's chord [m], shape (n,), negative where it is driven backward.
+
+        A step that goes against the heading at its start is one backward.
+        """
+        x, y, heading = np.diff(self.x), np.diff(self.y), self.heading[:-1]
+        chord: Floats = np.hypot(x, y)
+        return np.where(np.cos(heading) * x + np.sin(heading) * y < 0, -chord, chord)
+
+    @property
     def times(self) -> Floats:
         """Time of each sample [s], shape (n + 1,)."""
         return np.arange(self.samples + 1, dtype=np.float64) * self.sample_time

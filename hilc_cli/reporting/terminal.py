@@ -187,6 +187,12 @@ def progress(
         yield lambda done: bar.update(task, completed=done, description=f"{title}{stage(done)}")
 
 
+def say_notes(notes: Sequence[str], *, quiet: bool) -> None:
+    """Says on stderr what was done to what was read."""
+    for note in () if quiet else notes:
+        say(f"note: {note}")
+
+
 def say_timings(*timings: Mapping[str, float]) -> None:
     """Says on stderr how long each step has taken [s]."""
     for part in timings:

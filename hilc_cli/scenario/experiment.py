@@ -52,12 +52,14 @@ class Scenario:
         checksums: SHA-256 of each file that was read.
         sweep_places: Where ``("sweep", KEY)``, a key of the section ``sweep``, and ``("vary",
             KEY)``, the values of a varied key, stand.
+        notes: What was done to the points of the path files that it names, one line each.
     """
 
     spec: ScenarioSpec
     initial_input: tuple[Floats, Floats] | None = None
     checksums: Mapping[str, str] = field(default_factory=dict)
     sweep_places: Mapping[tuple[str, str], Place] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         spec = self.spec
@@ -147,7 +149,7 @@ class Scenario:
     def _implausible(self) -> list[str]:
         """Numbers that hardly anybody means."""
         spec, robot = self.spec, self.spec.robot.robot()
-        headings = {"trajectory.start.heading": spec.trajectory.start.heading}
+        headings = {"trajectory.start.heading": spec.trajectory.start_pose[2]}
         if spec.initial_pose.heading is not None:
             headings["initial_pose.heading"] = spec.initial_pose.heading
         return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)

@@ -14,6 +14,7 @@ from hilc_cli.results.reading import MAX_CSV_BYTES
 from hilc_cli.results.tables import read_input
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
 from hilc_cli.scenario.identified import with_identified
+from hilc_cli.scenario.path_files import PathFile, path_notes, with_path_files
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.shipped_files import SCENARIOS
 from hilc_cli.yaml_input.model import Model, model_in
@@ -69,15 +70,20 @@ def load_scenario(
         tree = _with_both_radii(tree, keys)
         tree = apply_override(tree, keys, value, inputs.with_trajectory, _default)
     problems: list[Problem] = []
+    files: dict[int, PathFile] = {}
     try:
-        tree = inputs.with_trajectory(tree)
+        tree, files = with_path_files(inputs.with_trajectory(tree), inputs)
     except InvalidInputError as error:
         problems = list(error.problems)
     tree = with_identified(tree, inputs.file)
     with trusting(trust):
         spec = _validated(tree, problems, inputs.problems)
     return Scenario(
-        spec, _initial_input(spec, tree, inputs), dict(inputs.checksums), _sweep_places(spec, tree)
+        spec,
+        _initial_input(spec, tree, inputs),
+        dict(inputs.checksums),
+        _sweep_places(spec, tree),
+        tuple(path_notes(files, spec.trajectory)),
     )
 
 

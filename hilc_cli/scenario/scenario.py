@@ -319,16 +319,16 @@ class ScenarioSpec(Model):
     @property
     def start_pose(self) -> Triple:
         """Pose at which each iteration starts [m, m, rad], before its disturbance."""
-        given, start = self.initial_pose, self.trajectory.start
+        given, (x, y, heading) = self.initial_pose, self.trajectory.start_pose
         return (
-            start.x if given.x is None else given.x,
-            start.y if given.y is None else given.y,
-            start.heading if given.heading is None else given.heading,
+            x if given.x is None else given.x,
+            y if given.y is None else given.y,
+            heading if given.heading is None else given.heading,
         )
 
     @property
     def initial_error(self) -> Triple:
         """Start of the reference less the initial pose [m, m, rad]."""
-        start = self.trajectory.start
+        start_x, start_y, start_heading = self.trajectory.start_pose
         x, y, heading = self.start_pose
-        return (start.x - x, start.y - y, start.heading - heading)
+        return (start_x - x, start_y - y, start_heading - heading)

@@ -3,38 +3,35 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, WrapValidator, model_validator
 
 from hilc_cli.reference.path import (
     POSITION_TOLERANCE,
-    ArcPlan,
-    LinePlan,
     PathBuilder,
     PathError,
     SamplesError,
-    SegmentPlan,
-    Turn,
 )
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.yaml_input.model import Flag, Located, Model, Name, Text, together, wrong_at
+from hilc_cli.reference.through_points import Curve
+from hilc_cli.scenario.segments import SegmentSpec
+from hilc_cli.wording import near_name
+from hilc_cli.yaml_input.model import Flag, Located, Model, Name, Text, together, wrong, wrong_at
 from hilc_cli.yaml_input.quantities import (
     Angle,
     Coordinate,
-    PositiveAngle,
     PositiveLength,
-    PositiveSpeed,
-    PositiveTime,
     SampleTime,
     such_as,
 )
 
 _MOST_DEGREES = 3600
 """Larger numbers are hardly meant to be degrees."""
-
-Point = tuple[Coordinate, Coordinate]
+MOST_POINTS = 10_000
+"""Points of all segments together, which a resolved scenario holds."""
 
 
 class PoseSpec(Model):
@@ -45,81 +42,23 @@ class PoseSpec(Model):
     heading: Angle = Field(description="rad, counterclockwise from the x axis")
 
 
-class _Timed(Model):
-    exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = (("duration", "speed"),)
+class CornersSpec(Model):
+    """Corners that are rounded."""
 
-    duration: PositiveTime | None = Field(None, description="s, a whole number of samples")
-    speed: PositiveSpeed | None = Field(
-        None, description="m/s, instead of duration; rounded so that the samples are whole"
+    radius: Annotated[float, such_as(PositiveLength, "0.2 or 20 cm")] = Field(
+        description="m, of the arcs that round corners"
     )
 
 
-class SemicircleSpec(_Timed):
-    """An arc of 180 degrees."""
-
-    center: Point | None = Field(None, description="m, in the world frame")
-    radius: Annotated[float, such_as(PositiveLength, "5 or 5 m")] | None = Field(
-        None, description="m; without a center it lies perpendicular to the running heading"
-    )
-    turn: Turn = Field(description="left is counterclockwise")
-
-    @model_validator(mode="after")
-    def _center_or_radius(self) -> Self:
-        if self.center is None and self.radius is None:
-            raise wrong_at((), "needs a center or a radius", "give one of them, or both")
-        return self
-
-    def plan(self) -> SegmentPlan:
-        """The segment for the path builder."""
-        return ArcPlan(math.pi, self.turn, self.center, self.radius, self.duration, self.speed)
-
-
-class ArcSpec(SemicircleSpec):
-    """A circular arc."""
-
-    sweep: PositiveAngle = Field(description="rad; more than 2*pi is more than one turn")
-
-    def plan(self) -> SegmentPlan:
-        """The segment for the path builder."""
-        return ArcPlan(self.sweep, self.turn, self.center, self.radius, self.duration, self.speed)
-
-
-class LineSpec(_Timed):
-    """A straight line."""
-
-    exactly_one = (("duration", "speed"), ("to", "length"))
-
-    to: Point | None = Field(None, description="m, in the world frame")
-    length: Annotated[float, such_as(PositiveLength, "5 or 5 m")] | None = Field(
-        None, description="m, along the running heading"
-    )
-
-    def plan(self) -> SegmentPlan:
-        """The segment for the path builder."""
-        return LinePlan(self.to, self.length, self.duration, self.speed)
-
-
-class SegmentSpec(Model):
-    """One piece of the path: its kind, and below that its shape."""
-
-    exactly_one = (("arc", "semicircle", "line"),)
-
-    arc: ArcSpec | None = None
-    semicircle: SemicircleSpec | None = None
-    line: LineSpec | None = None
-
-    def _given(self) -> dict[str, ArcSpec | SemicircleSpec | LineSpec]:
-        kinds = {"arc": self.arc, "semicircle": self.semicircle, "line": self.line}
-        return {kind: shape for kind, shape in kinds.items() if shape is not None}
-
-    @property
-    def kind(self) -> str:
-        """arc, semicircle or line."""
-        return next(iter(self._given()))
-
-    def plan(self) -> SegmentPlan:
-        """The segment for the path builder."""
-        return self._given()[self.kind].plan()
+def _word_or_radius(value: object, handler: object) -> object:
+    """Validates what is said of corners without a word of the form that it has not."""
+    if value in ("forbid", "allow") or isinstance(value, CornersSpec):
+        return value
+    if isinstance(value, Mapping):
+        return CornersSpec.model_validate(value)
+    near = near_name(value, ("forbid", "allow")) if isinstance(value, str) else None
+    remedy = f"did you mean '{near}'?" if near else "give forbid, allow or {radius: 20 cm}"
+    raise wrong("is not one of the choices", remedy)
 
 
 class TrajectorySpec(Model):
@@ -128,15 +67,36 @@ class TrajectorySpec(Model):
     name: Name
     description: Text = ""
     sample_time: SampleTime = Field(description="s")
-    start: PoseSpec
+    start: PoseSpec | None = Field(
+        None, description="default: where and as the first segment starts, a spline or path"
+    )
     segments: list[SegmentSpec] = Field(min_length=1, max_length=4_000)
     closed: Flag = Field(False, description="the path must end where it starts")
-    corners: Literal["forbid", "allow"] = Field(
-        "forbid", description="whether the heading may jump between segments"
+    corners: Annotated[Literal["forbid", "allow"] | CornersSpec, WrapValidator(_word_or_radius)] = (
+        Field("forbid", description="whether the heading may jump between segments")
     )
+    tolerance: Annotated[float, such_as(PositiveLength, "0.001 or 1 mm")] | None = Field(
+        None,
+        description="m: how far a given centre, end or closure may be off; default 1e-9, and never "
+        "less than 8 units in the last place of the coordinates",
+    )
+
+    @classmethod
+    def misfits(cls, data: dict[str, Any]) -> list[Located]:
+        """A start that is missing where only it tells where the path begins."""
+        segments = data.get("segments")
+        first = segments[0] if isinstance(segments, list) and segments else None
+        own = super().misfits(data)
+        if data.get("start") is not None or _has_own_start(first):
+            return own
+        return [*own, (("start",), "is missing", "give it: x, y and heading of the first sample")]
 
     @model_validator(mode="after")
     def _has_a_path(self) -> Self:
+        points = sum(segment.points for segment in self.segments)
+        if points > MOST_POINTS:
+            problem = f"have {points} points together, and the most is {MOST_POINTS}"
+            raise wrong_at(("segments",), problem, "take fewer, such as every second one")
         _ = self._path
         return self
 
@@ -144,6 +104,16 @@ class TrajectorySpec(Model):
     def segment_names(self) -> list[str]:
         """Keys of the segments' shapes, such as ``segments.0.line``."""
         return [f"segments.{index}.{segment.kind}" for index, segment in enumerate(self.segments)]
+
+    @property
+    def start_pose(self) -> tuple[float, float, float]:
+        """Pose of sample 0: x [m], y [m] and heading [rad]."""
+        return self._path.start
+
+    @property
+    def curves(self) -> Mapping[int, Curve]:
+        """Curves through points, by the number of their segment."""
+        return self._path.curves
 
     def reference(self) -> Reference:
         """The sampled trajectory."""
@@ -155,10 +125,12 @@ class TrajectorySpec(Model):
 
     def _degrees_meant(self, last: int) -> str:
         """What of the angles up to a segment looks like degrees, as the end of a message."""
-        angles = {"start.heading": self.start.heading}
+        angles = {} if self.start is None else {"start.heading": self.start.heading}
         for index, segment in enumerate(self.segments[: last + 1]):
             if segment.arc is not None:
                 angles[f"segments.{index}.arc.sweep"] = segment.arc.sweep
+            if segment.turn is not None:
+                angles[f"segments.{index}.turn.angle"] = segment.turn.angle
         for key, angle in angles.items():
             if 2 * math.pi < abs(angle) <= _MOST_DEGREES and angle == round(angle):
                 turns = f"{abs(angle) / (2 * math.pi):.3g} turns"
@@ -175,7 +147,11 @@ class TrajectorySpec(Model):
         problems: list[Located] = []
         start = self.start
         path = PathBuilder(
-            start.x, start.y, start.heading, self.sample_time, corners=self.corners == "allow"
+            None if start is None else (start.x, start.y, start.heading),
+            self.sample_time,
+            corners=self.corners == "allow",
+            corner_radius=self.corners.radius if isinstance(self.corners, CornersSpec) else None,
+            tolerance=POSITION_TOLERANCE if self.tolerance is None else self.tolerance,
         )
         for index, segment in enumerate(self.segments):
             try:
@@ -190,11 +166,21 @@ class TrajectorySpec(Model):
         if problems:
             raise together(problems)
         gap = path.gap()
-        if self.closed and gap > POSITION_TOLERANCE:
+        if self.closed and gap > path.slack:
             last = len(self.segments) - 1
+            remedy = "close the gap or set 'closed: false'"
+            if last in path.curves and last == 0:
+                remedy = "close the gap, set 'closed: true' in the segment, or false below"
             raise wrong_at(
                 ("segments", last, self.segments[last].kind),
                 f"ends {gap:.3g} m from the start of the path, which is said to be closed",
-                f"close the gap or set 'closed: false'{self._degrees_meant(last)}",
+                f"{remedy}{self._degrees_meant(last)}",
             )
         return path
+
+
+def _has_own_start(segment: object) -> bool:
+    """Whether a segment, which may not be valid, tells where the path starts."""
+    if isinstance(segment, SegmentSpec):
+        return segment.spline is not None or segment.path is not None
+    return not isinstance(segment, Mapping) or not segment.keys().isdisjoint(("spline", "path"))

@@ -46,7 +46,6 @@ WITHOUT_EFFECT = (
     "trajectory.name",
     "trajectory.description",
     "trajectory.closed",
-    "trajectory.corners",
 )
 """Keys on which the results of a case do not depend."""
 

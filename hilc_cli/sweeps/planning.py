@@ -16,6 +16,7 @@ from hilc_cli.errors import MOST_PROBLEMS, InvalidInputError, Problem, UsageErro
 from hilc_cli.results.tables import value_text
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
+from hilc_cli.scenario.path_files import with_path_files
 from hilc_cli.scenario.scenario import RecordSpec, ScenarioSpec
 from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec, read_axis, shown_axis
 from hilc_cli.scenario.trajectory import TrajectorySpec
@@ -387,7 +388,7 @@ class _Checked:
                     message = "must be a list of trajectory files; give their paths"
                     raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])
                 tree = inputs.with_trajectory(with_changes(self.spec, [(TRAJECTORY, value, place)]))
-                path = scenario_of(tree).trajectory
+                path = scenario_of(with_path_files(tree, inputs)[0]).trajectory
                 if path.name in self.trajectories:
                     message = f"has two trajectories named {path.name}; give them different names"
                     raise InvalidInputError([Problem(str(place), TRAJECTORY, message)])

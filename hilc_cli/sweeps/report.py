@@ -18,6 +18,7 @@ from hilc_cli.reporting.terminal import (
     print_text,
     progress,
     say,
+    say_notes,
     two_columns,
 )
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
@@ -119,7 +120,8 @@ class SweepReport:
         self.say("compiling the engine for this machine, once for each kind of experiment")
 
     def warnings(self, plan: Plan) -> None:
-        """Says what is legal but probably not meant."""
+        """Says what was done to what was read, and what is legal but probably not meant."""
+        say_notes(plan.scenario.notes, quiet=self.quiet)
         for warning in plan.warnings():
             self.say(f"warning: {warning}")
 

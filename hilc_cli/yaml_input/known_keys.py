@@ -81,8 +81,8 @@ def known_keys(
         level = below
 
 
-_MAY_BE_WHOLE = frozenset({"trajectory", "sweep"})
-"""Sections that may be a single value: the path of a file, or nothing."""
+_MAY_BE_WHOLE = frozenset({"trajectory", "sweep", "corners"})
+"""Sections that may be a single value: the path of a file, nothing, or a word."""
 
 
 def value_keys(model: type[Model], above: str = "") -> Iterator[str]:

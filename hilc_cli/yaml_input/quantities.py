@@ -301,6 +301,7 @@ _NAMES = {
     _ANGLE: "deg or rad",
     _SPEED: "m/s or km/h",
     _WHEEL_SPEED: "rad/s, deg/s or rpm",
+    Unit(length=-1): "1/m",
 }
 
 Coordinate = Annotated[float, Quantity(_LENGTH, "1.5 or 20 cm", least=-1e8, most=1e8)]
@@ -321,11 +322,18 @@ PositiveAngle = Annotated[
 AngleBound = Annotated[
     float, Quantity(_ANGLE, "0.001 or 0.1 deg", least=0, smallest=_SMALLEST, most=1e6)
 ]
+Curvature = Annotated[
+    float, Quantity(Unit(length=-1), "0.2, 0.2/m or 1/(5 m)", least=-_LARGEST, most=_LARGEST)
+]
+TurnAngle = Annotated[float, Quantity(_ANGLE, "pi/2 or -90 deg", least=-1e6, most=1e6)]
 PositiveTime = Annotated[
     float, Quantity(_TIME, "0.5 or 500 ms", above=0, smallest=1e-9, most=_LARGEST)
 ]
 SampleTime = Annotated[float, Quantity(_TIME, "0.001 or 1 ms", above=0, smallest=1e-6, most=1e4)]
 PositiveSpeed = Annotated[float, Quantity(_SPEED, "2 or 2 m/s", above=0, smallest=1e-9, most=1e6)]
+PositiveRate = Annotated[
+    float, Quantity(_WHEEL_SPEED, "1.5 or 90 deg/s", above=0, smallest=1e-9, most=1e6)
+]
 PositiveWheelSpeed = Annotated[
     float, Quantity(_WHEEL_SPEED, "180 or 1700 rpm", above=0, smallest=1e-9, most=_LARGEST)
 ]

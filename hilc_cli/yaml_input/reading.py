@@ -175,7 +175,7 @@ class Inputs:
             )
             raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
         try:
-            path = _short(node.place.source.folder / node.value)
+            path = short_path(node.place.source.folder / node.value)
             trajectory = self._of_file(_file_of(node.value, TRAJECTORIES, path), TRAJECTORIES)
         except (UsageError, FileAccessError) as error:
             message = f"{error}{hint(node.value, quoted=node.quoted)}"
@@ -232,7 +232,7 @@ def _read_stdin() -> bytes:
     return content
 
 
-def _short(path: Path) -> Path:
+def short_path(path: Path) -> Path:
     """The path without detours such as ``scenarios/../trajectories``, where that is the same."""
     short = Path(os.path.normpath(path))
     try:

@@ -24,7 +24,7 @@ CASES = [
     (
         "missing-start",
         trajectory("start: {x: 0, y: 0, heading: 0}\n", ""),
-        "path.yaml:1:1: trajectory.start: is missing; give it",
+        "path.yaml:1:1: trajectory.start: is missing; give it: x, y and heading of the first sample",
     ),
     (
         "missing-heading",
@@ -67,7 +67,7 @@ CASES = [
             "- line: {length: 1, duration: 0.3 s}",
             "- {line: {length: 1, duration: 0.3}, semicircle: {radius: 1, turn: left, duration: 0.3}}",
         ),
-        "path.yaml:5:5: trajectory.segments.0: needs exactly one of arc, semicircle and line; give one of them",
+        "path.yaml:5:5: trajectory.segments.0: needs exactly one of arc, semicircle, line, turn, stop, clothoid, spline and path; give one of them",
     ),
     (
         "segment-flat",
@@ -82,7 +82,7 @@ CASES = [
     (
         "segment-null",
         trajectory("- line: {length: 1, duration: 0.3 s}", "- line:"),
-        "path.yaml:5:5: trajectory.segments.0: needs exactly one of arc, semicircle and line; give one of them",
+        "path.yaml:5:5: trajectory.segments.0: needs exactly one of arc, semicircle, line, turn, stop, clothoid, spline and path; give one of them",
     ),
     (
         "both-time",
@@ -192,7 +192,7 @@ CASES = [
     (
         "corners-true",
         TRAJECTORY + "corners: true\n",
-        "path.yaml:6:10: trajectory.corners: is not one of the choices, got true; give forbid or allow",
+        "path.yaml:6:10: trajectory.corners: is not one of the choices, got true; give forbid, allow or {radius: 20 cm}",
     ),
     (
         "arc-off",

@@ -15,7 +15,7 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.kinematic_plant import KinematicPlant
-from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
+from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.metrics import METRICS, MetricsTable, measure
 from hilc_cli.results.trial import Trial
@@ -178,7 +178,7 @@ def test_swapping_the_turn_convention_swaps_the_wheels_and_nothing_else(
         assert one.saturated_samples == other.saturated_samples
 
 
-def mirrored_plan(plan: SegmentPlan) -> SegmentPlan:
+def mirrored_plan(plan: LinePlan | ArcPlan) -> LinePlan | ArcPlan:
     """The segment reflected about the x axis."""
     if isinstance(plan, LinePlan):
         return plan if plan.to is None else replace(plan, to=(plan.to[0], -plan.to[1]))
@@ -189,7 +189,7 @@ def mirrored_plan(plan: SegmentPlan) -> SegmentPlan:
 @pytest.mark.parametrize("matrix", MATRICES)
 @pytest.mark.parametrize("compensation", [False, True])
 def test_mirrored_path_swaps_the_wheels(matrix: MatrixName, compensation: bool) -> None:
-    plans: list[SegmentPlan] = [
+    plans: list[LinePlan | ArcPlan] = [
         ArcPlan(2.0, "left", radius=3.0, duration=0.5),
         LinePlan(length=2.0, duration=0.3),
         ArcPlan(1.0, "right", radius=5.0, duration=0.5),

@@ -7,8 +7,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, Turn, build_reference
+from hilc_cli.reference.path import ArcPlan, LinePlan, SegmentPlan, build_reference
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.segments import Turn
 
 Pose = tuple[float, float, float]
 

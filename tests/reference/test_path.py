@@ -15,6 +15,7 @@ from hilc_cli.reference.path import (
     LinePlan,
     PathBuilder,
     PathError,
+    SamplesError,
     SegmentPlan,
     build_reference,
 )
@@ -28,7 +29,7 @@ def refusal(
     plan: SegmentPlan, start: tuple[float, float, float] = ORIGIN, sample_time: float = 0.001
 ) -> PathError:
     """The error that one segment is refused with."""
-    builder = PathBuilder(*start, sample_time)
+    builder = PathBuilder(start, sample_time)
     with pytest.raises(PathError) as caught:
         builder.add(plan)
     return caught.value
@@ -181,7 +182,7 @@ def test_speed_takes_the_nearest_whole_number_of_samples_and_at_least_one(
 
 
 def test_gap_is_the_distance_of_the_running_point_from_the_start() -> None:
-    builder = PathBuilder(1.0, 1.0, 0.0, 0.001)
+    builder = PathBuilder((1.0, 1.0, 0.0), 0.001)
     builder.add(LinePlan(length=3.0, duration=0.01))
     builder.add(ArcPlan(math.pi / 2, "left", radius=4.0, duration=0.01))
     assert builder.gap() == pytest.approx(math.hypot(7, 4), abs=1e-14)
@@ -203,7 +204,7 @@ def test_arc_off_the_running_point_is_refused_with_the_gap() -> None:
 @pytest.mark.parametrize(("gap", "fits"), [(0.9e-9, True), (1.2e-9, False)])
 def test_arc_may_miss_the_running_point_by_a_nanometer(gap: float, fits: bool) -> None:
     plan = ArcPlan(math.pi, "left", center=(0.0, 0.0), radius=1.0 + gap, duration=0.5)
-    builder = PathBuilder(1.0, 0.0, math.pi / 2, 0.001)
+    builder = PathBuilder((1.0, 0.0, math.pi / 2), 0.001)
     if fits:
         builder.add(plan)
     else:
@@ -257,7 +258,7 @@ def test_duration_below_one_sample_is_refused_with_one_sample() -> None:
 @pytest.mark.parametrize("samples", [3, 7, 333, 123_457])
 def test_rounding_of_a_whole_duration_is_not_held_against_it(samples: int) -> None:
     # The product of a decimal step and a whole number is a few ulps off a whole number of steps.
-    builder = PathBuilder(0.0, 0.0, 0.0, 0.001)
+    builder = PathBuilder((0.0, 0.0, 0.0), 0.001)
     builder.add(LinePlan(length=1.0, duration=samples * 0.001))
     assert builder.samples == samples
 
@@ -277,7 +278,7 @@ def test_segment_of_too_many_samples_is_refused(plan: LinePlan, field: str) -> N
 
 
 def test_segments_that_together_take_too_many_samples_are_refused() -> None:
-    builder = PathBuilder(0.0, 0.0, 0.0, 0.001)
+    builder = PathBuilder((0.0, 0.0, 0.0), 0.001)
     builder.add(LinePlan(length=1.0, duration=MAX_SAMPLES * 0.001))
     with pytest.raises(PathError, match=f"{MAX_SAMPLES + 1} samples"):
         builder.add(LinePlan(length=1.0, duration=0.001))
@@ -288,8 +289,16 @@ def test_path_without_segments_is_refused() -> None:
         build_reference("nothing", ORIGIN, [], 0.001)
 
 
+def test_segment_of_a_wrong_time_is_there_for_what_comes_after_it() -> None:
+    builder = PathBuilder((0.0, 0.0, 0.0), 0.001)
+    with pytest.raises(SamplesError):
+        builder.add(LinePlan(length=1.0, duration=0.0123))
+    builder.add(ArcPlan(math.pi / 2, "left", center=(1.0, 1.0), duration=0.01))
+    assert builder.gap() == pytest.approx(math.hypot(2, 1), abs=1e-12)
+
+
 def test_refused_segment_leaves_the_path_as_it_was() -> None:
-    builder = PathBuilder(0.0, 0.0, 0.0, 0.001)
+    builder = PathBuilder((0.0, 0.0, 0.0), 0.001)
     builder.add(LinePlan(length=1.0, duration=0.01))
     with pytest.raises(PathError):
         builder.add(LinePlan(to=(5.0, 5.0), duration=0.01))

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
-from hilc_cli.plants.kinematic import Robot, feedforward
+from hilc_cli.plants.kinematic import Robot, wheel_speeds_from_twist
 from hilc_cli.reference.sampled import Floats, Reference
 
 _ROUNDING = 16 * float(np.finfo(np.float64).eps)  # of a sine, a product and two differences
 _ALIKE = 1e-9  # relative: so near, two values are the same
+_UNEVEN = 1e-6  # relative: by so much a peak is above what constant speed and curvature need
 _Item = TypeVar("_Item")
 
 
@@ -27,12 +29,14 @@ class SegmentDemand:
         duration: [s].
         length: [m].
         turn: By which the heading changes [rad], positive to the left.
-        speed: Highest forward speed [m/s].
+        speed: Highest speed [m/s], forward or backward.
         yaw_rate: The one of largest absolute value [rad/s], positive to the left.
         fastest_wheel: Largest absolute speed of a wheel [rad/s].
         wheel_acceleration: Largest absolute acceleration of a wheel from sample to sample
             [rad/s^2]; 0 where the samples' rounding hides it.
         lateral_acceleration: Largest absolute product of forward speed and yaw rate [m/s^2].
+        bends: Whether its curvature or speed changes on the way, so that its peaks do not follow
+            from its length and turn.
     """
 
     name: str
@@ -46,6 +50,7 @@ class SegmentDemand:
     fastest_wheel: float
     wheel_acceleration: float
     lateral_acceleration: float
+    bends: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,8 +189,8 @@ def demand_of(reference: Reference, robot: Robot, names: Sequence[str]) -> Deman
         robot: The platform as it really is.
         names: Of the segments, as the user knows them.
     """
-    whole = _Motion(reference, robot)
-    without = _Motion(_without_corners(reference), robot)
+    whole = _Motion(reference, reference.heading, robot)
+    without = _Motion(reference, _without_corners(reference), robot)
     starts = (0, *reference.segment_ends[:-1])
     segments = [
         _segment(name, start, end, length, without)
@@ -249,20 +254,25 @@ class _Motion:
 
     Attributes:
         sample_time: d_t [s].
-        speed: Forward [m/s], of the chord.
+        robot: The platform.
+        speed: Of the chord [m/s], forward or backward.
         yaw_rate: [rad/s].
         left: Speed of the left wheel [rad/s].
         right: Speed of the right wheel [rad/s].
         rounding: Of wheel speeds, from that of positions and headings [rad/s].
     """
 
-    def __init__(self, reference: Reference, robot: Robot) -> None:
+    def __init__(self, reference: Reference, heading: Floats, robot: Robot) -> None:
         self.sample_time = reference.sample_time
-        self.speed: Floats = np.hypot(np.diff(reference.x), np.diff(reference.y)) / self.sample_time
-        self.yaw_rate: Floats = np.diff(reference.heading) / self.sample_time
-        self.left, self.right = feedforward(reference, robot)
+        self.robot = robot
+        speed = reference.steps / self.sample_time
+        self.speed: Floats = np.abs(speed)
+        self.yaw_rate: Floats = np.diff(heading) / self.sample_time
+        self.left, self.right = wheel_speeds_from_twist(
+            speed, self.yaw_rate, robot.wheel_radius, robot.signed_half_track
+        )
         farthest = max(float(np.abs(reference.x).max()), float(np.abs(reference.y).max()))
-        angle = float(np.abs(reference.heading).max())
+        angle = float(np.abs(heading).max())
         moved = _ROUNDING * (farthest * (1 + angle) + robot.half_track * angle)
         self.rounding = moved / robot.wheel_radius / self.sample_time
 
@@ -284,19 +294,21 @@ class _Motion:
         return Jump(left, right, name, at_corner)
 
 
-def _without_corners(reference: Reference) -> Reference:
-    """Returns the reference with a heading that does not jump where segments meet."""
+def _without_corners(reference: Reference) -> Floats:
+    """Returns the headings of a reference as if they did not jump where segments meet [rad]."""
     heading = reference.heading.copy()
     starts = (0, *reference.segment_ends[:-1])
     for start, corner in zip(starts, reference.corners, strict=True):
         # Sample 0 has the heading of the start, every other joint that of the later segment.
         heading[max(start, 1) :] -= corner
-    return replace(reference, heading=heading)
+    return heading
 
 
 def _segment(name: str, start: int, end: int, length: float, motion: _Motion) -> SegmentDemand:
     part = slice(start, end)
     yaw_rate = motion.yaw_rate[part]
+    turn, fastest = float(yaw_rate.sum()) * motion.sample_time, motion.fastest(part)
+    even, _ = needs_at_constant_speed(length, turn, end - start, motion.sample_time, motion.robot)
     changes = [np.abs(np.diff(wheel[part])) for wheel in (motion.left, motion.right)]
     change = float(max(wheel.max(initial=0.0) for wheel in changes))
     return SegmentDemand(
@@ -305,13 +317,40 @@ def _segment(name: str, start: int, end: int, length: float, motion: _Motion) ->
         end - start,
         (end - start) * motion.sample_time,
         length,
-        float(yaw_rate.sum()) * motion.sample_time,
+        turn,
         float(motion.speed[part].max()),
         float(yaw_rate[np.abs(yaw_rate).argmax()]),
-        motion.fastest(part),
+        fastest,
         _cleared(change, motion.rounding) / motion.sample_time,
         motion.lateral(part),
+        bends=fastest > even * (1 + _UNEVEN) + motion.rounding,
     )
+
+
+def needs_at_constant_speed(
+    length: float, turn: float, samples: int, sample_time: float, robot: Robot
+) -> tuple[float, float]:
+    """Returns what a line, an arc or a turn in place takes at constant speed.
+
+    From its length and turn, which know nothing of the rounding of its samples.
+
+    Args:
+        length: [m].
+        turn: By which the heading changes [rad].
+        samples: Number of sampling intervals.
+        sample_time: d_t [s].
+        robot: The platform.
+
+    Returns:
+        Speed of the faster wheel [rad/s] and lateral acceleration [m/s^2].
+    """
+    duration = samples * sample_time
+    half_turn = turn / (2 * samples)  # of one step
+    chord_to_arc = abs(math.sin(half_turn) / half_turn) if half_turn else 1.0
+    speed = length * chord_to_arc / duration
+    yaw_rate = abs(turn) / duration
+    fastest_wheel = (speed + robot.half_track * yaw_rate) / robot.wheel_radius
+    return fastest_wheel, speed * yaw_rate  # Eq. 2 solved for the wheels
 
 
 def _joint(name: str, start: int, corner: float, motion: _Motion) -> Joint:

@@ -15,7 +15,12 @@ import numpy as np
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.path import MAX_SAMPLES
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.feasibility.demand import Demand, Joint, SegmentDemand
+from hilc_cli.theory.feasibility.demand import (
+    Demand,
+    Joint,
+    SegmentDemand,
+    needs_at_constant_speed,
+)
 from hilc_cli.theory.findings import Findings
 
 GRAVITY = 9.80665  # standard acceleration of gravity [m/s^2]
@@ -102,20 +107,17 @@ class Feasibility:
         return None if limit == math.inf else fastest_wheel / limit
 
     def needs(self, segment: SegmentDemand, samples: int) -> tuple[float, float]:
-        """Returns what a segment takes if it is run at constant speed in so many samples.
-
-        From its length and turn, which know nothing of the rounding of its samples.
+        """Returns what a segment takes if it is run in so many samples, slower all along.
 
         Returns:
             Speed of the faster wheel [rad/s] and lateral acceleration [m/s^2].
         """
-        duration = samples * self.demand.sample_time
-        half_turn = segment.turn / (2 * samples)  # of one step
-        chord_to_arc = abs(math.sin(half_turn) / half_turn) if half_turn else 1.0
-        speed = segment.length * chord_to_arc / duration
-        yaw_rate = abs(segment.turn) / duration
-        fastest_wheel = (speed + self.robot.half_track * yaw_rate) / self.robot.wheel_radius
-        return fastest_wheel, speed * yaw_rate  # Eq. 2 solved for the wheels
+        if segment.bends:
+            slower = segment.samples / samples
+            return segment.fastest_wheel * slower, segment.lateral_acceleration * slower**2
+        return needs_at_constant_speed(
+            segment.length, segment.turn, samples, self.demand.sample_time, self.robot
+        )
 
     def turns(self, joint: Joint) -> bool:
         """Returns whether a joint's corner, if it has one, can be turned in one sample."""
@@ -152,8 +154,12 @@ class Feasibility:
         """Returns a number of samples that will do: as if the chords were as long as the arc."""
         length, turn = segment.length, abs(segment.turn)
         at_wheels = (length + self.robot.half_track * turn) / self.robot.wheel_radius  # [rad]
+        at_tyres = length * turn  # [m]
+        if segment.bends:
+            at_wheels = segment.fastest_wheel * segment.duration
+            at_tyres = segment.lateral_acceleration * segment.duration**2
         by_wheels = at_wheels / self.limits.wheel_speed
-        by_tyres = math.sqrt(length * turn / self.limits.lateral)
+        by_tyres = math.sqrt(at_tyres / self.limits.lateral)
         samples = max(by_wheels, by_tyres) / self.demand.sample_time
         if not samples < _MOST_SAMPLES:
             return None
@@ -225,10 +231,9 @@ def _longer(feasibility: Feasibility, segment: SegmentDemand) -> str:
     if samples is None:
         return "no duration would do: raise the limit"
     duration = samples * sample_time
-    remedy = (
-        f"give it at least {duration:.12g} s (at most {_rounded_down(segment.length / duration)} "
-        f"m/s) instead of {segment.duration:.12g} s"
-    )
+    speed = _rounded_down(segment.length / duration)
+    at_most = f" (at most {speed} m/s)" if segment.length > 0 else ""
+    remedy = f"give it at least {duration:.12g} s{at_most} instead of {segment.duration:.12g} s"
     if feasibility.demand.samples - segment.samples + samples > MAX_SAMPLES:
         remedy += f", and a longer sample_time: a path has at most {MAX_SAMPLES} samples"
     return remedy

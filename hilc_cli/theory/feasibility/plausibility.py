@@ -31,8 +31,14 @@ def implausible(
         model: The platform as the controller believes it to be.
         headings: Headings that are given [rad], by key.
     """
-    # Of arcs, those of more than a turn whose angle is no part of a turn, but a plain number.
-    sweeps = [(f"trajectory.{part.name}.sweep", abs(part.turn)) for part in demand.segments]
+    # Of arcs and turns, those of more than a turn whose angle is a plain number, no part of a turn.
+    sweeps = [
+        (
+            f"trajectory.{part.name}.{'angle' if part.name.endswith('.turn') else 'sweep'}",
+            abs(part.turn),
+        )
+        for part in demand.segments
+    ]
     return [
         *_sizes(robot),
         *_beliefs(robot, model),

@@ -239,6 +239,7 @@ def tracking_loop(experiment: Experiment, law: FeedbackLaw) -> TrackingLoop:
     lasting = growths**runs < _REACHED
     rests = lasting if lasting.any() else np.ones_like(lasting)
     ahead, away = _at_rest(matrices[rests], offsets[rests])
+    ahead = np.where(twists[rests, 0] < 0, -ahead, ahead)  # in the direction of travel
     stiffness = math.sqrt(max(turned * law.k_y, 0.0))
     return TrackingLoop(
         float(growths.max()),
@@ -246,7 +247,7 @@ def tracking_loop(experiment: Experiment, law: FeedbackLaw) -> TrackingLoop:
         1 / (driven * law.k_x) if law.k_x else math.inf,
         1 / stiffness if stiffness else math.inf,
         turned * law.k_theta / (2 * stiffness) if stiffness else math.inf,
-        _swings(turned, law, float(twists[:, 0].max()) * reference.sample_time),
+        _swings(turned, law, float(np.abs(twists[:, 0]).max()) * reference.sample_time),
         bool(lasting.any()),
         float(ahead[np.abs(ahead).argmax()]),
         float(away.max()),
@@ -356,7 +357,7 @@ def _loop(
     matrices[:, 0, 0] -= driven * law.k_x * sample_time
     matrices[:, 1, 2] = step
     matrices[:, 2, 1] = -turned * step * law.k_y
-    matrices[:, 2, 2] -= turned * step * law.k_theta
+    matrices[:, 2, 2] -= turned * np.abs(step) * law.k_theta
     offsets[:, 0] = (1 - driven) * step
     offsets[:, 1] = step * turn / 2
     offsets[:, 2] = (1 - turned) * turn

@@ -297,5 +297,7 @@ def _apart(one: Trial, other: Trial) -> Floats:
 def _standing(experiment: Experiment) -> NDArray[np.bool_]:
     """Returns the steps in which the reference turns in place or stands still, shape (n,)."""
     speed, yaw_rate = reference_twist(experiment.reference)
-    standing: NDArray[np.bool_] = speed <= _STANDS * experiment.robot.half_track * np.abs(yaw_rate)
+    standing: NDArray[np.bool_] = np.abs(speed) <= _STANDS * experiment.robot.half_track * np.abs(
+        yaw_rate
+    )
     return standing

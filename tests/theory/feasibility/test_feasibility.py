@@ -336,7 +336,7 @@ plans = st.one_of(
 )
 
 
-def in_samples(plan: SegmentPlan, samples: int) -> Reference:
+def in_samples(plan: LinePlan | ArcPlan, samples: int) -> Reference:
     """The segment at another speed, by the path builder."""
     duration = samples * 0.01
     if isinstance(plan, LinePlan):
@@ -344,7 +344,7 @@ def in_samples(plan: SegmentPlan, samples: int) -> Reference:
     return reference_of([ArcPlan(plan.sweep, plan.turn, None, plan.radius, duration)], 0.01)
 
 
-def allowed(plan: SegmentPlan, samples: int, limits: Limits) -> bool:
+def allowed(plan: LinePlan | ArcPlan, samples: int, limits: Limits) -> bool:
     """Whether the sampled segment keeps the limits, within rounding."""
     reference = in_samples(plan, samples)
     left, right = feedforward(reference, PLATFORM)
@@ -362,7 +362,7 @@ def allowed(plan: SegmentPlan, samples: int, limits: Limits) -> bool:
     friction=st.none() | st.floats(0.02, 5),
 )
 def test_least_duration_is_feasible_and_a_sample_less_is_not(
-    plan: SegmentPlan, wheel_speed: float, friction: float | None
+    plan: LinePlan | ArcPlan, wheel_speed: float, friction: float | None
 ) -> None:
     assert plan.duration is not None
     samples, limits = round(plan.duration / 0.01), Limits(wheel_speed, friction)

@@ -1,0 +1,115 @@
+"""Puts the points of path files in the place of their names, and tells what was done to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.reference.waypoints import MAX_BYTES, Waypoints, parse_waypoints
+from hilc_cli.scenario.trajectory import TrajectorySpec
+from hilc_cli.wording import counted
+from hilc_cli.yaml_input.nodes import ListNode, MapNode, Node, Scalar, from_data, with_entry
+from hilc_cli.yaml_input.reading import Inputs, short_path
+
+
+@dataclass(frozen=True, slots=True)
+class PathFile:
+    """A file that a path was read from.
+
+    Attributes:
+        path: The file.
+        waypoints: What stood in it.
+    """
+
+    path: Path
+    waypoints: Waypoints
+
+
+def with_path_files(tree: MapNode, inputs: Inputs) -> tuple[MapNode, dict[int, PathFile]]:
+    """The scenario with the points of its path files in it.
+
+    Args:
+        tree: The scenario, its trajectory in the place of its path.
+        inputs: Reads files.
+
+    Returns:
+        The scenario, and the files by the number of their segment.
+
+    Raises:
+        InvalidInputError: Files cannot be read, or hold no path; tells of all.
+    """
+    trajectory = tree.entries.get("trajectory")
+    segments = trajectory.entries.get("segments") if isinstance(trajectory, MapNode) else None
+    if not isinstance(trajectory, MapNode) or not isinstance(segments, ListNode):
+        return tree, {}
+    items: list[Node] = list(segments.items)
+    files: dict[int, PathFile] = {}
+    problems: list[Problem] = []
+    for index, item in enumerate(segments.items):
+        shape = item.entries.get("path") if isinstance(item, MapNode) else None
+        node = shape.entries.get("file") if isinstance(shape, MapNode) else None
+        if (
+            not isinstance(item, MapNode)
+            or not isinstance(shape, MapNode)
+            or not isinstance(node, Scalar)
+            or not isinstance(node.value, str)
+            or "points" in shape.entries
+        ):
+            continue
+        try:
+            path = short_path(node.place.source.folder / node.value)
+            found = parse_waypoints(path, inputs.file(path, MAX_BYTES))
+        except HilcError as error:
+            key = f"trajectory.segments.{index}.path.file"
+            problems.append(Problem(str(node.place), key, str(error)))
+            continue
+        files[index] = PathFile(path, found)
+        items[index] = with_entry(
+            item, "path", _with_points(shape, node, found), item.key_places["path"]
+        )
+    if problems:
+        raise InvalidInputError(problems)
+    if not files:
+        return tree, {}
+    place = trajectory.key_places["segments"]
+    full = with_entry(trajectory, "segments", replace(segments, items=tuple(items)), place)
+    return with_entry(tree, "trajectory", full, tree.key_places["trajectory"]), files
+
+
+def _with_points(shape: MapNode, file: Scalar, found: Waypoints) -> MapNode:
+    """A path with points, and their times or speeds, in the place of its file."""
+    given = {"points": found.points, "times": found.times, "speeds": found.speeds}
+    entries = {key: node for key, node in shape.entries.items() if key != "file"}
+    added = {
+        key: from_data(values, file.place)
+        for key, values in given.items()
+        if values is not None and key not in entries
+    }
+    return replace(
+        shape,
+        entries={**entries, **added},
+        key_places={**shape.key_places, **dict.fromkeys(added, file.place)},
+    )
+
+
+def path_notes(files: Mapping[int, PathFile], trajectory: TrajectorySpec) -> list[str]:
+    """What was done to the points of each file, one line each."""
+    found = []
+    for index, file in files.items():
+        read, curve = file.waypoints, trajectory.curves[index]
+        of = f" of iteration {read.iteration}" if read.iteration is not None else ""
+        dropped = read.dropped + curve.dropped
+        parts = [
+            f"{counted(len(read.points) + read.dropped, 'point')}{of} ({', '.join(read.columns)})",
+            f"{counted(dropped, 'duplicate')} dropped" if dropped else "no duplicates",
+        ]
+        shape = trajectory.segments[index].path
+        if shape is not None and shape.smoothing:
+            parts.append(f"smoothed by {curve.deviation:.3g} m at most")
+        parts.append("closed" if curve.closed else "not closed")
+        if read.look_back and shape is not None and not shape.reverse:
+            parts.append("its headings look back (reverse: true?)")
+        found.append(f"trajectory.segments.{index}.path: {file.path}: {', '.join(parts)}")
+    return found

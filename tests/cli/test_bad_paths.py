@@ -1,0 +1,327 @@
+"""Wrong turns, stops, clothoids, splines, paths from files, corners and tolerances: what is told."""
+# ruff: noqa: E501
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from hilc_cli.errors import InvalidInputError
+from hilc_cli.scenario.loading import load_scenario
+from tests.cli.inputs import TRAJECTORY, listing, scenario, trajectory
+from tests.conftest import Hilc, Outcome, Write
+
+FREE = trajectory("start: {x: 0, y: 0, heading: 0}\n", "").partition("  - line")[0]
+TRACK = "x,y\n0,0\n1,0.5\n2,0\n"
+
+
+def added(segment: str, more: str = "") -> str:
+    """The trajectory with one more segment behind its line to (1, 0)."""
+    return f"{TRAJECTORY}  - {segment}\n{more}"
+
+
+def only(segment: str, more: str = "") -> str:
+    """A trajectory without start of one segment."""
+    return f"{FREE}  - {segment}\n{more}"
+
+
+CASES: dict[str, tuple[str, str]] = {
+    "turn-empty": (
+        added("turn: {angle: pi}"),
+        "path.yaml:6:5: trajectory.segments.1.turn: needs exactly one of duration and rate; give one of them",
+    ),
+    "turn-both": (
+        added("turn: {angle: pi, duration: 1, rate: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.turn: needs exactly one of duration and rate; give one of them",
+    ),
+    "turn-angle": (
+        added("turn: {duration: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.turn.angle: is missing; give it (rad, positive to the left, not 0)",
+    ),
+    "turn-nothing": (
+        added("turn: {angle: 0, duration: 1}"),
+        "path.yaml:6:19: trajectory.segments.1.turn.angle: must not be 0, got 0; give an angle, or take 'stop'",
+    ),
+    "turn-word": (
+        added("turn: left"),
+        "path.yaml:6:11: trajectory.segments.1.turn: must be a mapping of keys and values, got 'left'; write its keys below it",
+    ),
+    "turn-rate": (
+        added("turn: {angle: pi, rate: -1}"),
+        "path.yaml:6:29: trajectory.segments.1.turn.rate: must be above 0, got -1; give a number above 0, such as 1.5 or 90 deg/s",
+    ),
+    "turn-unit": (
+        added("turn: {angle: pi, rate: 1 m/s}"),
+        "path.yaml:6:29: trajectory.segments.1.turn.rate: has the wrong unit, got '1 m/s'; give a number above 0, such as 1.5 or 90 deg/s",
+    ),
+    "turn-samples": (
+        added("turn: {angle: pi, duration: 0.25}"),
+        "path.yaml:6:33: trajectory.segments.1.turn.duration: takes 0.25 s, which is 2.5 samples of 0.1 s, got 0.25; give a whole number of samples, such as 0.2 s",
+    ),
+    "turn-reverse": (
+        added("turn: {angle: pi, duration: 1, reverse: true}"),
+        "path.yaml:6:36: trajectory.segments.1.turn.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+    ),
+    "stop-empty": (
+        added("stop: {}"),
+        "path.yaml:6:5: trajectory.segments.1.stop.duration: is missing; give it (s, a whole number of samples)",
+    ),
+    "stop-negative": (
+        added("stop: {duration: -1}"),
+        "path.yaml:6:22: trajectory.segments.1.stop.duration: must be above 0, got -1; give a number above 0, such as 0.5 or 500 ms",
+    ),
+    "stop-speed": (
+        added("stop: {duration: 1, speed: 0}"),
+        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+    ),
+    "clothoid-end": (
+        added("clothoid: {length: 2, duration: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.clothoid: needs exactly one of end_curvature and end_radius; give one of them",
+    ),
+    "clothoid-length": (
+        added("clothoid: {length: 0, end_curvature: 1, duration: 1}"),
+        "path.yaml:6:24: trajectory.segments.1.clothoid.length: must be above 0, got 0; give a number above 0, such as 5 or 5 m",
+    ),
+    "clothoid-side": (
+        added("clothoid: {length: 2, end_radius: 5, duration: 1}"),
+        "path.yaml:6:39: trajectory.segments.1.clothoid.end_radius: has no side, got 5; add 'turn: left' or 'turn: right'",
+    ),
+    "clothoid-turn": (
+        added("clothoid: {length: 2, end_curvature: 1, turn: left, duration: 1}"),
+        "path.yaml:6:51: trajectory.segments.1.clothoid.turn: has no radius that it could be the side of, got 'left'; give a radius, or curvatures below 0 to the right",
+    ),
+    "clothoid-starts": (
+        added(
+            "clothoid: {length: 2, end_curvature: 1, start_curvature: 1, start_radius: 1, turn: left, duration: 1}"
+        ),
+        "path.yaml:6:5: trajectory.segments.1.clothoid: has both start_curvature and start_radius; give one of them",
+    ),
+    "clothoid-unit": (
+        added("clothoid: {length: 2, end_curvature: 1 m, duration: 1}"),
+        "path.yaml:6:42: trajectory.segments.1.clothoid.end_curvature: has the wrong unit, got '1 m'; give a number, such as 0.2, 0.2/m or 1/(5 m)",
+    ),
+    "clothoid-winds": (
+        added("clothoid: {length: 1000, end_curvature: 1000, duration: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.clothoid: turns by up to 1e+06 rad; the most is 10000 rad: give smaller curvatures, or a shorter length",
+    ),
+    "reverse-word": (
+        added("line: {length: 1, duration: 1, reverse: yes}"),
+        "path.yaml:6:45: trajectory.segments.1.line.reverse: must be true or false, got 'yes'; give true or false",
+    ),
+    "reverse-corner": (
+        added("line: {to: [2, 0], duration: 1, reverse: true}"),
+        "path.yaml:6:5: trajectory.segments.1.line: starts with a heading of 3.14159265 rad where the path arrives with 0 rad, a corner of 3.14 rad; make them equal or set 'corners: allow'",
+    ),
+    "spline-empty": (
+        added("spline: {duration: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.spline.points: is missing; give it (m, in the world frame, the first one included)",
+    ),
+    "spline-one": (
+        added("spline: {points: [[1, 0]], duration: 1}"),
+        "path.yaml:6:22: trajectory.segments.1.spline.points: has too few entries, got a list of 1; add some",
+    ),
+    "spline-flat": (
+        added("spline: {points: [1, 0], duration: 1}"),
+        "path.yaml:6:23: trajectory.segments.1.spline.points.0: must be a list, got 1; write [..., ...]\n"
+        "path.yaml:6:26: trajectory.segments.1.spline.points.1: must be a list, got 0; write [..., ...]",
+    ),
+    "spline-3d": (
+        added("spline: {points: [[1, 0], [2, 0, 1]], duration: 1}"),
+        "path.yaml:6:31: trajectory.segments.1.spline.points.1: has too many entries, got a list of 3; remove some",
+    ),
+    "spline-word": (
+        added("spline: {points: [[1, 0], [2, up]], duration: 1}"),
+        "path.yaml:6:35: trajectory.segments.1.spline.points.1.1: has the unknown name 'up', got 'up'; give a number, such as 1.5 or 20 cm",
+    ),
+    "spline-time": (
+        added("spline: {points: [[1, 0], [2, 0]]}"),
+        "path.yaml:6:5: trajectory.segments.1.spline: needs exactly one of duration and speed; give one of them",
+    ),
+    "spline-elsewhere": (
+        added("spline: {points: [[1, 1], [2, 0]], duration: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.spline: starts at (1, 1), 1 m from (1, 0), where the path stands; make its first point the one where the segment before ends",
+    ),
+    "spline-same": (
+        added("spline: {points: [[1, 0], [1, 0]], duration: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.spline: needs at least two points that are apart; give more",
+    ),
+    "spline-loop": (
+        added("spline: {points: [[1, 0], [2, 0]], closed: true, duration: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.spline: needs at least three points that are apart; give more",
+    ),
+    "spline-cusp": (
+        only("spline: {points: [[0, 0], [1, 0], [0.5, 0]], duration: 1}"),
+        "path.yaml:4:5: trajectory.segments.0.spline: turns back on the spot between its points 0 and 1; move them, or drive the parts one after the other, one of them with 'reverse: true'",
+    ),
+    "spline-not-closed": (
+        only("spline: {points: [[0, 0], [1, 0], [1, 1]], duration: 1}", "closed: true\n"),
+        "path.yaml:4:5: trajectory.segments.0.spline: ends 1.41 m from the start of the path, which is said to be closed; close the gap, set 'closed: true' in the segment, or false below",
+    ),
+    "no-start": (
+        only("line: {length: 1, duration: 1}"),
+        "path.yaml:1:1: trajectory.start: is missing; give it: x, y and heading of the first sample",
+    ),
+    "corners-radius": (
+        added("line: {to: [1, 1], duration: 1}", "corners: {radius: -1}\n"),
+        "path.yaml:7:19: trajectory.corners.radius: must be above 0, got -1; give a number above 0, such as 0.2 or 20 cm",
+    ),
+    "corners-empty": (
+        added("line: {to: [1, 1], duration: 1}", "corners: {}\n"),
+        "path.yaml:7:1: trajectory.corners.radius: is missing; give it (m, of the arcs that round corners)",
+    ),
+    "corners-key": (
+        added("line: {to: [1, 1], duration: 1}", "corners: {radii: 1}\n"),
+        "path.yaml:7:1: trajectory.corners.radius: is missing; give it (m, of the arcs that round corners)\n"
+        "path.yaml:7:11: trajectory.corners.radii: is an unknown key; did you mean 'radius'?",
+    ),
+    "corners-word": (
+        added("line: {to: [1, 1], duration: 1}", "corners: alow\n"),
+        "path.yaml:7:10: trajectory.corners: is not one of the choices, got 'alow'; did you mean 'allow'?",
+    ),
+    "corners-number": (
+        added("line: {to: [1, 1], duration: 1}", "corners: 0.2\n"),
+        "path.yaml:7:10: trajectory.corners: is not one of the choices, got 0.2; give forbid, allow or {radius: 20 cm}",
+    ),
+    "corners-large": (
+        added("line: {to: [1, 1], duration: 1}", "corners: {radius: 2}\n"),
+        "path.yaml:6:5: trajectory.segments.1.line: starts with a corner of 1.57 rad that takes about 2 m of either leg to round with a radius of 2 m, and the legs have 1 m and 1 m for it; give a smaller radius, or longer legs",
+    ),
+    "corners-start": (
+        TRAJECTORY.replace("length: 1", "to: [0, 1]") + "corners: {radius: 0.1}\n",
+        "path.yaml:5:5: trajectory.segments.0.line: starts with a heading of 1.57079633 rad where the path arrives with 0 rad, a corner of 1.57 rad; make start.heading the first one, since there is nothing to round",
+    ),
+    "tolerance-zero": (
+        TRAJECTORY + "tolerance: 0\n",
+        "path.yaml:6:12: trajectory.tolerance: must be above 0, got 0; give a number above 0, such as 0.001 or 1 mm",
+    ),
+    "tolerance-small": (
+        added(
+            "arc: {center: [1, 1.01], radius: 1, sweep: 1, turn: left, duration: 1}",
+            "tolerance: 1 mm\n",
+        ),
+        "path.yaml:6:19: trajectory.segments.1.arc.center: does not pass through (1, 0), where the path stands: that point is 1.01 m from the centre, a gap of 0.01 m to the radius of 1 m; correct the centre, the radius or the segment before",
+    ),
+    "path-empty": (
+        only("path: {speed: 1}"),
+        "path.yaml:4:5: trajectory.segments.0.path: needs exactly one of file and points; give one of them",
+    ),
+    "path-both": (
+        only("path: {file: track.csv, points: [[0, 0], [1, 0]], speed: 1}"),
+        "path.yaml:4:5: trajectory.segments.0.path: needs exactly one of file and points; give one of them",
+    ),
+    "path-times": (
+        only("path: {file: track.csv, speed: 1, duration: 1}"),
+        "path.yaml:4:5: trajectory.segments.0.path: has both duration and speed; give one of them",
+    ),
+    "path-no-time": (
+        only("path: {file: track.csv}"),
+        "path.yaml:4:5: trajectory.segments.0.path: has no time; give 'duration' or 'speed'",
+    ),
+    "path-through": (
+        only("path: {file: track.csv, through: splines, speed: 1}"),
+        "path.yaml:4:38: trajectory.segments.0.path.through: is not one of the choices, got 'splines'; did you mean 'spline'?",
+    ),
+    "path-smoothing": (
+        only("path: {file: track.csv, smoothing: -1 cm, speed: 1}"),
+        "path.yaml:4:40: trajectory.segments.0.path.smoothing: must be at least 0, got '-1 cm'; give a number from 0 up, such as 0.01 or 1 cm",
+    ),
+    "path-corner": (
+        only("path: {file: track.csv, through: polyline, speed: 1}"),
+        "path.yaml:4:5: trajectory.segments.0.path: has a corner of -0.927 rad at its point 1; set 'corners: {radius: 20 cm}' or 'corners: allow', or take 'through: spline'",
+    ),
+    "path-missing": (
+        only("path: {file: nosuch.csv, speed: 1}"),
+        "path.yaml:4:18: trajectory.segments.0.path.file: nosuch.csv: there is no such file; check the path",
+    ),
+    "path-folder": (
+        only("path: {file: ., speed: 1}"),
+        "path.yaml:4:18: trajectory.segments.0.path.file: .: is a folder; give a regular file",
+    ),
+    "path-pipe": (
+        only("path: {file: pipe, speed: 1}"),
+        "path.yaml:4:18: trajectory.segments.0.path.file: pipe: is a named pipe; give a regular file",
+    ),
+    "path-device": (
+        only("path: {file: /dev/null, speed: 1}"),
+        "path.yaml:4:18: trajectory.segments.0.path.file: /dev/null: is a device; give a regular file",
+    ),
+    "path-secret": (
+        only("path: {file: secret.txt, speed: 1}"),
+        "path.yaml:4:18: trajectory.segments.0.path.file: secret.txt:1: names no columns x and y; call them x,y (beside them heading, speed and t_s if they are known)",
+    ),
+    "path-list": (
+        only("path: {file: [track.csv], speed: 1}"),
+        "path.yaml:4:18: trajectory.segments.0.path.file: must be text, got a list of 1; put it in quotes",
+    ),
+    "path-two-files": (
+        only("path: {file: nosuch.csv, speed: 1}") + "  - path: {file: secret.txt, speed: 1}\n",
+        "path.yaml:4:18: trajectory.segments.0.path.file: nosuch.csv: there is no such file; check the path\n"
+        "path.yaml:5:18: trajectory.segments.1.path.file: secret.txt:1: names no columns x and y; call them x,y (beside them heading, speed and t_s if they are known)",
+    ),
+    "points-times": (
+        only("path: {points: [[0, 0], [1, 0]], times: [0, 1, 2]}"),
+        "path.yaml:4:45: trajectory.segments.0.path.times: has 3 entries for 2 points; give one for each point",
+    ),
+    "points-order": (
+        only("path: {points: [[0, 0], [1, 0]], times: [1, 1]}"),
+        "path.yaml:4:49: trajectory.segments.0.path.times.1: is not after 1 s, got 1; give times that rise",
+    ),
+    "points-standing": (
+        only("path: {points: [[0, 0], [1, 0]], speeds: [0, 0]}"),
+        "path.yaml:4:5: trajectory.segments.0.path: has a speed of 0 at two points on end, 0 and 1, between which it would never end; give other speeds, or times",
+    ),
+    "points-clocks": (
+        only("path: {points: [[0, 0], [1, 0]], times: [0, 1], speeds: [1, 1]}"),
+        "path.yaml:4:5: trajectory.segments.0.path: has both times and speeds; give one of them",
+    ),
+    "points-long": (
+        only("path: {points: [[0, 0], [1, 0]], times: [0, 200000]}"),
+        "path.yaml:4:5: trajectory.segments.0.path: takes 2e+06 samples; the longest path has 1000000",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_wrong_path_is_explained(write: Write, folder: Path, case: str) -> None:
+    content, message = CASES[case]
+    os.mkfifo(folder / "pipe")
+    write({"path.yaml": content, "track.csv": TRACK, "secret.txt": "the secret\n"})
+    with pytest.raises(InvalidInputError) as caught:
+        load_scenario("scenario.yaml")
+    assert str(caught.value) == message
+
+
+def test_too_many_points_are_told_together(write: Write) -> None:
+    many = "".join(f"{i},0\n" for i in range(6_000))
+    more = "".join(f"{i},0\n" for i in range(5_999, -1, -1))
+    path = only("path: {file: a.csv, speed: 1}") + "  - path: {file: b.csv, speed: 1}\n"
+    write({"path.yaml": path, "a.csv": many, "b.csv": more})
+    with pytest.raises(InvalidInputError) as caught:
+        load_scenario("scenario.yaml")
+    assert str(caught.value) == (
+        "path.yaml:4:3: trajectory.segments: have 12000 points together, and the most is 10000; "
+        "take fewer, such as every second one"
+    )
+
+
+def test_wrong_path_file_is_told_with_the_rest_and_writes_nothing(
+    hilc: Hilc, write: Write, folder: Path
+) -> None:
+    write(
+        {
+            "scenario.yaml": scenario("wheel_radius: 0.2", "wheel_radius: -1"),
+            "path.yaml": only("path: {file: track.csv, speed: 1}"),
+            "track.csv": "x,y\n0,0\n1,a\n",
+        }
+    )
+    before = listing(folder)
+    message = (
+        "path.yaml:4:18: trajectory.segments.0.path.file: track.csv:3: holds something that is no "
+        "number where y should stand\n"
+        "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got -1; give a number above 0, "
+        "such as 0.2 or 20 cm\n"
+    )
+    assert hilc("run", "scenario.yaml", "--no-plots") == Outcome(2, "", message)
+    assert listing(folder) == before

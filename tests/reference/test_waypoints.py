@@ -1,0 +1,172 @@
+"""Files with points: the kinds that people have, and everything that is wrong with others."""
+# ruff: noqa: E501
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from hilc_cli.errors import UsageError
+from hilc_cli.reference.waypoints import MOST_POINTS, Waypoints, parse_waypoints
+
+SAMPLES = (
+    "iteration,sample,t_s,reference_x_m,reference_y_m,reference_heading_rad,x_m,y_m,heading_rad,"
+    "error_x_m,error_y_m,error_heading_rad,left_wheel_rad_s,right_wheel_rad_s\n"
+)
+
+
+def parsed(text: str | bytes) -> Waypoints:
+    content = text.encode() if isinstance(text, str) else text
+    return parse_waypoints(Path("f.csv"), content)
+
+
+KINDS: dict[str, tuple[str, dict[str, list[float]]]] = {
+    "header": ("x,y\n1,2\n3,4.5\n", {}),
+    "spaces": ("1 2\n  3\t4.5 \n", {}),
+    "commas": ("1, 2\n3, 4.5\n", {}),
+    "semicolons": ("1;2\n3;4.5\n", {}),
+    "windows": ("\ufeffX;Y\r\n1;2\r\n3;4.5\r\n\r\n", {}),
+    "quoted": ('"x [m]","y [m]"\n1,2\n3,4.5\n', {}),
+    "other columns": ("name,y_m,x_m\na,2,1\nb,4.5,3\n", {}),
+    "trailing comma": ("x,y\n1,2,\n3,4.5,\n", {}),
+    "comments": ("# made by hand\n1,2\n# half way\n3,4.5\n", {}),
+    "comment with x and y": ("# the points x and y of it\n1,2\n3,4.5\n", {}),
+    "track": ("# x_m,y_m,w_tr_right_m,w_tr_left_m\n1,2,1.1,1.2\n3,4.5,1.1,1.2\n", {}),
+    "racing line": (
+        "# 4ed0\n# s_m; x_m; y_m; psi_rad; kappa_radpm; vx_mps; ax_mps2\n"
+        "0; 1; 2; 0.3; 0; 7; 1\n2; 3; 4.5; 0.4; 0; 8; 1\n",
+        {"speeds": [7, 8], "headings": [0.3, 0.4]},
+    ),
+    "speed": ("1,2,7\n3,4.5,8\n", {"speeds": [7, 8]}),
+    "ros": (
+        "x,y,theta,v\n1,2,0.3,7\n3,4.5,0.4,8\n",
+        {"speeds": [7, 8], "headings": [0.3, 0.4]},
+    ),
+    "bag": (
+        "%time,field.pose.position.x,field.pose.position.y,field.pose.position.z\n"
+        "17,1,2,0\n18,3,4.5,0\n",
+        {},
+    ),
+    "log": (
+        "t_s,x_m,y_m,heading_rad\n0,1,2,0.3\n0.5,3,4.5,0.4\n",
+        {"times": [0, 0.5], "headings": [0.3, 0.4]},
+    ),
+    "tum": (
+        "# timestamp tx ty tz qx qy qz qw (a comment)\n"
+        "10.0 1 2 0 0 0 0.6 0.8\n10.5 3 4.5 0 0 0 0 1\n",
+        {"times": [10, 10.5], "headings": [2 * math.atan2(0.6, 0.8), 0]},
+    ),
+    "times rather than speeds": ("t,x,y,v\n0,1,2,7\n1,3,4.5,8\n", {"times": [0, 1]}),
+    "samples.csv": (
+        SAMPLES
+        + "0,0,0.0,9,9,9,8,8,8,0,0,0,1,1\n0,1,0.1,9,9,9,8,8,8,0,0,0,,\n"
+        + "7,0,0.0,9,9,9,1,2,0.3,0,0,0,1,1\n7,1,0.1,9,9,9,3,4.5,0.4,0,0,0,,\n",
+        {"times": [0, 0.1], "headings": [0.3, 0.4]},
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_points_are_read_from_what_people_have(kind: str) -> None:
+    text, others = KINDS[kind]
+    found = parsed(text)
+    np.testing.assert_array_equal(found.points, [[1, 2], [3, 4.5]])
+    for name in ("times", "speeds", "headings"):
+        values = getattr(found, name)
+        if name in others:
+            np.testing.assert_allclose(values, others[name], rtol=1e-12)
+        else:
+            assert values is None
+    assert found.iteration == (7 if kind == "samples.csv" else None)
+
+
+def test_rows_that_say_the_same_are_counted_and_standing_still_is_kept() -> None:
+    found = parsed("t,x,y\n0,1,2\n0,1,2\n1,1,2\n2,3,4.5\n2,3,4.5\n")
+    assert (found.dropped, found.columns) == (2, ("x", "y", "t_s"))
+    np.testing.assert_array_equal(found.times, [0, 1, 2])
+
+
+def test_every_number_reads_back_exactly() -> None:
+    numbers = [[0.1 + 0.2, -1e-300], [5_432_109.123456789, 7.0]]
+    text = "".join(f"{x!r},{y!r}\n" for x, y in numbers)
+    np.testing.assert_array_equal(parsed(text).points, numbers)
+
+
+@pytest.mark.parametrize(("heading", "looks_back"), [("0.1", False), ("3.0", True), ("1.6", False)])
+def test_headings_against_the_way_are_seen(heading: str, looks_back: bool) -> None:
+    assert parsed(f"x,y,yaw\n0,0,{heading}\n1,0,{heading}\n").look_back == looks_back
+    assert not parsed("x,y\n0,0\n1,0\n").look_back
+
+
+COLUMNS = "call them x,y (beside them heading, speed and t_s if they are known)"
+PUT = "put a header in front: x,y (beside them heading, speed and t_s if they are known)"
+WRONG: dict[str, tuple[str | bytes, str]] = {
+    "empty": ("", "f.csv: has no points; give at least two lines with x and y"),
+    "comments": ("# x,y\n", "f.csv: has no points; give at least two lines with x and y"),
+    "header": ("x,y\n", "f.csv: has fewer than two points; give at least two lines with x and y"),
+    "one": ("1,2\n", "f.csv: has fewer than two points; give at least two lines with x and y"),
+    "latin": (b"1,2\n3,\xe9\n", "f.csv:2: is not UTF-8 text; save it as CSV in UTF-8"),
+    "commas": ("1,5;2,5\n3,5;4,5\n", "f.csv:1: has decimal commas; write decimal points"),
+    "german": ("x y\n1,5 2,5\n3,5 4,5\n", "f.csv:1: has decimal commas; write decimal points"),
+    "names": ("easting;height\n1;2\n", f"f.csv:1: names no columns x and y; {COLUMNS}"),
+    "twice": ("x,x_m,y\n1,2,3\n", f"f.csv:1: names no columns x and y; {COLUMNS}"),
+    "words": ("secret words\n", f"f.csv:1: names no columns x and y; {COLUMNS}"),
+    "four": (
+        "1,2,3,4\n",
+        f"f.csv:1: has 4 columns and no header that tells what they are; {PUT}",
+    ),
+    "clock": (
+        "0,1,2\n0.1,3,4\n0.2,5,6\n",
+        f"f.csv:1: has 3 columns and no header that tells what they are; {PUT}",
+    ),
+    "cells": ("x,y\n1,2\n3\n", "f.csv:3: has 1 cells where 2 should stand"),
+    "more cells": ("1 2\n3 4 5\n", "f.csv:2: has 3 cells where 2 should stand"),
+    "word": ("x,y\n1,2\n3,secret\n", "f.csv:3: holds something that is no number where y should stand"),
+    "gap": ("x,y\n1,2\n,3\n", "f.csv:3: holds something that is no number where x should stand"),
+    "underscore": ("1,2\n1_0,2\n", "f.csv:2: holds something that is no number where x should stand"),
+    "nan": ("1,2\nnan,2\n", "f.csv:2: has a number that is not finite where x should stand"),
+    "long": (f"1,2\n{'9' * 5000},2\n", "f.csv:2: has a number that is not finite where x should stand"),
+    "far": ("1,2\n3,1e9\n", "f.csv:2: has an y beyond 1e+08 m; give metres"),
+    "times": ("t,x,y\n0,1,2\n0,3,4\n", "f.csv:3: has a time that is not after the one before"),
+    "nanoseconds": ("t,x,y\n1,1,2\n17e17,3,4\n", "f.csv:3: has a time beyond 1e+11 s; give seconds"),
+    "backward": (
+        "1,2,1\n3,4,-1\n",
+        "f.csv:2: has a speed that is below 0 or too high; say that it drives backward by 'reverse: true'",
+    ),
+    "quaternion": (
+        "0 1 2 3 4 5 6 7\n1 1 2 3 4 5 6 7\n",
+        f"f.csv:1: has no unit quaternion at its end, as the lines of a TUM file have; {PUT}",
+    ),
+    "line": (
+        f"1,2\n3,{' ' * 10_000}secret\n",
+        "f.csv:2: has a line of 10009 characters; give a CSV file",
+    ),
+    "many": (
+        "".join(f"{i},0\n" for i in range(MOST_POINTS + 1)),
+        "f.csv: has more than 10000 points; take fewer, such as every second one",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_cannot_be_read_is_told_with_its_line_and_without_its_content(case: str) -> None:
+    text, message = WRONG[case]
+    with pytest.raises(UsageError) as caught:
+        parsed(text)
+    assert str(caught.value) == message
+    assert "secret" not in message
+
+
+@given(st.text("0123456789.,;-+eE xy#\n\t_naif\"'", max_size=60) | st.text(max_size=40))
+def test_any_text_is_points_or_one_line_of_error(text: str) -> None:
+    try:
+        found = parsed(text.encode("utf-8", "replace"))
+    except UsageError as error:
+        assert str(error).startswith("f.csv:")
+        assert "\n" not in str(error)
+    else:
+        assert np.isfinite(found.points).all() and len(found.points) >= 2
