@@ -74,7 +74,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "stop-speed": (
         added("stop: {duration: 1, speed: 0}"),
-        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; did you mean 'trajectory.timing.speed'?",
     ),
     "clothoid-end": (
         added("clothoid: {length: 2, duration: 1}"),
