@@ -229,7 +229,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "path-corner": (
         only("path: {file: track.csv, through: polyline, speed: 1}"),
-        "path.yaml:4:5: trajectory.segments.0.path: has a corner of -0.927 rad at its point 1; set 'corners: {radius: 20 cm}' or 'corners: allow', or take 'through: spline'",
+        "path.yaml:4:5: trajectory.segments.0.path: has a corner of -0.927 rad at its point 1; set 'corners: {radius: 20 cm}', or take 'through: spline'",
     ),
     "path-missing": (
         only("path: {file: nosuch.csv, speed: 1}"),

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from hilc_cli.errors import InvalidInputError
 from hilc_cli.plants.kinematic import feedforward
@@ -227,6 +228,28 @@ def test_jumps_of_the_curvature_are_told_with_what_they_cost() -> None:
     (told,) = (line for line in made.warnings() if "curvature" in line)
     assert told.startswith("trajectory.segments.1.arc: the curvature jumps by -1.67/m 2 m along")
     assert not [line for line in scenario(PATHS["slalom"]).warnings() if "curvature" in line]
+
+
+def test_only_the_ends_of_a_rounding_are_joints() -> None:
+    corner = path(
+        {"line": {"to": [3, 0]}},
+        {"line": {"to": [3, 2]}},
+        {"spline": {"points": [[3, 2], [2.5, 3], [1, 3]]}},
+        timing=LIMITS,
+        corners={"radius": 0.4},
+    )
+    profile = scenario(corner).spec.profile
+    assert profile is not None
+    arc = 0.4 * math.pi / 2
+    ways = np.array([[3, 2], [2.5, 3], [1, 3]])
+    knots = np.append(0, np.cumsum(np.hypot(*np.diff(ways, axis=0).T)))
+    curve = CubicSpline(knots, ways, bc_type=((1, [0, 1]), (2, [0, 0])))
+    bend = -float(curve(0, 2)[0])  # straight up at a speed of 1
+    assert [(jump.position, jump.jump) for jump in profile.jumps] == [
+        (pytest.approx(2.6), pytest.approx(2.5)),
+        (pytest.approx(2.6 + arc), pytest.approx(-2.5)),
+        (pytest.approx(2.6 + arc + 1.6), pytest.approx(bend)),
+    ]
 
 
 def test_segments_end_at_the_nearest_sample_even_if_they_are_shorter_than_one() -> None:
