@@ -13,12 +13,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.laws.parameters import Controller
 from hilc_cli.laws.registry import OWN, ControllerSpec
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plug_ins import packages_of, trusting
+from hilc_cli.reference.timing import TimingError
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec
+from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec, ScenarioSpec
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
 from hilc_cli.wording import in_short, listed
 from hilc_cli.yaml_input.model import Located, Model, Name, Text
@@ -156,10 +158,7 @@ class Leaderboard:
             self.cases.items(), spec.beliefs.items(), spec.disturbances.items(), spec.laws.items()
         )
         for (case, scenario), (belief, believed), (disturbance, disturbed), (law, own) in every:
-            limit = spec.b_w if own.b_w is None else own.b_w
             changes = {
-                "controller": own.model_copy(update={"b_w": limit}),
-                "model": believed.model_of(scenario.spec.robot.robot()),
                 "disturbance": disturbed,
                 "iterations": max(spec.after),
                 "initial_input": spec.initial_input,
@@ -167,8 +166,20 @@ class Leaderboard:
                 "record": RecordSpec(),
                 "sweep": None,
             }
-            made = Scenario(scenario.spec.model_copy(update=changes))
+            made = Scenario(_spec_of(spec, scenario, own, believed).model_copy(update=changes))
             yield Contest(case, belief, disturbance, law, made)
+
+
+def _spec_of(
+    spec: LeaderboardSpec, scenario: Scenario, controller: Controller, believed: BeliefSpec
+) -> ScenarioSpec:
+    """A case's scenario with another law and belief."""
+    limit = spec.b_w if controller.b_w is None else controller.b_w
+    changes = {
+        "controller": controller.model_copy(update={"b_w": limit}),
+        "model": believed.model_of(scenario.spec.robot.robot()),
+    }
+    return scenario.spec.model_copy(update=changes)
 
 
 def load_leaderboard(
@@ -235,11 +246,18 @@ def _misfits(spec: LeaderboardSpec, cases: dict[str, Scenario], tree: Node) -> l
         data = to_data(nearest(tree, ("laws", law))[0])
         assert isinstance(data, dict)  # it is valid
         for case, scenario in cases.items():
-            robot = scenario.spec.robot.robot()
-            reference = scenario.spec.trajectory.reference()
             for belief, believed in spec.beliefs.items():
-                model = believed.model_of(robot).model(robot)
-                for at, problem, remedy in type(controller).relations(data, reference, model):
+                made = _spec_of(spec, scenario, controller, believed)
+                try:
+                    reference = made.reference
+                except TimingError as error:
+                    # The case's own law bounds its profile, this one does not.
+                    problem, _, remedy = str(error).partition("; ")
+                    misfits: list[Located] = [(("b_w",), problem, remedy)]
+                else:
+                    model = made.model.model(made.robot.robot())
+                    misfits = type(controller).relations(data, reference, model)
+                for at, problem, remedy in misfits:
                     keys = ("laws", law, *at)
                     told = f"{problem} (case {case}, belief {belief})"
                     found.setdefault(keys, located_problem(tree, keys, told, remedy))

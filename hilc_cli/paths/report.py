@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hilc_cli.paths.motion import CurvatureJump, Motion, stretches
+from hilc_cli.reference.profiled import CurvatureJump as SlowJump, Profile
+from hilc_cli.reference.speed_limits import BOUNDS
 from hilc_cli.reporting.demands import demand_rows, path_rows, segment_document
 from hilc_cli.reporting.terminal import (
     Grid,
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     from hilc_cli.paths.showing import ShownPath
     from hilc_cli.theory.feasibility.demand import SegmentDemand
 
+_MOST_JUMPS = 24  # of those that cost time
 _CLOSED = 1e-9  # [m] between the ends of a closed path, beside the size of its coordinates
 
 
@@ -40,6 +43,11 @@ def print_report(path: ShownPath) -> None:
         print_table(title("Where the curvature jumps"))
         print_text("")
         print_grid(_jumps(path))
+    if path.profile is not None and path.profile.jumps:
+        print_text("")
+        print_table(title("Where wheels slow down for it"))
+        print_text("")
+        print_grid(_slow_jumps(path.profile.jumps))
 
 
 def document(path: ShownPath, files: Sequence[Path] = ()) -> dict[str, object]:
@@ -78,6 +86,7 @@ def document(path: ShownPath, files: Sequence[Path] = ()) -> dict[str, object]:
         },
         "segments": [_segment_document(path, segment) for segment in demand.segments],
         "curvature_jumps": [_jump_document(path, jump) for jump in path.jumps],
+        "profile": None if path.profile is None else _profile_document(path.profile),
         "corners": [
             {"name": joint.name, "sample": joint.sample, "corner_rad": joint.corner}
             for joint in demand.corners
@@ -85,6 +94,42 @@ def document(path: ShownPath, files: Sequence[Path] = ()) -> dict[str, object]:
         "warnings": list(path.warnings),
         "files": [str(file) for file in files],
     }
+
+
+def _profile_document(profile: Profile) -> dict[str, object]:
+    return {
+        "fastest_s": profile.fastest,
+        "bound": _bound(profile),
+        "slow_jumps": [
+            {
+                "segment": jump.segment,
+                "distance_m": jump.position,
+                "curvature_jump_1_m": jump.jump,
+                "speed_m_s": jump.speed,
+                "time_lost_s": jump.time_lost,
+            }
+            for jump in profile.jumps
+        ],
+    }
+
+
+def _bound(profile: Profile) -> dict[str, float]:
+    """Returns the share of the time in which each limit binds, those that do."""
+    shares = np.bincount(profile.bound[:-1], minlength=len(BOUNDS)) / (len(profile.bound) - 1)
+    return {name: share for name, share in zip(BOUNDS, shares.tolist(), strict=True) if share}
+
+
+def _slow_jumps(jumps: Sequence[SlowJump]) -> Grid:
+    """Returns what each jump costs, the dearest first; a clothoid gains that at most."""
+    dearest = sorted(jumps, key=lambda jump: -round(jump.time_lost, 9))[:_MOST_JUMPS]
+    values = [(jump.position, jump.jump, jump.speed, jump.time_lost) for jump in dearest]
+    rows = [
+        [str(jump.segment), *(f"{value:.4g}" for value in row)]
+        for jump, row in zip(dearest, values, strict=True)
+    ]
+    names = [("At", "m"), ("Jump", "1/m"), ("Speed", "m/s"), ("Time lost", "s")]
+    left = len(jumps) - len(dearest)
+    return Grid([("Segment", ""), *names], rows, f"and {left} cheaper ones" if left else "")
 
 
 def _of_robot(path: ShownPath, figures: dict[str, object]) -> dict[str, object]:
@@ -170,6 +215,11 @@ def _rows(path: ShownPath) -> list[tuple[str, str]]:
     rows.append(
         ("Speed", f"up to {fastest.speed:.4g} m/s in {fastest.name}, {mean:.4g} on average")
     )
+    if path.profile is not None:
+        bound = ", ".join(
+            f"{name.replace('_', ' ')} {share:.0%}" for name, share in _bound(path.profile).items()
+        )
+        rows.append(("Profile", f"{path.profile.fastest:.4g} s at least; bound by {bound}"))
     rows += _other_ways(path)
     turning = _most(demand.segments, lambda segment: abs(segment.yaw_rate))
     if turning.yaw_rate:

@@ -12,6 +12,7 @@ import numpy as np
 from hilc_cli.files import merge_folder, write_file
 from hilc_cli.paths.motion import CurvatureJump, Motion, curvature_jumps, motion_of
 from hilc_cli.plants.kinematic import Robot
+from hilc_cli.reference.profiled import Profile
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.scenario.experiment import Scenario
@@ -24,7 +25,7 @@ from hilc_cli.theory.feasibility.feasibility import (
     path_warnings,
 )
 from hilc_cli.theory.feasibility.plausibility import implausible
-from hilc_cli.wording import counted, wrapped
+from hilc_cli.wording import counted, listed, wrapped
 
 PICTURE = "path"
 SAMPLES_HEADER = (
@@ -50,6 +51,7 @@ class ShownPath:
         jumps: Where its curvature jumps.
         feasibility: That beside what the robot can do; None of a trajectory that stands alone.
         warnings: What a robot cannot do, and what is probably not meant.
+        profile: When it is where by its timing; None if its segments have their times.
         notes: What was done to files of points.
     """
 
@@ -60,6 +62,7 @@ class ShownPath:
     jumps: tuple[CurvatureJump, ...]
     feasibility: Feasibility | None
     warnings: tuple[str, ...]
+    profile: Profile | None = None
     notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -162,11 +165,23 @@ def show(
         loaded, notes = load_path(source, overrides, trust=trust)
         return replace(show(loaded), notes=notes)
     if isinstance(source, TrajectorySpec):
-        return show_reference(source.name, source.reference(), source.segment_names)
+        shown = show_reference(source.name, source.reference(), source.segment_names)
+        warnings = [*shown.warnings, *_without_wheels(source)]
+        return replace(shown, warnings=tuple(warnings), profile=source.profile())
     feasibility, spec = source.feasibility(), source.spec
-    reference = spec.trajectory.reference()
+    reference = spec.reference
     model = spec.model.model(feasibility.robot)
-    return _shown(source.name, reference, feasibility.demand, feasibility, model)
+    shown = _shown(source.name, reference, feasibility.demand, feasibility, model)
+    return replace(shown, profile=spec.profile)
+
+
+def _without_wheels(spec: TrajectorySpec) -> list[str]:
+    """Returns what is left out of a timing where no robot is known."""
+    left_out = () if spec.timing is None else spec.timing.of_wheels
+    if not left_out:
+        return []
+    keys = listed([f"timing.{key}" for key in left_out])
+    return [f"no robot is known, so that {keys} cannot count; show a scenario"]
 
 
 def show_reference(name: str, reference: Reference, segments: Sequence[str] = ()) -> ShownPath:

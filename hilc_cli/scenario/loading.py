@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Self
 
-from pydantic import ValidationError
+from pydantic import ValidationError, model_validator
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.plug_ins import trusting
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.reference.timing import TimingError
 from hilc_cli.results.reading import MAX_CSV_BYTES
 from hilc_cli.results.tables import read_input
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
 from hilc_cli.scenario.identified import with_identified
 from hilc_cli.scenario.path_files import PathFile, path_notes, with_path_files
-from hilc_cli.scenario.scenario import ScenarioSpec
+from hilc_cli.scenario.scenario import ScenarioSpec, misfit_of_timing
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.shipped_files import SCENARIOS, TRAJECTORIES
-from hilc_cli.yaml_input.model import Model, model_in
+from hilc_cli.yaml_input.model import Model, model_in, together
 from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, Place, Scalar, nearest, to_data
 from hilc_cli.yaml_input.problems import problems_of
 from hilc_cli.yaml_input.reading import (
@@ -118,6 +120,14 @@ class _Alone(Model):
     """A trajectory without a scenario around it."""
 
     trajectory: TrajectorySpec
+
+    @model_validator(mode="after")
+    def _has_its_time(self) -> Self:
+        try:
+            self.trajectory.reference()
+        except TimingError as error:
+            raise together([misfit_of_timing(error)]) from None
+        return self
 
 
 def _is_scenarios_own(keys: Sequence[str]) -> bool:
@@ -242,7 +252,7 @@ def _initial_input(
     node = tree.entries["initial_input"]
     assert isinstance(node, Scalar)  # validated as text
     path = node.place.source.folder / spec.initial_input
-    reference = spec.trajectory.reference()
+    reference = spec.reference
     try:
         content = inputs.file(path, MAX_CSV_BYTES)
         return read_input(path, content, reference.samples, reference.sample_time)

@@ -19,7 +19,7 @@ from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, METRICS
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
-from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan
+from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan, changes_path
 from hilc_cli.variation import Cases, Value
 from hilc_cli.workers.crews import TRIES, Alone, Crew, Processes, available_cores, hand_out
 
@@ -36,10 +36,12 @@ _PER_SAMPLE = 4e-9
 _PER_DISTURBED_SAMPLE = 2e-8
 _PER_LOOPED_SAMPLE = 1.5e-6
 _PER_CASE = 1e-4
+_PER_PROFILE = 0.03
 
 _CHUNK = 1.0  # [s]
 _MOST_CASES = 4096
 _TRIAL_CASES = 1000
+_TRIAL_PROFILES = 30  # each takes its time
 
 _PACKS_AT_ONCE = 16
 """The most packs of experiments that run together: enough to group them, few enough for little
@@ -199,17 +201,35 @@ def _some_experiments(plan: Plan) -> list[Experiment]:
 
 def samples_per_case(plan: Plan) -> float:
     """Samples of all iterations of a case, on average; of many cases estimated from some."""
-    keys = [key for key in plan.axes if key == "iterations" or key.split(".")[0] == TRAJECTORY]
+    spec = plan.scenario.spec
+    keys = [key for key in plan.axes if key == "iterations" or changes_path(spec, key)]
     cases = plan.cases
     if cases.sampling == "grid":
         # The other keys only repeat the combinations of these.
         cases = Cases({key: plan.axes[key] for key in keys})
+    looked_at: list[dict[str, Value]] = [{}]
+    if keys and profiles_per_case(plan) == 0:
+        looked_at = cases.values(0, min(len(cases), _TRIAL_CASES))
+    elif keys:
+        spread = np.linspace(0, len(cases) - 1, min(len(cases), _TRIAL_PROFILES)).astype(int)
+        looked_at = [cases.values(number, number + 1)[0] for number in spread.tolist()]
     counts = []
-    for case in cases.values(0, min(len(cases), _TRIAL_CASES)) if keys else [{}]:
-        with suppress(HilcError):
+    for case in looked_at:
+        with suppress(*CANNOT_BE_MADE):
             spec = plan.case({key: case[key] for key in keys}).spec
-            counts.append((spec.iterations + 1) * spec.trajectory.reference().samples)
+            counts.append((spec.iterations + 1) * spec.reference.samples)
     return float(np.mean(counts)) if counts else 0.0
+
+
+def profiles_per_case(plan: Plan) -> float:
+    """How many speed profiles are made for a case: 1 if each has one of its own."""
+    base = plan.scenario.spec
+    specs = [base.model_copy(update={TRAJECTORY: path}) for path in plan.trajectories.values()]
+    timed = [spec for spec in specs or [base] if spec.trajectory.timing is not None]
+    keys = [key for key in plan.axes if any(changes_path(spec, key) for spec in timed)]
+    if not keys or plan.cases.sampling != "grid":
+        return float(bool(keys))
+    return len(Cases({key: plan.axes[key] for key in keys})) / len(plan.cases)
 
 
 def seconds_per_case(plan: Plan) -> float:
@@ -220,7 +240,8 @@ def seconds_per_case(plan: Plan) -> float:
     per_sample = _PER_DISTURBED_SAMPLE if disturbed or varied else _PER_SAMPLE
     if not plan.in_lanes:
         per_sample = _PER_LOOPED_SAMPLE
-    return _PER_CASE + per_sample * samples_per_case(plan)
+    per_case = _PER_CASE + _PER_PROFILE * profiles_per_case(plan)
+    return per_case + per_sample * samples_per_case(plan)
 
 
 def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
@@ -238,7 +259,7 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
     """Computes the cases of a chunk; what is called now and then may raise to stop."""
     found = _nothing_known(plan, chunk)
     failures: list[Failure] = []
-    samples = plan.scenario.spec.trajectory.reference().samples
+    samples = plan.scenario.spec.reference.samples
     packs = max(1, min(_PACKS_AT_ONCE, _SAMPLES_AT_ONCE // (LANES * samples)))
     at_once = LANES * packs if plan.in_lanes else 1
     for first in range(chunk.first, chunk.last, at_once):

@@ -21,6 +21,7 @@ from pydantic import BaseModel, ValidationError
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import HilcError, InvalidInputError
 from hilc_cli.numba_loading import DISABLED
+from hilc_cli.reference.timing import TimingError
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.scenario import ScenarioSpec
@@ -155,7 +156,12 @@ class Plan:
             ValueError: An entry of the gain matrix is not finite.
         """
         scenario = self.case(values)
-        reference, given = scenario.spec.trajectory.reference(), scenario.initial_input
+        given = scenario.initial_input
+        try:
+            reference = scenario.spec.reference
+        except TimingError as error:
+            path = ".".join(filter(None, (TRAJECTORY, "timing", error.field)))
+            raise InvalidInputError.of("", path, str(error)) from None
         samples = reference.samples
         for at, problem, remedy in scenario.spec.controller.misfits_on(reference):
             path = ".".join(map(str, ("controller", *at)))
@@ -168,7 +174,7 @@ class Plan:
     def _trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:
         given = tuple(values.values())
         if given not in self._paths:
-            kept = sum(path.reference().samples for path in self._paths.values())
+            kept = sum(path.kept_samples for path in self._paths.values())
             if kept > _MOST_SAMPLES:
                 self._paths.clear()
             spec, name = self.scenario.spec, values.get(TRAJECTORY)
@@ -366,6 +372,12 @@ def scenario_of(tree: MapNode, kept: Mapping[str, BaseModel] | None = None) -> S
         return ScenarioSpec.model_validate({**data, **(kept or {})})
     except ValidationError as error:
         raise InvalidInputError(problems_of(error, tree, ScenarioSpec)) from None
+
+
+def changes_path(spec: ScenarioSpec, key: str) -> bool:
+    """Whether the reference of a case may depend on a key that is varied."""
+    of_timing = root(key) in ("robot", "model") or key == "controller.b_w"
+    return root(key) == TRAJECTORY or (of_timing and spec.trajectory.timing is not None)
 
 
 def root(key: str) -> str:

@@ -17,7 +17,7 @@ from hilc_cli.results.tables import value_text
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
 from hilc_cli.scenario.path_files import with_path_files
-from hilc_cli.scenario.scenario import RecordSpec
+from hilc_cli.scenario.scenario import RecordSpec, ScenarioSpec
 from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec, read_axis, shown_axis
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.plan import (
@@ -25,6 +25,7 @@ from hilc_cli.sweeps.plan import (
     WITHOUT_EFFECT,
     Change,
     Plan,
+    changes_path,
     parts,
     root,
     scenario_of,
@@ -314,19 +315,20 @@ class _Checked:
             for path in self.trajectories.values() or [self.spec.trajectory]:
                 spec = self.spec.model_copy(update={TRAJECTORY: path})
                 try:
-                    self._check_input(validated(spec, corner).trajectory)
+                    self._check_input(validated(spec, corner))
                 except InvalidInputError as error:
                     self.problems.extend(error.problems)
                     return
 
-    def _check_input(self, path: TrajectorySpec) -> None:
-        """Whether the scenario's input file fits a trajectory."""
-        samples = path.reference().samples
-        if self.input_samples not in (None, samples):
-            key = next(key for key in self.places if root(key) == TRAJECTORY)
-            message = f"has {samples} samples in {path.name}, but the initial input has"
-            message += f" {self.input_samples}; set initial_input to zero or feedforward"
-            raise InvalidInputError.of(self.places[key], TRAJECTORY, message)
+    def _check_input(self, spec: ScenarioSpec) -> None:
+        """Whether the scenario's input file fits the trajectory."""
+        if self.input_samples is None or spec.reference.samples == self.input_samples:
+            return
+        key = next(key for key in self.places if changes_path(spec, key))
+        message = f"has {spec.reference.samples} samples in {spec.trajectory.name}, but the initial"
+        message += f" input has {self.input_samples}; set initial_input to zero or feedforward"
+        at = TRAJECTORY if root(key) == TRAJECTORY else key
+        raise InvalidInputError.of(self.places[key], at, message)
 
     def _choices(self, key: str, axis: Choices, place: Place) -> Choices:
         found: dict[Value, None] = {}

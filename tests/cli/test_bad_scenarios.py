@@ -953,7 +953,6 @@ CASES = [
         scenario("path.yaml", "{name: inline}"),
         (
             "scenario.yaml:2:1: trajectory.sample_time: is missing; give it (s)\n"
-            "scenario.yaml:2:1: trajectory.start: is missing; give it\n"
             "scenario.yaml:2:1: trajectory.segments: is missing; give it"
         ),
     ),
