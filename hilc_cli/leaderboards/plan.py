@@ -235,7 +235,7 @@ def _misfits(spec: LeaderboardSpec, cases: dict[str, Scenario], tree: Node) -> l
         assert isinstance(data, dict)  # it is valid
         for case, scenario in cases.items():
             robot = scenario.spec.robot.robot()
-            reference = scenario.spec.trajectory.reference()
+            reference = scenario.spec.reference
             for belief, believed in spec.beliefs.items():
                 model = believed.model_of(robot).model(robot)
                 for at, problem, remedy in type(controller).relations(data, reference, model):

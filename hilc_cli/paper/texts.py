@@ -171,7 +171,7 @@ def gains_text(scenario: Scenario) -> str:
     controller = _of_the_paper(scenario)
     gains = controller.gains
     if scenario.compensates:
-        h = default_length(controller.h, scenario.spec.trajectory.reference())
+        h = default_length(controller.h, scenario.spec.reference)
         return f"l₁ = {number_text(gains.l1)}, h = {h}"
     values = zip("₁₂₃", (gains.l1, gains.l2, gains.l3), strict=True)
     return ", ".join(f"l{index} = {number_text(value)}" for index, value in values)

@@ -24,6 +24,7 @@ from hilc_cli.reference.plans import (
     ThroughPlan,
     TurnPlan,
 )
+from hilc_cli.reference.profiled import PathTiming, Profile, Share, profile_of
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.segments import (
     Arc,
@@ -59,6 +60,7 @@ POSITION_TOLERANCE = 1e-9  # [m]
 HEADING_TOLERANCE = 1e-9  # [rad]
 MOST_TURNING = 10_000.0
 """By which a clothoid may turn [rad]."""
+_SAME_HEADING = 0.01  # [rad]: with less of a corner in between, a lap begins as it ends
 _LAST_PLACES = 8  # so many units in the last place coordinates may be off in any case
 
 Pose = tuple[float, float, float]
@@ -74,9 +76,10 @@ class PathBuilder:
         corners: Whether the heading may jump between segments.
         corner_radius: Of the arcs that round corners [m]; None: they are not rounded.
         tolerance: How far a given centre, end or start of a curve may be off [m].
+        profiled: Whether segments, but for stops, get their time by a profile, see `profile`.
 
     Attributes:
-        samples: Number of sampling intervals so far.
+        samples: Number of sampling intervals so far; of a path with a profile those of its stops.
         curves: Curves through points, by the number of their segment.
     """
 
@@ -88,6 +91,7 @@ class PathBuilder:
         corners: bool = False,
         corner_radius: float | None = None,
         tolerance: float = POSITION_TOLERANCE,
+        profiled: bool = False,
     ) -> None:
         self._start = self._pose = start
         self._curvature = 0.0  # with which the path arrives
@@ -96,6 +100,7 @@ class PathBuilder:
         self._corners = corners
         self._corner_radius = corner_radius
         self._tolerance = tolerance
+        self._profiled = profiled
         self._placed: list[Placed] = []
         self._counts: list[int] = []
         self.samples = 0
@@ -153,7 +158,15 @@ class PathBuilder:
         """How far the running point may be off what is given [m]."""
         return self._slack(*(self._pose or (0.0, 0.0))[:2])
 
-    def sample(self, name: str) -> Reference:
+    def profile(self, timing: PathTiming) -> Profile:
+        """The time of a path that has been placed without.
+
+        Raises:
+            TimingError: The limits do not bound it, or it takes too many samples.
+        """
+        return profile_of(self._placed, timing, self._sample_time, is_lap=self._is_lap())
+
+    def sample(self, name: str, profile: Profile | None = None) -> Reference:
         """The reference at all samples.
 
         The joint of two segments belongs to the later one, which tells where corners are
@@ -161,19 +174,18 @@ class PathBuilder:
 
         Args:
             name: Name of the trajectory.
+            profile: When it is where; None: as its segments say.
         """
         if not self._placed:
             raise PathError("has no segments; give at least one")
-        total = self.samples
-        x, y, heading = (np.empty(total + 1) for _ in range(3))
-        first = 0
-        ends = []
-        for placed, samples in zip(self._placed, self._counts, strict=True):
-            part = slice(first, first + samples + 1)
-            fractions = placed.fractions(samples)
-            x[part], y[part], heading[part], _ = placed.segment.at(fractions)
-            first += samples
-            ends.append(first)
+        shares, ends = (
+            self._by_segments() if profile is None else (profile.shares, list(profile.ends))
+        )
+        x, y, heading = (np.empty(ends[-1] + 1) for _ in range(3))
+        for placed, share in zip(self._placed, shares, strict=True):
+            if len(share.fractions):  # of a short segment there may be none
+                part = slice(share.first, share.first + len(share.fractions))
+                x[part], y[part], heading[part], _ = placed.segment.at(share.fractions)
         x[0], y[0], heading[0] = self.start
         return Reference(
             name,
@@ -185,6 +197,24 @@ class PathBuilder:
             lengths=tuple(placed.segment.length for placed in self._placed),
             corners=tuple(placed.corner for placed in self._placed),
         )
+
+    def _by_segments(self) -> tuple[Sequence[Share], list[int]]:
+        """Which samples lie in each segment, and at which one it ends."""
+        shares: list[Share] = []
+        ends: list[int] = []
+        first = 0
+        for placed, samples in zip(self._placed, self._counts, strict=True):
+            shares.append(Share(first, placed.fractions(samples)))
+            first += samples
+            ends.append(first)
+        return shares, ends
+
+    def _is_lap(self) -> bool:
+        """Whether the path ends where it starts, with the same heading."""
+        if self._pose is None or self.gap() > self.slack:
+            return False
+        turned = self._pose[2] - self.start[2]
+        return abs(turned - nearest_equivalent_angle(0.0, turned)) <= _SAME_HEADING
 
     def _slack(self, *coordinates: float) -> float:
         """How far a point of such coordinates may be off [m]."""
@@ -220,6 +250,8 @@ class PathBuilder:
             return replace(placed, corner=jump), before
         if self._corner_radius is None or before is None:
             remedy = "make them equal or set 'corners: allow'"
+            if self._profiled:
+                remedy = "make them equal, turn in place, or set 'corners: {radius: 20 cm}'"
             if self._corner_radius is not None:
                 remedy = "make start.heading the first one, since there is nothing to round"
             start = placed.segment.start_heading
@@ -331,7 +363,7 @@ class PathBuilder:
                 corner_radius=self._corner_radius,
             )
             clock = None
-            if plan.duration is None and plan.speed is None:
+            if plan.duration is None and plan.speed is None and not self._profiled:
                 if plan.times is not None:
                     clock = curve.clock_of_times(plan.times)
                 elif plan.speeds is not None:
@@ -352,6 +384,8 @@ class PathBuilder:
         """
         self._placed.append(placed)
         self._counts.append(0)
+        if self._profiled and placed.duration is None:
+            return
         samples = placed.samples(self._sample_time)
         total = self.samples + samples
         if total > MAX_SAMPLES:

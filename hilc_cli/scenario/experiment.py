@@ -95,7 +95,7 @@ class Scenario:
     def experiment(self) -> Experiment:
         """The scenario with every number resolved."""
         spec = self.spec
-        reference = spec.trajectory.reference()
+        reference = spec.reference
         left, right = self._first_input(reference)
         return Experiment(
             reference=reference,
@@ -119,7 +119,7 @@ class Scenario:
         """What the law may depend on beside its own parameters."""
         spec = self.spec
         return Setting(
-            spec.trajectory.reference(),
+            spec.reference,
             spec.model.model(spec.robot.robot()),
             spec.initial_error,
             spec.disturbance.initial_pose.bound,
@@ -180,7 +180,7 @@ class Scenario:
         spec, robot = self.spec, self.spec.robot.robot()
         limit = math.inf if self.speed_limit is None else self.speed_limit
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            demand = demand_of(spec.trajectory.reference(), robot, spec.trajectory.segment_names)
+            demand = demand_of(spec.reference, robot, spec.trajectory.segment_names)
         return Feasibility(demand, robot, Limits(limit, spec.robot.friction))
 
     def resolved(self) -> dict[str, Any]:
@@ -190,6 +190,10 @@ class Scenario:
         robot = spec.robot.robot()
         model = spec.model.model(robot)
         data["trajectory"] = spec.trajectory.model_dump(mode="json", exclude_none=True)
+        timing = spec.trajectory.timing
+        if timing is not None and timing.wheel_speed is None:
+            limited = timing.model_copy(update={"wheel_speed": self.speed_limit})
+            data["trajectory"]["timing"] = limited.model_dump(mode="json", exclude_none=True)
         for key, platform in (("robot", robot), ("model", model)):
             data[key]["half_track"] = platform.half_track
             del data[key]["wheel_separation"]
@@ -202,7 +206,7 @@ class Scenario:
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE
         data["initial_trial"] = "feedback" if spec.learns_in_first else "open-loop"
-        data["controller"] = spec.controller.resolved(spec.trajectory.reference())
+        data["controller"] = spec.controller.resolved(spec.reference)
         for source in ("state", "output", "initial_pose"):
             disturbance = data["disturbance"][source]
             if disturbance["distribution"] == "uniform":

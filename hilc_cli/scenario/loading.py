@@ -176,7 +176,7 @@ def _initial_input(
     node = tree.entries["initial_input"]
     assert isinstance(node, Scalar)  # validated as text
     path = node.place.source.folder / spec.initial_input
-    reference = spec.trajectory.reference()
+    reference = spec.reference
     try:
         content = inputs.file(path, MAX_CSV_BYTES)
         return read_input(path, content, reference.samples, reference.sample_time)

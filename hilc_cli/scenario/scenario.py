@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from typing import Annotated, Any, Literal, Self
 
@@ -17,10 +18,15 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
+from hilc_cli.laws.parameters import Controller
 from hilc_cli.laws.registry import ControllerSpec, controller_model
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, half_track_of
 from hilc_cli.plants.registry import RobotSection
+from hilc_cli.reference.profiled import Profile, WheelLimits
+from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.speed_limits import Wheels
+from hilc_cli.reference.timing import TimingError
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
@@ -43,6 +49,7 @@ from hilc_cli.yaml_input.quantities import (
     Coordinate,
     Iterations,
     LengthBound,
+    PositiveWheelSpeed,
     Quantity,
     RobotLength,
     Seed,
@@ -227,21 +234,64 @@ class ModelSpec(_WithFrom):
 DEFAULT_ITERATIONS = 100
 
 
-def _misfits_of_controller(data: Mapping[str, Any]) -> list[Located]:
-    """Returns what the law's parameters ask of the trajectory and of the believed platform."""
+def _believed(data: Mapping[str, Any]) -> Robot | None:
+    """The platform as the controller believes it to be, if that is valid."""
+    robot, model = data.get("robot"), data.get("model") or ModelSpec()
+    if isinstance(robot, RobotSpec) and isinstance(model, ModelSpec):
+        return model.model(robot.robot())
+    return None
+
+
+def _wheel_limits(data: Mapping[str, Any]) -> WheelLimits | None:
+    """What a timing takes of the scenario, if that is valid."""
+    believed, controller = _believed(data), data.get("controller")
+    law = controller_model(controller)
+    if believed is None or law is None:
+        return None
+    limit = law.model_fields["b_w"].default
+    given = controller.get("b_w") if isinstance(controller, Mapping) else controller
+    if isinstance(given, Controller):
+        limit = given.b_w
+    elif given is not None:
+        limit = valid(PositiveWheelSpeed, given)
+        if limit is None:
+            return None
+    return _limits_of(believed, limit)
+
+
+def _limits_of(believed: Robot, speed_limit: float | None) -> WheelLimits:
+    wheels = Wheels(believed.wheel_radius, believed.half_track)
+    return WheelLimits(wheels, math.inf if speed_limit is None else speed_limit)
+
+
+def _reference_of(data: Mapping[str, Any]) -> tuple[Reference | None, list[Located]]:
+    """The reference of a scenario, if it has one, and why it has none."""
+    trajectory = data.get("trajectory")
+    if not isinstance(trajectory, TrajectorySpec):
+        return None, []
+    if trajectory.timing is None:
+        return trajectory.reference(), []
+    limits = _wheel_limits(data)
+    if limits is None:
+        return None, []
+    try:
+        return trajectory.reference(limits), []
+    except TimingError as error:
+        problem, _, remedy = str(error).partition("; ")
+        at = ("trajectory", "timing", *([error.field] if error.field else []))
+        return None, [(at, problem, remedy)]
+
+
+def _misfits_of_path(data: Mapping[str, Any]) -> list[Located]:
+    """Returns what the timing lacks, and what the law asks of path and believed platform."""
+    reference, misfits = _reference_of(data)
     controller = data.get("controller")
     law = controller_model(controller)
     if law is None or not isinstance(controller, Mapping):
-        return []
-    trajectory, robot = data.get("trajectory"), data.get("robot")
-    model = data.get("model") or ModelSpec()
-    reference = trajectory.reference() if isinstance(trajectory, TrajectorySpec) else None
-    believed = None
-    if isinstance(robot, RobotSpec) and isinstance(model, ModelSpec):
-        believed = model.model(robot.robot())
-    return [
+        return misfits
+    return misfits + [
         (("controller", *at), problem, remedy)
-        for at, problem, remedy in law.relations(controller, reference, believed)
+        for at, problem, remedy in law.relations(controller, reference, _believed(data))
     ]
 
 
@@ -307,7 +357,32 @@ class ScenarioSpec(Model):
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
         """What does not fit together, whatever else is wrong."""
         own = super().misfits(data)
-        return [*own, *_misfits_of_controller(data), *_misfits_of_record(data)]
+        return [*own, *_misfits_of_path(data), *_misfits_of_record(data)]
+
+    @property
+    def wheel_limits(self) -> WheelLimits:
+        """What the trajectory's timing takes of the believed robot."""
+        believed = self.model.model(self.robot.robot())
+        return _limits_of(believed, self.controller.b_w)
+
+    @property
+    def reference(self) -> Reference:
+        """The sampled trajectory, as fast as its timing and this scenario's robot allow.
+
+        Raises:
+            TimingError: As for `TrajectorySpec.reference`; not in a scenario that has been read.
+        """
+        return self.trajectory.reference(None if self._is_timed else self.wheel_limits)
+
+    @property
+    def profile(self) -> Profile | None:
+        """When it is where by its timing; None if its segments have their times."""
+        return None if self._is_timed else self.trajectory.profile(self.wheel_limits)
+
+    @property
+    def _is_timed(self) -> bool:
+        """Whether the segments have their times, of whatever robot."""
+        return self.trajectory.timing is None
 
     @property
     def learns_in_first(self) -> bool:

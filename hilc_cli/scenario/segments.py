@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
+from collections.abc import Mapping
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -21,7 +23,7 @@ from hilc_cli.reference.plans import (
 )
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.segments import Turn, turn_sign
-from hilc_cli.yaml_input.model import Flag, Located, Model, Text, wrong_at
+from hilc_cli.yaml_input.model import Flag, Located, Model, Text, listed, model_in, wrong_at
 from hilc_cli.yaml_input.quantities import (
     Angle,
     Coordinate,
@@ -42,9 +44,39 @@ Length = Annotated[float, such_as(PositiveLength, "5 or 5 m")]
 ShortLength = Annotated[float, such_as(LengthBound, "0.01 or 1 cm")]
 
 
-class _Timed(Model):
-    exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = (("duration", "speed"),)
+class _Shape(Model):
+    timed_by: ClassVar[tuple[str, ...]] = ("duration", "speed")
+    """Keys that say what time it takes."""
 
+    least_timed: ClassVar[int] = 1
+    """How many of them it must have, unless the trajectory has a timing; the most is one."""
+
+    @classmethod
+    def misfits_of_time(cls, data: Mapping[str, Any], *, profiled: bool) -> list[Located]:
+        """What is wrong with what is said of the time.
+
+        Args:
+            data: The shape, which may not be valid.
+            profiled: Whether the trajectory has a timing.
+        """
+        given = [key for key in cls.timed_by if data.get(key) is not None]
+        if profiled:
+            return [
+                ((key,), "stands beside the trajectory's 'timing'", "remove one of them")
+                for key in given
+            ]
+        # One that is missing beside an unknown key is misspelt: telling that is enough.
+        misspelt = not data.keys() <= cls.model_fields.keys()
+        if len(given) > 1 or (len(given) < cls.least_timed and not misspelt):
+            return [((), f"needs exactly one of {listed(cls.timed_by)}", "give one of them")]
+        return []
+
+    @abstractmethod
+    def plan(self) -> SegmentPlan:
+        """The segment for the path builder."""
+
+
+class _Timed(_Shape):
     duration: PositiveTime | None = Field(None, description="s, a whole number of samples")
     speed: PositiveSpeed | None = Field(
         None, description="m/s, instead of duration; rounded so that the samples are whole"
@@ -101,7 +133,7 @@ class ArcSpec(SemicircleSpec):
 class LineSpec(_Reversible):
     """A straight line."""
 
-    exactly_one = (("duration", "speed"), ("to", "length"))
+    exactly_one = (("to", "length"),)
 
     to: Point | None = Field(None, description="m, in the world frame")
     length: Length | None = Field(None, description="m, along the running heading")
@@ -111,10 +143,10 @@ class LineSpec(_Reversible):
         return LinePlan(self.to, self.length, self.duration, self.speed, reverse=bool(self.reverse))
 
 
-class TurnSpec(Model):
+class TurnSpec(_Shape):
     """A turn in place."""
 
-    exactly_one = (("duration", "rate"),)
+    timed_by = ("duration", "rate")
 
     angle: TurnAngle = Field(description="rad, positive to the left, not 0")
     duration: PositiveTime | None = Field(None, description="s, a whole number of samples")
@@ -133,8 +165,11 @@ class TurnSpec(Model):
         return TurnPlan(self.angle, self.duration, self.rate)
 
 
-class StopSpec(Model):
+class StopSpec(_Shape):
     """A standstill."""
+
+    timed_by = ()
+    least_timed = 0
 
     duration: PositiveTime = Field(description="s, a whole number of samples")
 
@@ -146,7 +181,7 @@ class StopSpec(Model):
 class ClothoidSpec(_Timed):
     """A curve whose curvature changes linearly with its length, along the running heading."""
 
-    exactly_one = (("duration", "speed"), ("end_curvature", "end_radius"))
+    exactly_one = (("end_curvature", "end_radius"),)
 
     length: Length = Field(description="m")
     end_curvature: Curvature | None = Field(None, description="1/m, positive to the left")
@@ -216,6 +251,7 @@ class PathSpec(_Reversible):
     """A curve through the points of a file; a resolved scenario holds the points themselves."""
 
     exactly_one = (("file", "points"),)
+    least_timed = 0  # the file may have them
 
     file: Text | None = Field(None, description="path of a CSV or TUM file with points")
     points: list[Point] | None = Field(
@@ -242,9 +278,8 @@ class PathSpec(_Reversible):
         """Times and speeds that do not belong to the points, or stand beside others."""
         found = super().misfits(data)
         points = data.get("points")
-        for one, other in (("duration", "speed"), ("times", "speeds")):
-            if data.get(one) is not None and data.get(other) is not None:
-                found.append(((), f"has both {one} and {other}", "give one of them"))
+        if data.get("times") is not None and data.get("speeds") is not None:
+            found.append(((), "has both times and speeds", "give one of them"))
         for key in ("times", "speeds"):
             values = data.get(key)
             if not isinstance(points, list) or not isinstance(values, list):
@@ -284,10 +319,6 @@ def _array(values: list[float] | None) -> Floats | None:
     return None if values is None else np.array(values)
 
 
-class _Shape(Protocol):
-    def plan(self) -> SegmentPlan: ...
-
-
 class SegmentSpec(Model):
     """One piece of the path: its kind, and below that its shape."""
 
@@ -301,6 +332,19 @@ class SegmentSpec(Model):
     clothoid: ClothoidSpec | None = None
     spline: SplineSpec | None = None
     path: PathSpec | None = None
+
+    @classmethod
+    def misfits_of_time(cls, data: object, *, profiled: bool) -> list[Located]:
+        """What is wrong with what a segment, which may not be valid, says of its time."""
+        shapes = dict(data) if isinstance(data, Mapping | cls) else {}
+        found: list[Located] = []
+        for kind, field in cls.model_fields.items():
+            shape, model = shapes.get(kind), model_in(field.annotation)
+            if isinstance(shape, Mapping | _Shape) and model is not None:
+                assert issubclass(model, _Shape)  # as all of them are
+                misfits = model.misfits_of_time(dict(shape), profiled=profiled)
+                found += (((kind, *at), problem, remedy) for at, problem, remedy in misfits)
+        return found
 
     @property
     def kind(self) -> str:

@@ -15,16 +15,23 @@ from hilc_cli.reference.path import (
     PathError,
     SamplesError,
 )
+from hilc_cli.reference.profiled import PathTiming, Profile, WheelLimits
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.speed_limits import Limits, Wheels
 from hilc_cli.reference.through_points import Curve
+from hilc_cli.reference.timing import End, TimingError
 from hilc_cli.scenario.segments import SegmentSpec
 from hilc_cli.wording import near_name
 from hilc_cli.yaml_input.model import Flag, Located, Model, Name, Text, together, wrong, wrong_at
 from hilc_cli.yaml_input.quantities import (
     Angle,
     Coordinate,
+    PositiveAcceleration,
     PositiveLength,
+    PositiveSpeed,
+    PositiveWheelSpeed,
     SampleTime,
+    WheelAcceleration,
     such_as,
 )
 
@@ -32,6 +39,8 @@ _MOST_DEGREES = 3600
 """Larger numbers are hardly meant to be degrees."""
 MOST_POINTS = 10_000
 """Points of all segments together, which a resolved scenario holds."""
+MOST_KEPT = 1_000_000
+"""Samples of references that are kept for those who ask again."""
 
 
 class PoseSpec(Model):
@@ -61,6 +70,50 @@ def _word_or_radius(value: object, handler: object) -> object:
     raise wrong("is not one of the choices", remedy)
 
 
+class TimingSpec(Model):
+    """Limits within which the path is driven as fast as can be."""
+
+    speed: PositiveSpeed | None = Field(None, description="m/s")
+    acceleration: PositiveAcceleration | None = Field(
+        None, description="m/s^2, along the path, and braking"
+    )
+    lateral_acceleration: PositiveAcceleration | None = Field(
+        None, description="m/s^2, curvature times speed squared"
+    )
+    wheel_speed: PositiveWheelSpeed | None = Field(
+        None, description="rad/s, of each wheel; default: controller.b_w"
+    )
+    wheel_acceleration: WheelAcceleration | None = Field(None, description="rad/s^2, of each wheel")
+    start: End = Field("rest", description="whether it starts at rest, or as fast as can be")
+    end: End = Field("rest", description="likewise its end")
+
+    @property
+    def of_wheels(self) -> tuple[str, ...]:
+        """Keys of limits that need a robot."""
+        keys = ("wheel_speed", "wheel_acceleration")
+        return tuple(key for key in keys if getattr(self, key) is not None)
+
+    def path_timing(self, robot: WheelLimits | None) -> PathTiming:
+        """The limits for the path builder.
+
+        Args:
+            robot: Whose wheels are limited; None: they are not.
+        """
+        own = {
+            key: math.inf if (limit := getattr(self, key)) is None else limit
+            for key in ("speed", "acceleration", "lateral_acceleration")
+        }
+        wheel_speed = wheel_acceleration = math.inf
+        if robot is not None:
+            wheel_speed = robot.wheel_speed if self.wheel_speed is None else self.wheel_speed
+            wheel_acceleration = self.wheel_acceleration or math.inf
+        # Whatever robot it is, the profile is the same where no wheel is limited.
+        limited = robot is not None and min(wheel_speed, wheel_acceleration) < math.inf
+        wheels = robot.wheels if robot is not None and limited else Wheels(1.0, 0.0)
+        limits = Limits(**own, wheel_speed=wheel_speed, wheel_acceleration=wheel_acceleration)
+        return PathTiming(limits, wheels, self.start, self.end)
+
+
 class TrajectorySpec(Model):
     """A reference trajectory: where it starts and the segments that it is made of."""
 
@@ -75,6 +128,9 @@ class TrajectorySpec(Model):
     corners: Annotated[Literal["forbid", "allow"] | CornersSpec, WrapValidator(_word_or_radius)] = (
         Field("forbid", description="whether the heading may jump between segments")
     )
+    timing: TimingSpec | None = Field(
+        None, description="in the place of durations and speeds: as fast as these limits allow"
+    )
     tolerance: Annotated[float, such_as(PositiveLength, "0.001 or 1 mm")] | None = Field(
         None,
         description="m: how far a given centre, end or closure may be off; default 1e-9, and never "
@@ -83,13 +139,23 @@ class TrajectorySpec(Model):
 
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
-        """A start that is missing where only it tells where the path begins."""
-        segments = data.get("segments")
-        first = segments[0] if isinstance(segments, list) and segments else None
-        own = super().misfits(data)
-        if data.get("start") is not None or _has_own_start(first):
-            return own
-        return [*own, (("start",), "is missing", "give it: x, y and heading of the first sample")]
+        """A start that is missing, and times of segments that are missing or one too many."""
+        found, segments = super().misfits(data), data.get("segments")
+        segments = segments if isinstance(segments, list) else []
+        profiled = data.get("timing") is not None
+        if data.get("start") is None and not _has_own_start(segments[0] if segments else None):
+            remedy = "give it: x, y and heading of the first sample"
+            found.append((("start",), "is missing", remedy))
+        for index, segment in enumerate(segments):
+            misfits = SegmentSpec.misfits_of_time(segment, profiled=profiled)
+            found += (
+                (("segments", index, *at), problem, remedy) for at, problem, remedy in misfits
+            )
+        if profiled and data.get("corners") == "allow":
+            problem = "has no meaning beside 'timing', since a robot cannot turn at once"
+            remedy = "set 'corners: {radius: 20 cm}', or turn in place there"
+            found.append((("corners",), problem, remedy))
+        return found
 
     @model_validator(mode="after")
     def _has_a_path(self) -> Self:
@@ -115,13 +181,58 @@ class TrajectorySpec(Model):
         """Curves through points, by the number of their segment."""
         return self._path.curves
 
-    def reference(self) -> Reference:
-        """The sampled trajectory."""
-        return self._reference
+    def reference(self, robot: WheelLimits | None = None) -> Reference:
+        """The sampled trajectory.
+
+        Args:
+            robot: Whose wheels limit the profile, if the trajectory has a timing; None: wheel
+                limits are not applied.
+
+        Raises:
+            TimingError: The limits do not bound the profile, or it takes too many samples.
+        """
+        return self._driven(robot)[0]
+
+    def profile(self, robot: WheelLimits | None = None) -> Profile | None:
+        """When it is where by its timing, and what binds; None if its segments have their times.
+
+        Args:
+            robot: As for `reference`.
+
+        Raises:
+            TimingError: As for `reference`.
+        """
+        return self._driven(robot)[1]
+
+    @property
+    def kept_samples(self) -> int:
+        """Samples of the references that are kept."""
+        return sum(reference.samples for reference, _ in self._kept.values())
+
+    def _driven(self, robot: WheelLimits | None) -> tuple[Reference, Profile | None]:
+        """The path with its time, kept for the next one who asks."""
+        timing = None if self.timing is None else self.timing.path_timing(robot)
+        if timing not in self._kept:
+            profile = None if timing is None else self._profile(timing, robot)
+            if self.kept_samples > MOST_KEPT:
+                self._kept.clear()
+            self._kept[timing] = self._path.sample(self.name, profile), profile
+        return self._kept[timing]
+
+    def _profile(self, timing: PathTiming, robot: WheelLimits | None) -> Profile:
+        try:
+            return self._path.profile(timing)
+        except TimingError as error:
+            if robot is None and self.timing is not None and self.timing.of_wheels:
+                limits = " and ".join(self.timing.of_wheels)
+                message = f"{error}, or take a scenario, whose robot {limits} can limit"
+                raise TimingError(message, error.field) from None
+            raise
 
     @cached_property
-    def _reference(self) -> Reference:
-        return self._path.sample(self.name)
+    def _kept(self) -> dict[PathTiming | None, tuple[Reference, Profile | None]]:
+        """References by what they are timed by."""
+        return {}
 
     def _degrees_meant(self, last: int) -> str:
         """What of the angles up to a segment looks like degrees, as the end of a message."""
@@ -152,6 +263,7 @@ class TrajectorySpec(Model):
             corners=self.corners == "allow",
             corner_radius=self.corners.radius if isinstance(self.corners, CornersSpec) else None,
             tolerance=POSITION_TOLERANCE if self.tolerance is None else self.tolerance,
+            profiled=self.timing is not None,
         )
         for index, segment in enumerate(self.segments):
             try:

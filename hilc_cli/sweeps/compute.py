@@ -20,7 +20,7 @@ from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, METRICS
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
-from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan
+from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan, changes_path
 from hilc_cli.variation import Cases, Value
 from hilc_cli.workers.crews import TRIES, Alone, Crew, Processes, available_cores, hand_out
 
@@ -211,16 +211,17 @@ def _some_experiments(plan: Plan) -> list[Experiment]:
 
 def samples_per_case(plan: Plan) -> float:
     """Samples of all iterations of a case, on average; of many cases estimated from some."""
-    keys = [key for key in plan.axes if key == "iterations" or key.split(".")[0] == TRAJECTORY]
+    spec = plan.scenario.spec
+    keys = [key for key in plan.axes if key == "iterations" or changes_path(spec, key)]
     cases = plan.cases
     if cases.sampling == "grid":
         # The other keys only repeat the combinations of these.
         cases = Cases({key: plan.axes[key] for key in keys})
     counts = []
     for case in cases.values(0, min(len(cases), _TRIAL_CASES)) if keys else [{}]:
-        with suppress(HilcError):
+        with suppress(*CANNOT_BE_MADE):
             spec = plan.case({key: case[key] for key in keys}).spec
-            counts.append((spec.iterations + 1) * spec.trajectory.reference().samples)
+            counts.append((spec.iterations + 1) * spec.reference.samples)
     return float(np.mean(counts)) if counts else 0.0
 
 
@@ -262,7 +263,7 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
     """
     found = _nothing_known(plan, chunk)
     failures: list[Failure] = []
-    samples = plan.scenario.spec.trajectory.reference().samples
+    samples = plan.scenario.spec.reference.samples
     packs = max(1, min(_PACKS_AT_ONCE, _SAMPLES_AT_ONCE // (LANES * samples)))
     at_once = LANES * packs if plan.in_lanes else 1
     for first in range(chunk.first, chunk.last, at_once):

@@ -149,7 +149,7 @@ class Plan:
             ValueError: An entry of the gain matrix is not finite.
         """
         scenario = self.case(values)
-        reference, given = scenario.spec.trajectory.reference(), scenario.initial_input
+        reference, given = scenario.spec.reference, scenario.initial_input
         samples = reference.samples
         for at, problem, remedy in scenario.spec.controller.misfits_on(reference):
             path = ".".join(map(str, ("controller", *at)))
@@ -162,7 +162,7 @@ class Plan:
     def _trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:
         given = tuple(values.values())
         if given not in self._paths:
-            kept = sum(path.reference().samples for path in self._paths.values())
+            kept = sum(path.kept_samples for path in self._paths.values())
             if kept > _MOST_SAMPLES:
                 self._paths.clear()
             self._paths[given] = self._new_trajectory(values)
@@ -365,6 +365,12 @@ def scenario_of(tree: MapNode, kept: Mapping[str, BaseModel] | None = None) -> S
         return ScenarioSpec.model_validate({**data, **(kept or {})})
     except ValidationError as error:
         raise InvalidInputError(problems_of(error, tree, ScenarioSpec)) from None
+
+
+def changes_path(spec: ScenarioSpec, key: str) -> bool:
+    """Whether the reference of a case may depend on a key that is varied."""
+    of_timing = root(key) in ("robot", "model") or key == "controller.b_w"
+    return root(key) == TRAJECTORY or (of_timing and spec.trajectory.timing is not None)
 
 
 def root(key: str) -> str:

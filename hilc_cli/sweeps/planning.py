@@ -25,6 +25,7 @@ from hilc_cli.sweeps.plan import (
     WITHOUT_EFFECT,
     Change,
     Plan,
+    changes_path,
     parts,
     root,
     scenario_of,
@@ -326,19 +327,20 @@ class _Checked:
             for path in self.trajectories.values() or [self.spec.trajectory]:
                 spec = self.spec.model_copy(update={TRAJECTORY: path})
                 try:
-                    self._check_input(validated(spec, corner).trajectory)
+                    self._check_input(validated(spec, corner))
                 except InvalidInputError as error:
                     self.problems.extend(error.problems)
                     return
 
-    def _check_input(self, path: TrajectorySpec) -> None:
-        """Whether the scenario's input file fits a trajectory."""
-        samples = path.reference().samples
-        if self.input_samples not in (None, samples):
-            key = next(key for key in self.places if root(key) == TRAJECTORY)
-            message = f"has {samples} samples in {path.name}, but the initial input has"
-            message += f" {self.input_samples}; set initial_input to zero or feedforward"
-            raise InvalidInputError([Problem(str(self.places[key]), TRAJECTORY, message)])
+    def _check_input(self, spec: ScenarioSpec) -> None:
+        """Whether the scenario's input file fits the trajectory."""
+        if self.input_samples is None or spec.reference.samples == self.input_samples:
+            return
+        key = next(key for key in self.places if changes_path(spec, key))
+        message = f"has {spec.reference.samples} samples in {spec.trajectory.name}, but the initial"
+        message += f" input has {self.input_samples}; set initial_input to zero or feedforward"
+        at = TRAJECTORY if root(key) == TRAJECTORY else key
+        raise InvalidInputError([Problem(str(self.places[key]), at, message)])
 
     def _choices(self, key: str, axis: Choices, place: Place) -> Choices:
         found: dict[Value, None] = {}

@@ -331,6 +331,10 @@ PositiveTime = Annotated[
 ]
 SampleTime = Annotated[float, Quantity(_TIME, "0.001 or 1 ms", above=0, smallest=1e-6, most=1e4)]
 PositiveSpeed = Annotated[float, Quantity(_SPEED, "2 or 2 m/s", above=0, smallest=1e-9, most=1e6)]
+PositiveAcceleration = Annotated[
+    float,
+    Quantity(Unit(length=1, time=-2), "0.5 or 0.5 m/s^2", above=0, smallest=1e-9, most=_LARGEST),
+]
 PositiveRate = Annotated[
     float, Quantity(_WHEEL_SPEED, "1.5 or 90 deg/s", above=0, smallest=1e-9, most=1e6)
 ]

@@ -1,0 +1,293 @@
+"""When a path is where if it is driven as fast as limits allow.
+
+A path is driven from one standstill to the next: stops, turns in place, and where the robot begins
+to drive the other way. Each of these ways takes a whole number of samples.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.reference.corners import Part
+from hilc_cli.reference.placed import MAX_SAMPLES, Placed
+from hilc_cli.reference.sampled import Floats
+from hilc_cli.reference.segments import Backward, Chain, Segment, TurnInPlace
+from hilc_cli.reference.speed_limits import NOTHING, Limits, Stretch, Wheels
+from hilc_cli.reference.splines import Spline
+from hilc_cli.reference.timing import (
+    End,
+    Joint,
+    SpeedProfile,
+    TimingError,
+    fastest_profile,
+    fastest_profiles,
+)
+
+_NOTHING_LEFT = 1e-12  # of a segment's length
+
+
+@dataclass(frozen=True, slots=True)
+class WheelLimits:
+    """What a robot is, and what it allows where a trajectory says nothing."""
+
+    wheels: Wheels
+    wheel_speed: float = math.inf  # [rad/s]
+
+
+@dataclass(frozen=True, slots=True)
+class PathTiming:
+    """How a path is to be driven.
+
+    Attributes:
+        limits: What is to be kept.
+        wheels: The robot's measures; any if no wheel is limited.
+        start: Whether it starts at rest or at whatever speed is fastest.
+        end: Likewise its end.
+    """
+
+    limits: Limits
+    wheels: Wheels
+    start: End = "rest"
+    end: End = "rest"
+
+
+@dataclass(frozen=True, slots=True)
+class CurvatureJump:
+    """A place at which the curvature jumps, so that the wheels can follow only if it is slow.
+
+    Attributes:
+        segment: Number of the segment that it is in, or that starts there.
+        position: Along the path [m].
+        jump: By how much the curvature changes [1/m].
+        speed: The speed there [m/s].
+        time_lost: How much sooner the path could end without the jump [s]; a clothoid or a
+            rounding gains at most that.
+    """
+
+    segment: int
+    position: float
+    jump: float
+    speed: float
+    time_lost: float
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """The samples that lie in a segment: number of the first one, and their fractions of it."""
+
+    first: int
+    fractions: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Profile:
+    """When a path is where.
+
+    Attributes:
+        timing: What it is made of.
+        shares: Which samples lie in each segment; of two that meet at a sample the later one has
+            it.
+        ends: Sample nearest to the end of each segment.
+        speeds: Speed at each sample [m/s], 0 in turns in place, shape (n + 1,).
+        bound: Which limit binds from each sample on, an index into `speed_limits.BOUNDS`, shape
+            (n + 1,).
+        fastest: The shortest time, stops included [s]; each way between two standstills takes up
+            to one sample more.
+        jumps: Where the wheel speeds jump with the curvature, if wheel acceleration is limited.
+    """
+
+    timing: PathTiming
+    shares: tuple[Share, ...]
+    ends: tuple[int, ...]
+    speeds: Floats
+    bound: NDArray[np.int8]
+    fastest: float
+    jumps: tuple[CurvatureJump, ...]
+
+
+def profile_of(
+    placed: Sequence[Placed], timing: PathTiming, sample_time: float, *, is_lap: bool
+) -> Profile:
+    """Returns the fastest profile of a path.
+
+    Args:
+        placed: The segments, of which only stops say what time they take; without corners.
+        timing: How it is driven.
+        sample_time: d_t [s].
+        is_lap: Whether it ends where and as it starts. If it also moves at both ends and nowhere
+            stands still, it is as fast at its end as at its start.
+
+    Raises:
+        TimingError: The limits do not bound it, or it takes too many samples; its stretch is the
+            number of the segment with which the way starts.
+    """
+    ways = _ways([each.segment for each in placed])
+    shares: list[Share] = []
+    ends: list[int] = []
+    jumps: list[CurvatureJump] = []
+    speeds, bounds = [], []
+    first, passed = 0, 0.0
+    profiles = _profiles(placed, ways, timing, sample_time, is_lap=is_lap)
+    for way, found in zip(ways, profiles, strict=True):
+        borders = np.cumsum([0.0, *(placed[number].segment.length for number in way)])
+        if borders[-1] == 0:  # in place
+            shares.append(Share(first, found.positions / found.positions[-1]))
+            ends.append(first + found.samples)
+            speeds.append(np.zeros(found.samples + 1))
+        else:
+            shares += _shares(found.positions, borders, first)
+            ends += [first + nearest for nearest in _nearest(found.positions, borders[1:])]
+            jumps += (_on_path(joint, way, borders, passed) for joint in found.joints)
+            speeds.append(found.speeds)
+        bounds.append(found.bound)
+        first += found.samples
+        passed += float(borders[-1])
+    # The sample between two ways belongs to the later one.
+    return Profile(
+        timing,
+        tuple(shares),
+        tuple(ends),
+        np.concatenate([*(each[:-1] for each in speeds), speeds[-1][-1:]]),
+        np.concatenate([*(each[:-1] for each in bounds), bounds[-1][-1:]]),
+        sum(each.fastest for each in profiles),
+        tuple(jumps),
+    )
+
+
+def _ways(segments: Sequence[Segment]) -> list[list[int]]:
+    """Numbers of the segments between each two standstills; those in place are alone."""
+    ways: list[list[int]] = [[0]]
+    for number, (before, segment) in enumerate(pairwise(segments), 1):
+        turns_around = isinstance(before, Backward) != isinstance(segment, Backward)
+        if turns_around or before.length == 0 or segment.length == 0:
+            ways.append([])
+        ways[-1].append(number)
+    return ways
+
+
+def _profiles(
+    placed: Sequence[Placed],
+    ways: Sequence[Sequence[int]],
+    timing: PathTiming,
+    sample_time: float,
+    *,
+    is_lap: bool,
+) -> list[SpeedProfile]:
+    """The profile of each way; a stop takes as long as it says."""
+    stops = {
+        number: _standstill(placed[way[0]].samples(sample_time), sample_time)
+        for number, way in enumerate(ways)
+        if _is_stop(placed[way[0]].segment)
+    }
+    driven = [number for number in range(len(ways)) if number not in stops]
+    stretches = [_stretch([placed[each].segment for each in ways[number]]) for number in driven]
+    left = MAX_SAMPLES - sum(stop.samples for stop in stops.values())
+    periodic = is_lap and len(ways) == 1 and (timing.start, timing.end) == ("moving", "moving")
+    limits, wheels = timing.limits, timing.wheels
+    try:
+        if periodic and stretches:
+            found = [
+                fastest_profile(
+                    stretches[0], limits, wheels, sample_time, max_samples=left, periodic=True
+                )
+            ]
+        else:
+            found = fastest_profiles(
+                stretches,
+                limits,
+                wheels,
+                sample_time,
+                max_samples=left,
+                start="rest" if 0 in stops else timing.start,
+                end="rest" if len(ways) - 1 in stops else timing.end,
+            )
+    except TimingError as error:
+        error.stretch = ways[driven[error.stretch]][0]
+        raise
+    by_number = stops | dict(zip(driven, found, strict=True))
+    return [by_number[number] for number in range(len(ways))]
+
+
+def _is_stop(segment: Segment) -> bool:
+    return isinstance(segment, TurnInPlace) and segment.angle == 0
+
+
+def _standstill(samples: int, sample_time: float) -> SpeedProfile:
+    nothing = np.full(samples + 1, NOTHING, dtype=np.int8)
+    share_of_time = np.arange(samples + 1) / samples
+    return SpeedProfile(
+        share_of_time, np.zeros(samples + 1), nothing, samples * sample_time, joints=()
+    )
+
+
+def _stretch(segments: Sequence[Segment]) -> Stretch:
+    """A way, whose curvature is seen from both sides of each joint."""
+    first = segments[0]
+    if isinstance(first, TurnInPlace):
+        return Stretch.turn_in_place(first.angle)
+    return Stretch.joined([piece for segment in segments for piece in _pieces(segment)])
+
+
+def _pieces(segment: Segment, begin: float = 0.0, end: float = 1.0) -> list[Stretch]:
+    """The smooth pieces of a segment between two fractions of its length."""
+    if isinstance(segment, Backward):
+        return _pieces(segment.segment, begin, end)
+    if isinstance(segment, Part):
+        width = segment.end - segment.begin
+        return _pieces(segment.segment, segment.begin + begin * width, segment.begin + end * width)
+    if isinstance(segment, Chain):
+        ends = np.cumsum([0.0, *(part.length for part in segment.parts)]) / segment.length
+        found: list[Stretch] = []
+        for part, low, high in zip(segment.parts, ends[:-1], ends[1:], strict=True):
+            inside = np.clip((np.array([begin, end]) - low) / (high - low), 0.0, 1.0)
+            if inside[1] - inside[0] > _NOTHING_LEFT:
+                found += _pieces(part, float(inside[0]), float(inside[1]))
+        return found
+    length = segment.length * (end - begin)
+    if isinstance(segment, Spline):
+        knots = segment.knot_fractions
+        inner = knots[(knots > begin + _NOTHING_LEFT) & (knots < end - _NOTHING_LEFT)]
+        borders = (np.concatenate([[begin], inner, [end]]) - begin) * segment.length
+
+        def curvature(s: Floats) -> Floats:
+            return segment.at((begin + s / segment.length).clip(0.0, 1.0)).curvature
+
+        return [Stretch.curved(curvature, borders)]
+    ends = segment.at(np.array([begin, end])).curvature
+    return [Stretch(np.array([0.0, length]), ends[np.newaxis])]
+
+
+def _shares(positions: Floats, borders: Floats, first: int) -> list[Share]:
+    """Which samples of a way lie in each of its segments."""
+    starts = np.searchsorted(positions, borders[:-1])
+    lasts = np.append(starts[1:], len(positions))
+    return [
+        Share(first + int(start), ((positions[start:last] - low) / (high - low)).clip(0.0, 1.0))
+        for start, last, (low, high) in zip(starts, lasts, pairwise(borders.tolist()), strict=True)
+    ]
+
+
+def _nearest(positions: Floats, borders: Floats) -> list[int]:
+    """Numbers of the samples that are nearest to each border."""
+    found: list[int] = np.searchsorted((positions[1:] + positions[:-1]) / 2, borders).tolist()
+    return [*found[:-1], len(positions) - 1]
+
+
+def _on_path(joint: Joint, way: Sequence[int], borders: Floats, passed: float) -> CurvatureJump:
+    """A joint of a way as one of the path, which has come so far before [m]."""
+    # Its place and the border where it is are sums of the same lengths, apart from rounding.
+    rounding = _NOTHING_LEFT * borders[-1]
+    inside = np.searchsorted(borders[1:-1], joint.position + rounding, side="right")
+    return CurvatureJump(
+        way[int(inside)],
+        passed + joint.position,
+        joint.curvature_jump,
+        joint.speed,
+        joint.time_lost,
+    )
