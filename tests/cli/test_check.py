@@ -8,7 +8,7 @@ import os
 import pty
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -503,24 +503,33 @@ def at_most(curvatures: Floats, speed: float, lateral: float) -> tuple[float, fl
     return float(wheel), float((speeds**2 * curvatures).max()) / 9.80665
 
 
-def curvatures(points: list[list[float]], ends: Any) -> Floats:
+def curvatures(points: Sequence[Sequence[float]], ends: Any) -> Floats:
     """Of a cubic spline by the length of its chords."""
     knots = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     curve = CubicSpline(knots, points, bc_type=ends)
     at = np.linspace(0, knots[-1], 100_000)
     (dx, dy), (ddx, ddy) = curve(at, 1).T, curve(at, 2).T
-    return np.abs(dx * ddy - dy * ddx) / np.hypot(dx, dy) ** 3
+    found: Floats = np.abs(dx * ddy - dy * ddx) / np.hypot(dx, dy) ** 3
+    return found
 
 
-CONES = [[0, 0], [0.4, 0.15], [0.8, -0.15], [1.2, 0.15], [1.6, -0.15], [2, 0.15], [2.4, 0]]
-ROUND = [
-    *([0, 0], [0.8, -0.1], [1.6, 0.1], [2, 0.7], [1.6, 1.3], [0.9, 1.1]),
-    *([0.5, 1.4], [-0.1, 1.8], [-0.7, 1.3], [-0.6, 0.4], [0, 0]),
+CONES: list[list[float]] = [
+    [0, 0],
+    [0.4, 0.15],
+    [0.8, -0.15],
+    [1.2, 0.15],
+    [1.6, -0.15],
+    [2, 0.15],
+    [2.4, 0],
 ]
+ROUND_X = [0, 0.8, 1.6, 2, 1.6, 0.9, 0.5, -0.1, -0.7, -0.6, 0]
+ROUND_Y = [0, -0.1, 0.1, 0.7, 1.3, 1.1, 1.4, 1.8, 1.3, 0.4, 0]
 AHEAD = [1.0, 0.0]
 TIMED = {
     "slalom": at_most(curvatures(CONES, ((1, AHEAD), (1, AHEAD))), 0.15, 0.06),
-    "timed-lap": at_most(curvatures(ROUND, "periodic"), 0.13, 0.04),
+    "timed-lap": at_most(
+        curvatures(list(zip(ROUND_X, ROUND_Y, strict=True)), "periodic"), 0.13, 0.04
+    ),
     "parking": at_most(np.array([0, 1 / 0.35]), 0.1, math.inf),
 }
 
