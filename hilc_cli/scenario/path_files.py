@@ -15,7 +15,7 @@ from hilc_cli.wording import counted
 from hilc_cli.yaml_input.nodes import ListNode, MapNode, Node, Scalar, from_data, with_entry
 from hilc_cli.yaml_input.reading import Inputs, short_path
 
-_ENOUGH, _SMOOTH = 4.0, 5.0
+_ENOUGH, _SMOOTH = 4.5, 5.0
 """Times the noise of its points that a path may pass from them: with the first it hardly zigzags,
 and with the second no more."""
 _TINY = 0.01  # [m]: nobody drives within less

@@ -153,7 +153,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "spline-cusp": (
         only("spline: {points: [[0, 0], [1, 0], [0.5, 0]], duration: 1}"),
-        "path.yaml:4:5: trajectory.segments.0.spline: turns back on the spot between its points 0 and 1; move them, or drive the parts one after the other, one of them with 'reverse: true'",
+        "path.yaml:4:5: trajectory.segments.0.spline: turns back on the spot between its points 0 and 1; move them, smooth a path's noise by 'smoothing', or drive the parts one after the other, one of them with 'reverse: true'",
     ),
     "spline-not-closed": (
         only("spline: {points: [[0, 0], [1, 0], [1, 1]], duration: 1}", "closed: true\n"),
