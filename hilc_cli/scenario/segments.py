@@ -44,6 +44,9 @@ Length = Annotated[float, such_as(PositiveLength, "5 or 5 m")]
 ShortLength = Annotated[float, such_as(LengthBound, "0.01 or 1 cm")]
 
 
+_BACKWARD = "2 or 2 m/s, and 'reverse: true' to drive backward"
+
+
 class _Shape(Model):
     timed_by: ClassVar[tuple[str, ...]] = ("duration", "speed")
     """Keys that say what time it takes."""
@@ -84,6 +87,9 @@ class _Timed(_Shape):
 
 
 class _Reversible(_Timed):
+    speed: Annotated[float, such_as(PositiveSpeed, _BACKWARD)] | None = Field(
+        None, description="m/s, instead of duration; rounded so that the samples are whole"
+    )
     reverse: Flag | None = Field(
         None, description="the robot drives backward: it looks against the direction of its travel"
     )
