@@ -12,12 +12,14 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.laws.parameters import Controller
 from hilc_cli.laws.registry import ControllerSpec, packages_of
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plug_ins import trusting
+from hilc_cli.reference.timing import TimingError
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec
+from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec, ScenarioSpec
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
 from hilc_cli.wording import in_short, listed
 from hilc_cli.yaml_input.model import Located, Model, Name, Text
@@ -151,14 +153,10 @@ class Leaderboard:
         """All runs: cases in their order; of each the beliefs, the disturbances, and the laws."""
         spec = self.spec
         for case, scenario in self.cases.items():
-            robot = scenario.spec.robot.robot()
             for belief, believed in spec.beliefs.items():
                 for disturbance, disturbed in spec.disturbances.items():
                     for law, controller in spec.laws.items():
-                        limit = spec.b_w if controller.b_w is None else controller.b_w
                         changes = {
-                            "controller": controller.model_copy(update={"b_w": limit}),
-                            "model": believed.model_of(robot),
                             "disturbance": disturbed,
                             "iterations": max(spec.after),
                             "initial_input": spec.initial_input,
@@ -166,8 +164,21 @@ class Leaderboard:
                             "record": RecordSpec(),
                             "sweep": None,
                         }
-                        made = Scenario(scenario.spec.model_copy(update=changes))
-                        yield Contest(case, belief, disturbance, law, made)
+                        made = _spec_of(spec, scenario, controller, believed)
+                        competing = Scenario(made.model_copy(update=changes))
+                        yield Contest(case, belief, disturbance, law, competing)
+
+
+def _spec_of(
+    spec: LeaderboardSpec, scenario: Scenario, controller: Controller, believed: BeliefSpec
+) -> ScenarioSpec:
+    """A case's scenario with another law and belief."""
+    limit = spec.b_w if controller.b_w is None else controller.b_w
+    changes = {
+        "controller": controller.model_copy(update={"b_w": limit}),
+        "model": believed.model_of(scenario.spec.robot.robot()),
+    }
+    return scenario.spec.model_copy(update=changes)
 
 
 def load_leaderboard(
@@ -234,11 +245,18 @@ def _misfits(spec: LeaderboardSpec, cases: dict[str, Scenario], tree: Node) -> l
         data = to_data(nearest(tree, ("laws", law))[0])
         assert isinstance(data, dict)  # it is valid
         for case, scenario in cases.items():
-            robot = scenario.spec.robot.robot()
-            reference = scenario.spec.reference
             for belief, believed in spec.beliefs.items():
-                model = believed.model_of(robot).model(robot)
-                for at, problem, remedy in type(controller).relations(data, reference, model):
+                made = _spec_of(spec, scenario, controller, believed)
+                try:
+                    reference = made.reference
+                except TimingError as error:
+                    # The case's own law bounds its profile, this one does not.
+                    problem, _, remedy = str(error).partition("; ")
+                    misfits: list[Located] = [(("b_w",), problem, remedy)]
+                else:
+                    model = made.model.model(made.robot.robot())
+                    misfits = type(controller).relations(data, reference, model)
+                for at, problem, remedy in misfits:
                     keys = ("laws", law, *at)
                     told = f"{problem} (case {case}, belief {belief})"
                     found.setdefault(keys, located_problem(tree, keys, told, remedy))

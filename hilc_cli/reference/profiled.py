@@ -110,6 +110,11 @@ class Profile:
     fastest: float
     jumps: tuple[CurvatureJump, ...]
 
+    @property
+    def time_lost(self) -> float:
+        """How much sooner the path could end without any jump of its curvature [s]."""
+        return sum(jump.time_lost for jump in self.jumps)
+
 
 def profile_of(
     placed: Sequence[Placed], timing: PathTiming, sample_time: float, *, is_lap: bool
@@ -274,9 +279,10 @@ def _shares(positions: Floats, borders: Floats, first: int) -> list[Share]:
 
 
 def _nearest(positions: Floats, borders: Floats) -> list[int]:
-    """Numbers of the samples that are nearest to each border."""
-    found: list[int] = np.searchsorted((positions[1:] + positions[:-1]) / 2, borders).tolist()
-    return [*found[:-1], len(positions) - 1]
+    """Numbers of the samples nearest to the end of each segment: the last one's is the last."""
+    last = len(positions) - 1
+    found = np.searchsorted((positions[1:] + positions[:-1]) / 2, borders[:-1])
+    return [*found.clip(max=last - 1).tolist(), last]  # so that each starts before the last
 
 
 def _on_path(joint: Joint, way: Sequence[int], borders: Floats, passed: float) -> CurvatureJump:

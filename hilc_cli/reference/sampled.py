@@ -20,7 +20,8 @@ class Reference:
         x: Position [m], shape (n + 1,).
         y: Position [m], shape (n + 1,).
         heading: Unwrapped heading [rad], shape (n + 1,).
-        segment_ends: Sample index at which each segment ends; empty if it is not known.
+        segment_ends: Sample index at which each segment ends, or that is nearest to its end, so
+            that short segments may have none of their own; empty if it is not known.
         lengths: Length of each segment [m]; empty if it is not known.
         corners: Jump of the heading at the start of each segment [rad]; empty if it is not known.
     """

@@ -190,7 +190,7 @@ def _legs(
         if radius is None:
             raise CurveError(
                 f"has a corner of {jump:.3g} rad at its point {at}; set 'corners: {{radius: 20 "
-                "cm}' or 'corners: allow', or take 'through: spline'"
+                "cm}', or take 'through: spline'"
             )
         legs[at - 1], legs[at] = rounded(legs[at - 1], legs[at], radius)
     ends = np.concatenate([[0.0], np.cumsum([leg.length for leg in legs])])

@@ -133,7 +133,10 @@ def fastest_profile(
     fastest = float(times[-1])
     exact = fastest / sample_time
     if not exact <= max_samples:
-        raise TimingError(f"takes {exact:.4g} samples; it may take {max_samples}")
+        raise TimingError(
+            f"takes {exact:.4g} samples, of which it may take {max_samples}; raise the limits, or "
+            "sample_time"
+        )
     n = max(1, math.ceil(exact * (1 - 1e-9)))  # Rounding does not cost a sample.
     positions, speeds, cell = _motion(nodes, squares, times, np.linspace(0.0, fastest, n + 1))
     return SpeedProfile(

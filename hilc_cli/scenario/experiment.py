@@ -31,6 +31,7 @@ from hilc_cli.yaml_input.nodes import Place
 from hilc_cli.yaml_input.tree import to_yaml
 
 NAMED_INPUTS = ("zero", "feedforward")
+_MUCH = 0.1  # of a path's duration, for jumps of its curvature
 INITIAL_INPUT_FILE = "initial-input.csv"
 
 
@@ -136,7 +137,7 @@ class Scenario:
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
         found = [*self._implausible(), *self.spec.controller.warnings(self.setting)]
-        found += self._without_learning()
+        found += [*self._without_learning(), *self._slow_joints()]
         if abs(self.spec.initial_error[2]) > math.pi:
             heading = self.spec.start_pose[2]
             meant = f"; {heading:g} deg?" if is_plain(heading) else ""
@@ -156,6 +157,21 @@ class Scenario:
         if spec.initial_pose.heading is not None:
             headings["initial_pose.heading"] = spec.initial_pose.heading
         return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)
+
+    def _slow_joints(self) -> list[str]:
+        """Jumps of the curvature that wheels can follow only nearly at rest."""
+        profile = self.spec.profile
+        if profile is None or profile.time_lost <= _MUCH * profile.fastest:
+            return []
+        worst = max(profile.jumps, key=lambda jump: round(jump.time_lost, 9))  # the first of them
+        places, segments = len(profile.jumps), self.spec.trajectory.segment_names
+        among = f", most of {places}" if places > 1 else ""
+        return [
+            f"trajectory.{segments[worst.segment]}: the curvature jumps by {worst.jump:.3g}/m "
+            f"{worst.position:.4g} m along, which the wheels pass at {worst.speed:.3g} m/s for "
+            f"timing.wheel_acceleration{among}; such jumps take {profile.time_lost:.3g} of "
+            f"{profile.fastest:.4g} s: lead over by clothoids, or a spline"
+        ]
 
     def _without_learning(self) -> list[str]:
         """What a law that does not learn makes no use of."""
@@ -184,7 +200,8 @@ class Scenario:
         limit = math.inf if self.speed_limit is None else self.speed_limit
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             demand = demand_of(spec.reference, robot, spec.trajectory.segment_names)
-        return Feasibility(demand, robot, Limits(limit, spec.robot.friction))
+        limits = Limits(limit, spec.robot.friction)
+        return Feasibility(demand, robot, limits, profiled=spec.trajectory.timing is not None)
 
     def resolved(self) -> dict[str, Any]:
         """The scenario as plain data with every default, file and relation filled in."""

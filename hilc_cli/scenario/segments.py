@@ -70,6 +70,8 @@ class _Shape(Model):
             ]
         # One that is missing beside an unknown key is misspelt: telling that is enough.
         misspelt = not data.keys() <= cls.model_fields.keys()
+        if len(given) > 1 and cls.least_timed == 0:
+            return [((), f"has both {listed(given)}", "give one of them")]
         if len(given) > 1 or (len(given) < cls.least_timed and not misspelt):
             return [((), f"needs exactly one of {listed(cls.timed_by)}", "give one of them")]
         return []

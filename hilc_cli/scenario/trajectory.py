@@ -70,8 +70,19 @@ def _word_or_radius(value: object, handler: object) -> object:
     raise wrong("is not one of the choices", remedy)
 
 
+_OTHER_LIMITS = {
+    **dict.fromkeys(("velocity", "maxvelocity", "vmax", "maxspeed"), "it is speed"),
+    **dict.fromkeys(("accel", "amax", "maxaccel", "maxacceleration"), "it is acceleration"),
+    **dict.fromkeys(
+        ("alat", "lateralaccel", "maxlateralacceleration"), "it is lateral_acceleration"
+    ),
+}
+
+
 class TimingSpec(Model):
     """Limits within which the path is driven as fast as can be."""
+
+    other_names = _OTHER_LIMITS
 
     speed: PositiveSpeed | None = Field(None, description="m/s")
     acceleration: PositiveAcceleration | None = Field(
@@ -164,6 +175,10 @@ class TrajectorySpec(Model):
             problem = f"have {points} points together, and the most is {MOST_POINTS}"
             raise wrong_at(("segments",), problem, "take fewer, such as every second one")
         _ = self._path
+        for end, segment in (("start", self.segments[0]), ("end", self.segments[-1])):
+            if segment.stop is not None and getattr(self.timing, end, "rest") == "moving":
+                problem = "cannot be moving where the path has a stop"
+                raise wrong_at(("timing", end), problem, "make it rest, or remove the stop")
         return self
 
     @property
@@ -223,11 +238,12 @@ class TrajectorySpec(Model):
         try:
             return self._path.profile(timing)
         except TimingError as error:
-            if robot is None and self.timing is not None and self.timing.of_wheels:
-                limits = " and ".join(self.timing.of_wheels)
-                message = f"{error}, or take a scenario, whose robot {limits} can limit"
-                raise TimingError(message, error.field) from None
-            raise
+            if robot is not None or self.timing is None or not self.timing.of_wheels:
+                raise
+            problem, _, remedy = str(error).partition("; ")
+            limits = " and ".join(self.timing.of_wheels)
+            message = f"{problem}, since there is no robot that has its {limits}"
+            raise TimingError(f"{message}; {remedy}, or take a scenario", error.field) from None
 
     @cached_property
     def _kept(self) -> dict[PathTiming | None, tuple[Reference, Profile | None]]:

@@ -37,10 +37,12 @@ _PER_SAMPLE = 4e-9
 _PER_DISTURBED_SAMPLE = 2e-8
 _PER_LOOPED_SAMPLE = 1.5e-6
 _PER_CASE = 1e-4
+_PER_PROFILE = 0.03
 
 _CHUNK = 1.0  # [s]
 _MOST_CASES = 4096
 _TRIAL_CASES = 1000
+_TRIAL_PROFILES = 30  # each takes its time
 
 _PACKS_AT_ONCE = 16
 """The most packs of experiments that run together: enough to group them, few enough for little
@@ -217,12 +219,29 @@ def samples_per_case(plan: Plan) -> float:
     if cases.sampling == "grid":
         # The other keys only repeat the combinations of these.
         cases = Cases({key: plan.axes[key] for key in keys})
+    looked_at: list[dict[str, Value]] = [{}]
+    if keys and profiles_per_case(plan) == 0:
+        looked_at = cases.values(0, min(len(cases), _TRIAL_CASES))
+    elif keys:
+        spread = np.linspace(0, len(cases) - 1, min(len(cases), _TRIAL_PROFILES)).astype(int)
+        looked_at = [cases.values(number, number + 1)[0] for number in spread.tolist()]
     counts = []
-    for case in cases.values(0, min(len(cases), _TRIAL_CASES)) if keys else [{}]:
+    for case in looked_at:
         with suppress(*CANNOT_BE_MADE):
             spec = plan.case({key: case[key] for key in keys}).spec
             counts.append((spec.iterations + 1) * spec.reference.samples)
     return float(np.mean(counts)) if counts else 0.0
+
+
+def profiles_per_case(plan: Plan) -> float:
+    """How many speed profiles are made for a case: 1 if each has one of its own."""
+    base = plan.scenario.spec
+    specs = [base.model_copy(update={TRAJECTORY: path}) for path in plan.trajectories.values()]
+    timed = [spec for spec in specs or [base] if spec.trajectory.timing is not None]
+    keys = [key for key in plan.axes if any(changes_path(spec, key) for spec in timed)]
+    if not keys or plan.cases.sampling != "grid":
+        return float(bool(keys))
+    return len(Cases({key: plan.axes[key] for key in keys})) / len(plan.cases)
 
 
 def seconds_per_case(plan: Plan) -> float:
@@ -233,7 +252,8 @@ def seconds_per_case(plan: Plan) -> float:
     per_sample = _PER_DISTURBED_SAMPLE if disturbed or varied else _PER_SAMPLE
     if not plan.in_lanes:
         per_sample = _PER_LOOPED_SAMPLE
-    return _PER_CASE + per_sample * samples_per_case(plan)
+    per_case = _PER_CASE + _PER_PROFILE * profiles_per_case(plan)
+    return per_case + per_sample * samples_per_case(plan)
 
 
 def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:

@@ -21,6 +21,7 @@ from pydantic import BaseModel, ValidationError
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.numba_loading import DISABLED
+from hilc_cli.reference.timing import TimingError
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.scenario import ScenarioSpec
@@ -149,7 +150,12 @@ class Plan:
             ValueError: An entry of the gain matrix is not finite.
         """
         scenario = self.case(values)
-        reference, given = scenario.spec.reference, scenario.initial_input
+        given = scenario.initial_input
+        try:
+            reference = scenario.spec.reference
+        except TimingError as error:
+            path = ".".join(filter(None, (TRAJECTORY, "timing", error.field)))
+            raise InvalidInputError([Problem("", path, str(error))]) from None
         samples = reference.samples
         for at, problem, remedy in scenario.spec.controller.misfits_on(reference):
             path = ".".join(map(str, ("controller", *at)))

@@ -74,7 +74,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "stop-speed": (
         added("stop: {duration: 1, speed: 0}"),
-        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; did you mean 'trajectory.timing.speed'?",
     ),
     "clothoid-end": (
         added("clothoid: {length: 2, duration: 1}"),
@@ -229,7 +229,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "path-corner": (
         only("path: {file: track.csv, through: polyline, speed: 1}"),
-        "path.yaml:4:5: trajectory.segments.0.path: has a corner of -0.927 rad at its point 1; set 'corners: {radius: 20 cm}' or 'corners: allow', or take 'through: spline'",
+        "path.yaml:4:5: trajectory.segments.0.path: has a corner of -0.927 rad at its point 1; set 'corners: {radius: 20 cm}', or take 'through: spline'",
     ),
     "path-missing": (
         only("path: {file: nosuch.csv, speed: 1}"),

@@ -159,7 +159,8 @@ OVERRIDES = [
     ("wheel_seperation", "did you mean 'robot.wheel_separation' or 'model.wheel_separation'?"),
     ("length", "did you mean 'trajectory.segments.0.line.length'?"),
     ("line.length", "did you mean 'trajectory.segments.0.line.length'?"),
-    ("speed", "entries of 'trajectory.segments' may have it, and none has it here"),
+    ("speed", "did you mean 'trajectory.timing.speed'?"),
+    ("reverse", "entries of 'trajectory.segments' may have it, and none has it here"),
     ("laps", "their number is iterations"),
 ]
 

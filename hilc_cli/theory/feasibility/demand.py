@@ -14,13 +14,15 @@ from hilc_cli.reference.sampled import Floats, Reference
 
 _ROUNDING = 16 * float(np.finfo(np.float64).eps)  # of a sine, a product and two differences
 _ALIKE = 1e-9  # relative: so near, two values are the same
-_UNEVEN = 1e-6  # relative: by so much a peak is above what constant speed and curvature need
+_UNEVEN = 1e-6  # relative: by so much a peak is off what constant speed and curvature need
 _Item = TypeVar("_Item")
 
 
 @dataclass(frozen=True, slots=True)
 class SegmentDemand:
     """What one segment demands, corners at its ends left out.
+
+    One that is shorter than a sample demands what that sample does.
 
     Attributes:
         name: As the user knows it.
@@ -147,7 +149,7 @@ class Demand:
     @property
     def samples(self) -> int:
         """Number of sampling intervals."""
-        return sum(segment.samples for segment in self.segments)
+        return len(self.wheels[0])
 
     @property
     def duration(self) -> float:
@@ -305,6 +307,7 @@ def _without_corners(reference: Reference) -> Floats:
 
 
 def _segment(name: str, start: int, end: int, length: float, motion: _Motion) -> SegmentDemand:
+    end = max(end, start + 1)
     part = slice(start, end)
     yaw_rate = motion.yaw_rate[part]
     turn, fastest = float(yaw_rate.sum()) * motion.sample_time, motion.fastest(part)
@@ -323,7 +326,8 @@ def _segment(name: str, start: int, end: int, length: float, motion: _Motion) ->
         fastest,
         _cleared(change, motion.rounding) / motion.sample_time,
         motion.lateral(part),
-        bends=fastest > even * (1 + _UNEVEN) + motion.rounding,
+        # Less than that is needed where the ends of a profile's segments are not on samples.
+        bends=abs(fastest - even) > even * _UNEVEN + motion.rounding,
     )
 
 

@@ -74,11 +74,13 @@ class Feasibility:
         demand: Of the reference.
         robot: The platform as it really is.
         limits: What its wheels and tyres can do.
+        profiled: Whether limits of the trajectory's ``timing`` decide how fast it is.
     """
 
     demand: Demand
     robot: Robot
     limits: Limits
+    profiled: bool = False
 
     @property
     def feasible(self) -> bool:
@@ -226,7 +228,12 @@ def _excess(feasibility: Feasibility, fastest_wheel: float, lateral: float) -> s
 
 
 def _longer(feasibility: Feasibility, segment: SegmentDemand) -> str:
-    """Returns how long the segment is to take."""
+    """Returns how long the segment is to take, or what makes it slower."""
+    if feasibility.profiled:
+        wheel, lateral = feasibility.needs(segment, segment.samples)
+        of_wheel = [] if feasibility.limits.allow_wheel(wheel) else ["wheel_speed"]
+        of_tyre = [] if feasibility.limits.allow_lateral(lateral) else ["lateral_acceleration"]
+        return f"give trajectory.timing a lower {' and '.join(of_wheel + of_tyre)}"
     samples, sample_time = feasibility.least_samples(segment), feasibility.demand.sample_time
     if samples is None:
         return "no duration would do: raise the limit"
