@@ -41,6 +41,7 @@ _NAMES: Mapping[str, frozenset[str]] = {
 _TUM = 8  # t x y z qx qy qz qw
 _HEADERS = "x,y (beside them heading, speed and t_s if they are known)"
 _DEGREES = frozenset({"lat", "latitude", "lon", "long", "lng", "longitude"})
+_OTHER_UNIT = re.compile(r"[\[(](mm|cm|km|ft|in|deg)[\])]", re.IGNORECASE)
 _COMMENTS = ("#", "%", "//")
 _FEWEST_NOISY = 50  # of fewer points nobody can tell noise from corners
 _ZIGZAG = -0.3  # correlation of neighbouring turns below which they are noise; of noise alone -2/3
@@ -255,6 +256,8 @@ def _no_columns(names: Sequence[str]) -> str:
         return "is parted neither by commas, semicolons nor white space; save it with commas"
     if not _DEGREES.isdisjoint(plain):
         return "names latitude and longitude; give x and y in metres, such as those of UTM"
+    if any(_OTHER_UNIT.search(name) for name in names):
+        return "names a unit that is not metres; give metres"
     for role in (X, Y):
         if sum(name in _NAMES[role] for name in plain) > 1:
             return f"names several columns that may be {role}; keep one of them"

@@ -67,6 +67,9 @@ _INSTEAD = {
     (LEADERBOARDS, TRAJECTORIES): "name a trajectory file",
 }
 
+_OF_POINTS = frozenset({".csv", ".tsv", ".txt", ".tum"})
+"""Ends of names of files that hold points."""
+
 
 def mentions_keys_of(text: str, kind: str) -> bool:
     """Whether a text that is no YAML seems to be meant for a file of a kind, of `KINDS`."""
@@ -172,6 +175,12 @@ class Inputs:
             message = (
                 "must be the path of a trajectory file or a mapping, "
                 f"got {describe(node)}; name a trajectory file"
+            )
+            raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
+        if Path(node.value).suffix.lower() in _OF_POINTS:
+            message = (
+                f"must be a trajectory file, got {describe(node)}; points go into a segment of "
+                "one, as 'path: {file: points.csv, speed: 0.5}'"
             )
             raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
         try:

@@ -20,7 +20,8 @@ SPEED = 5.0
 def track(angles: Floats, size: float = 40.0) -> Floats:
     """A closed curve of some six times its size, shape (n, 2) [m]."""
     radius = size * (1 + 0.25 * np.cos(3 * angles + 0.5) + 0.1 * np.sin(5 * angles))
-    return radius[:, np.newaxis] * np.stack([np.cos(angles), 0.7 * np.sin(angles)], axis=1)
+    found: Floats = radius[:, np.newaxis] * np.stack([np.cos(angles), 0.7 * np.sin(angles)], axis=1)
+    return found
 
 
 def around(count: int) -> Floats:
