@@ -946,14 +946,13 @@ CASES = [
     (
         "traj-csv",
         scenario("path.yaml", "input.csv"),
-        "input.csv:1:1: is no trajectory, got a single value; write a mapping of keys and values",
+        "scenario.yaml:2:13: trajectory: must be a trajectory file, got 'input.csv'; points go into a segment of one, as 'path: {file: points.csv, speed: 0.5}'",
     ),
     (
         "traj-inline-missing",
         scenario("path.yaml", "{name: inline}"),
         (
             "scenario.yaml:2:1: trajectory.sample_time: is missing; give it (s)\n"
-            "scenario.yaml:2:1: trajectory.start: is missing; give it\n"
             "scenario.yaml:2:1: trajectory.segments: is missing; give it"
         ),
     ),

@@ -568,7 +568,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "trajectory=input.csv"],
         2,
-        "input.csv:1:1: is no trajectory, got a single value; write a mapping of keys and values",
+        "--vary trajectory=input.csv: trajectory: must be a trajectory file, got 'input.csv'; points go into a segment of one, as 'path: {file: points.csv, speed: 0.5}'",
     ),
     (
         ["--vary", "trajectory.segments.0.line.length=-1,2"],
@@ -586,8 +586,8 @@ CASES: list[tuple[list[str], int, str]] = [
         (
             "--vary trajectory.segments.0.arc.radius=1,2: trajectory.segments.0.arc.turn: is missing; give it (left is counterclockwise)\n"
             "--vary trajectory.segments.0.arc.radius=1,2: trajectory.segments.0.arc.sweep: is missing; give it (rad; more than 2*pi is more than one turn)\n"
-            "--vary trajectory.segments.0.arc.radius=1,2: trajectory.segments.0.arc: needs exactly one of duration and speed; give one of them\n"
-            "--vary trajectory.segments.0.arc.radius=1,2: trajectory.segments.0: needs exactly one of arc, semicircle and line; give one of them"
+            "--vary trajectory.segments.0.arc.radius=1,2: trajectory.segments.0: needs exactly one of arc, semicircle, line, turn, stop, clothoid, spline and path; give one of them\n"
+            "--vary trajectory.segments.0.arc.radius=1,2: trajectory.segments.0.arc: needs exactly one of duration and speed; give one of them"
         ),
     ),
     (
@@ -1258,7 +1258,6 @@ SECTIONS: list[tuple[str, str]] = [
         "sweep: {vary: {trajectory: [{name: x}]}}",
         (
             "scenario.yaml:8:28: trajectory.sample_time: is missing; give it (s)\n"
-            "scenario.yaml:8:28: trajectory.start: is missing; give it\n"
             "scenario.yaml:8:28: trajectory.segments: is missing; give it"
         ),
     ),
