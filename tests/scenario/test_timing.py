@@ -139,7 +139,7 @@ def test_a_turn_in_place_is_as_fast_as_the_wheels_are() -> None:
     assert speeds[0].max() == pytest.approx(6 * (rolled / 6 + 6 / 8) / DT / turn, rel=1e-3)
 
 
-LAP = [
+LAP: list[dict[str, Any]] = [
     {"line": {"length": 9.6}},
     {"clothoid": {"length": 1, "end_radius": 1.2, "turn": "left"}},
     {"arc": {"radius": 1.2, "sweep": "pi - 1/1.2", "turn": "left"}},
@@ -245,11 +245,9 @@ def test_only_the_ends_of_a_rounding_are_joints() -> None:
     knots = np.append(0, np.cumsum(np.hypot(*np.diff(ways, axis=0).T)))
     curve = CubicSpline(knots, ways, bc_type=((1, [0, 1]), (2, [0, 0])))
     bend = -float(curve(0, 2)[0])  # straight up at a speed of 1
-    assert [(jump.position, jump.jump) for jump in profile.jumps] == [
-        (pytest.approx(2.6), pytest.approx(2.5)),
-        (pytest.approx(2.6 + arc), pytest.approx(-2.5)),
-        (pytest.approx(2.6 + arc + 1.6), pytest.approx(bend)),
-    ]
+    places, jumps = zip(*((jump.position, jump.jump) for jump in profile.jumps), strict=True)
+    assert places == pytest.approx((2.6, 2.6 + arc, 2.6 + arc + 1.6))
+    assert jumps == pytest.approx((2.5, -2.5, bend))
 
 
 def test_segments_end_at_the_nearest_sample_even_if_they_are_shorter_than_one() -> None:

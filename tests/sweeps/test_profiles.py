@@ -6,9 +6,9 @@ import pytest
 
 import hilc_cli as hilc
 from hilc_cli.errors import InvalidInputError
+from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.sweeps.chunks import Chunk
 from hilc_cli.sweeps.compute import profiles_per_case, run_chunk, samples_per_case
-from hilc_cli.sweeps.data import CASE_COLUMNS
 from hilc_cli.sweeps.planning import plan_sweep
 from tests.cli.inputs import SCENARIO
 from tests.conftest import Write
