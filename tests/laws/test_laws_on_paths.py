@@ -14,6 +14,7 @@ from rich.console import Console
 
 import hilc_cli as hilc
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.runs.pictures.error import error_figure
 from hilc_cli.runs.report import summary_report
 from hilc_cli.runs.running import Run
 from tests.laws.test_every_law import LAWS
@@ -145,6 +146,10 @@ def test_turns_in_place_are_learned_as_the_sum_of_their_errors(law: dict[str, An
     printed.print(summary_report(run.summary(), LIMIT))
     assert isinstance(printed.file, io.StringIO)
     assert "of the path's size" not in printed.file.getvalue()
+    axes = error_figure([run]).axes[0]
+    assert axes.get_ylabel() == "Heading error [rad]"
+    drawn = np.asarray(axes.lines[0].get_ydata())
+    np.testing.assert_array_equal(drawn, run.metrics["max_abs_error_heading_rad"])
     predicted = f"heading {FIRST:.4g} rad in iteration 0, {turned:.4g} rad in iteration 5"
     assert ("", predicted) in (hilc.check(run.scenario).law.brief or [])
 
