@@ -69,6 +69,12 @@ _INSTEAD = {
 
 _OF_POINTS = frozenset({".csv", ".tsv", ".txt", ".tum"})
 """Ends of names of files that hold points."""
+_AS_SEGMENT = "'path: {file: points.csv, speed: 0.5}'"
+
+
+def _holds_points(name: str) -> bool:
+    """Whether a file is called like one with points."""
+    return Path(name).suffix.lower() in _OF_POINTS
 
 
 def mentions_keys_of(text: str, kind: str) -> bool:
@@ -91,7 +97,10 @@ def is_no(kind: str, tree: Node) -> str | None:
     if not isinstance(tree, MapNode):
         is_text = isinstance(tree, Scalar) and tree.value is not None
         got = "a single value" if is_text else describe(tree)
-        return f"is no {_ONE[kind]}, got {got}; write a mapping of keys and values"
+        remedy = "write a mapping of keys and values"
+        if kind == SCENARIOS and _holds_points(tree.place.source.label):
+            remedy = f"points go into a segment of a scenario's trajectory, as {_AS_SEGMENT}"
+        return f"is no {_ONE[kind]}, got {got}; {remedy}"
     known = {key.lower() for key in tree.entries}
     if not _TELLING[kind].isdisjoint(known) or mistaken(tree.entries, kind) is not None:
         return None
@@ -177,10 +186,10 @@ class Inputs:
                 f"got {describe(node)}; name a trajectory file"
             )
             raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
-        if Path(node.value).suffix.lower() in _OF_POINTS:
+        if _holds_points(node.value):
             message = (
                 f"must be a trajectory file, got {describe(node)}; points go into a segment of "
-                "one, as 'path: {file: points.csv, speed: 0.5}'"
+                f"one, as {_AS_SEGMENT}"
             )
             raise InvalidInputError([Problem(str(node.place), "trajectory", message)])
         try:

@@ -409,6 +409,18 @@ def test_points_in_the_place_of_the_trajectory_are_told_where_they_belong(write:
     )
 
 
+def test_points_in_the_place_of_the_scenario_are_told_where_they_belong(
+    hilc: Hilc, write: Write
+) -> None:
+    write({"track.csv": TRACK})
+    message = (
+        "track.csv:1:1: is no scenario, got a single value; points go into a segment of a "
+        "scenario's trajectory, as 'path: {file: points.csv, speed: 0.5}'\n"
+    )
+    for command in ("run", "check"):
+        assert hilc(command, "track.csv") == Outcome(2, "", message)
+
+
 @pytest.mark.parametrize(
     ("segment", "message"),
     [
