@@ -11,7 +11,7 @@ import pytest
 LIKE_OTHERS = (
     *("fig3-arc-and-line", "fig3-cardioid", "fig3-spiral", "fig5-cardioid", "fig5-spiral"),
     *("fig6a", "fig6b", "fig6c", "fig6d", "fig6e", "fig6f", "fig6h", "fig7b", "fig7c", "fig7d"),
-    *("fig8a", "gain-map"),
+    *("fig8a", "gain-map", "corridor", "parking", "slalom", "turn-in-place"),
 )
 
 

@@ -154,8 +154,9 @@ class Spline:
         if legs is not None and speed.min() < _SLOWEST:
             point = int(legs[speed.min(axis=1).argmin()])
             raise CurveError(
-                f"turns back on the spot between its points {point} and {point + 1}; move them, or "
-                "drive the parts one after the other, one of them with 'reverse: true'"
+                f"turns back on the spot between its points {point} and {point + 1}; move them, "
+                "smooth a path's noise by 'smoothing', or drive the parts one after the other, one "
+                "of them with 'reverse: true'"
             )
         length: Floats = half * (speed @ _WEIGHTS)
         return length

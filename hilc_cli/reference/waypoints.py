@@ -40,6 +40,12 @@ _NAMES: Mapping[str, frozenset[str]] = {
 }
 _TUM = 8  # t x y z qx qy qz qw
 _HEADERS = "x,y (beside them heading, speed and t_s if they are known)"
+_DEGREES = frozenset({"lat", "latitude", "lon", "long", "lng", "longitude"})
+_OTHER_UNIT = re.compile(r"[\[(](mm|cm|km|ft|in|deg)[\])]", re.IGNORECASE)
+_COMMENTS = ("#", "%", "//")
+_FEWEST_NOISY = 50  # of fewer points nobody can tell noise from corners
+_ZIGZAG = -0.3  # correlation of neighbouring turns below which they are noise; of noise alone -2/3
+_SHARP = 0.05  # [rad]: turns from point to point that are smaller (RMS) do no harm
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,6 +71,23 @@ class Waypoints:
     iteration: int | None = None
 
     @property
+    def noise(self) -> float | None:
+        """Standard deviation of the points' noise [m]; None where they do not zigzag by it.
+
+        Noise turns the way to and fro from point to point, and is measured by second differences,
+        in which it has six times its variance.
+        """
+        points = self.points[np.append(True, np.diff(self.points, axis=0).any(axis=1))]
+        if len(points) < _FEWEST_NOISY:
+            return None
+        x, y = np.diff(points, axis=0).T
+        turns = (np.diff(np.arctan2(y, x)) + math.pi) % (2 * math.pi) - math.pi
+        squares = float(turns @ turns)
+        if squares <= _SHARP**2 * len(turns) or turns[:-1] @ turns[1:] > _ZIGZAG * squares:
+            return None
+        return float(np.sqrt(np.square(np.diff(points, 2, axis=0)).mean() / 6))
+
+    @property
     def look_back(self) -> bool:
         """Whether the headings point against the direction of travel, as of a robot in reverse."""
         if self.headings is None:
@@ -78,8 +101,8 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
     """The points of a path that a text holds.
 
     Columns are those of a header, with ``#`` in front or not; without one there must be two (x, y),
-    three (x, y, speed), or the eight of a TUM file. They are parted by commas, semicolons, or
-    white space.
+    three (x, y, speed; or a third that is always 0), or the eight of a TUM file. They are parted by
+    commas, semicolons, or white space.
 
     Args:
         path: The file, for messages.
@@ -101,9 +124,10 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
         if len(raw) > _LONGEST_LINE:
             raise _wrong(path, number, f"has a line of {len(raw)} characters; give a CSV file")
         line_text = raw.strip()
-        if line_text.startswith("#"):
-            if not rows and _roles(_cells(line_text.lstrip("# "), None)) is not None:
-                header = number, line_text.lstrip("# ")
+        if line_text.startswith(_COMMENTS):
+            told = line_text.lstrip("#/ ")  # a sign of percent may belong to a name
+            if not rows and _is_header(_cells(told, None)):
+                header = number, told
         elif line_text:
             rows.append((number, line_text))
     if not rows:
@@ -123,7 +147,7 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
         names = _cells(header[1], _separator(header[1]))
         found = _roles(names)
         if found is None:
-            raise _wrong(path, header[0], f"names no columns x and y; call them {_HEADERS}")
+            raise _wrong(path, header[0], _no_columns(names))
         columns, width = found, len(names)
     return _table(path, rows, columns, separator, width)
 
@@ -198,7 +222,12 @@ def _without_header(
     if width == 2:
         return {X: 0, Y: 1}
     if width == 3 and not _is_clock([_cells(text, separator)[0] for _, text in rows[:100]]):
-        return {X: 0, Y: 1, SPEED: 2}
+        third = [_cells(text, separator)[-1] for _, text in rows]
+        if any(_is_number(cell) and float(cell) < 0 for cell in third):
+            told = "has a third column with numbers below 0 and no header that tells what they are"
+            raise _wrong(path, rows[0][0], f"{told}; put a header in front: {_HEADERS}")
+        is_height = all(_is_number(cell) and float(cell) == 0 for cell in third)
+        return {X: 0, Y: 1} if is_height else {X: 0, Y: 1, SPEED: 2}
     raise _wrong(
         path,
         rows[0][0],
@@ -213,6 +242,26 @@ def _is_clock(cells: Sequence[str]) -> bool:
         return False
     steps = np.diff([float(cell) for cell in cells])
     return bool(steps.min() > 0 and np.ptp(steps) <= 1e-3 * steps.max())
+
+
+def _is_header(cells: Sequence[str]) -> bool:
+    """Whether a comment tells what the columns are."""
+    return _roles(cells) is not None or sum(_plain(cell) in _DEGREES for cell in cells) == 2
+
+
+def _no_columns(names: Sequence[str]) -> str:
+    """What is wrong with a header, or what stands in its place, that names no columns x and y."""
+    plain = [_plain(name) for name in names]
+    if len(names) == 1 and any(sign in names[0] for sign in "|:/&"):
+        return "is parted neither by commas, semicolons nor white space; save it with commas"
+    if not _DEGREES.isdisjoint(plain):
+        return "names latitude and longitude; give x and y in metres, such as those of UTM"
+    if any(_OTHER_UNIT.search(name) for name in names):
+        return "names a unit that is not metres; give metres"
+    for role in (X, Y):
+        if sum(name in _NAMES[role] for name in plain) > 1:
+            return f"names several columns that may be {role}; keep one of them"
+    return f"names no columns x and y; call them {_HEADERS}"
 
 
 def _roles(names: Sequence[str]) -> dict[str, int] | None:
@@ -246,7 +295,7 @@ def _separator(line: str) -> str | None:
 def _cells(line: str, separator: str | None) -> list[str]:
     """The cells of a line; without a separator by what the line has."""
     separator = separator or _separator(line)
-    return [cell.strip() for cell in line.split(separator)]
+    return [cell.strip().strip("\"'") for cell in line.split(separator)]
 
 
 def _decimal_commas(line: str) -> bool:
@@ -264,6 +313,8 @@ def _is_number(cell: str) -> bool:
 
 def _number(path: Path, line: int, name: str, cell: str) -> float:
     """The number in a cell, which must be one of its column."""
+    if re.fullmatch(r"[-+]?\d+,\d+", cell):
+        raise _wrong(path, line, "has decimal commas; write decimal points")
     if not _is_number(cell) or "_" in cell:
         raise _wrong(path, line, f"holds something that is no number where {name} should stand")
     number = float(cell)

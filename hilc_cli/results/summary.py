@@ -91,9 +91,11 @@ class Summary:
     @property
     def headline(self) -> str:
         """What matters, in one line."""
-        on_path = self.on_path
+        on_path, heading = self.on_path, self.final["max_abs_error_heading_rad"]
         if self.diverged_at is not None:
             return f"diverged in iteration {self.diverged_at}; what follows is of the one before it"
+        if self.path_size_m == 0:  # no position tells how well it turns
+            return f"on the spot: heading up to {heading:.3g} rad off"
         if on_path is not None:
             within = f"within {_length(on_path.tolerance_m)}"
             iteration = on_path.from_iteration

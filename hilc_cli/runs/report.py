@@ -69,7 +69,7 @@ def _table(summary: Summary, speed_limit: float | None) -> Table:
         ("Heading error, maximum", f"{final['max_abs_error_heading_rad']:.4g} rad"),
         ("Fastest wheel", f"{final['max_wheel_speed_rad_s']:.4g} rad/s ({limit})"),
     ]
-    for label, iteration in settled.items():
+    for label, iteration in settled.items() if summary.path_size_m else ():
         reached = "not reached" if iteration is None else f"from iteration {iteration}"
         rows.append((f"{what} within {label} of the path's size", reached))
     rows += [

@@ -151,6 +151,9 @@ class Scenario:
         """Numbers that hardly anybody means."""
         spec, robot = self.spec, self.spec.robot.robot()
         headings = {"trajectory.start.heading": spec.trajectory.start_pose[2]}
+        for index, segment in enumerate(spec.trajectory.segments):
+            if segment.spline is not None and segment.spline.heading is not None:
+                headings[f"trajectory.segments.{index}.spline.heading"] = segment.spline.heading
         if spec.initial_pose.heading is not None:
             headings["initial_pose.heading"] = spec.initial_pose.heading
         return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)

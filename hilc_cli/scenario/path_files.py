@@ -6,12 +6,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.reference.waypoints import MAX_BYTES, Waypoints, parse_waypoints
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.wording import counted
 from hilc_cli.yaml_input.nodes import ListNode, MapNode, Node, Scalar, from_data, with_entry
 from hilc_cli.yaml_input.reading import Inputs, short_path
+
+_ENOUGH, _SMOOTH = 4.5, 5.0
+"""Times the noise of its points that a path may pass from them: with the first it hardly zigzags,
+and with the second no more."""
+_TINY = 0.01  # [m]: nobody drives within less
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,8 +86,12 @@ def with_path_files(tree: MapNode, inputs: Inputs) -> tuple[MapNode, dict[int, P
 
 
 def _with_points(shape: MapNode, file: Scalar, found: Waypoints) -> MapNode:
-    """A path with points, and their times or speeds, in the place of its file."""
-    given = {"points": found.points, "times": found.times, "speeds": found.speeds}
+    """A path with points, and their times or speeds, in the place of its file.
+
+    Times count from the first, since clocks count from anywhere, such as 1970.
+    """
+    times = None if found.times is None else found.times - found.times[0]
+    given = {"points": found.points, "times": times, "speeds": found.speeds}
     entries = {key: node for key, node in shape.entries.items() if key != "file"}
     added = {
         key: from_data(values, file.place)
@@ -109,6 +120,11 @@ def path_notes(files: Mapping[int, PathFile], trajectory: TrajectorySpec) -> lis
         if shape is not None and shape.smoothing:
             parts.append(f"smoothed by {curve.deviation:.3g} m at most")
         parts.append("closed" if curve.closed else "not closed")
+        noise, spread = read.noise, float(np.ptp(read.points, axis=0).max())
+        if noise is not None and shape is not None and (shape.smoothing or 0) < _ENOUGH * noise:
+            parts.append(f"zigzags by noise of {noise:.2g} m (smoothing: {_SMOOTH * noise:.2g} m?)")
+        if spread < _TINY:
+            parts.append(f"all within {spread:.2g} m (degrees or kilometres? give metres)")
         if read.look_back and shape is not None and not shape.reverse:
             parts.append("its headings look back (reverse: true?)")
         found.append(f"trajectory.segments.{index}.path: {file.path}: {', '.join(parts)}")

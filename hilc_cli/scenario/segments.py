@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from hilc_cli.reference.plans import (
     ArcPlan,
@@ -23,7 +23,7 @@ from hilc_cli.reference.plans import (
 )
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.segments import Turn, turn_sign
-from hilc_cli.yaml_input.model import Flag, Located, Model, Text, listed, model_in, wrong_at
+from hilc_cli.yaml_input.model import Flag, Located, Model, Text, listed, model_in, wrong, wrong_at
 from hilc_cli.yaml_input.quantities import (
     Angle,
     Coordinate,
@@ -42,6 +42,9 @@ from hilc_cli.yaml_input.quantities import (
 Point = tuple[Coordinate, Coordinate]
 Length = Annotated[float, such_as(PositiveLength, "5 or 5 m")]
 ShortLength = Annotated[float, such_as(LengthBound, "0.01 or 1 cm")]
+
+
+_BACKWARD = "2 or 2 m/s, and 'reverse: true' to drive backward"
 
 
 class _Shape(Model):
@@ -86,6 +89,9 @@ class _Timed(_Shape):
 
 
 class _Reversible(_Timed):
+    speed: Annotated[float, such_as(PositiveSpeed, _BACKWARD)] | None = Field(
+        None, description="m/s, instead of duration; rounded so that the samples are whole"
+    )
     reverse: Flag | None = Field(
         None, description="the robot drives backward: it looks against the direction of its travel"
     )
@@ -321,6 +327,13 @@ def _array(values: list[float] | None) -> Floats | None:
     return None if values is None else np.array(values)
 
 
+def _no_name(value: object) -> object:
+    """Says how a file is named where its name stands in the place of the path."""
+    if isinstance(value, str):
+        raise wrong("must be a mapping of keys and values", "write {file: points.csv, speed: 0.5}")
+    return value
+
+
 class SegmentSpec(Model):
     """One piece of the path: its kind, and below that its shape."""
 
@@ -333,7 +346,7 @@ class SegmentSpec(Model):
     stop: StopSpec | None = None
     clothoid: ClothoidSpec | None = None
     spline: SplineSpec | None = None
-    path: PathSpec | None = None
+    path: Annotated[PathSpec | None, BeforeValidator(_no_name)] = None
 
     @classmethod
     def misfits_of_time(cls, data: object, *, profiled: bool) -> list[Located]:

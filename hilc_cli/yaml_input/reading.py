@@ -67,6 +67,15 @@ _INSTEAD = {
     (LEADERBOARDS, TRAJECTORIES): "name a trajectory file",
 }
 
+_OF_POINTS = frozenset({".csv", ".tsv", ".txt", ".tum"})
+"""Ends of names of files that hold points."""
+_AS_SEGMENT = "'path: {file: points.csv, speed: 0.5}'"
+
+
+def _holds_points(name: str) -> bool:
+    """Whether a file is called like one with points."""
+    return Path(name).suffix.lower() in _OF_POINTS
+
 
 def mentions_keys_of(text: str, kinds: Sequence[str]) -> bool:
     """Whether a text that is no YAML seems to be meant for a file of some kinds, of `KINDS`."""
@@ -89,7 +98,10 @@ def is_no(kinds: Sequence[str], tree: Node) -> str | None:
     if not isinstance(tree, MapNode):
         is_text = isinstance(tree, Scalar) and tree.value is not None
         got = "a single value" if is_text else describe(tree)
-        return f"is no {wanted}, got {got}; write a mapping of keys and values"
+        remedy = "write a mapping of keys and values"
+        if SCENARIOS in kinds and _holds_points(tree.place.source.label):
+            remedy = f"points go into a segment of a scenario's trajectory, as {_AS_SEGMENT}"
+        return f"is no {wanted}, got {got}; {remedy}"
     known = {key.lower() for key in tree.entries}
     if any(not _TELLING[kind].isdisjoint(known) for kind in kinds):
         return None
@@ -199,6 +211,12 @@ class Inputs:
             message = (
                 "must be the path of a trajectory file or a mapping, "
                 f"got {describe(node)}; name a trajectory file"
+            )
+            raise InvalidInputError.of(node.place, "trajectory", message)
+        if _holds_points(node.value):
+            message = (
+                f"must be a trajectory file, got {describe(node)}; points go into a segment of "
+                f"one, as {_AS_SEGMENT}"
             )
             raise InvalidInputError.of(node.place, "trajectory", message)
         try:

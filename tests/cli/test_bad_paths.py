@@ -153,7 +153,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "spline-cusp": (
         only("spline: {points: [[0, 0], [1, 0], [0.5, 0]], duration: 1}"),
-        "path.yaml:4:5: trajectory.segments.0.spline: turns back on the spot between its points 0 and 1; move them, or drive the parts one after the other, one of them with 'reverse: true'",
+        "path.yaml:4:5: trajectory.segments.0.spline: turns back on the spot between its points 0 and 1; move them, smooth a path's noise by 'smoothing', or drive the parts one after the other, one of them with 'reverse: true'",
     ),
     "spline-not-closed": (
         only("spline: {points: [[0, 0], [1, 0], [1, 1]], duration: 1}", "closed: true\n"),
@@ -276,6 +276,75 @@ CASES: dict[str, tuple[str, str]] = {
         only("path: {points: [[0, 0], [1, 0]], times: [0, 1], speeds: [1, 1]}"),
         "path.yaml:4:5: trajectory.segments.0.path: has both times and speeds; give one of them",
     ),
+    "path-name": (
+        only("path: track.csv"),
+        "path.yaml:4:11: trajectory.segments.0.path: must be a mapping of keys and values, got 'track.csv'; write {file: points.csv, speed: 0.5}",
+    ),
+    "path-backward": (
+        only("path: {file: track.csv, speed: -1}"),
+        "path.yaml:4:36: trajectory.segments.0.path.speed: must be above 0, got -1; give a number above 0, such as 2 or 2 m/s, and 'reverse: true' to drive backward",
+    ),
+    "path-negative": (
+        only("path: {file: track.csv, duration: -1}"),
+        "path.yaml:4:39: trajectory.segments.0.path.duration: must be above 0, got -1; give a number above 0, such as 0.5 or 500 ms",
+    ),
+    "path-open": (
+        only("path: {file: track.csv, speed: 1}", "closed: true\n"),
+        "path.yaml:4:5: trajectory.segments.0.path: ends 2 m from the start of the path, which is said to be closed; close the gap, set 'closed: true' in the segment, or false below",
+    ),
+    "path-kind": (
+        added("waypoints: {file: track.csv, speed: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.waypoints: is an unknown key; known: arc, clothoid, line, path, semicircle, spline, stop, turn",
+    ),
+    "spline-file": (
+        only("spline: {file: track.csv, speed: 1}"),
+        "path.yaml:4:5: trajectory.segments.0.spline.points: is missing; give it (m, in the world frame, the first one included)\n"
+        "path.yaml:4:14: trajectory.segments.0.spline.file: is an unknown key; it is a key of 'trajectory.segments.path'",
+    ),
+    "spline-name": (
+        only("spline: {points: track.csv, speed: 1}"),
+        "path.yaml:4:22: trajectory.segments.0.spline.points: must be a list, got 'track.csv'; write [..., ...] or lines that start with '- '",
+    ),
+    "spline-mappings": (
+        only("spline: {points: [{x: 0, y: 0}, [1, 0]], speed: 1}"),
+        "path.yaml:4:23: trajectory.segments.0.spline.points.0: must be a list, got a mapping; write [..., ...]",
+    ),
+    "spline-smoothing": (
+        only("spline: {points: [[0, 0], [1, 0]], speed: 1, smoothing: 1 cm}"),
+        "path.yaml:4:50: trajectory.segments.0.spline.smoothing: is an unknown key; it is a key of 'trajectory.segments.path'",
+    ),
+    "line-backward": (
+        added("line: {length: 1, speed: -1}"),
+        "path.yaml:6:30: trajectory.segments.1.line.speed: must be above 0, got -1; give a number above 0, such as 2 or 2 m/s, and 'reverse: true' to drive backward",
+    ),
+    "arc-negative": (
+        added("arc: {radius: 1, sweep: -90 deg, turn: left, speed: 1}"),
+        "path.yaml:6:29: trajectory.segments.1.arc.sweep: must be above 0, got '-90 deg'; give a number above 0, such as pi or 180 deg",
+    ),
+    "stop-short": (
+        added("stop: {duration: 10 ms}"),
+        "path.yaml:6:22: trajectory.segments.1.stop.duration: takes 0.01 s, which is 0.1 samples of 0.1 s, got '10 ms'; give a whole number of samples, such as 0.1 s",
+    ),
+    "stop-reverse": (
+        added("stop: {duration: 1, reverse: true}"),
+        "path.yaml:6:25: trajectory.segments.1.stop.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+    ),
+    "clothoid-reverse": (
+        added("clothoid: {length: 1, end_curvature: 1, duration: 1, reverse: true}"),
+        "path.yaml:6:58: trajectory.segments.1.clothoid.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+    ),
+    "points-back": (
+        only("path: {points: [[0, 0], [1, 0], [2, 0]], times: [0, 2, 1]}"),
+        "path.yaml:4:60: trajectory.segments.0.path.times.2: is not after 2 s, got 1; give times that rise",
+    ),
+    "points-backward": (
+        only("path: {points: [[0, 0], [1, 0]], speeds: [1, -1]}"),
+        "path.yaml:4:50: trajectory.segments.0.path.speeds.1: must be at least 0, got -1; give a number from 0 up, such as 2",
+    ),
+    "points-nan": (
+        only("path: {points: [[0, 0], [1, .nan]], speed: 1}"),
+        "path.yaml:4:33: trajectory.segments.0.path.points.1.1: must be finite, got .nan; give a number, such as 1.5 or 20 cm",
+    ),
     "points-long": (
         only("path: {points: [[0, 0], [1, 0]], times: [0, 200000]}"),
         "path.yaml:4:5: trajectory.segments.0.path: takes 2e+06 samples; the longest path has 1000000",
@@ -291,6 +360,90 @@ def test_wrong_path_is_explained(write: Write, folder: Path, case: str) -> None:
     with pytest.raises(InvalidInputError) as caught:
         load_scenario("scenario.yaml")
     assert str(caught.value) == message
+
+
+FILES: dict[str, tuple[str | bytes, str]] = {
+    "degrees": (
+        "lat,lon\n48.1,11.5\n48.2,11.5\n",
+        "track.csv:1: names latitude and longitude; give x and y in metres, such as those of UTM",
+    ),
+    "millimetres": ("x [mm],y [mm]\n1,2\n3,4\n", "track.csv:1: names a unit that is not metres; give metres"),
+    "decimal commas": ("x;y\n1,5;2,5\n3,5;4,5\n", "track.csv:1: has decimal commas; write decimal points"),
+    "one point": ("x,y\n1,2\n", "track.csv: has fewer than two points; give at least two lines with x and y"),
+    "the same point": ("1 2\n1 2\n", "track.csv: has fewer than two points; give at least two lines with x and y"),
+    "not a number": ("x,y\n0,0\nnan,1\n", "track.csv:3: has a number that is not finite where x should stand"),
+    "bars": (
+        "x|y\n1|2\n3|4\n",
+        "track.csv:1: is parted neither by commas, semicolons nor white space; save it with commas",
+    ),
+    "two x": ("x,y,x\n1,2,3\n", "track.csv:1: names several columns that may be x; keep one of them"),
+    "back in time": ("t,x,y\n0,0,0\n2,1,0\n1,2,0\n", "track.csv:4: has a time that is not after the one before"),
+    "backward": (
+        "x,y,v\n0,0,-1\n1,0,-1\n",
+        "track.csv:2: has a speed that is below 0 or too high; say that it drives backward by 'reverse: true'",
+    ),
+    "a workbook": (b"PK\x03\x04\xff\xfe\n", "track.csv:1: is not UTF-8 text; save it as CSV in UTF-8"),
+    "a trajectory": (
+        TRAJECTORY,
+        "track.csv:1: names no columns x and y; call them x,y (beside them heading, speed and t_s if they are known)",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_wrong_file_of_points_is_explained(write: Write, case: str) -> None:
+    content, message = FILES[case]
+    write({"path.yaml": only("path: {file: track.csv, speed: 1}"), "track.csv": content})
+    with pytest.raises(InvalidInputError) as caught:
+        load_scenario("scenario.yaml")
+    assert str(caught.value) == f"path.yaml:4:18: trajectory.segments.0.path.file: {message}"
+
+
+def test_points_in_the_place_of_the_trajectory_are_told_where_they_belong(write: Write) -> None:
+    write({"scenario.yaml": scenario("path.yaml", "track.csv"), "track.csv": TRACK})
+    with pytest.raises(InvalidInputError) as caught:
+        load_scenario("scenario.yaml")
+    assert str(caught.value) == (
+        "scenario.yaml:2:13: trajectory: must be a trajectory file, got 'track.csv'; points go into "
+        "a segment of one, as 'path: {file: points.csv, speed: 0.5}'"
+    )
+
+
+def test_points_in_the_place_of_the_scenario_are_told_where_they_belong(
+    hilc: Hilc, write: Write
+) -> None:
+    write({"track.csv": TRACK})
+    message = (
+        "track.csv:1:1: is no scenario, got a single value; points go into a segment of a "
+        "scenario's trajectory, as 'path: {file: points.csv, speed: 0.5}'\n"
+    )
+    for command in ("run", "check"):
+        assert hilc(command, "track.csv") == Outcome(2, "", message)
+
+
+@pytest.mark.parametrize(
+    ("segment", "message"),
+    [
+        (
+            "turn: {angle: 90, duration: 1}",
+            "trajectory.segments.1.turn.angle is 90 rad, which is 14.3 turns; 90 deg?",
+        ),
+        (
+            "spline: {points: [[1, 0], [2, 0], [3, 1]], heading: 90, duration: 1}",
+            "trajectory.segments.1.spline.heading is 90 rad, which is 14.3 turns; 90 deg?",
+        ),
+    ],
+)
+def test_degrees_without_their_unit_are_warned_of(write: Write, segment: str, message: str) -> None:
+    write({"path.yaml": added(segment)})
+    assert load_scenario("scenario.yaml").warnings() == [message]
+
+
+def test_points_in_degrees_are_told_with_their_file(write: Write) -> None:
+    points = "48.137,11.575\n48.138,11.576\n48.139,11.575\n"
+    write({"path.yaml": only("path: {file: track.csv, speed: 0.001}"), "track.csv": points})
+    (note,) = load_scenario("scenario.yaml").notes
+    assert note.endswith("all within 0.002 m (degrees or kilometres? give metres)")
 
 
 def test_too_many_points_are_told_together(write: Write) -> None:

@@ -916,7 +916,7 @@ CASES = [
     (
         "traj-example-unknown-far",
         scenario("path.yaml", "example:qqq"),
-        "scenario.yaml:2:13: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, figure-eight, rounded-square, spiral, square-lap",
+        "scenario.yaml:2:13: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, corridor, figure-eight, parking, rounded-square, slalom, spiral, square-lap, timed-lap, turn-in-place",
     ),
     (
         "traj-number",
@@ -946,7 +946,7 @@ CASES = [
     (
         "traj-csv",
         scenario("path.yaml", "input.csv"),
-        "input.csv:1:1: is no trajectory, got a single value; write a mapping of keys and values",
+        "scenario.yaml:2:13: trajectory: must be a trajectory file, got 'input.csv'; points go into a segment of one, as 'path: {file: points.csv, speed: 0.5}'",
     ),
     (
         "traj-inline-missing",

@@ -563,12 +563,12 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "trajectory=example:qqq"],
         2,
-        "--vary trajectory=example:qqq: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, figure-eight, rounded-square, spiral, square-lap",
+        "--vary trajectory=example:qqq: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, corridor, figure-eight, parking, rounded-square, slalom, spiral, square-lap, timed-lap, turn-in-place",
     ),
     (
         ["--vary", "trajectory=input.csv"],
         2,
-        "input.csv:1:1: is no trajectory, got a single value; write a mapping of keys and values",
+        "--vary trajectory=input.csv: trajectory: must be a trajectory file, got 'input.csv'; points go into a segment of one, as 'path: {file: points.csv, speed: 0.5}'",
     ),
     (
         ["--vary", "trajectory.segments.0.line.length=-1,2"],

@@ -147,7 +147,7 @@ CASES = [
     (
         "speed-zero",
         trajectory("duration: 0.3 s", "speed: 0"),
-        "path.yaml:5:30: trajectory.segments.0.line.speed: must be above 0, got 0; give a number above 0, such as 2 or 2 m/s",
+        "path.yaml:5:30: trajectory.segments.0.line.speed: must be above 0, got 0; give a number above 0, such as 2 or 2 m/s, and 'reverse: true' to drive backward",
     ),
     (
         "duration-unit",

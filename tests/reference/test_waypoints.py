@@ -34,6 +34,10 @@ KINDS: dict[str, tuple[str, dict[str, list[float]]]] = {
     "other columns": ("name,y_m,x_m\na,2,1\nb,4.5,3\n", {}),
     "trailing comma": ("x,y\n1,2,\n3,4.5,\n", {}),
     "comments": ("# made by hand\n1,2\n# half way\n3,4.5\n", {}),
+    "other comments": ("% made by hand\n// in a hurry\n1,2\n3,4.5\n", {}),
+    "quoted numbers": ('"x","y"\n"1","2"\n"3","4.5"\n', {}),
+    "northing first": ("northing;easting;elevation\n2;1;412\n4.5;3;412\n", {}),
+    "flat": ("1,2,0\n3,4.5,0.0\n", {}),
     "comment with x and y": ("# the points x and y of it\n1,2\n3,4.5\n", {}),
     "track": ("# x_m,y_m,w_tr_right_m,w_tr_left_m\n1,2,1.1,1.2\n3,4.5,1.1,1.2\n", {}),
     "racing line": (
@@ -102,6 +106,23 @@ def test_headings_against_the_way_are_seen(heading: str, looks_back: bool) -> No
     assert not parsed("x,y\n0,0\n1,0\n").look_back
 
 
+def zigzag(count: int, noise: float, seed: int = 3) -> str:
+    """A circle of 10 m radius with noise."""
+    angles = 2 * np.pi * np.arange(count) / count
+    points = 10 * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    points += noise * np.random.default_rng(seed).standard_normal(points.shape)
+    return "".join(f"{x:.5f},{y:.5f}\n" for x, y in points.tolist())
+
+
+def test_noise_of_points_is_measured_where_it_makes_them_zigzag() -> None:
+    assert parsed(zigzag(2_000, 0.02)).noise == pytest.approx(0.02, rel=0.05)
+    # In steps of 60 cm as little noise turns the way by less than 0.05 rad, and without any by less.
+    assert parsed(zigzag(100, 0.001)).noise is None
+    assert parsed(zigzag(2_000, 0.0)).noise is None
+    cones = "".join(f"{i},{(-1) ** i}\n" for i in range(9))
+    assert parsed(cones).noise is None
+
+
 COLUMNS = "call them x,y (beside them heading, speed and t_s if they are known)"
 PUT = "put a header in front: x,y (beside them heading, speed and t_s if they are known)"
 WRONG: dict[str, tuple[str | bytes, str]] = {
@@ -113,7 +134,30 @@ WRONG: dict[str, tuple[str | bytes, str]] = {
     "commas": ("1,5;2,5\n3,5;4,5\n", "f.csv:1: has decimal commas; write decimal points"),
     "german": ("x y\n1,5 2,5\n3,5 4,5\n", "f.csv:1: has decimal commas; write decimal points"),
     "names": ("easting;height\n1;2\n", f"f.csv:1: names no columns x and y; {COLUMNS}"),
-    "twice": ("x,x_m,y\n1,2,3\n", f"f.csv:1: names no columns x and y; {COLUMNS}"),
+    "twice": ("x,x_m,y\n1,2,3\n", "f.csv:1: names several columns that may be x; keep one of them"),
+    "y twice": ("x,y,y\n1,2,3\n", "f.csv:1: names several columns that may be y; keep one of them"),
+    "degrees": (
+        "lat,lon\n48.1,11.5\n48.2,11.5\n",
+        "f.csv:1: names latitude and longitude; give x and y in metres, such as those of UTM",
+    ),
+    "degrees in a comment": (
+        "# longitude; latitude\n48.1;11.5\n48.2;11.5\n",
+        "f.csv:1: names latitude and longitude; give x and y in metres, such as those of UTM",
+    ),
+    "bars": (
+        "1|2\n3|4\n",
+        "f.csv:1: is parted neither by commas, semicolons nor white space; save it with commas",
+    ),
+    "colons below a header": (
+        "x,y\n1:2\n3:4\n",
+        "f.csv:2: has 1 cells where 2 should stand",
+    ),
+    "one decimal comma": ("x;y\n1;2\n3,5;4\n5;6\n", "f.csv:3: has decimal commas; write decimal points"),
+    "headings without a header": (
+        "1,2,0.5\n3,4,-0.5\n",
+        f"f.csv:1: has a third column with numbers below 0 and no header that tells what they are; {PUT}",
+    ),
+    "back in time": ("t,x,y\n1,1,2\n2,3,4\n1.5,5,6\n", "f.csv:4: has a time that is not after the one before"),
     "words": ("secret words\n", f"f.csv:1: names no columns x and y; {COLUMNS}"),
     "four": (
         "1,2,3,4\n",
@@ -134,8 +178,8 @@ WRONG: dict[str, tuple[str | bytes, str]] = {
     "times": ("t,x,y\n0,1,2\n0,3,4\n", "f.csv:3: has a time that is not after the one before"),
     "nanoseconds": ("t,x,y\n1,1,2\n17e17,3,4\n", "f.csv:3: has a time beyond 1e+11 s; give seconds"),
     "backward": (
-        "1,2,1\n3,4,-1\n",
-        "f.csv:2: has a speed that is below 0 or too high; say that it drives backward by 'reverse: true'",
+        "x,y,v\n1,2,1\n3,4,-1\n",
+        "f.csv:3: has a speed that is below 0 or too high; say that it drives backward by 'reverse: true'",
     ),
     "quaternion": (
         "0 1 2 3 4 5 6 7\n1 1 2 3 4 5 6 7\n",

@@ -40,6 +40,8 @@ _SINGLE = (
 )
 SINGLE_METRICS = tuple(column[0] for column in _SINGLE)
 """What is drawn of a single run."""
+_ON_THE_SPOT = (("max_abs_error_heading_rad", "Maximum", style.BLUE, "-"),)
+"""What is drawn in their place of a path that does nothing but turn."""
 SECOND_HALF_LABEL = "Maximum, second half"
 _DASH_DOTTED = (0, (6, 1.6, 1.2, 1.6))
 _SECOND_HALF = (MAX_ERROR_SECOND_HALF, SECOND_HALF_LABEL, style.WINE, _DASH_DOTTED)
@@ -67,9 +69,10 @@ def draw_error(
     """Draws the position error against the iteration.
 
     Of a single run the maximum, RMS and mean; of several the maximum, and the mean as a thin line;
-    of more than ``MOST_DETAILED`` the maximum alone. Where a start beside the path decides the
-    maximum of a run, the maximum of the second half is drawn as well: of a single run as one more
-    line, of several in the place of the mean.
+    of more than ``MOST_DETAILED`` the maximum alone. Of a single run on the spot, whose position
+    tells nothing, the heading's error. Where a start beside the path decides the maximum of a run,
+    the maximum of the second half is drawn as well: of a single run as one more line, of several in
+    the place of the mean.
 
     Args:
         axes: Where to draw.
@@ -80,7 +83,9 @@ def draw_error(
     """
     several, detailed = len(runs) > 1, len(runs) <= MOST_DETAILED
     off = metrics is None and any(run.start_decides for run in runs)
-    single = (*_SINGLE, *((_SECOND_HALF,) if off else ()))
+    turns = not several and runs[0].reference.size == 0
+    single = _ON_THE_SPOT if turns else (*_SINGLE, *((_SECOND_HALF,) if off else ()))
+    what = "Heading error" if turns else "Position error"
     thin, thin_label, thin_style = (
         (MAX_ERROR_SECOND_HALF, f"{MAXIMUM}, second half", _DASH_DOTTED)
         if off
@@ -119,7 +124,7 @@ def draw_error(
                 markevery=style.sparse(count, index, runs) if count > MARKED_UP_TO else None,
                 label=label,
             )
-        at_zero = np.flatnonzero(run.metrics["max_position_error_m"] < _SMALLEST)
+        at_zero = np.flatnonzero(run.metrics[columns[0][0]] < _SMALLEST if columns else [])
         if len(at_zero):
             zeros = True
             mark_color = color if several else style.BLUE
@@ -136,9 +141,10 @@ def draw_error(
     _legend_proxies(axes, shared if several else {}, zeros=zeros)
     scale_iterations(axes, runs)
     _scale_errors(axes, lines, strips)
+    axes.set_ylabel(f"{what} [{'rad' if turns else 'm'}]", labelpad=2)
     if detailed:
         _draw_strips(axes, runs, strip)
-    entitle(axes, "Position error", [*_gap_notes(runs), *labels.divergence_notes(runs)])
+    entitle(axes, what, [*_gap_notes(runs), *labels.divergence_notes(runs)])
 
 
 def _legend_proxies(axes: Axes, lines: Mapping[str, LineStyle], *, zeros: bool) -> None:
@@ -175,7 +181,6 @@ def _scale_errors(axes: Axes, lines: Sequence[Floats], strips: float) -> None:
     axes.set_yticks(major, texts)
     axes.set_yticks(minor, [""] * len(minor), minor=True)
     axes.set_ylim(10.0**bottom, 10.0**top)
-    axes.set_ylabel("Position error [m]", labelpad=2)
     axes.grid(visible=True)
 
 

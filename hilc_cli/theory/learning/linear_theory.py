@@ -238,13 +238,18 @@ def _errors_in_brief(found: Forecast, expected: ExpectedError, iterations: int) 
     else:
         until = early + int((errors[early:] > bound).argmax()) - 1
         within = f"{share} from {early} to {until}"
+    told = f"{halves}; {within}"
+    if transient.path_size_m == 0:  # on the spot it is the heading that learns
+        turned = found.ensemble.heading_rad[:, 0]
+        told = f"heading {turned[0]:.4g} rad in iteration 0, {turned[-1]:.4g} rad in iteration "
+        told += f"{len(turned) - 1}"
     within_limit = ""
     if limited:
         within_limit = ", with b_w" if found.ensemble.is_limited else " (rough)"
     alone = ", undisturbed" if disturbed else ""
     return [
         ("Predicted", f"{first}, {last} in iteration {reached}{within_limit}{alone}"),
-        ("", f"{halves}; {within}"),
+        ("", told),
         *disturbed,
     ]
 
