@@ -88,6 +88,7 @@ def test_scores_of_the_page_are_measured(readings: ModuleType) -> None:
     assert readings.main(["--check"]) == 0
 
 
+@pytest.mark.slow
 def test_the_page_on_tau_is_measured() -> None:
     tau, name = script("why_tau"), "fig3-circle"
     plain = tau.experiment(name)

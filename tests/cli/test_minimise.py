@@ -193,6 +193,7 @@ def test_what_might_be_overlooked(hilc: Hilc, vary: str, hint: str) -> None:
     assert (outcome.code, outcome.err) == (0, f"hilc: {hint}\n")
 
 
+@pytest.mark.slow
 def test_lucky_seeds_are_warned_of(hilc: Hilc) -> None:
     noise = ("--set", "disturbance.output.bound=[1 cm, 0, 0]", "--no-plots", "--json")
     options = ("--vary", "disturbance.seed=1..9", "--minimise", METRIC, "--cases", "12")

@@ -155,6 +155,7 @@ def test_json_has_everything_and_nothing_else(hilc: Hilc) -> None:
         "max_yaw_rate_rad_s": pytest.approx(math.pi / 4),
         "tightest_radius_m": pytest.approx(1),
         "max_lateral_acceleration_m_s2": pytest.approx(math.pi**2 / 16, rel=1e-3),
+        "profile": None,
         "corners": [],
         "warnings": [],
         "files": ["runs/test-path/path.pdf", "samples.csv"],
@@ -334,7 +335,7 @@ def test_of_two_examples_of_one_name_the_scenario_is_meant() -> None:
 
 def test_names_of_both_kinds_are_completed() -> None:
     found = complete_path("example:c")
-    assert found == ["example:cardioid", "example:circle"]
+    assert found == ["example:corridor", "example:cardioid", "example:circle"]
     assert complete_path("example:figure-e") == ["example:figure-eight"]
 
 

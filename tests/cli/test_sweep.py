@@ -16,6 +16,7 @@ from hilc_cli.results.metrics import METRICS
 from hilc_cli.shipped_files import examples
 from tests.cli.inputs import TRAJECTORY, plus, replaced, scenario
 from tests.conftest import Hilc, Outcome, Write
+from tests.shipped import LIKE_OTHERS
 
 SWEEP = ("sweep", "scenario.yaml", "--no-plots", "-q")
 L1 = "controller.gains.l1"
@@ -27,7 +28,12 @@ def table(path: Path) -> list[dict[str, str]]:
 
 
 @pytest.mark.parametrize(
-    ("number", "name"), list(enumerate(path.stem for path in examples())), ids=lambda v: str(v)
+    ("number", "name"),
+    [
+        pytest.param(number, path.stem, marks=pytest.mark.slow if path.stem in LIKE_OTHERS else ())
+        for number, path in enumerate(examples())
+    ],
+    ids=lambda v: str(v),
 )
 def test_case_has_the_numbers_of_a_run(number: int, name: str) -> None:
     iterations = 3 + number % 4

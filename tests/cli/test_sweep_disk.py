@@ -38,6 +38,7 @@ def check_refused(outcome: Outcome, reason: str) -> tuple[str, ...]:
     return sweeps.line_to_go_on(outcome.err)
 
 
+@pytest.mark.slow
 def test_file_size_limit(hilc: Hilc, folder: Path) -> None:
     sweeps.put_sweep(folder)
     command = (*sweeps.COMMAND, "--workers", "2")

@@ -48,7 +48,7 @@ def test_distance_that_no_case_comes_below(changes: dict[str, object], least: fl
     assert least_initial_error(plan(changes=changes)) == pytest.approx(least, rel=1e-15)
 
 
-@pytest.mark.parametrize("repeat", [True, False])
+@pytest.mark.parametrize("repeat", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_no_case_does(repeat: bool) -> None:
     changes = {**OFF, BOUND: [0.1, 0.1, 1], "disturbance.initial_pose.repeat": repeat}
     made = plan({**GAINS, "disturbance.seed": "1..20"}, changes)

@@ -69,6 +69,7 @@ def off_the_circle(along: float, sideways: float, heading: float) -> Pose:
     return -(cos * along - sin * sideways), -(sin * along + cos * sideways), HEADING - heading
 
 
+@pytest.mark.slow
 def test_closed_form_is_where_the_engine_comes_to_rest() -> None:
     # Of first order in the sample time: about 1 / h, or 0.3 %, and the turn of a few samples. The
     # slowest mode loses 0.5 % in an iteration.
