@@ -43,6 +43,8 @@ def keys(model: type[BaseModel], before: str = "") -> Iterator[tuple[str, FieldI
                 (shape,) = models_in(inner.annotation)
                 yield from keys(shape, f"{kind}.")
         else:
+            if quantity_of(field) is not None:  # a single value may stand for its keys
+                yield key, field
             yield from keys(part, f"{key}.")
 
 

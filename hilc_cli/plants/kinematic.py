@@ -24,7 +24,7 @@ TurnConvention = Literal["paper", "rep103"]
 class Robot:
     """Structural parameters of a platform: the true one, or the one a controller believes in."""
 
-    wheel_radius: float  # R_c [m]
+    wheel_radius: float  # R_c [m]; of unequal wheels the mean
     half_track: float  # B_c as Eq. 2 uses it [m]
     turn_convention: TurnConvention = "paper"
     gravity_center: tuple[float, float] = (0.0, 0.0)  # D_cx, D_cy [m]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
-from typing import Annotated, get_args
+from collections.abc import Iterable, Mapping
+from typing import Annotated, ClassVar, get_args
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
@@ -56,6 +56,9 @@ class RobotSpec(Model):
 
     exactly_one = (("half_track", "wheel_separation"),)
 
+    only_if_given: ClassVar[tuple[str, ...]] = ("plant",)
+    """Keys that a resolved scenario has only where they are not as in every robot."""
+
     wheel_radius: RobotLength = Field(description="R_c [m]")
     half_track: RobotLength | None = Field(
         None, description="B_c [m] as Eq. 2 uses it: half the distance between the wheels"
@@ -92,6 +95,19 @@ class RobotSpec(Model):
     def as_plant(self) -> Plant:
         """Returns the plant for the engines."""
 
+    def imperfections(self) -> dict[str, float | str]:
+        """Returns by dotted key what the plant has of which neither theory nor its path knows."""
+        return {}
+
+    def with_keys(self, keys: Iterable[str]) -> RobotSpec:
+        """Returns the same robot, so written that values can be put at these dotted keys."""
+        return self
+
+    @property
+    def mean_wheel_radius(self) -> float:
+        """The radius [m] that stands for both wheels where one number is asked for."""
+        return self.wheel_radius
+
     @property
     def in_lanes(self) -> bool:
         """Whether the batch engine can move the plant."""
@@ -101,7 +117,7 @@ class RobotSpec(Model):
         """Returns the platform."""
         half_track = half_track_of(self.half_track, self.wheel_separation)
         assert half_track is not None  # exactly_one
-        return Robot(self.wheel_radius, half_track, self.turn_convention, self.gravity_center)
+        return Robot(self.mean_wheel_radius, half_track, self.turn_convention, self.gravity_center)
 
 
 def plant_named(data: object) -> object:

@@ -23,6 +23,7 @@ from hilc_cli.results.metrics import stem_and_unit
 from hilc_cli.results.reading import Numbers, check_counted, parse_numbers, table_rows
 from hilc_cli.wording import in_short, listed
 
+LEARNING = "learning.csv"
 _ITERATION = "iteration"
 _MOST = 1e200
 """No estimate is larger; squares of it are hardly finite."""

@@ -13,7 +13,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.files import folder_to_read, is_there, read_file
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
-from hilc_cli.results.learning import read_learning
+from hilc_cli.results.learning import LEARNING, read_learning
 from hilc_cli.results.picture_kinds import RUN_PICTURES
 from hilc_cli.results.reading import Count, Document, Name, Pair, damaged
 from hilc_cli.results.run import RunData
@@ -30,7 +30,6 @@ SAMPLES = "samples.csv"
 INPUT = "input.csv"
 PLAN = "plan.csv"
 GRAVITY_CENTER = "gravity-center.csv"
-LEARNING = "learning.csv"
 
 RUN_FOLDER = ResultFolder(
     what="run",

@@ -18,7 +18,7 @@ from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.laws.law import Plan
 from hilc_cli.results.folder import DRAWN_WITH, INITIAL_INPUT, SCENARIO, origin
-from hilc_cli.results.learning import LearningTable, write_learning
+from hilc_cli.results.learning import LEARNING, LearningTable, write_learning
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import Summary, summarise
@@ -34,7 +34,6 @@ from hilc_cli.runs.run_folder import (
     GRAVITY_CENTER,
     INPUT,
     ITERATIONS,
-    LEARNING,
     PLAN,
     RUN_FOLDER,
     SAMPLES,

@@ -17,10 +17,11 @@ from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import packages_of
 from hilc_cli.plants.kinematic import feedforward
-from hilc_cli.plants.parameters import DEFAULT_PLANT
+from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.learning import BELIEVED, TRUE
+from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
@@ -192,8 +193,9 @@ class Scenario:
             del data[key]["wheel_separation"]
         if spec.robot.friction is None:
             del data["robot"]["friction"]
-        _without_usual_plant(data)
+        _without_usual_plant(data, spec.robot)
         data["model"]["wheel_radius"] = model.wheel_radius
+        del data["model"][FROM]  # its numbers are in its place
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE
@@ -216,7 +218,7 @@ class Scenario:
         data = self.spec.model_dump(mode="json", exclude={"sweep"}, exclude_none=True)
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE
-        _without_usual_plant(data)
+        _without_usual_plant(data, self.spec.robot)
         return data
 
     def resolved_yaml(self) -> str:
@@ -224,10 +226,11 @@ class Scenario:
         return to_yaml(self.resolved())
 
 
-def _without_usual_plant(data: dict[str, Any]) -> None:
-    """Leaves the plant out of a scenario where it is the one that every scenario has."""
-    if data["robot"]["plant"] == DEFAULT_PLANT:
-        del data["robot"]["plant"]
+def _without_usual_plant(data: dict[str, Any], robot: RobotSpec) -> None:
+    """Leaves out of a scenario what its plant has as every scenario's plant has it."""
+    for key in robot.only_if_given:
+        if getattr(robot, key) == type(robot).model_fields[key].default:
+            del data["robot"][key]
 
 
 # Shown elsewhere: the speed limit is a figure of its own, the switch has a text of its own.

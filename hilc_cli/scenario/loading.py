@@ -13,6 +13,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.reading import MAX_CSV_BYTES
 from hilc_cli.results.tables import read_input
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
+from hilc_cli.scenario.identified import with_identified
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.shipped_files import SCENARIOS
 from hilc_cli.yaml_input.model import Model, model_in
@@ -27,6 +28,7 @@ from hilc_cli.yaml_input.reading import (
 )
 
 Overrides = Mapping[str, object] | Sequence[str]
+_RADIUS = ("robot", "wheel_radius")
 
 
 ScenarioSource = Scenario | str | Path | Mapping[str, object]
@@ -64,12 +66,14 @@ def load_scenario(
     _check_kind(tree)
     assert isinstance(tree, MapNode)  # _check_kind
     for keys, value in changes:
+        tree = _with_both_radii(tree, keys)
         tree = apply_override(tree, keys, value, inputs.with_trajectory, _default)
     problems: list[Problem] = []
     try:
         tree = inputs.with_trajectory(tree)
     except InvalidInputError as error:
         problems = list(error.problems)
+    tree = with_identified(tree, inputs.file)
     with trusting(trust):
         spec = _validated(tree, problems, inputs.problems)
     return Scenario(
@@ -88,6 +92,17 @@ def _default(keys: Sequence[str]) -> object:
         part = model_in(field.annotation)
         value = field.get_default(call_default_factory=True)
     return value if isinstance(value, tuple) else None
+
+
+def _with_both_radii(tree: MapNode, keys: Sequence[str]) -> MapNode:
+    """The scenario, with its one wheel radius as that of each wheel if a key leads to one."""
+    node, place, found = nearest(tree, _RADIUS)
+    is_one = found and isinstance(node, Scalar) and node.value is not None
+    if not is_one or tuple(keys[:2]) != _RADIUS or len(keys) == len(_RADIUS):
+        return tree
+    wheels = ("left", "right")
+    both = MapNode(place, dict.fromkeys(wheels, node), dict.fromkeys(wheels, place))
+    return apply_override(tree, _RADIUS, both, lambda same: same)
 
 
 def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:

@@ -6,7 +6,14 @@ from collections.abc import Collection, Mapping
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
+from pydantic import (
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    WithJsonSchema,
+    create_model,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
@@ -14,6 +21,7 @@ from hilc_cli.laws.registry import ControllerSpec, controller_model
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, half_track_of
 from hilc_cli.plants.registry import RobotSection
+from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.yaml_input.expressions import PLAIN
@@ -179,7 +187,17 @@ class RecordSpec(Model):
     )
 
 
-class ModelSpec(Model):
+# A key that Python has another use for.
+_FROM: dict[str, Any] = {
+    FROM: (
+        Text | None,
+        Field(None, description="folder of a run: what that identified, in place of the rest"),
+    )
+}
+_WithFrom = create_model("_WithFrom", __base__=Model, **_FROM)
+
+
+class ModelSpec(_WithFrom):
     """What the controller believes; what is left out is as the robot really is."""
 
     other_names = OTHER_KEYS

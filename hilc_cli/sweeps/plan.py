@@ -93,11 +93,16 @@ class Plan:
         """Values by key."""
         return self.spec.vary
 
-    @property
+    @cached_property
     def in_lanes(self) -> bool:
         """Whether the batch engine does it; if not, cases run one by one and take longer."""
         spec = self.scenario.spec
-        return spec.controller.in_lanes and spec.robot.in_lanes and not DISABLED
+        robots = [spec.robot]
+        for key, axis in self.axes.items():
+            if root(key) == "robot":  # of which one value may make another plant than another
+                robots += [self.case({key: end}).spec.robot for end in axis.ends]
+        in_lanes = all(robot.in_lanes for robot in robots)
+        return spec.controller.in_lanes and in_lanes and not DISABLED
 
     @cached_property
     def cases(self) -> Cases:

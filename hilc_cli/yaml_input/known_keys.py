@@ -9,6 +9,7 @@ from typing import get_args, get_origin
 from hilc_cli.wording import near_word
 from hilc_cli.yaml_input.model import Model, Step, model_in, models_in, steps_to
 from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, nearest, to_data
+from hilc_cli.yaml_input.quantities import quantities_in
 
 _MOST_SHOWN = 3
 _MOST_LEVELS = 3
@@ -44,7 +45,8 @@ class KnownKey:
     @property
     def has_keys(self) -> bool:
         """Whether further keys stand below it, instead of a value behind it."""
-        return bool(models_in(self.annotation)) or get_origin(self.annotation) is dict
+        has_keys = bool(models_in(self.annotation)) or get_origin(self.annotation) is dict
+        return has_keys and not quantities_in(self.annotation)
 
 
 def known_keys(
@@ -95,7 +97,7 @@ def value_keys(model: type[Model], above: str = "") -> Iterator[str]:
     """
     for name, field in model.model_fields.items():
         parts = [] if _holds_entries(field.annotation) else models_in(field.annotation)
-        if not parts or name in _MAY_BE_WHOLE:
+        if not parts or name in _MAY_BE_WHOLE or quantities_in(field.annotation):
             yield f"{above}{name}"
         for part in parts:
             yield from value_keys(part, f"{above}{name}.")

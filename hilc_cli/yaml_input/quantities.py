@@ -329,6 +329,13 @@ PositiveSpeed = Annotated[float, Quantity(_SPEED, "2 or 2 m/s", above=0, smalles
 PositiveWheelSpeed = Annotated[
     float, Quantity(_WHEEL_SPEED, "180 or 1700 rpm", above=0, smallest=1e-9, most=_LARGEST)
 ]
+WheelSpeedLoss = Annotated[
+    float, Quantity(_WHEEL_SPEED, "0.2 or 2 rpm", least=0, smallest=_SMALLEST, most=_LARGEST)
+]
+WheelAcceleration = Annotated[
+    float,
+    Quantity(Unit(angle=1, time=-2), "30 or 30 rad/s^2", above=0, smallest=1e-9, most=_LARGEST),
+]
 PositiveNumber = Annotated[float, Quantity(PLAIN, "0.8", above=0, smallest=1e-6, most=1e6)]
 Gain = Annotated[float, Quantity(PLAIN, "0.5", least=0, smallest=_SMALLEST, most=1e12)]
 GainPerSecond = Annotated[
@@ -348,6 +355,7 @@ Frequency = Annotated[
     Quantity(Unit(time=-1), "20 or 20 Hz", above=0, smallest=1e-9, most=_LARGEST, told_in="Hz"),
 ]
 Share = Annotated[float, Quantity(PLAIN, "0.1", least=0, most=1)]
+SlipShare = Annotated[float, Quantity(PLAIN, "0.03", least=0, most=0.99)]
 LateralGain = Annotated[
     float,
     Quantity(

@@ -292,7 +292,9 @@ CASES = [
     (
         "radius-map",
         scenario("wheel_radius: 0.2", "wheel_radius: {a: 1}"),
-        "scenario.yaml:3:9: robot.wheel_radius: must be a number, got a mapping; give a number above 0, such as 0.2 or 20 cm",
+        "scenario.yaml:3:9: robot.wheel_radius.left: is missing; give it (R_c of the left wheel [m])\n"
+        "scenario.yaml:3:9: robot.wheel_radius.right: is missing; give it (R_c of the right wheel [m])\n"
+        "scenario.yaml:3:24: robot.wheel_radius.a: is an unknown key; known: left, right",
     ),
     (
         "radius-huge",

@@ -123,7 +123,12 @@ def test_usual_plant_may_be_named_and_is_left_out_of_what_is_resolved() -> None:
             {"plant": "kinematik"},
             "robot.plant: is not one of the choices, got 'kinematik'; did you mean 'kinematic'?",
         ),
-        ({"plant": "kinematic", "lag": 0.1}, "robot.lag: is an unknown key; known: friction"),
+        (
+            {"plant": "kinematic", "lag": 0.1},
+            "robot.lag: is an unknown key; did you mean 'robot.motor.lag'?",
+        ),
+        ({"plant": LAGGING, "wheel_radius": {"left": 1}}, "robot.wheel_radius: must be a number"),
+        ({"plant": LAGGING, "motor": {}}, f"robot.motor: is an unknown key of plant {LAGGING}"),
         (
             {"plant": LAGGING, "lagg": 0.1},
             f"robot.lagg: is an unknown key of plant {LAGGING}; did you mean 'lag'?",

@@ -182,7 +182,7 @@ def test_keys_are_completed_by_their_end(write: Write, key: str, hint: str) -> N
 OF_OTHER_LAW = [
     ("kp", "did you mean 'controller.gains.kp'? It needs 'law: pid'"),
     ("gains.l1", "did you mean 'controller.gains.l1'? It needs 'law: hybrid'"),
-    ("lateral", "did you mean 'controller.gains.lateral'? It needs 'law: hybrid'"),
+    ("gains.lateral", "did you mean 'controller.gains.lateral'? It needs 'law: hybrid'"),
 ]
 
 

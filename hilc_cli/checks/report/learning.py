@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from hilc_cli.reporting.terminal import Grid, Section
 from hilc_cli.results.metrics import settled_at
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
+from hilc_cli.scenario.units import unit_of
 from hilc_cli.theory.findings import expected_document, length_text
 from hilc_cli.theory.matrices import knows_plant
 from hilc_cli.theory.wheel_noise import wheel_document, wheel_rows
@@ -14,6 +15,7 @@ from hilc_cli.theory.wheel_noise import wheel_document, wheel_rows
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
     from hilc_cli.checks.simulation import Simulated
+    from hilc_cli.plants.parameters import RobotSpec
     from hilc_cli.results.summary import Summary
     from hilc_cli.theory.learning.forecast import Forecast
     from hilc_cli.theory.learning.transient import Transient
@@ -28,10 +30,14 @@ def learning_section(check: Check) -> Section:
     if check.simulated is not None:
         document["simulated"] = _summary_document(check.simulated.summary)
     rows = [*theory.rows, *wheel_rows(theory.wheels)]
+    left_out = _imperfections(check.scenario.spec.robot)
+    if left_out:
+        document["left_out"] = left_out
     if not theory.is_known:
         text = f"nothing is known of {_unknown(check)} before it is run"
         shows = "" if check.simulated is not None else "; --simulate shows it"
-        rows = [("Theory", text + shows)]
+        ideal = "; what the path asks of wheels is told of a robot without" if left_out else ""
+        rows = [("Theory", text + shows + ideal)]
     grids = [] if errors is None else [errors]
     return Section("learning", theory.title, rows, grids, document, (), theory.brief)
 
@@ -39,8 +45,20 @@ def learning_section(check: Check) -> Section:
 def _unknown(check: Check) -> str:
     """Returns what theory does not speak of: the plant, or the law on a plant that it knows."""
     spec = check.scenario.spec
-    is_plant = not knows_plant(check.law.experiment)
-    return f"plant {spec.robot.plant}" if is_plant else f"law {spec.controller.law}"
+    if knows_plant(check.law.experiment):
+        return f"law {spec.controller.law}"
+    left_out = ", ".join(_imperfections(spec.robot))
+    return f"a robot with {left_out}" if left_out else f"plant {spec.robot.plant}"
+
+
+def _imperfections(robot: RobotSpec) -> list[str]:
+    """Returns what a robot has that the paper's has not, such as ``motor.delay 0.08 s``."""
+    return [
+        f"{key} {value}"
+        if isinstance(value, str)
+        else f"{key} {value:g} {unit_of(f'robot.{key}').replace('²', '^2')}".rstrip()
+        for key, value in robot.imperfections().items()
+    ]
 
 
 def _summary_document(summary: Summary) -> dict[str, object]:

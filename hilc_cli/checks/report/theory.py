@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from hilc_cli.reporting.terminal import Grid, Section
+from hilc_cli.theory.matrices import knows_plant
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
@@ -41,7 +42,8 @@ def theory_section(check: Check, *, verbose: bool = False) -> Section:
     """
     title = "What do the paper's theorems say?"
     if check.conditions is None or check.theories is None:
-        return Section("theory", title, [("Theory", "none: this is another law")], brief=())
+        other = "law" if knows_plant(check.law.experiment) else "robot"
+        return Section("theory", title, [("Theory", f"none: this is another {other}")], brief=())
     measured = None if check.simulated is None else check.simulated.comparisons
     rows, grids = _rows(check.conditions), []
     if check.theories:

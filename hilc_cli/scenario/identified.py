@@ -1,0 +1,82 @@
+"""What another run has identified of its robot, in the place of ``model: {from: RUN}``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from hilc_cli.errors import HilcError, InvalidInputError, Problem, UsageError
+from hilc_cli.results.learning import LEARNING, read_learning
+from hilc_cli.results.reading import MAX_CSV_BYTES
+from hilc_cli.yaml_input.nodes import (
+    MapNode,
+    Place,
+    Scalar,
+    Source,
+    describe,
+    from_data,
+    to_data,
+    with_entry,
+)
+
+FROM = "from"
+_COLUMNS = {"wheel_radius": "model_wheel_radius_m", "half_track": "model_half_track_m"}
+"""Keys of a model, and the columns of ``learning.csv`` that tell them."""
+_EXCLUDED = (*_COLUMNS, "wheel_separation")
+_NOTHING = Scalar(Place(Source("", Path())), None, "")
+_REMEDY = "name the folder of a run whose law identifies, such as norm-optimal"
+
+
+def with_identified(tree: MapNode, read: Callable[[Path, int], bytes]) -> MapNode:
+    """Returns the scenario with numbers in the place of ``model.from``.
+
+    They are those that the run believed after its last iteration. The numbers alone are kept, so
+    that the scenario no longer needs the run.
+
+    Args:
+        tree: The scenario.
+        read: Reads a file of a limited size, and remembers its checksum.
+
+    Raises:
+        InvalidInputError: There is no such run, it has identified nothing, or the model says the
+            same itself.
+    """
+    model = tree.entries.get("model")
+    if not isinstance(model, MapNode) or FROM not in model.entries:
+        return tree
+    node = model.entries[FROM]
+    if isinstance(node, Scalar) and node.value is None:
+        return tree
+    try:
+        if not isinstance(node, Scalar) or not isinstance(node.value, str) or not node.value:
+            raise UsageError(f"must be the folder of a run, got {describe(node)}; {_REMEDY}")
+        for key in _EXCLUDED:
+            if to_data(model.entries.get(key, _NOTHING)) is not None:
+                raise UsageError(
+                    f"tells {key}, which the model has, too; give one of them, such as "
+                    f"'model: {{from: {node.value}}}' alone"
+                )
+        known = _identified(node.place.source.folder / node.value, read)
+    except HilcError as error:
+        raise InvalidInputError([Problem(str(node.place), f"model.{FROM}", str(error))]) from None
+    entries = {key: value for key, value in model.entries.items() if key != FROM}
+    found = MapNode(model.place, entries, model.key_places)
+    for key, value in known.items():
+        found = with_entry(found, key, from_data(value, node.place), node.place)
+    return with_entry(tree, "model", found, tree.key_places.get("model", model.place))
+
+
+def _identified(folder: Path, read: Callable[[Path, int], bytes]) -> dict[str, float]:
+    """Returns what the model of a run was at its end, by key of a scenario's model.
+
+    Raises:
+        HilcError: There is no such table, it is damaged, or nothing of it was identified.
+    """
+    path = folder / LEARNING
+    if folder.is_dir() and not path.exists():
+        raise UsageError(f"{folder}: holds no {LEARNING}; {_REMEDY}")
+    read(path, MAX_CSV_BYTES)
+    table = read_learning(path)
+    if not set(_COLUMNS.values()) <= set(table.names):
+        raise UsageError(f"{path}: tells no wheel radius and half track; {_REMEDY}")
+    return {key: float(table[column][-1]) for key, column in _COLUMNS.items()}

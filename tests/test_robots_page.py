@@ -1,0 +1,56 @@
+"""What docs/robots.md promises: its figures are those of its robots."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+import hilc_cli as hilc
+from tests.pages import ROOT
+
+PAGE = " ".join((ROOT / "docs" / "robots.md").read_text(encoding="utf-8").split())
+LAP = {
+    "model": None,
+    "disturbance": None,
+    "robot.integration": "exact",
+    "iterations": 0,
+}
+HERE: dict[str, tuple[str, object]] = {
+    "wheel_radius": ("wheel_radius.left", "32 * 1.01 mm"),
+    "motor.delay": ("motor.delay", "100 ms"),
+    "motor.lag": ("motor.lag", "100 ms"),
+    "motor.acceleration": ("motor.acceleration", "5 rad/s^2"),
+    "motor.dead_zone": ("motor.dead_zone", "0.2 rad/s"),
+    "slip.longitudinal": ("slip.longitudinal", 0.01),
+    "slip.lateral": ("slip.lateral", "20 ms"),
+    "integration": ("integration", "euler"),
+}
+
+
+def lap(key: str, **changes: object) -> hilc.Run:
+    name, value = HERE[key]
+    overrides = {**LAP, f"robot.{name}": value, **changes}
+    return hilc.run(hilc.load_scenario("example:small-robot", overrides))
+
+
+@pytest.mark.parametrize("key", HERE)
+def test_figures_of_a_pass_without_feedback(key: str) -> None:
+    ((largest, last),) = re.findall(rf"\| `{key}` \|[^|]*\|[^|]*\| ([0-9.]+) \| ([0-9.]+) \|", PAGE)
+    metrics = lap(key).metrics
+    found = [metrics[f"{which}_position_error_m"][0] for which in ("max", "final")]
+    assert [f"{round(1000 * error, 9):.3g}" for error in found] == [largest, last]
+
+
+def test_figures_of_laws_that_know_nothing_of_it() -> None:
+    def left(key: str, law: str) -> float:
+        changes = {"controller": {"law": law, "b_w": 6.67}, "initial_trial": "open-loop"}
+        run = lap(key, iterations=10, **changes)
+        return 1000 * float(run.metrics["max_position_error_m"][-1])
+
+    late, slow = left("motor.delay", "norm-optimal"), left("motor.acceleration", "norm-optimal")
+    assert f"{late:.0f} mm off with the delay and {slow:.0f} mm with the limit" in PAGE
+    late, slow = left("motor.delay", "feedback"), left("motor.acceleration", "feedback")
+    assert f"which is softer, {late:.1f} mm and {slow:.0f} mm" in PAGE
+    assert left("motor.dead_zone", "norm-optimal") < 0.01
+    assert left("wheel_radius", "norm-optimal") < 0.01
