@@ -123,6 +123,11 @@ class KinematicSpec(RobotSpec):
         return (radius.left, radius.right) if isinstance(radius, WheelRadii) else (radius, radius)
 
     @property
+    def lead(self) -> float:
+        """Share of a sample's turn after which its way is gone."""
+        return 0.0 if self.integration == "euler" else 0.5
+
+    @property
     def mean_wheel_radius(self) -> float:
         """The radius [m] of equal wheels that drive as far."""
         return sum(self._radii) / 2

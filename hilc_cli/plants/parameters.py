@@ -109,6 +109,11 @@ class RobotSpec(Model):
         return self.wheel_radius
 
     @property
+    def lead(self) -> float:
+        """Share of a sample's turn after which its way is gone; half of it on an arc."""
+        return 0.5
+
+    @property
     def in_lanes(self) -> bool:
         """Whether the batch engine can move the plant."""
         return self.as_plant().lane_gains(1.0) is not None

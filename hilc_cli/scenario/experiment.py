@@ -121,6 +121,7 @@ class Scenario:
             spec.model.model(spec.robot.robot()),
             spec.initial_error,
             spec.disturbance.initial_pose.bound,
+            spec.robot.lead,
         )
 
     def _first_input(self, reference: Reference) -> tuple[Floats, Floats]:

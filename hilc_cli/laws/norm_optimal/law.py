@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from hilc_cli.laws.law import Figures, Iteration, Learner, Plan, Task
+from hilc_cli.laws.law import Figures, Iteration, Law, Learner, Plan, Task
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, SpeedLimit, length_misfits
 from hilc_cli.plants.kinematic import Robot
@@ -46,6 +46,21 @@ _IDENTIFIED = (
 """Columns of what each iteration alone tells, and of what the model takes from all so far."""
 
 
+MOTOR_FIGURES = tuple(
+    f"model_{name}{ending}{unit}"
+    for name, unit in (
+        ("wheel_radius", "_m"),
+        ("left_per_right_radius", ""),
+        ("half_track", "_m"),
+        ("delay", "_s"),
+        ("lag", "_s"),
+        ("friction", "_rad_s"),
+    )
+    for ending in ("", "_standard_error")
+)
+"""Columns of the robot with its motors, as the model takes them from all passes so far."""
+
+
 @dataclass(frozen=True, slots=True)
 class NormOptimalLaw:
     """The law with its parameters.
@@ -63,6 +78,28 @@ class NormOptimalLaw:
     def learner(self, task: Task) -> Learner:
         """The law at the start of an experiment."""
         return _AtWork(self, task)
+
+
+@dataclass(frozen=True, slots=True)
+class MotorLaw:
+    """The law on a robot as it is, whose motors it identifies as well.
+
+    Attributes:
+        parameters: Weights of errors, feedback and the way in.
+        model: The platform as the controller believes it to be at first.
+        lead: Share of a sample's turn after which its way is gone.
+    """
+
+    parameters: NormOptimalParameters
+    model: Robot
+    lead: float
+
+    def learner(self, task: Task) -> Learner:
+        """The law at the start of an experiment."""
+        # The compiler starts slowly.
+        from hilc_cli.laws.norm_optimal.motor_learner import MotorLearner
+
+        return MotorLearner(task, self.model, self.parameters, self.lead)
 
 
 class _AtWork:
@@ -183,6 +220,11 @@ class NormOptimalController(Controller):
     memory: Annotated[int, such_as(Samples, "4", told_in="iterations")] = Field(
         4, description="iterations over which motion that the model does not explain is averaged"
     )
+    motors: Literal["ideal", "identify"] = Field(
+        "ideal",
+        description="identify: each wheel's radius, delay, lag and friction are identified, too, "
+        "and planned with; the feedback follows from them and from the noise",
+    )
     b_w: SpeedLimit = None
 
     @classmethod
@@ -196,7 +238,7 @@ class NormOptimalController(Controller):
         """What is too long for a trajectory."""
         return length_misfits(self.h, reference)
 
-    def law_for(self, setting: Setting) -> NormOptimalLaw:
+    def law_for(self, setting: Setting) -> Law:
         """The law for the engines."""
         parameters = NormOptimalParameters(
             self.weights.position,
@@ -209,10 +251,14 @@ class NormOptimalController(Controller):
             _within(self.h, setting.reference),
             self.memory,
         )
+        if self.motors == "identify":
+            return MotorLaw(parameters, setting.model, setting.lead)
         return NormOptimalLaw(parameters, setting.model)
 
     def figures(self) -> tuple[str, ...]:
         """What is identified, if anything is, and what there is to tell of the plan."""
+        if self.motors == "identify":
+            return MOTOR_FIGURES
         return figures_told(identify=self.identify)
 
     def yardsticks(self, setting: Setting) -> dict[str, dict[str, float]]:
@@ -224,10 +270,15 @@ class NormOptimalController(Controller):
 
     def in_words(self, setting: Setting) -> str:
         """What is learned, how, and how long an initial error may last."""
+        if self.motors == "identify":
+            return f"norm-optimal learning of robot and motors; {self._answers()}"
         learned = "wheel speeds, wheel radius and half track" if self.identify else "wheel speeds"
-        feedback = "LQR feedback" if self.feedback == "lqr" else "no feedback"
+        feedback = self._answers()
         h = _within(self.h, setting.reference)
         return f"norm-optimal learning of {learned}; {feedback}, rectified within {h} samples"
+
+    def _answers(self) -> str:
+        return "LQR feedback" if self.feedback == "lqr" else "no feedback"
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
+from itertools import chain
 
 import numpy as np
 
 from hilc_cli.laws.law import Figures, Iteration, Plan, Task
+from hilc_cli.laws.norm_optimal.law import MOTOR_FIGURES
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter, smoothed_poses
 from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, steps_of
 from hilc_cli.laws.norm_optimal.motor_identification import Identification, MotorBelief, Pass
 from hilc_cli.laws.norm_optimal.motor_plan import motor_plan
+from hilc_cli.laws.norm_optimal.optimal_motion import Model
+from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
 from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
+from hilc_cli.laws.norm_optimal.rectified import rectified_reference
 from hilc_cli.laws.norm_optimal.repeating import repeating
+from hilc_cli.plants.kinematic import Robot, step_gains
 from hilc_cli.reference.sampled import Floats
 
 _MEMORY = 16
@@ -27,6 +34,7 @@ a position error that counts as one."""
 _LIMIT = 1e6  # [rad/s], where there is none
 _UNTOLD = 0.2
 """Delay [s] that the feedback reckons with before a pass has told it."""
+_ON_IT = 1e-4  # [m and rad]; a start no further off is on the trajectory
 _VAGUE = 1e-3  # [m and rad]: noise before anything was measured
 
 
@@ -36,29 +44,27 @@ class MotorLearner:
     def __init__(
         self,
         task: Task,
-        motor: Motor,
-        *,
+        robot: Robot,
+        parameters: NormOptimalParameters,
         lead: float,
-        weights: tuple[float, float],
-        feedback: bool,
     ) -> None:
         """Begins with what the user believes.
 
         Args:
             task: The experiment.
-            motor: The believed robot.
+            robot: The platform as the user believes it to be.
+            parameters: The law's parameters.
             lead: Share of a sample's turn after which its way is gone, see `motor.moved`.
-            weights: A position error [m] and a heading error [rad] that count as one.
-            feedback: Whether a regulator runs in the pass.
         """
         reference = task.reference
         self._reference = reference
         self._target = reference.poses
         self._lead = lead
-        self._weights = weights
-        self._regulated = feedback
+        self._parameters = parameters
         self._speed_limit = min(task.speed_limit, _LIMIT)
         self._identification = Identification(reference.sample_time, lead, reference.size + 1e-3)
+        radius, half_track = robot.wheel_radius, robot.signed_half_track
+        motor = Motor(radius, radius, half_track, 0.0, 0.0, 0.0)
         self._belief = MotorBelief.at_first(motor, Noise(*[_VAGUE**2] * 5))
         self._passes: deque[Pass] = deque(maxlen=_MEMORY)
         self._starts: deque[Floats] = deque(maxlen=_MEMORY)
@@ -79,7 +85,20 @@ class MotorLearner:
             self._starts.append(latest.measured[0])
             if latest.sent.any():
                 self._take_in(latest)
-        return {}
+        return self._figures()
+
+    def _figures(self) -> Figures:
+        """What is believed of the robot, with standard errors."""
+        belief = self._belief
+        motor, errors = belief.motor, belief.errors.tolist()
+        radius = math.sqrt(motor.left_radius * motor.right_radius)
+        ratio, half_track = motor.left_radius / motor.right_radius, abs(motor.half_track)
+        told = [
+            *((radius, radius * errors[0]), (ratio, ratio * errors[1])),
+            *((half_track, half_track * errors[2]), (motor.delay, errors[3])),
+            *((motor.lag, errors[4]), (motor.friction, errors[5])),
+        ]
+        return dict(zip(MOTOR_FIGURES, chain.from_iterable(told), strict=True))
 
     def _take_in(self, latest: Pass) -> None:
         self._passes.append(latest)
@@ -100,26 +119,42 @@ class MotorLearner:
         beyond[:, [0, 2]] -= steps
         return beyond
 
+    def _way_in(self, motor: Motor, start: Floats) -> Floats:
+        """The trajectory, or from a start off it a way into it, shape (n + 1, 3)."""
+        if float(np.abs(start - self._target[0]).max()) <= _ON_IT:
+            return self._target
+        radius = (motor.left_radius + motor.right_radius) / 2
+        gains = step_gains(radius, motor.half_track, self._reference.sample_time)
+        drift = np.zeros((self._reference.samples, 3))
+        return rectified_reference(
+            self._target,
+            start,
+            Model(*gains, drift, self._speed_limit),
+            self._parameters.h,
+            self._parameters.squared_weights,
+        ).poses
+
     def plan(self) -> Plan:
-        """Plans the next pass anew from the geometry; what was learned of the robot carries over."""
+        """Plans the next pass anew from the geometry: only what is known of the robot is kept."""
         motor, reference = self._belief.motor, self._reference
         start = np.mean(self._starts, axis=0) if self._starts else self._target[0]
-        position, heading = self._weights
+        position, heading, _ = self._parameters.squared_weights
         plan = motor_plan(
             motor,
-            self._target,
+            self._way_in(motor, start),
             start,
             self._beside,
             reference.sample_time,
             self._lead,
             self._speed_limit,
-            (position**-2, heading**-2),
+            (position, heading),
             _FREE,
         )
-        if not self._regulated:
-            return Plan(*plan.inputs.T.copy(), plan.poses)
+        left, right = plan.inputs.T.copy()
+        if self._parameters.feedback == "none":
+            return Plan(left, right, plan.poses)
         limit = self._speed_limit if self._speed_limit < _LIMIT else float(abs(plan.inputs).max())
         wary = motor if self._seen else motor._replace(delay=motor.delay + _UNTOLD)
         rates = bandwidths(wary, self._belief.noise, reference.sample_time, limit)
         feedback = regulator(motor, plan.inputs, plan.poses, reference, *rates)
-        return Plan(*plan.inputs.T.copy(), plan.poses, feedback)
+        return Plan(left, right, plan.poses, feedback)

@@ -94,8 +94,10 @@ def motor_plan(
     for _ in range(_MOST_STEPS):
         if not math.isfinite(cost):
             break
+        states, controls = linearised(poses, inputs, motor, sample_time, lead, FRICTION_EDGE)
         problem = _Problem(
-            *linearised(poses, inputs, motor, sample_time, lead, FRICTION_EDGE),
+            states,
+            controls,
             pose_weights,
             np.full_like(inputs, command),
             pose_weights * (poses - target),
