@@ -150,7 +150,7 @@ def _filtered(
     return white, likelihood, states, covariances, foreseen, foreseen_covariances
 
 
-filtered = cached(_filtered, parts=[])
+filtered = cached(_filtered, parts=[chord])
 
 
 def run_filter(

@@ -42,20 +42,19 @@ class Motor(NamedTuple):
     friction: float
 
 
-def _effective(command: float, friction: float, edge: float) -> tuple[float, float]:
+def _effective(command: float, friction: float) -> tuple[float, float]:
     """The wheel speed v that a command is good for, with command = v + friction v / |v| rounded.
 
     Args:
         command: [rad/s].
         friction: [rad/s].
-        edge: Wheel speed over which friction changes its sign [rad/s].
 
     Returns:
         v [rad/s], and dv / dcommand.
     """
     if friction == 0.0:
         return command, 1.0
-    wanted = abs(command)
+    wanted, edge = abs(command), FRICTION_EDGE
     # Newton's method from the right of the root, where the function is concave up to there.
     v = max(wanted - friction, wanted * edge / (edge + friction))
     for _ in range(50):
@@ -82,8 +81,29 @@ def _arriving(delay: float, sample_time: float) -> tuple[int, float]:
 arriving = compiled(_arriving)
 
 
+def _arrived(inputs: Floats, k: int, wheel: int, whole: int, fraction: float) -> float:
+    """The command that a wheel has from sample k, mixed of two where a delay ends within it."""
+    command = 0.0
+    if k >= whole:
+        command += (1.0 - fraction) * inputs[k - whole, wheel]
+    if k > whole:
+        command += fraction * inputs[k - whole - 1, wheel]
+    return command
+
+
+arrived = compiled(_arrived)
+
+
+def _kept(lag: float, sample_time: float) -> float:
+    """Share of a wheel's speed that is left after a sample without a command."""
+    return math.exp(-sample_time / lag) if lag > NO_LAG else 0.0
+
+
+kept_share = compiled(_kept)
+
+
 def _wheel_ways(
-    inputs: Floats, delay: float, lag: float, friction: float, sample_time: float, edge: float
+    inputs: Floats, delay: float, lag: float, friction: float, sample_time: float
 ) -> Floats:
     """How far wheels at rest turn in each sample under commands [rad], shape (n, 2).
 
@@ -93,21 +113,15 @@ def _wheel_ways(
         lag: [s].
         friction: [rad/s].
         sample_time: d_t [s].
-        edge: See `FRICTION_EDGE`.
     """
     n = len(inputs)
     ways = np.empty((n, 2))
     whole, fraction = arriving(delay, sample_time)
-    kept = math.exp(-sample_time / lag) if lag > 1e-6 else 0.0
+    kept = kept_share(lag, sample_time)
     for wheel in range(2):
         speed = 0.0
         for k in range(n):
-            command = 0.0
-            if k >= whole:
-                command += (1.0 - fraction) * inputs[k - whole, wheel]
-            if k > whole:
-                command += fraction * inputs[k - whole - 1, wheel]
-            driven, _ = effective(command, friction, edge)
+            driven, _ = effective(arrived(inputs, k, wheel, whole, fraction), friction)
             # The exact integral of a first-order lag over the sample.
             ways[k, wheel] = sample_time * driven + (speed - driven) * lag * (1.0 - kept)
             speed = kept * speed + (1.0 - kept) * driven
@@ -125,7 +139,7 @@ def steps_of(motor: Motor, inputs: Floats, sample_time: float) -> Floats:
         inputs: Wheel speeds sent [rad/s], shape (n, 2).
         sample_time: d_t [s].
     """
-    ways = wheel_ways(inputs, motor.delay, motor.lag, motor.friction, sample_time, FRICTION_EDGE)
+    ways = wheel_ways(inputs, motor.delay, motor.lag, motor.friction, sample_time)
     left, right = motor.left_radius * ways[:, 0], motor.right_radius * ways[:, 1]
     return np.stack([(left + right) / 2, (left - right) / (2 * motor.half_track)], axis=1)
 
