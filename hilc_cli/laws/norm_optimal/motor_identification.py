@@ -42,7 +42,8 @@ _FARTHEST = np.array([1.5, 0.5, 1.5])  # from what was believed, in logarithms
 _MOST = np.array([1.0, 2.0, 10.0])  # delay [s], lag [s], friction [rad/s]
 _FIRST_DELAYS = (0.0, 0.1, 0.3)  # [s], since the likelihood may have a hill for each
 _FOR_NOISE = 4  # the last passes tell the noise
-_ROUNDS = 3  # of noise and parameters in turn, for the first pass
+_QUIETER = 1e-3  # share of its variance that the noise of the motion then has for a start
+_ROUNDS = 2  # of noise and parameters in turn, for the first pass
 _NEWTON_STEPS = 12
 _SETTLED = 1e-3  # gain of half the squared innovations at which the search ends
 _SMALLEST = 1e-7  # share of the path's size below which nothing is called noise of the motion
@@ -113,21 +114,33 @@ class Identification:
         """Returns what is believed after some passes, the last of which is new."""
         if len(passes) > 1:
             return self._improved(belief, passes, rounds=1)
+        delays = dict.fromkeys((float(belief.parameters[3]), *_FIRST_DELAYS))
         found = [
-            self._improved(_with_delay(belief, delay), passes, rounds=_ROUNDS)
-            for delay in (belief.parameters[3], *_FIRST_DELAYS)
+            self._improved(_with_delay(belief, delay), passes, rounds=1, coarsely=True)
+            for delay in delays
         ]
-        return max(found, key=lambda each: self._likelihood(each, passes))
+        best = max(found, key=lambda each: self._likelihood(each, passes))
+        # Noise of the motion and parameters can excuse each other: parameters first go as far as
+        # they can without it.
+        own = {name: _QUIETER * getattr(best.noise, name) for name in ("ahead", "left", "turn")}
+        quiet = best.noise._replace(**own)
+        parameters, errors = self._likely_parameters(best, best.parameters, quiet, passes)
+        quieter = MotorBelief(belief.first, parameters, quiet, errors)
+        return self._improved(quieter, passes, rounds=_ROUNDS)
 
     def misfit(self, belief: MotorBelief, latest: Pass) -> float:
         """Returns the mean square of a pass's innovations: about 1 where the belief explains it."""
         white = self._white(belief.first, belief.parameters, belief.noise, [latest])
         return float(white @ white) / len(white)
 
-    def _improved(self, belief: MotorBelief, passes: Sequence[Pass], *, rounds: int) -> MotorBelief:
+    def _improved(
+        self, belief: MotorBelief, passes: Sequence[Pass], *, rounds: int, coarsely: bool = False
+    ) -> MotorBelief:
         parameters, noise, errors = belief.parameters, belief.noise, belief.errors
         for _ in range(rounds):
-            noise = self._likely_noise(belief.first, parameters, noise, passes[-_FOR_NOISE:])
+            noise = self._likely_noise(
+                belief.first, parameters, noise, passes[-_FOR_NOISE:], coarsely=coarsely
+            )
             parameters, errors = self._likely_parameters(belief, parameters, noise, passes)
         return MotorBelief(belief.first, parameters, noise, errors)
 
@@ -155,7 +168,13 @@ class Identification:
         )
 
     def _likely_noise(
-        self, first: Motor, parameters: Floats, noise: Noise, passes: Sequence[Pass]
+        self,
+        first: Motor,
+        parameters: Floats,
+        noise: Noise,
+        passes: Sequence[Pass],
+        *,
+        coarsely: bool,
     ) -> Noise:
         """The likeliest variances with the parameters as they are."""
         steps = self._steps(first, parameters, passes)
@@ -175,7 +194,8 @@ class Identification:
 
         bounds = [(lowest, _NOISIEST) for lowest in self._floor.tolist()]
         # From where it was, and from further up: at a floor there is no slope to leave it by.
-        starts = np.log(noise), np.log(noise) + 4.0
+        starts = [np.log(noise)] if coarsely else [np.log(noise), np.log(noise) + 4.0]
+        most, exact = (8, 1e-3) if coarsely else (40, 1e-7)
         found = [
             minimize(
                 cost_and_slope,
@@ -183,7 +203,7 @@ class Identification:
                 jac=True,
                 method="L-BFGS-B",
                 bounds=bounds,
-                options={"maxiter": 40, "ftol": 1e-7},
+                options={"maxiter": most, "ftol": exact},
             )
             for start in starts
         ]
