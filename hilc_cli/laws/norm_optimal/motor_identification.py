@@ -59,20 +59,20 @@ class MotorBelief:
     Attributes:
         first: What was believed beforehand.
         parameters: As `NAMES` says; the logarithms are relative to ``first``.
-        noise: The variances.
         errors: Standard errors of the parameters; those beforehand where nothing was told.
+        noise: The variances.
     """
 
     first: Motor
     parameters: Floats
-    noise: Noise
     errors: Floats
+    noise: Noise
 
     @classmethod
     def at_first(cls, motor: Motor, noise: Noise) -> MotorBelief:
         """Returns what the user says."""
         parameters = np.array([0.0, 0.0, 0.0, motor.delay, motor.lag, motor.friction])
-        return cls(motor, parameters, noise, _PRIOR.copy())
+        return cls(motor, parameters, _PRIOR.copy(), noise)
 
     @property
     def motor(self) -> Motor:
@@ -121,12 +121,17 @@ class Identification:
         ]
         best = max(found, key=lambda each: self._likelihood(each, passes))
         # Noise of the motion and parameters can excuse each other: parameters first go as far as
-        # they can without it.
+        # they can without it. So can a short lag and a part of a sample of delay: try both.
         own = {name: _QUIETER * getattr(best.noise, name) for name in ("ahead", "left", "turn")}
         quiet = best.noise._replace(**own)
-        parameters, errors = self._likely_parameters(best, best.parameters, quiet, passes)
-        quieter = MotorBelief(belief.first, parameters, quiet, errors)
-        return self._improved(quieter, passes, rounds=_ROUNDS)
+        fits = [
+            MotorBelief(
+                belief.first, *self._likely_parameters(best, parameters, quiet, passes), quiet
+            )
+            for parameters in (best.parameters, _without_lag(best.parameters))
+        ]
+        best = max(fits, key=lambda each: self._likelihood(each, passes))
+        return self._improved(best, passes, rounds=_ROUNDS)
 
     def misfit(self, belief: MotorBelief, latest: Pass) -> float:
         """Returns the mean square of a pass's innovations: about 1 where the belief explains it."""
@@ -142,7 +147,7 @@ class Identification:
                 belief.first, parameters, noise, passes[-_FOR_NOISE:], coarsely=coarsely
             )
             parameters, errors = self._likely_parameters(belief, parameters, noise, passes)
-        return MotorBelief(belief.first, parameters, noise, errors)
+        return MotorBelief(belief.first, parameters, errors, noise)
 
     def _steps(self, first: Motor, parameters: Floats, passes: Sequence[Pass]) -> list[Floats]:
         motor = motor_of(first, parameters)
@@ -194,16 +199,17 @@ class Identification:
 
         bounds = [(lowest, _NOISIEST) for lowest in self._floor.tolist()]
         # From where it was, and from further up: at a floor there is no slope to leave it by.
+        # TNC is free of linear algebra, whose threads would take longer than all the rest.
         starts = [np.log(noise)] if coarsely else [np.log(noise), np.log(noise) + 4.0]
-        most, exact = (8, 1e-3) if coarsely else (40, 1e-7)
+        most, exact = (20, 1e-3) if coarsely else (80, 1e-7)
         found = [
             minimize(
                 cost_and_slope,
                 start.clip(self._floor, _NOISIEST),
                 jac=True,
-                method="L-BFGS-B",
+                method="TNC",
                 bounds=bounds,
-                options={"maxiter": most, "ftol": exact},
+                options={"maxfun": most, "ftol": exact},
             )
             for start in starts
         ]
@@ -245,7 +251,12 @@ class Identification:
 def _with_delay(belief: MotorBelief, delay: float) -> MotorBelief:
     parameters = belief.parameters.copy()
     parameters[3] = delay
-    return MotorBelief(belief.first, parameters, belief.noise, belief.errors)
+    return MotorBelief(belief.first, parameters, belief.errors, belief.noise)
+
+
+def _without_lag(parameters: Floats) -> Floats:
+    """The same with the lag taken for delay."""
+    return np.concatenate([parameters[:3], [parameters[3] + parameters[4], 0.0, parameters[5]]])
 
 
 def _possible(parameters: Floats) -> Floats:

@@ -36,6 +36,8 @@ _UNTOLD = 0.2
 """Delay [s] that the feedback reckons with before a pass has told it."""
 _ON_IT = 1e-4  # [m and rad]; a start no further off is on the trajectory
 _VAGUE = 1e-3  # [m and rad]: noise before anything was measured
+_FARTHEST = 1e3
+"""A pass that is off by more than so many sizes of the path, meters or radians teaches nothing."""
 
 
 class MotorLearner:
@@ -81,7 +83,9 @@ class MotorLearner:
         """Takes in a pass that is over."""
         error = np.stack([iteration.error_x, iteration.error_y, iteration.error_heading], axis=1)
         latest = Pass(self._target - error, np.stack([iteration.left, iteration.right], axis=1))
-        if np.isfinite(latest.measured).all():
+        # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
+        far = _FARTHEST * max(self._reference.size, 1.0)
+        if np.all(np.abs(error) <= far) and np.all(np.abs(latest.sent) <= _LIMIT):
             self._starts.append(latest.measured[0])
             if latest.sent.any():
                 self._take_in(latest)

@@ -105,13 +105,14 @@ def motor_plan(
             _arrived(bound - inputs, delayed, bound)
             for bound in (np.full_like(inputs, -speed_limit), np.full_like(inputs, speed_limit))
         )
-        best = bounded_changes(problem, lowest, highest, _EXACT * (1 + cost))
+        exact = _EXACT * (1 + cost)
+        best = bounded_changes(problem, lowest, highest, exact)
         changes = np.concatenate([best.changes[delayed:], np.zeros((delayed, 2))])
         length = 1.0
         while length >= _SHORTEST:
             tried = (inputs + length * changes).clip(-speed_limit, speed_limit)
             reached, there = motion(tried)
-            if there <= cost:
+            if there <= cost + exact:  # at the optimum, a step is as good as none
                 break
             length /= 2
         else:

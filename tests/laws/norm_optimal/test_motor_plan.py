@@ -146,7 +146,7 @@ def test_plan_is_the_optimum(limit: float, changes: dict[str, float]) -> None:
     for size in (1e-3, 0.1, 1.0, 5.0):
         for _ in range(10):
             tried = (plan.inputs + size * random.normal(0, 1, (N, 2))).clip(-limit, limit)
-            assert cost(motor, tried) >= least * (1 - 1e-9)
+            assert cost(motor, tried) >= least * (1 - 1e-6)
 
 
 @pytest.mark.parametrize(
