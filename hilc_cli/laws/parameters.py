@@ -117,6 +117,11 @@ class Controller(Model):
             ValueError: A number that follows from the parameters is not finite.
         """
 
+    @property
+    def called(self) -> str:
+        """The law as messages name it, with a choice that makes another law of it."""
+        return f"law {self.law}"
+
     @abstractmethod
     def in_words(self, setting: Setting) -> str:
         """The law and its gains, in one line."""

@@ -110,6 +110,17 @@ class KinematicSpec(RobotSpec):
             found["integration"] = self.integration
         return found
 
+    def figures(self) -> dict[str, float]:
+        """Returns what wheels and motors are like."""
+        left, right = self._radii
+        motor = self.motor
+        return {
+            "left_per_right_radius": left / right,
+            "delay_s": motor.delay,
+            "lag_s": motor.lag,
+            "friction_rad_s": motor.dead_zone,
+        }
+
     def with_keys(self, keys: Iterable[str]) -> KinematicSpec:
         """Returns the same robot, with a radius for each wheel if a key leads to one."""
         if not any(key.startswith("wheel_radius.") for key in keys):

@@ -99,6 +99,10 @@ class RobotSpec(Model):
         """Returns by dotted key what the plant has of which neither theory nor its path knows."""
         return {}
 
+    def figures(self) -> dict[str, float]:
+        """Returns by column what else of the robot a law may find out, see ``learning.csv``."""
+        return {}
+
     def with_keys(self, keys: Iterable[str]) -> RobotSpec:
         """Returns the same robot, so written that values can be put at these dotted keys."""
         return self

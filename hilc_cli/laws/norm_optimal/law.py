@@ -46,6 +46,9 @@ _IDENTIFIED = (
 """Columns of what each iteration alone tells, and of what the model takes from all so far."""
 
 
+IDEAL_MOTORS = {"left_per_right_radius": 1.0, "delay_s": 0.0, "lag_s": 0.0, "friction_rad_s": 0.0}
+"""What is believed at first of motors and wheels, by the columns of their quantities."""
+
 MOTOR_FIGURES = tuple(
     f"model_{name}{ending}{unit}"
     for name, unit in (
@@ -271,21 +274,46 @@ class NormOptimalController(Controller):
     def in_words(self, setting: Setting) -> str:
         """What is learned, how, and how long an initial error may last."""
         if self.motors == "identify":
-            return f"norm-optimal learning of robot and motors; {self._answers()}"
+            answers = (
+                "no feedback" if self.feedback == "none" else "feedback as delay and noise let it"
+            )
+            return f"norm-optimal learning of robot and motors; {answers}"
         learned = "wheel speeds, wheel radius and half track" if self.identify else "wheel speeds"
-        feedback = self._answers()
+        feedback = "LQR feedback" if self.feedback == "lqr" else "no feedback"
         h = _within(self.h, setting.reference)
         return f"norm-optimal learning of {learned}; {feedback}, rectified within {h} samples"
 
-    def _answers(self) -> str:
-        return "LQR feedback" if self.feedback == "lqr" else "no feedback"
+    @property
+    def called(self) -> str:
+        """The law as messages name it."""
+        return f"law {self.law}" + (" with motors: identify" if self.motors == "identify" else "")
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
         return {**super().resolved(reference), "h": _within(self.h, reference)}
 
     def warnings(self, setting: Setting) -> list[str]:
-        """A way in that takes up most of the trajectory."""
+        """A way in that takes up most of the trajectory, and keys that have no effect."""
+        return [*self._idle(), *self._long_way_in(setting)]
+
+    def _idle(self) -> list[str]:
+        """Tells of keys that are given and have no effect on a robot with motors."""
+        if self.motors == "ideal":
+            return []
+        given = {
+            "weights.input_change": self.weights.input_change != LearningWeights().input_change,
+            **{
+                name: getattr(self, name) != type(self).model_fields[name].default
+                for name in ("feedback_weights", "identify", "memory")
+            },
+        }
+        return [
+            f"controller.{name} has no effect with 'motors: identify'; leave it out"
+            for name, is_given in given.items()
+            if is_given
+        ]
+
+    def _long_way_in(self, setting: Setting) -> list[str]:
         half, h = max(setting.reference.samples // 2, 1), _within(self.h, setting.reference)
         if h <= half or not setting.has_initial_error(_NONE):
             return []

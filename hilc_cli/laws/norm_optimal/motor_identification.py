@@ -35,7 +35,7 @@ class Pass(NamedTuple):
 NAMES = ("mean radius", "radius ratio", "half track", "delay", "lag", "friction")
 """The parameters: two radii as their geometric mean and their ratio, and B, by their logarithms."""
 
-_PRIOR = np.array([0.3, 0.05, 0.5, 0.3, 0.3, 0.5])
+PRIOR = np.array([0.3, 0.05, 0.5, 0.3, 0.3, 0.5])
 """Standard deviations of the parameters beforehand: shares, seconds, and rad/s of friction."""
 _STEP = np.array([1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5])  # of the difference quotients
 _FARTHEST = np.array([1.5, 0.5, 1.5])  # from what was believed, in logarithms
@@ -72,7 +72,7 @@ class MotorBelief:
     def at_first(cls, motor: Motor, noise: Noise) -> MotorBelief:
         """Returns what the user says."""
         parameters = np.array([0.0, 0.0, 0.0, motor.delay, motor.lag, motor.friction])
-        return cls(motor, parameters, _PRIOR.copy(), noise)
+        return cls(motor, parameters, PRIOR.copy(), noise)
 
     @property
     def motor(self) -> Motor:
@@ -224,7 +224,7 @@ class Identification:
 
         def residuals(tried: Floats) -> Floats:
             white = self._white(belief.first, tried, noise, passes)
-            return np.concatenate([white, (tried - believed) / _PRIOR])
+            return np.concatenate([white, (tried - believed) / PRIOR])
 
         at = residuals(parameters)
         damping = 0.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from itertools import chain
 
@@ -11,8 +10,13 @@ import numpy as np
 from hilc_cli.laws.law import Figures, Iteration, Plan, Task
 from hilc_cli.laws.norm_optimal.law import MOTOR_FIGURES
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter, smoothed_poses
-from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, steps_of
-from hilc_cli.laws.norm_optimal.motor_identification import Identification, MotorBelief, Pass
+from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, steps_of
+from hilc_cli.laws.norm_optimal.motor_identification import (
+    PRIOR,
+    Identification,
+    MotorBelief,
+    Pass,
+)
 from hilc_cli.laws.norm_optimal.motor_plan import motor_plan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.parameters import NormOptimalParameters
@@ -34,6 +38,7 @@ a position error that counts as one."""
 _LIMIT = 1e6  # [rad/s], where there is none
 _UNTOLD = 0.2
 """Delay [s] that the feedback reckons with before a pass has told it."""
+_MEASURED = 0.99  # of the standard error beforehand; what is less sure is not measured
 _ON_IT = 1e-4  # [m and rad]; a start no further off is on the trajectory
 _VAGUE = 1e-3  # [m and rad]: noise before anything was measured
 _FARTHEST = 1e3
@@ -92,10 +97,12 @@ class MotorLearner:
         return self._figures()
 
     def _figures(self) -> Figures:
-        """What is believed of the robot, with standard errors."""
+        """What is believed of the robot, with standard errors where it is measured."""
         belief = self._belief
-        motor, errors = belief.motor, belief.errors.tolist()
-        radius = math.sqrt(motor.left_radius * motor.right_radius)
+        motor, errors = belief.motor, belief.errors
+        # What is as vague as before is not measured.
+        errors = np.where(errors < _MEASURED * PRIOR, errors, np.nan).tolist()
+        radius = (motor.left_radius + motor.right_radius) / 2
         ratio, half_track = motor.left_radius / motor.right_radius, abs(motor.half_track)
         told = [
             *((radius, radius * errors[0]), (ratio, ratio * errors[1])),
@@ -130,12 +137,16 @@ class MotorLearner:
         radius = (motor.left_radius + motor.right_radius) / 2
         gains = step_gains(radius, motor.half_track, self._reference.sample_time)
         drift = np.zeros((self._reference.samples, 3))
+        ideal = motor._replace(delay=0.0, lag=0.0, friction=0.0)
+        steps = body_steps(self._target, self._lead)[:, [0, 2]]
+        fastest = float(np.abs(commands_for(ideal, steps, self._reference.sample_time)).max())
+        position, heading, _ = self._parameters.squared_weights
         return rectified_reference(
             self._target,
             start,
             Model(*gains, drift, self._speed_limit),
             self._parameters.h,
-            self._parameters.squared_weights,
+            (position, heading, (_FREE * fastest + 1e-9) ** -2),
         ).poses
 
     def plan(self) -> Plan:
