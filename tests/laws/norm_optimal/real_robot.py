@@ -7,24 +7,24 @@ import numpy as np
 from hilc_cli.laws.norm_optimal.motor_identification import Pass
 from hilc_cli.plants.imperfect_plant import ImperfectPlant, Slip
 from hilc_cli.plants.kinematic import Robot
-from hilc_cli.plants.motor import Motor
+from hilc_cli.plants.motor import Motor as RealMotor
 from hilc_cli.reference.sampled import Floats
 
 STEP = 0.05  # [s]
+IDEAL = RealMotor()
 
 
 def real_robot(
     left: float = 0.05,
     right: float = 0.05,
     half_track: float = 0.1,
+    motor: RealMotor = IDEAL,
     *,
-    slip: Slip = Slip(),  # noqa: B008  # frozen
     exact: bool = True,
-    **motor: float,
 ) -> ImperfectPlant:
     """A small robot in the convention of ROS."""
     robot = Robot((left + right) / 2, half_track, "rep103")
-    return ImperfectPlant(robot, left, right, Motor(**motor), slip, exact)
+    return ImperfectPlant(robot, left, right, motor, Slip(), exact)
 
 
 def wandering(samples: int, sample_time: float = STEP) -> Floats:

@@ -11,7 +11,8 @@ import pytest
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.laws.norm_optimal.motor_identification import Identification, MotorBelief, Pass
-from tests.laws.norm_optimal.real_robot import STEP, driven, real_robot, wandering
+from hilc_cli.plants.motor import Motor as RealMotor
+from tests.laws.norm_optimal.real_robot import IDEAL, STEP, driven, real_robot, wandering
 
 BELIEVED = Motor(0.045, 0.045, -0.11, 0.0, 0.0, 0.0)
 PRIOR = (0.3, 0.05, 0.5, 0.3, 0.3, 0.5)
@@ -29,23 +30,20 @@ def identified(passes: Sequence[Pass], lead: float = 0.5) -> MotorBelief:
 @pytest.mark.parametrize(
     ("left", "right", "motor"),
     [
-        (0.05, 0.05, {}),
-        (0.051, 0.049, {"delay": 0.12}),
-        (0.05, 0.05, {"delay": 0.3, "lag": 0.1}),
-        (0.049, 0.05, {"delay": 0.02, "lag": 0.3}),
-        (0.06, 0.06, {"delay": 0.07, "lag": 0.05, "dead_zone": 0.4}),
+        (0.05, 0.05, IDEAL),
+        (0.051, 0.049, RealMotor(delay=0.12)),
+        (0.05, 0.05, RealMotor(delay=0.3, lag=0.1)),
+        (0.049, 0.05, RealMotor(delay=0.02, lag=0.3)),
+        (0.06, 0.06, RealMotor(delay=0.07, lag=0.05, dead_zone=0.4)),
     ],
 )
 def test_robot_is_found_from_one_pass_without_noise(
-    left: float, right: float, motor: dict[str, float]
+    left: float, right: float, motor: RealMotor
 ) -> None:
-    belief = identified([driven(real_robot(left, right, **motor), wandering(150))])
-    expected = [
-        *(left, right, -0.1),
-        *(motor.get(name, 0.0) for name in ("delay", "lag", "dead_zone")),
-    ]
+    belief = identified([driven(real_robot(left, right, motor=motor), wandering(150))])
+    expected = [left, right, -0.1, motor.delay, motor.lag, motor.dead_zone]
     # A dead zone is rounded off in the model, and that is all that keeps it from being exact.
-    near = 3e-3 if "dead_zone" in motor else 1e-5
+    near = 3e-3 if motor.dead_zone else 1e-5
     assert list(belief.motor) == pytest.approx(expected, rel=near, abs=near / 10)
     if near < 1e-3:
         assert np.sqrt(belief.noise).max() < 1e-5
@@ -57,7 +55,7 @@ def test_steps_straight_ahead_as_in_equation_8_are_told_by_the_lead() -> None:
 
 
 def test_standard_errors_hold_with_noise() -> None:
-    plant = real_robot(0.051, 0.05, delay=0.12, lag=0.08)
+    plant = real_robot(0.051, 0.05, motor=RealMotor(delay=0.12, lag=0.08))
     expected = [
         0.5 * math.log(0.051 * 0.05 / 0.045**2),
         math.log(0.051 / 0.05),
@@ -80,7 +78,7 @@ def test_standard_errors_hold_with_noise() -> None:
 
 
 def test_more_passes_tell_more() -> None:
-    plant = real_robot(0.051, 0.05, delay=0.12)
+    plant = real_robot(0.051, 0.05, motor=RealMotor(delay=0.12))
     passes = [driven(plant, wandering(100), noise=2e-3, seed=seed) for seed in range(4)]
     one, all_of_them = identified(passes[:1]), identified(passes)
     ratio = all_of_them.errors[:3] / one.errors[:3]
@@ -104,7 +102,7 @@ def test_what_a_path_does_not_tell_stays_as_it_is_believed() -> None:
 
 def test_delay_and_lag_at_constant_speed_are_told_apart_by_the_start_alone() -> None:
     sent = np.tile([4.0, 5.0], (60, 1))
-    moving = driven(real_robot(delay=0.1, lag=0.1), sent, noise=1e-3)
+    moving = driven(real_robot(motor=RealMotor(delay=0.1, lag=0.1)), sent, noise=1e-3)
     belief = identified([moving])
     late = belief.motor.delay + belief.motor.lag
     assert late == pytest.approx(0.2, abs=0.02)
@@ -115,7 +113,9 @@ def test_delay_and_lag_at_constant_speed_are_told_apart_by_the_start_alone() -> 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
 def test_a_few_samples_tell_next_to_nothing_but_do_no_harm(n: int) -> None:
-    belief = identified([driven(real_robot(delay=0.1), wandering(n) + 1.0, noise=1e-3)])
+    belief = identified(
+        [driven(real_robot(motor=RealMotor(delay=0.1)), wandering(n) + 1.0, noise=1e-3)]
+    )
     assert np.isfinite([*belief.motor, *belief.noise, *belief.errors]).all()
     assert np.all(belief.errors <= np.array(PRIOR) * 1.01)
 

@@ -22,7 +22,8 @@ WEIGHTS = np.array([1e6, 1e6, 400.0])
 
 
 def motion(motor: Motor, inputs: Floats, lead: float) -> Floats:
-    return moved(START, steps_of(motor, inputs, STEP), BESIDE, lead)
+    poses: Floats = moved(START, steps_of(motor, inputs, STEP), BESIDE, lead)
+    return poses
 
 
 def dense(states: Floats, controls: Floats) -> Floats:
@@ -141,12 +142,14 @@ def test_plan_is_the_optimum(limit: float, changes: dict[str, float]) -> None:
         method="L-BFGS-B",
         options={"maxfun": 1_000_000, "ftol": 1e-14},
     )
-    assert least <= best.fun * (1 + 1e-4)
+    # The search ends with a step that gains 1e-6; those that would follow gain some ten of that.
+    near = 2e-5
+    assert least <= best.fun * (1 + near)
     random = np.random.default_rng(0)
     for size in (1e-3, 0.1, 1.0, 5.0):
         for _ in range(10):
             tried = (plan.inputs + size * random.normal(0, 1, (N, 2))).clip(-limit, limit)
-            assert cost(motor, tried) >= least * (1 - 1e-6)
+            assert cost(motor, tried) >= least * (1 - near)
 
 
 @pytest.mark.parametrize(

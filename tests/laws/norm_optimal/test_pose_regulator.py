@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from hilc_cli.laws.law import WheelController
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor, commands_for, moved, steps_of
 from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator, yet_to_arrive
+from hilc_cli.plants.motor import Motor as RealMotor
 from hilc_cli.reference.sampled import Floats, Reference
 from tests.laws.norm_optimal.real_robot import real_robot
 
@@ -67,10 +67,8 @@ def closed(
     controller: WheelController, robot: Motor, start: Floats, reference: Reference
 ) -> Floats:
     """Poses of a robot of its own under a controller, shape (n + 1, 3)."""
-    plant = replace(
-        real_robot(robot.left_radius, robot.right_radius, -robot.half_track),
-        motor=real_robot(delay=robot.delay, lag=robot.lag).motor,
-    )
+    motor = RealMotor(robot.delay, robot.lag)
+    plant = real_robot(robot.left_radius, robot.right_radius, -robot.half_track, motor)
     pose = tuple(start.tolist())
     step, poses = plant.start(pose, STEP), [pose]
     for k in range(reference.samples):
