@@ -87,8 +87,9 @@ def _filtered(
     n = len(steps)
     rows = n + 1 if keep else 1
     white = np.empty((n, 3))
-    states, foreseen = np.empty((rows, 3)), np.empty((rows, 3))
-    covariances, foreseen_covariances = np.empty((rows, 3, 3)), np.empty((rows, 3, 3))
+    # Nothing is foreseen of sample 0.
+    states, foreseen = np.empty((rows, 3)), np.zeros((rows, 3))
+    covariances, foreseen_covariances = np.empty((rows, 3, 3)), np.zeros((rows, 3, 3))
     x, y, heading = measured[0, 0], measured[0, 1], measured[0, 2]
     # P, the covariance of the pose's error; the first reading is all that is known of the start.
     xx, xy, xh = noise.position, 0.0, 0.0

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear, minimize
 
-from hilc_cli.laws.norm_optimal import motor_quadratic
 from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, moved, steps_of
 from hilc_cli.laws.norm_optimal.motor_plan import MotorPlan, motor_plan
 from hilc_cli.laws.norm_optimal.motor_quadratic import MotorQuadratic, linearised
@@ -86,24 +85,6 @@ def test_solutions_are_those_of_dense_least_squares() -> None:
     expected = lsq_linear(matrix, -off, (-reach.ravel(), reach.ravel()), tol=1e-14, method="bvls")
     assert bounded.ravel() == pytest.approx(expected.x, abs=1e-6)
     assert (np.abs(bounded) > 0.999 * reach).sum() >= N // 2
-
-
-def test_machine_code_does_what_the_source_says() -> None:
-    problem, _, _ = quadratic()
-    a, b, changes = problem.states, problem.controls, RANDOM.normal(0, 1, (N, 2))
-    room = {name: np.empty(shape) for name, shape in (("gains", (N, 2, 7)), ("inverses", (N, 3)))}
-    factors = problem._gains, problem._inverses
-    problem.solution(problem.input_weights, problem.input_slopes)
-    plain = motor_quadratic._factorised
-    plain(a, b, WEIGHTS, problem.input_weights, *room.values())
-    for one, other in zip(factors, room.values(), strict=True):
-        assert one == pytest.approx(other, rel=1e-9)
-    for code, arguments in (
-        (motor_quadratic.solve, (a, b, *factors, problem.pose_slopes, problem.input_slopes)),
-        (motor_quadratic.linear_motion, (a, b, changes)),
-        (motor_quadratic.input_derivatives, (a, b, problem.pose_slopes)),
-    ):
-        assert code(*arguments) == pytest.approx(code.py_func(*arguments), rel=1e-9, abs=1e-12)
 
 
 TARGET = moved(
