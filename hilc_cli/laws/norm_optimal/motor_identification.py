@@ -59,25 +59,50 @@ class MotorBelief:
     Attributes:
         first: What was believed beforehand.
         parameters: As `NAMES` says; the logarithms are relative to ``first``.
-        errors: Standard errors of the parameters; those beforehand where nothing was told.
+        covariance: Of the parameters' errors, shape (6, 6); as beforehand where nothing was told.
         noise: The variances.
     """
 
     first: Motor
     parameters: Floats
-    errors: Floats
+    covariance: Floats
     noise: Noise
 
     @classmethod
     def at_first(cls, motor: Motor, noise: Noise) -> MotorBelief:
         """Returns what the user says."""
         parameters = np.array([0.0, 0.0, 0.0, motor.delay, motor.lag, motor.friction])
-        return cls(motor, parameters, PRIOR.copy(), noise)
+        return cls(motor, parameters, np.diag(PRIOR**2), noise)
 
     @property
     def motor(self) -> Motor:
         """The robot."""
         return motor_of(self.first, self.parameters)
+
+    @property
+    def errors(self) -> Floats:
+        """Standard errors of the parameters."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def drift(self, inputs: Floats, sample_time: float) -> tuple[float, float]:
+        """How far wheel speeds may lead elsewhere than is believed: variances, where most.
+
+        Args:
+            inputs: Wheel speeds sent [rad/s], shape (n, 2).
+            sample_time: d_t [s].
+
+        Returns:
+            Of the way [m^2] and of the heading [rad^2].
+        """
+
+        def gone(parameters: Floats) -> Floats:
+            steps = steps_of(motor_of(self.first, parameters), inputs, sample_time)
+            return np.cumsum(steps, axis=0).ravel()
+
+        slopes = _slopes(gone, self.parameters, gone(self.parameters))
+        variances = np.einsum("ki,ij,kj->k", slopes, self.covariance, slopes)
+        way, turn = variances.reshape(-1, 2).max(axis=0).tolist()
+        return way, turn
 
 
 def motor_of(first: Motor, parameters: Floats) -> Motor:
@@ -141,13 +166,13 @@ class Identification:
     def _improved(
         self, belief: MotorBelief, passes: Sequence[Pass], *, rounds: int, coarsely: bool = False
     ) -> MotorBelief:
-        parameters, noise, errors = belief.parameters, belief.noise, belief.errors
+        parameters, noise, covariance = belief.parameters, belief.noise, belief.covariance
         for _ in range(rounds):
             noise = self._likely_noise(
                 belief.first, parameters, noise, passes[-_FOR_NOISE:], coarsely=coarsely
             )
-            parameters, errors = self._likely_parameters(belief, parameters, noise, passes)
-        return MotorBelief(belief.first, parameters, errors, noise)
+            parameters, covariance = self._likely_parameters(belief, parameters, noise, passes)
+        return MotorBelief(belief.first, parameters, covariance, noise)
 
     def _steps(self, first: Motor, parameters: Floats, passes: Sequence[Pass]) -> list[Floats]:
         motor = motor_of(first, parameters)
@@ -219,7 +244,7 @@ class Identification:
     def _likely_parameters(
         self, belief: MotorBelief, parameters: Floats, noise: Noise, passes: Sequence[Pass]
     ) -> tuple[Floats, Floats]:
-        """The likeliest parameters with the noise as it is, and their standard errors."""
+        """The likeliest parameters with the noise as it is, and the covariance of their errors."""
         believed = MotorBelief.at_first(belief.first, noise).parameters
 
         def residuals(tried: Floats) -> Floats:
@@ -245,13 +270,13 @@ class Identification:
             if gain < _SETTLED:
                 break
         slopes = _slopes(residuals, parameters, at)
-        return parameters, _standard_errors(slopes, at, len(passes))
+        return parameters, _covariance(slopes, at, len(passes))
 
 
 def _with_delay(belief: MotorBelief, delay: float) -> MotorBelief:
     parameters = belief.parameters.copy()
     parameters[3] = delay
-    return MotorBelief(belief.first, parameters, belief.errors, belief.noise)
+    return MotorBelief(belief.first, parameters, belief.covariance, belief.noise)
 
 
 def _without_lag(parameters: Floats) -> Floats:
@@ -276,8 +301,8 @@ def _slopes(residuals: object, parameters: Floats, at: Floats) -> Floats:
     return slopes
 
 
-def _standard_errors(slopes: Floats, at: Floats, passes: int) -> Floats:
-    """Standard errors of the parameters: the larger of two.
+def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
+    """Covariance of the parameters' errors, with the larger of two variances.
 
     The usual ones hold where the innovations are the noise that the model takes them for. The
     others are made from how the innovations really vary, where those of all passes at a sample may
@@ -301,4 +326,5 @@ def _standard_errors(slopes: Floats, at: Floats, passes: int) -> Floats:
         across = scores[:-lag].T @ scores[lag:]
         spread += (1 - lag / (reach + 1)) * (across + across.T)
     robust = covariance @ spread @ covariance
-    return np.sqrt(np.maximum(np.diag(covariance), np.diag(robust)))
+    larger = np.sqrt(np.maximum(np.diag(robust) / np.diag(covariance), 1.0))
+    return covariance * np.outer(larger, larger)

@@ -91,9 +91,10 @@ class MotorLearner:
         # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
         far = _FARTHEST * max(self._reference.size, 1.0)
         if np.all(np.abs(error) <= far) and np.all(np.abs(latest.sent) <= _LIMIT):
-            self._starts.append(latest.measured[0])
             if latest.sent.any():
                 self._take_in(latest)
+            else:
+                self._starts.append(latest.measured.mean(axis=0))
         return self._figures()
 
     def _figures(self) -> Figures:
@@ -119,16 +120,19 @@ class MotorLearner:
         if early or self._identification.misfit(self._belief, latest) > _NEW * self._usual:
             self._belief = self._identification.update(self._belief, passes)
             self._usual = max(self._identification.misfit(self._belief, latest), 1.0)
-        self._beside = repeating(np.array([self._leftover(each) for each in passes]))
+        driven = [self._smoothed(each) for each in passes]
+        self._starts = deque((poses[0] for poses, _ in driven), maxlen=_MEMORY)
+        self._beside = repeating(np.array([beyond for _, beyond in driven]))
 
-    def _leftover(self, each: Pass) -> Floats:
-        """What a pass did beyond the model, shape (n, 3)."""
+    def _smoothed(self, each: Pass) -> tuple[Floats, Floats]:
+        """The likeliest poses of a pass, and what it did beyond the model, shape (n, 3)."""
         belief = self._belief
         steps = steps_of(belief.motor, each.sent, self._reference.sample_time)
         filtered = run_filter(each.measured, steps, self._lead, belief.noise, keep=True)
-        beyond = body_steps(smoothed_poses(filtered), self._lead)
+        poses = smoothed_poses(filtered)
+        beyond = body_steps(poses, self._lead)
         beyond[:, [0, 2]] -= steps
-        return beyond
+        return poses, beyond
 
     def _way_in(self, motor: Motor, start: Floats) -> Floats:
         """The trajectory, or from a start off it a way into it, shape (n + 1, 3)."""
@@ -170,6 +174,27 @@ class MotorLearner:
             return Plan(left, right, plan.poses)
         limit = self._speed_limit if self._speed_limit < _LIMIT else float(abs(plan.inputs).max())
         wary = motor if self._seen else motor._replace(delay=motor.delay + _UNTOLD)
-        rates = bandwidths(wary, self._belief.noise, reference.sample_time, limit)
+        noise = self._noise_with_drift(plan.inputs)
+        rates = bandwidths(wary, noise, reference.sample_time, limit)
         feedback = regulator(motor, plan.inputs, plan.poses, reference, *rates)
         return Plan(left, right, plan.poses, feedback)
+
+    def _noise_with_drift(self, inputs: Floats) -> Noise:
+        """The noise, and what else takes a pass elsewhere: its own start, and what is unsure.
+
+        What is off by a variance over n samples is answered best as fast as a walk that adds an
+        n-th of it in each.
+        """
+        belief, noise = self._belief, self._belief.noise
+        starts = np.array(self._starts) if self._starts else self._target[:1]
+        middle = starts.mean(axis=0) if len(starts) > 1 else self._target[0]
+        x, y, heading = np.square(starts - middle).sum(axis=0) / max(len(starts) - 1, 1)
+        way, turn = belief.drift(inputs, self._reference.sample_time)
+        # A heading that is off takes the robot to the side.
+        turn += heading
+        aside, n = turn * self._reference.size**2, len(inputs)
+        return noise._replace(
+            ahead=noise.ahead + (max(x, y) + way) / n,
+            left=noise.left + (max(x, y) + aside) / n,
+            turn=noise.turn + turn / n,
+        )
