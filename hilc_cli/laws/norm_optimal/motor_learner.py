@@ -190,11 +190,9 @@ class MotorLearner:
         middle = starts.mean(axis=0) if len(starts) > 1 else self._target[0]
         x, y, heading = np.square(starts - middle).sum(axis=0) / max(len(starts) - 1, 1)
         way, turn = belief.drift(inputs, self._reference.sample_time)
-        # A heading that is off takes the robot to the side.
-        turn += heading
-        aside, n = turn * self._reference.size**2, len(inputs)
+        n = len(inputs)
         return noise._replace(
             ahead=noise.ahead + (max(x, y) + way) / n,
-            left=noise.left + (max(x, y) + aside) / n,
-            turn=noise.turn + turn / n,
+            left=noise.left + max(x, y) / n,
+            turn=noise.turn + (heading + turn) / n,
         )

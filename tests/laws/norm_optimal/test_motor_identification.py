@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -109,6 +110,22 @@ def test_delay_and_lag_at_constant_speed_are_told_apart_by_the_start_alone() -> 
     # What friction takes is as good as a smaller wheel.
     assert belief.errors[0] > 5e-3
     assert belief.errors[5] > 0.3
+
+
+def test_drift_is_what_unsure_parameters_make_of_a_pass() -> None:
+    at_first = MotorBelief.at_first(BELIEVED, Noise(*[1e-6] * 5))
+    sure = np.diag([0.02, 0.0, 0.01, 0.0, 0.0, 0.0]) ** 2
+    belief = replace(at_first, covariance=sure)
+    assert belief.errors.tolist() == [0.02, 0, 0.01, 0, 0, 0]
+    sent = np.vstack([np.tile([4.0, 6.0], (40, 1)), np.tile([-4.0, -6.0], (40, 1))])
+    way, turn = belief.drift(sent, STEP)
+    # Most after 2 s, where the robot turns back: 5 rad/s, and 2 rad/s over the width.
+    assert math.sqrt(way) == pytest.approx(0.02 * 5 * 2 * 0.045, rel=1e-4)
+    turned = 2 * 2 * 0.045 / 0.22
+    assert math.sqrt(turn) == pytest.approx(math.hypot(0.02, 0.01) * turned, rel=1e-4)
+    # What goes together with a track that is as much larger does not turn the robot.
+    sure[0, 2] = sure[2, 0] = 0.02 * 0.01
+    assert math.sqrt(belief.drift(sent, STEP)[1]) == pytest.approx(0.01 * turned, rel=1e-3)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5])

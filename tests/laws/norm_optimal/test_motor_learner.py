@@ -116,6 +116,22 @@ def test_noise_is_not_learned() -> None:
     assert max(metrics[SECOND_HALF][-3:]) < 2.5e-3
 
 
+def test_starts_that_scatter_are_answered_though_readings_are_loud() -> None:
+    loud = {
+        "seed": 2,
+        "output": {"bound": ["2 cm", "2 cm", "3 deg"]},
+        "initial_pose": {"bound": ["2 cm", "2 cm", "3 deg"]},
+    }
+    _, answered = learned(experiment(**MOTOR, disturbance=QUIET | loud, iterations=10))
+    replayed = experiment(
+        **MOTOR, disturbance=QUIET | loud, iterations=10, **{"controller.feedback": "none"}
+    )
+    _, alone = learned(replayed)
+    assert np.median(answered[SECOND_HALF][4:]) < 0.5 * np.median(alone[SECOND_HALF][4:])
+    # A meter of path is short for such readings; it is no further off than it may start.
+    assert max(answered[SECOND_HALF][4:]) < math.hypot(0.02, 0.02)
+
+
 @pytest.mark.parametrize("delay", [0.0, 0.1, 0.3])
 def test_first_pass_with_feedback_does_not_run_away(delay: float) -> None:
     motor = {"robot.motor.delay": delay, "robot.motor.lag": 0.1 if delay else 0.0}
