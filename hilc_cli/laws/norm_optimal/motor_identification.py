@@ -327,4 +327,5 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
         spread += (1 - lag / (reach + 1)) * (across + across.T)
     robust = covariance @ spread @ covariance
     larger = np.sqrt(np.maximum(np.diag(robust) / np.diag(covariance), 1.0))
-    return covariance * np.outer(larger, larger)
+    spread: Floats = covariance * np.outer(larger, larger)
+    return spread
