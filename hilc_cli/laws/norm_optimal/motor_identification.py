@@ -327,5 +327,5 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
         spread += (1 - lag / (reach + 1)) * (across + across.T)
     robust = covariance @ spread @ covariance
     larger = np.sqrt(np.maximum(np.diag(robust) / np.diag(covariance), 1.0))
-    spread: Floats = covariance * np.outer(larger, larger)
-    return spread
+    widened: Floats = covariance * np.outer(larger, larger)
+    return widened
