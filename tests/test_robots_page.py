@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
 import hilc_cli as hilc
-from tests.pages import ROOT
+from tests.pages import ROOT, blocks
 
 PAGE = " ".join((ROOT / "docs" / "robots.md").read_text(encoding="utf-8").split())
 LAP = {
@@ -54,3 +55,16 @@ def test_figures_of_laws_that_know_nothing_of_it() -> None:
     assert f"which is softer, {late:.1f} mm and {slow:.0f} mm" in PAGE
     assert left("motor.dead_zone", "norm-optimal") < 0.01
     assert left("wheel_radius", "norm-optimal") < 0.01
+
+
+@pytest.mark.usefixtures("folder")
+def test_figures_of_motors_that_are_identified() -> None:
+    (late,) = [block for block in blocks("docs/robots.md") if block.mark == "file: late.yaml"]
+    Path("late.yaml").write_text(late.text, encoding="utf-8")
+
+    def left(motors: str) -> float:
+        run = hilc.run(hilc.load_scenario("late.yaml", {"controller.motors": motors}))
+        return 1000 * float(run.metrics["max_position_error_second_half_m"][-1])
+
+    found, without = left("identify"), left("ideal")
+    assert f"within {found:.2g} mm after ten passes, in the place of {without:.3g} mm" in PAGE

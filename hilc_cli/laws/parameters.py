@@ -37,12 +37,15 @@ class Setting:
         model: The platform as the controller believes it to be.
         initial_error: Start of the reference less the initial pose [m, m, rad].
         initial_bound: Bound of the initial pose's disturbance, likewise.
+        lead: Share of a sample's turn after which its way is gone: 0 as Eq. 8 has it, 0.5 on an
+            arc between two samples.
     """
 
     reference: Reference
     model: Robot
     initial_error: Triple
     initial_bound: Triple
+    lead: float = 0.0
 
     def has_initial_error(self, tolerance: float) -> bool:
         """Whether a run starts off the reference, so that a law may meet that.
@@ -113,6 +116,11 @@ class Controller(Model):
         Raises:
             ValueError: A number that follows from the parameters is not finite.
         """
+
+    @property
+    def called(self) -> str:
+        """The law as messages name it, with a choice that makes another law of it."""
+        return f"law {self.law}"
 
     @abstractmethod
     def in_words(self, setting: Setting) -> str:

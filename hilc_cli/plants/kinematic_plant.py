@@ -110,6 +110,17 @@ class KinematicSpec(RobotSpec):
             found["integration"] = self.integration
         return found
 
+    def figures(self) -> dict[str, float]:
+        """Returns what wheels and motors are like."""
+        left, right = self._radii
+        motor = self.motor
+        return {
+            "left_per_right_radius": left / right,
+            "delay_s": motor.delay,
+            "lag_s": motor.lag,
+            "friction_rad_s": motor.dead_zone,
+        }
+
     def with_keys(self, keys: Iterable[str]) -> KinematicSpec:
         """Returns the same robot, with a radius for each wheel if a key leads to one."""
         if not any(key.startswith("wheel_radius.") for key in keys):
@@ -121,6 +132,11 @@ class KinematicSpec(RobotSpec):
     def _radii(self) -> tuple[float, float]:
         radius: float | WheelRadii = self.wheel_radius
         return (radius.left, radius.right) if isinstance(radius, WheelRadii) else (radius, radius)
+
+    @property
+    def lead(self) -> float:
+        """Share of a sample's turn after which its way is gone."""
+        return 0.0 if self.integration == "euler" else 0.5
 
     @property
     def mean_wheel_radius(self) -> float:

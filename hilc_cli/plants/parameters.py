@@ -99,6 +99,10 @@ class RobotSpec(Model):
         """Returns by dotted key what the plant has of which neither theory nor its path knows."""
         return {}
 
+    def figures(self) -> dict[str, float]:
+        """Returns by column what else of the robot a law may find out, see ``learning.csv``."""
+        return {}
+
     def with_keys(self, keys: Iterable[str]) -> RobotSpec:
         """Returns the same robot, so written that values can be put at these dotted keys."""
         return self
@@ -107,6 +111,11 @@ class RobotSpec(Model):
     def mean_wheel_radius(self) -> float:
         """The radius [m] that stands for both wheels where one number is asked for."""
         return self.wheel_radius
+
+    @property
+    def lead(self) -> float:
+        """Share of a sample's turn after which its way is gone; half of it on an arc."""
+        return 0.5
 
     @property
     def in_lanes(self) -> bool:

@@ -81,7 +81,8 @@ def read_learning(path: Path) -> LearningTable:
 
 
 _STANDARD_ERROR = "_standard_error"
-_MODEL = "model_"
+MODEL = "model_"
+"""What columns of the model begin with."""
 
 _TOLD_BY = {"wheel_radius_per_half_track": "model_half_track_standard_error_m"}
 """Quantities that say nothing new where another column has a number, by that column."""
@@ -140,9 +141,9 @@ def quantities(columns: Iterable[str]) -> list[Quantity]:
             stem_and_unit(column)[0].replace("_", " "),
             stem_and_unit(column)[1],
             _series(column, columns),
-            _series(_MODEL + column, columns),
+            _series(MODEL + column, columns),
         )
-        for column in dict.fromkeys(name.removeprefix(_MODEL) for name in values)
+        for column in dict.fromkeys(name.removeprefix(MODEL) for name in values)
     ]
 
 

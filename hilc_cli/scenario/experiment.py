@@ -12,14 +12,14 @@ import numpy as np
 
 from hilc_cli import plug_ins
 from hilc_cli.engine.experiment import Experiment, Learning
-from hilc_cli.laws.norm_optimal.law import RATIO
+from hilc_cli.laws.norm_optimal.law import IDEAL_MOTORS, RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.learning import BELIEVED, TRUE
+from hilc_cli.results.learning import BELIEVED, MODEL, TRUE
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
@@ -124,6 +124,7 @@ class Scenario:
             spec.model.model(spec.robot.robot()),
             spec.initial_error,
             spec.disturbance.initial_pose.bound,
+            spec.robot.lead,
         )
 
     def _first_input(self, reference: Reference) -> tuple[Floats, Floats]:
@@ -323,7 +324,11 @@ def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
             TRUE: robot.wheel_radius / robot.half_track,
             BELIEVED: model.wheel_radius / model.half_track,
         },
+        **{
+            column: {TRUE: value, BELIEVED: IDEAL_MOTORS[column]}
+            for column, value in scenario.spec.robot.figures().items()
+        },
         **controller.yardsticks(setting),
     }
-    told = controller.figures()
+    told = {column.removeprefix(MODEL) for column in controller.figures()}
     return {column: values for column, values in known.items() if column in told}

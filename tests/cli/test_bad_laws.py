@@ -99,20 +99,21 @@ CASES = [
     (
         "norm-optimal-gains",
         law("  law: norm-optimal\n  gains: {l1: 1}\n"),
-        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal, but one of laws hybrid, pid and feedback; known: b_w, feedback, feedback_weights, h, identify, law, memory, weights",
+        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal, but one of laws hybrid, pid and feedback; known: b_w, feedback, feedback_weights, h, identify, law, memory, motors, weights",
     ),
     (
         "norm-optimal-values",
         law(
             "  law: norm-optimal\n  weights: {position: 1 s, hading: 1}\n"
-            "  feedback: pid\n  h: 4\n  memory: 0\n"
+            "  feedback: pid\n  h: 4\n  memory: 0\n  motors: known\n"
         ),
         (
             "scenario.yaml:7:23: controller.weights.position: has the wrong unit, got '1 s'; give a number above 0, such as 0.001 or 1 mm\n"
             "scenario.yaml:7:28: controller.weights.hading: is an unknown key of law norm-optimal; did you mean 'heading'?\n"
             "scenario.yaml:8:13: controller.feedback: is not one of the choices, got 'pid'; give lqr or none\n"
             "scenario.yaml:9:6: controller.h: must be at most the trajectory's 3 samples, got 4; give a whole number from 1 to 3\n"
-            "scenario.yaml:10:11: controller.memory: must be at least 1, got 0; give a whole number from 1 up, such as 4"
+            "scenario.yaml:10:11: controller.memory: must be at least 1, got 0; give a whole number from 1 up, such as 4\n"
+            "scenario.yaml:11:11: controller.motors: is not one of the choices, got 'known'; give ideal or identify"
         ),
     ),
     (

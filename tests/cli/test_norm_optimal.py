@@ -56,7 +56,7 @@ def test_summary_tells_what_was_identified(hilc: Hilc, folder: Path, scenario: s
 
 def learned(out: str) -> dict[str, str]:
     """What the summary says of what was learned."""
-    found = re.findall(r"^ *Learned: (\w+(?: \w+)+)  +(.*)$", out, re.MULTILINE)
+    found = re.findall(r"^ *Learned: (\w+(?: \w+)*)  +(.*)$", out, re.MULTILINE)
     return dict(found)
 
 

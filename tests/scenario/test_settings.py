@@ -58,6 +58,20 @@ H = {"merge_time_s": {"h": pytest.approx(0.2)}}  # 200 samples of a millisecond
         ({"initial_pose": None}, PLATFORM),
         ({"initial_pose": None, "disturbance.initial_pose.bound": [0.1, 0, 0]}, PLATFORM | H),
         ({"controller": {"law": "feedback"}}, {}),
+        (
+            {
+                "controller": {"law": "norm-optimal", "motors": "identify"},
+                "robot.wheel_radius": {"left": 0.201, "right": 0.199},
+                "robot.motor": {"delay": 0.05, "lag": 0.1, "dead_zone": 0.3},
+            },
+            {
+                **{name: PLATFORM[name] for name in ("wheel_radius_m", "half_track_m")},
+                "left_per_right_radius": {"true": pytest.approx(201 / 199), "believed": 1},
+                "delay_s": {"true": 0.05, "believed": 0},
+                "lag_s": {"true": 0.1, "believed": 0},
+                "friction_rad_s": {"true": 0.3, "believed": 0},
+            },
+        ),
     ],
 )
 def test_yardsticks(overrides: dict[str, Any], expected: dict[str, Any]) -> None:

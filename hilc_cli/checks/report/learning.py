@@ -45,7 +45,7 @@ def _unknown(check: Check) -> str:
     """Returns what theory does not speak of: the plant, or the law on a plant that it knows."""
     spec = check.scenario.spec
     if knows_plant(check.law.experiment):
-        return f"law {spec.controller.law}"
+        return spec.controller.called
     left_out = ", ".join(_imperfections(spec.robot))
     return f"a robot with {left_out}" if left_out else f"plant {spec.robot.plant}"
 

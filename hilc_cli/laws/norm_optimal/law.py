@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from hilc_cli.laws.law import Learner, Task
+from hilc_cli.laws.law import Law, Learner, Task
 from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, SpeedLimit, length_misfits
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
@@ -36,6 +36,24 @@ _IDENTIFIED = (
     f"model_{RATIO}", f"model_{RATIO}_standard_error",
 )  # fmt: skip
 """Columns of what each iteration alone tells, and of what the model takes from all so far."""
+
+
+IDEAL_MOTORS = {"left_per_right_radius": 1.0, "delay_s": 0.0, "lag_s": 0.0, "friction_rad_s": 0.0}
+"""What is believed at first of motors and wheels, by the columns of their quantities."""
+
+MOTOR_FIGURES = tuple(
+    f"model_{name}{ending}{unit}"
+    for name, unit in (
+        ("wheel_radius", "_m"),
+        ("left_per_right_radius", ""),
+        ("half_track", "_m"),
+        ("delay", "_s"),
+        ("lag", "_s"),
+        ("friction", "_rad_s"),
+    )
+    for ending in ("", "_standard_error")
+)
+"""Columns of the robot with its motors, as the model takes them from all passes so far."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +117,26 @@ def figures_told(*, identify: bool) -> tuple[str, ...]:
 _NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 
 
+@dataclass(frozen=True, slots=True)
+class MotorLaw:
+    """The law on a robot as it is, whose motors it identifies as well.
+
+    Attributes:
+        own: Weights of errors, feedback, the way in, and the platform as it is believed to be.
+        lead: Share of a sample's turn after which its way is gone.
+    """
+
+    own: NormOptimalLaw
+    lead: float
+
+    def learner(self, task: Task) -> Learner:
+        """The law at the start of an experiment."""
+        # The compiler starts slowly.
+        from hilc_cli.laws.norm_optimal.motor_learner import MotorLearner
+
+        return MotorLearner(task, self.own, self.lead)
+
+
 class LearningWeights(Model):
     """What counts as one in the sum of squares that learning minimises."""
 
@@ -145,6 +183,11 @@ class NormOptimalController(Controller):
     memory: Annotated[int, such_as(Samples, "4", told_in="iterations")] = Field(
         4, description="iterations over which motion that the model does not explain is averaged"
     )
+    motors: Literal["ideal", "identify"] = Field(
+        "ideal",
+        description="identify: each wheel's radius, delay, lag and friction are identified, too, "
+        "and planned with; the feedback follows from them and from the noise",
+    )
     b_w: SpeedLimit = None
 
     @classmethod
@@ -158,9 +201,9 @@ class NormOptimalController(Controller):
         """What is too long for a trajectory."""
         return length_misfits(self.h, reference)
 
-    def law_for(self, setting: Setting) -> NormOptimalLaw:
+    def law_for(self, setting: Setting) -> Law:
         """The law for the engines."""
-        return NormOptimalLaw(
+        law = NormOptimalLaw(
             setting.model,
             self.weights.position,
             self.weights.heading,
@@ -172,9 +215,12 @@ class NormOptimalController(Controller):
             _within(self.h, setting.reference),
             self.memory,
         )
+        return MotorLaw(law, setting.lead) if self.motors == "identify" else law
 
     def figures(self) -> tuple[str, ...]:
         """What is identified, if anything is, and what there is to tell of the plan."""
+        if self.motors == "identify":
+            return MOTOR_FIGURES
         return figures_told(identify=self.identify)
 
     def yardsticks(self, setting: Setting) -> dict[str, dict[str, float]]:
@@ -186,17 +232,47 @@ class NormOptimalController(Controller):
 
     def in_words(self, setting: Setting) -> str:
         """What is learned, how, and how long an initial error may last."""
+        if self.motors == "identify":
+            answers = (
+                "no feedback" if self.feedback == "none" else "feedback as delay and noise let it"
+            )
+            return f"norm-optimal learning of robot and motors; {answers}"
         learned = "wheel speeds, wheel radius and half track" if self.identify else "wheel speeds"
         feedback = "LQR feedback" if self.feedback == "lqr" else "no feedback"
         h = _within(self.h, setting.reference)
         return f"norm-optimal learning of {learned}; {feedback}, rectified within {h} samples"
+
+    @property
+    def called(self) -> str:
+        """The law as messages name it."""
+        return f"law {self.law}" + (" with motors: identify" if self.motors == "identify" else "")
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
         return {**super().resolved(reference), "h": _within(self.h, reference)}
 
     def warnings(self, setting: Setting) -> list[str]:
-        """A way in that takes up most of the trajectory."""
+        """A way in that takes up most of the trajectory, and keys that have no effect."""
+        return [*self._idle(), *self._long_way_in(setting)]
+
+    def _idle(self) -> list[str]:
+        """Tells of keys that are given and have no effect on a robot with motors."""
+        if self.motors == "ideal":
+            return []
+        given = {
+            "weights.input_change": self.weights.input_change != LearningWeights().input_change,
+            **{
+                name: getattr(self, name) != type(self).model_fields[name].default
+                for name in ("feedback_weights", "identify", "memory")
+            },
+        }
+        return [
+            f"controller.{name} has no effect with 'motors: identify'; leave it out"
+            for name, is_given in given.items()
+            if is_given
+        ]
+
+    def _long_way_in(self, setting: Setting) -> list[str]:
         half, h = max(setting.reference.samples // 2, 1), _within(self.h, setting.reference)
         if h <= half or not setting.has_initial_error(_NONE):
             return []

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -40,8 +40,29 @@ class BoundedSolution:
     steps: int
 
 
+class Quadratic(Protocol):
+    """A problem whose solution without bounds is known for any weights and slopes of the inputs."""
+
+    @property
+    def input_weights(self) -> Floats:
+        """Diagonal of V, > 0, shape (n, 2)."""
+
+    @property
+    def input_slopes(self) -> Floats:
+        """v, shape (n, 2)."""
+
+    def solution(self, input_weights: Floats, input_slopes: Floats) -> tuple[Floats, Floats]:
+        """Returns the best c, shape (n, 2), and the feedback gains that belong to it."""
+
+    def solution_again(self, input_slopes: Floats) -> Floats:
+        """Returns the best c with the weights of the last solution."""
+
+    def slope(self, changes: Floats) -> Floats:
+        """Returns the derivative of the cost with respect to c, shape (n, 2)."""
+
+
 def bounded_changes(
-    problem: LinearQuadratic, lowest: Floats, highest: Floats, tolerance: float
+    problem: Quadratic, lowest: Floats, highest: Floats, tolerance: float
 ) -> BoundedSolution:
     """The best changes between bounds.
 

@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal import linear_quadratic, local_level, optimal_motion, rectified
+from hilc_cli.laws.norm_optimal import (
+    linear_quadratic,
+    local_level,
+    motion_filter,
+    motor,
+    motor_quadratic,
+    optimal_motion,
+    rectified,
+)
 from tests.laws.norm_optimal.problems import DISTANCE_GAIN, TURN_GAIN, random_problem
 
 N = 9
@@ -22,6 +30,8 @@ POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
 READINGS, KNOWN = np.cumsum(RANDOM.normal(0, 1, (2, 40)), axis=1)
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
+STATES, CONTROLS = RANDOM.normal(0, 0.5, (N, 7, 7)), RANDOM.normal(0, 0.5, (N, 7, 2))
+GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "factorised": (
@@ -55,6 +65,25 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (POSES[0], INPUTS, POSES, FEEDBACK, MODEL),
     ),
     "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, MODEL)),
+    "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 0.01)),
+    "moved": (motor.moved, (POSES[0], INPUTS / 100, DRIFT, 0.5)),
+    "pose filter": (
+        motion_filter.filtered,
+        (POSES, INPUTS / 100, 0.5, motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5), True),
+    ),
+    "linearised": (
+        motor_quadratic.linearised,
+        (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5), 0.01, 0.5),
+    ),
+    **{
+        code.py_func.__name__: (code, (STATES, CONTROLS, *arguments))
+        for code, arguments in (
+            (motor_quadratic.factorise, (WEIGHTS, INPUTS**2 + 1, GAINS_7, np.zeros((N, 3)))),
+            (motor_quadratic.solve, (GAINS_7, INPUTS[:, [0, 0, 1]], POSES, INPUTS)),
+            (motor_quadratic.linear_motion, (INPUTS,)),
+            (motor_quadratic.input_derivatives, (POSES,)),
+        )
+    },
     "filtered": (local_level.filtered, (READINGS, KNOWN, 0.2)),
     "smoothed": (local_level.smoothed, (READINGS, 0.2)),
 }

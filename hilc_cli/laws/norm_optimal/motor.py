@@ -1,0 +1,223 @@
+"""The robot that the controller believes in, motors included: from wheel speeds sent to motion.
+
+A command arrives after a delay, loses what friction takes of it, and drives its wheel with a lag;
+each wheel has a radius of its own. It is the controller's model and knows nothing of how plants are
+simulated.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from hilc_cli.compiling import cached, compiled
+from hilc_cli.reference.sampled import Floats
+
+FRICTION_EDGE = 0.005
+"""Wheel speed [rad/s] over which friction changes its sign."""
+
+NO_LAG = 1e-6
+"""A lag up to this [s] is none."""
+
+
+class Motor(NamedTuple):
+    """A believed robot with its motors: a tuple, which the compiler knows.
+
+    Attributes:
+        left_radius: R_l [m].
+        right_radius: R_r [m].
+        half_track: B [m], negative where a faster right wheel turns left.
+        delay: From command to wheel [s], >= 0.
+        lag: Time constant of a wheel [s], >= 0.
+        friction: What friction takes of a command [rad/s], >= 0.
+    """
+
+    left_radius: float
+    right_radius: float
+    half_track: float
+    delay: float
+    lag: float
+    friction: float
+
+
+def _effective(command: float, friction: float) -> tuple[float, float]:
+    """The wheel speed v that a command is good for, with command = v + friction v / |v| rounded.
+
+    Args:
+        command: [rad/s].
+        friction: [rad/s].
+
+    Returns:
+        v [rad/s], and dv / dcommand.
+    """
+    if friction == 0.0:
+        return command, 1.0
+    wanted, edge = abs(command), FRICTION_EDGE
+    # Newton's method from the right of the root, where the function is concave up to there.
+    v = max(wanted - friction, wanted * edge / (edge + friction))
+    for _ in range(50):
+        root = math.sqrt(v * v + edge * edge)
+        slope = 1.0 + friction * edge * edge / (root * root * root)
+        step = (v + friction * v / root - wanted) / slope
+        v = max(v - step, 0.0)
+        if abs(step) <= 1e-13 * (v + edge):
+            break
+    root = math.sqrt(v * v + edge * edge)
+    slope = 1.0 + friction * edge * edge / (root * root * root)
+    return math.copysign(v, command), 1.0 / slope
+
+
+effective = compiled(_effective)
+
+
+def _arriving(delay: float, sample_time: float) -> tuple[int, float]:
+    """Whole samples of a delay, and the fraction of a sample that is left, 0 to below 1."""
+    whole = math.floor(delay / sample_time + 1e-9)
+    return whole, max(delay / sample_time - whole, 0.0)
+
+
+arriving = compiled(_arriving)
+
+
+def _arrived(inputs: Floats, k: int, wheel: int, whole: int, fraction: float) -> float:
+    """The command that a wheel has from sample k, mixed of two where a delay ends within it."""
+    command = 0.0
+    if k >= whole:
+        command += (1.0 - fraction) * inputs[k - whole, wheel]
+    if k > whole:
+        command += fraction * inputs[k - whole - 1, wheel]
+    return command
+
+
+arrived = compiled(_arrived)
+
+
+def _kept(lag: float, sample_time: float) -> float:
+    """Share of a wheel's speed that is left after a sample without a command."""
+    return math.exp(-sample_time / lag) if lag > NO_LAG else 0.0
+
+
+kept_share = compiled(_kept)
+
+
+def _wheel_ways(
+    inputs: Floats, delay: float, lag: float, friction: float, sample_time: float
+) -> Floats:
+    """How far wheels at rest turn in each sample under commands [rad], shape (n, 2).
+
+    Args:
+        inputs: Wheel speeds sent [rad/s], shape (n, 2); before them stood none.
+        delay: [s].
+        lag: [s].
+        friction: [rad/s].
+        sample_time: d_t [s].
+    """
+    n = len(inputs)
+    ways = np.empty((n, 2))
+    whole, fraction = arriving(delay, sample_time)
+    kept = kept_share(lag, sample_time)
+    for wheel in range(2):
+        speed = 0.0
+        for k in range(n):
+            driven, _ = effective(arrived(inputs, k, wheel, whole, fraction), friction)
+            # The exact integral of a first-order lag over the sample.
+            ways[k, wheel] = sample_time * driven + (speed - driven) * lag * (1.0 - kept)
+            speed = kept * speed + (1.0 - kept) * driven
+    return ways
+
+
+wheel_ways = cached(_wheel_ways)
+
+
+def steps_of(motor: Motor, inputs: Floats, sample_time: float) -> Floats:
+    """What the motor makes of commands: way ahead [m] and turn [rad] in each sample, shape (n, 2).
+
+    Args:
+        motor: The robot.
+        inputs: Wheel speeds sent [rad/s], shape (n, 2).
+        sample_time: d_t [s].
+    """
+    ways = wheel_ways(inputs, motor.delay, motor.lag, motor.friction, sample_time)
+    left, right = motor.left_radius * ways[:, 0], motor.right_radius * ways[:, 1]
+    return np.stack([(left + right) / 2, (left - right) / (2 * motor.half_track)], axis=1)
+
+
+def commands_for(motor: Motor, steps: Floats, sample_time: float) -> Floats:
+    """Commands that about make given steps: geometry, lag, friction and delay taken back in turn.
+
+    Args:
+        motor: The robot.
+        steps: Way ahead [m] and turn [rad] in each sample, shape (n, 2).
+        sample_time: d_t [s].
+
+    Returns:
+        Wheel speeds to send [rad/s], shape (n, 2); what would have to be sent before the start is
+        left out.
+    """
+    turning = motor.half_track * steps[:, 1]
+    left, right = steps[:, 0] + turning, steps[:, 0] - turning
+    speeds = np.stack([left / motor.left_radius, right / motor.right_radius], axis=1) / sample_time
+    if len(speeds) > 1:
+        speeds = speeds + motor.lag * np.gradient(speeds, sample_time, axis=0)
+    commands = speeds + motor.friction * speeds / np.hypot(speeds, FRICTION_EDGE)
+    times = np.arange(len(steps)) * sample_time
+    ahead = [np.interp(times + motor.delay, times, wheel) for wheel in commands.T]
+    return np.stack(ahead, axis=1)
+
+
+def _moved(start: Floats, steps: Floats, beside: Floats, lead: float) -> Floats:
+    """Poses of a motion, shape (n + 1, 3).
+
+    Args:
+        start: Pose of sample 0, shape (3,).
+        steps: Way ahead [m] and turn [rad] in each sample, shape (n, 2).
+        beside: Motion beyond that: ahead [m], to the left [m], turn [rad], shape (n, 3).
+        lead: Share of a sample's turn after which its way is gone: 0.5 is the arc between two
+            samples, 0 is Eq. 8.
+    """
+    n = len(steps)
+    poses = np.empty((n + 1, 3))
+    x, y, heading = start[0], start[1], start[2]
+    for k in range(n):
+        poses[k, 0], poses[k, 1], poses[k, 2] = x, y, heading
+        ahead, left, turn = steps[k, 0] + beside[k, 0], beside[k, 1], steps[k, 1] + beside[k, 2]
+        along = heading + lead * turn
+        cos, sin = math.cos(along), math.sin(along)
+        ahead *= chord(lead * turn)
+        x += ahead * cos - left * sin
+        y += ahead * sin + left * cos
+        heading += turn
+    poses[n, 0], poses[n, 1], poses[n, 2] = x, y, heading
+    return poses
+
+
+def _chord(half_turn: float) -> float:
+    """Chord over arc, sin(z) / z."""
+    if abs(half_turn) < 1e-3:
+        return 1.0 - half_turn * half_turn / 6
+    return math.sin(half_turn) / half_turn
+
+
+chord = compiled(_chord)
+moved = cached(_moved)
+
+
+def body_steps(poses: Floats, lead: float) -> Floats:
+    """Motion in each sample as seen from the robot: ahead [m], to the left [m], turn [rad].
+
+    The inverse of `moved`.
+
+    Args:
+        poses: Shape (n + 1, 3).
+        lead: As for `moved`.
+
+    Returns:
+        Shape (n, 3).
+    """
+    x, y, turn = np.diff(poses, axis=0).T
+    along = poses[:-1, 2] + lead * turn
+    cos, sin = np.cos(along), np.sin(along)
+    ahead = (cos * x + sin * y) / np.sinc(lead * turn / np.pi)
+    return np.stack([ahead, cos * y - sin * x, turn], axis=1)

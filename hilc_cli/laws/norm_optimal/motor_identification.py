@@ -1,0 +1,331 @@
+"""What passes tell of the motors: maximum likelihood on the innovations of the pose filter.
+
+Parameters and noise are found in turn: the noise by its likelihood, the parameters by Gauss and
+Newton's method on the innovations, which the noise weighs. A vague belief beforehand keeps what the
+passes do not tell where it was believed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize
+
+from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
+from hilc_cli.laws.norm_optimal.motor import Motor, steps_of
+from hilc_cli.reference.sampled import Floats
+
+
+class Pass(NamedTuple):
+    """What is learned from: one pass.
+
+    Attributes:
+        measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
+        sent: Wheel speeds sent, after the limit [rad/s], shape (n, 2).
+    """
+
+    measured: Floats
+    sent: Floats
+
+
+NAMES = ("mean radius", "radius ratio", "half track", "delay", "lag", "friction")
+"""The parameters: two radii as their geometric mean and their ratio, and B, by their logarithms."""
+
+PRIOR = np.array([0.3, 0.05, 0.5, 0.3, 0.3, 0.5])
+"""Standard deviations of the parameters beforehand: shares, seconds, and rad/s of friction."""
+_STEP = np.array([1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5])  # of the difference quotients
+_FARTHEST = np.array([1.5, 0.5, 1.5])  # from what was believed, in logarithms
+_MOST = np.array([1.0, 2.0, 10.0])  # delay [s], lag [s], friction [rad/s]
+_FIRST_DELAYS = (0.0, 0.1, 0.3)  # [s], since the likelihood may have a hill for each
+_FOR_NOISE = 4  # the last passes tell the noise
+_QUIETER = 1e-3  # share of its variance that the noise of the motion then has for a start
+_ROUNDS = 2  # of noise and parameters in turn, for the first pass
+_NEWTON_STEPS = 12
+_SETTLED = 1e-3  # gain of half the squared innovations at which the search ends
+_SMALLEST = 1e-7  # share of the path's size below which nothing is called noise of the motion
+_FINEST = 1e-6  # likewise of the readings
+_SMALLEST_TURN, _FINEST_HEADING = 1e-7, 1e-6  # [rad]
+_NOISIEST = 2.0  # logarithm of the largest variance that is tried
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotorBelief:
+    """The robot as the passes tell it.
+
+    Attributes:
+        first: What was believed beforehand.
+        parameters: As `NAMES` says; the logarithms are relative to ``first``.
+        covariance: Of the parameters' errors, shape (6, 6); as beforehand where nothing was told.
+        noise: The variances.
+    """
+
+    first: Motor
+    parameters: Floats
+    covariance: Floats
+    noise: Noise
+
+    @classmethod
+    def at_first(cls, motor: Motor, noise: Noise) -> MotorBelief:
+        """Returns what the user says."""
+        parameters = np.array([0.0, 0.0, 0.0, motor.delay, motor.lag, motor.friction])
+        return cls(motor, parameters, np.diag(PRIOR**2), noise)
+
+    @property
+    def motor(self) -> Motor:
+        """The robot."""
+        return motor_of(self.first, self.parameters)
+
+    @property
+    def errors(self) -> Floats:
+        """Standard errors of the parameters."""
+        return np.sqrt(np.diag(self.covariance))
+
+    def drift(self, inputs: Floats, sample_time: float) -> tuple[float, float]:
+        """How far wheel speeds may lead elsewhere than is believed: variances, where most.
+
+        Args:
+            inputs: Wheel speeds sent [rad/s], shape (n, 2).
+            sample_time: d_t [s].
+
+        Returns:
+            Of the way [m^2] and of the heading [rad^2].
+        """
+
+        def gone(parameters: Floats) -> Floats:
+            steps = steps_of(motor_of(self.first, parameters), inputs, sample_time)
+            return np.cumsum(steps, axis=0).ravel()
+
+        slopes = _slopes(gone, self.parameters, gone(self.parameters))
+        variances = np.einsum("ki,ij,kj->k", slopes, self.covariance, slopes)
+        way, turn = variances.reshape(-1, 2).max(axis=0).tolist()
+        return way, turn
+
+
+def motor_of(first: Motor, parameters: Floats) -> Motor:
+    """Returns the robot that parameters stand for."""
+    mean, ratio, track, delay, lag, friction = parameters.tolist()
+    return Motor(
+        first.left_radius * math.exp(mean + ratio / 2),
+        first.right_radius * math.exp(mean - ratio / 2),
+        first.half_track * math.exp(track),
+        delay,
+        lag,
+        friction,
+    )
+
+
+class Identification:
+    """Finds the parameters behind passes over one path."""
+
+    def __init__(self, sample_time: float, lead: float, size: float) -> None:
+        """Begins with a path.
+
+        Args:
+            sample_time: d_t [s].
+            lead: See `motor.moved`.
+            size: Of the path [m].
+        """
+        self._sample_time = sample_time
+        self._lead = lead
+        smallest = (_SMALLEST * size, _SMALLEST * size, _SMALLEST_TURN)
+        finest = (_FINEST * size, _FINEST_HEADING)
+        self._floor = 2 * np.log(np.array([*smallest, *finest]))
+
+    def update(self, belief: MotorBelief, passes: Sequence[Pass]) -> MotorBelief:
+        """Returns what is believed after some passes, the last of which is new."""
+        if len(passes) > 1:
+            return self._improved(belief, passes, rounds=1)
+        delays = dict.fromkeys((float(belief.parameters[3]), *_FIRST_DELAYS))
+        found = [
+            self._improved(_with_delay(belief, delay), passes, rounds=1, coarsely=True)
+            for delay in delays
+        ]
+        best = max(found, key=lambda each: self._likelihood(each, passes))
+        # Noise of the motion and parameters can excuse each other: parameters first go as far as
+        # they can without it. So can a short lag and a part of a sample of delay: try both.
+        own = {name: _QUIETER * getattr(best.noise, name) for name in ("ahead", "left", "turn")}
+        quiet = best.noise._replace(**own)
+        fits = [
+            MotorBelief(
+                belief.first, *self._likely_parameters(best, parameters, quiet, passes), quiet
+            )
+            for parameters in (best.parameters, _without_lag(best.parameters))
+        ]
+        best = max(fits, key=lambda each: self._likelihood(each, passes))
+        return self._improved(best, passes, rounds=_ROUNDS)
+
+    def misfit(self, belief: MotorBelief, latest: Pass) -> float:
+        """Returns the mean square of a pass's innovations: about 1 where the belief explains it."""
+        white = self._white(belief.first, belief.parameters, belief.noise, [latest])
+        return float(white @ white) / len(white)
+
+    def _improved(
+        self, belief: MotorBelief, passes: Sequence[Pass], *, rounds: int, coarsely: bool = False
+    ) -> MotorBelief:
+        parameters, noise, covariance = belief.parameters, belief.noise, belief.covariance
+        for _ in range(rounds):
+            noise = self._likely_noise(
+                belief.first, parameters, noise, passes[-_FOR_NOISE:], coarsely=coarsely
+            )
+            parameters, covariance = self._likely_parameters(belief, parameters, noise, passes)
+        return MotorBelief(belief.first, parameters, covariance, noise)
+
+    def _steps(self, first: Motor, parameters: Floats, passes: Sequence[Pass]) -> list[Floats]:
+        motor = motor_of(first, parameters)
+        return [steps_of(motor, each.sent, self._sample_time) for each in passes]
+
+    def _white(
+        self, first: Motor, parameters: Floats, noise: Noise, passes: Sequence[Pass]
+    ) -> Floats:
+        """The innovations of all passes in a row."""
+        steps = self._steps(first, parameters, passes)
+        return np.concatenate(
+            [
+                run_filter(each.measured, own, self._lead, noise).white.ravel()
+                for each, own in zip(passes, steps, strict=True)
+            ]
+        )
+
+    def _likelihood(self, belief: MotorBelief, passes: Sequence[Pass]) -> float:
+        steps = self._steps(belief.first, belief.parameters, passes)
+        return sum(
+            run_filter(each.measured, own, self._lead, belief.noise).log_likelihood
+            for each, own in zip(passes, steps, strict=True)
+        )
+
+    def _likely_noise(
+        self,
+        first: Motor,
+        parameters: Floats,
+        noise: Noise,
+        passes: Sequence[Pass],
+        *,
+        coarsely: bool,
+    ) -> Noise:
+        """The likeliest variances with the parameters as they are."""
+        steps = self._steps(first, parameters, passes)
+        count = sum(map(len, steps))
+
+        def cost(logarithms: Floats) -> float:
+            tried = Noise(*np.exp(logarithms).tolist())
+            return -sum(
+                run_filter(each.measured, own, self._lead, tried).log_likelihood
+                for each, own in zip(passes, steps, strict=True)
+            ) / count  # fmt: skip
+
+        def cost_and_slope(logarithms: Floats) -> tuple[float, Floats]:
+            at = cost(logarithms)
+            tried = logarithms + 1e-4 * np.eye(5)
+            return at, np.array([(cost(each) - at) / 1e-4 for each in tried])
+
+        bounds = [(lowest, _NOISIEST) for lowest in self._floor.tolist()]
+        # From where it was, and from further up: at a floor there is no slope to leave it by.
+        # TNC is free of linear algebra, whose threads would take longer than all the rest.
+        starts = [np.log(noise)] if coarsely else [np.log(noise), np.log(noise) + 4.0]
+        most, exact = (20, 1e-3) if coarsely else (80, 1e-7)
+        found = [
+            minimize(
+                cost_and_slope,
+                start.clip(self._floor, _NOISIEST),
+                jac=True,
+                method="TNC",
+                bounds=bounds,
+                options={"maxfun": most, "ftol": exact},
+            )
+            for start in starts
+        ]
+        best = min(found, key=lambda each: float(each.fun))
+        return Noise(*np.exp(best.x).tolist())
+
+    def _likely_parameters(
+        self, belief: MotorBelief, parameters: Floats, noise: Noise, passes: Sequence[Pass]
+    ) -> tuple[Floats, Floats]:
+        """The likeliest parameters with the noise as it is, and the covariance of their errors."""
+        believed = MotorBelief.at_first(belief.first, noise).parameters
+
+        def residuals(tried: Floats) -> Floats:
+            white = self._white(belief.first, tried, noise, passes)
+            return np.concatenate([white, (tried - believed) / PRIOR])
+
+        at = residuals(parameters)
+        damping = 0.0
+        for _ in range(_NEWTON_STEPS):
+            slopes = _slopes(residuals, parameters, at)
+            normal = slopes.T @ slopes
+            for _ in range(10):
+                damped = normal + damping * np.diag(np.diag(normal))
+                tried = _possible(parameters - np.linalg.solve(damped, slopes.T @ at))
+                there = residuals(tried)
+                gain = float(at @ at - there @ there) / 2
+                if gain >= 0:
+                    break
+                damping = max(10 * damping, 1e-3)
+            else:
+                break
+            parameters, at, damping = tried, there, damping / 10
+            if gain < _SETTLED:
+                break
+        slopes = _slopes(residuals, parameters, at)
+        return parameters, _covariance(slopes, at, len(passes))
+
+
+def _with_delay(belief: MotorBelief, delay: float) -> MotorBelief:
+    parameters = belief.parameters.copy()
+    parameters[3] = delay
+    return MotorBelief(belief.first, parameters, belief.covariance, belief.noise)
+
+
+def _without_lag(parameters: Floats) -> Floats:
+    """The same with the lag taken for delay."""
+    return np.concatenate([parameters[:3], [parameters[3] + parameters[4], 0.0, parameters[5]]])
+
+
+def _possible(parameters: Floats) -> Floats:
+    """Parameters within what a robot may have."""
+    geometry = parameters[:3].clip(-_FARTHEST, _FARTHEST)
+    return np.concatenate([geometry, parameters[3:].clip(0.0, _MOST)])
+
+
+def _slopes(residuals: object, parameters: Floats, at: Floats) -> Floats:
+    """Derivatives of the residuals, shape (residuals, 6): forwards, since nothing is below 0."""
+    assert callable(residuals)
+    slopes = np.empty((len(at), len(parameters)))
+    for index, step in enumerate(_STEP.tolist()):
+        tried = parameters.copy()
+        tried[index] += step
+        slopes[:, index] = (residuals(tried) - at) / step
+    return slopes
+
+
+def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
+    """Covariance of the parameters' errors, with the larger of two variances.
+
+    The usual ones hold where the innovations are the noise that the model takes them for. The
+    others are made from how the innovations really vary, where those of all passes at a sample may
+    have a common cause and may be alike from sample to sample.
+
+    Args:
+        slopes: Derivatives of the innovations of all passes, and of the belief beforehand.
+        at: The innovations themselves.
+        passes: Their number.
+
+    Source:
+        Newey and West: A simple, positive semi-definite, heteroskedasticity and autocorrelation
+        consistent covariance matrix. Econometrica 55 (1987), 703-708.
+    """
+    count = slopes.shape[1]
+    covariance = np.linalg.inv(slopes.T @ slopes)
+    scores = (slopes * at[:, None])[:-count].reshape(passes, -1, 3, count).sum(axis=(0, 2))
+    reach = math.ceil(4 * (len(scores) / 100) ** (1 / 3)) * 4
+    spread = scores.T @ scores
+    for lag in range(1, min(reach, len(scores) - 1) + 1):
+        across = scores[:-lag].T @ scores[lag:]
+        spread += (1 - lag / (reach + 1)) * (across + across.T)
+    robust = covariance @ spread @ covariance
+    larger = np.sqrt(np.maximum(np.diag(robust) / np.diag(covariance), 1.0))
+    widened: Floats = covariance * np.outer(larger, larger)
+    return widened

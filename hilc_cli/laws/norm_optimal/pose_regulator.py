@@ -1,0 +1,134 @@
+"""Feedback in the pass that does not run away: it answers to the pose that is to be expected.
+
+A correction arrives late. The regulator therefore looks at where the robot will be off when what
+it sends now arrives, with what it has sent and has not arrived yet allowed for (Smith's predictor),
+and is no faster than delay, lag and the noise of the readings allow.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+import numpy as np
+
+from hilc_cli.laws.law import WheelController
+from hilc_cli.laws.norm_optimal.motion_filter import Noise
+from hilc_cli.laws.norm_optimal.motor import Motor
+from hilc_cli.reference.sampled import Floats, Reference
+
+_IN_HAND = 0.7
+"""Bandwidth times dead time: some 40 ms more delay than is known are borne at 0.1 s."""
+_FASTEST = 0.3
+"""Share of an error that one sample takes away at most."""
+_QUIETEST = 0.02
+"""Share of the speed limit by which the readings' noise may move a wheel (standard deviation)."""
+_SLOW = 0.1
+"""Share of the top speed below which a sideways error is steered against less."""
+_ARRIVED = 0.999  # share of a correction at which all of it counts as arrived
+_LONGEST = 500  # samples that a correction may take to arrive
+
+
+def bandwidths(
+    motor: Motor, noise: Noise, sample_time: float, speed_limit: float
+) -> tuple[float, float]:
+    """Returns how fast errors ahead, and sideways and of the heading, shall fall [1/s].
+
+    Args:
+        motor: The believed robot.
+        noise: The variances that the passes show.
+        sample_time: d_t [s].
+        speed_limit: Of the wheels [rad/s], or the fastest one that the plan needs.
+    """
+    dead = motor.delay + motor.lag
+    most = min(_IN_HAND / (dead + sample_time), _FASTEST / sample_time)
+    ahead = min(most, _trust(noise.ahead, noise.position) / sample_time)
+    aside = max(_trust(noise.turn, noise.heading), _trust(noise.left, noise.position))
+    aside = min(most, aside / sample_time)
+    radius = math.sqrt(motor.left_radius * motor.right_radius)
+    position, heading = math.sqrt(noise.position), math.sqrt(noise.heading)
+    moves = math.hypot(ahead * position, aside * heading * motor.half_track) / radius
+    quiet = min(1.0, _QUIETEST * speed_limit / moves) if moves > 0 else 1.0
+    return ahead * quiet, aside * quiet
+
+
+def _trust(motion: float, reading: float) -> float:
+    """The gain of the steady Kalman filter of a random walk."""
+    ratio = motion / reading
+    return (math.sqrt(ratio * ratio + 4 * ratio) - ratio) / 2
+
+
+def yet_to_arrive(motor: Motor, sample_time: float) -> Floats:
+    """Returns the share of a correction that has not arrived after 1, 2, ... samples."""
+    shares: list[float] = []
+    gone = 0.0
+    while len(shares) < _LONGEST:
+        time = (len(shares) + 1) * sample_time - motor.delay
+        way = 0.0
+        if time > 0:
+            way = time - motor.lag * -math.expm1(-time / motor.lag) if motor.lag > 0 else time
+        arrived, gone = (way - gone) / sample_time, way
+        if arrived >= _ARRIVED:
+            break
+        shares.append(1.0 - arrived)
+    return np.array(shares)
+
+
+def regulator(
+    motor: Motor,
+    inputs: Floats,
+    poses: Floats,
+    reference: Reference,
+    ahead_rate: float,
+    aside_rate: float,
+) -> WheelController:
+    """Returns the feedback about a plan.
+
+    Args:
+        motor: The believed robot.
+        inputs: Wheel speeds of the plan [rad/s], shape (n, 2).
+        poses: Its poses, shape (n + 1, 3).
+        reference: That the errors are told against.
+        ahead_rate: How fast an error ahead shall fall [1/s].
+        aside_rate: Likewise one sideways, or of the heading.
+    """
+    sample_time, n = reference.sample_time, len(inputs)
+    late = yet_to_arrive(motor, sample_time) * sample_time
+    arrival = np.minimum(np.arange(n) + round((motor.delay + motor.lag) / sample_time), n)
+    there = poses[arrival]
+    way = there[:, :2] - poses[:n, :2]
+    steps = np.diff(poses, axis=0)
+    speeds = (
+        np.cos(poses[:-1, 2]) * steps[:, 0] + np.sin(poses[:-1, 2]) * steps[:, 1]
+    ) / sample_time
+    speeds = speeds[np.minimum(arrival, n - 1)]
+    slow = _SLOW * float(np.abs(speeds).max()) + 1e-12
+    steering = aside_rate**2 / 4 * speeds / (speeds**2 + slow**2)
+    away = poses - reference.poses
+    rows = np.column_stack(
+        [inputs, away[:n], way, np.cos(there[:, 2]), np.sin(there[:, 2]), steering]
+    ).tolist()
+    left_radius, right_radius, half_track = motor.left_radius, motor.right_radius, motor.half_track
+    shares = late.tolist()
+    sent: deque[tuple[float, float]] = deque(maxlen=max(len(shares), 1))
+
+    def wheel_speeds(
+        k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
+    ) -> tuple[float, float]:
+        if k == 0:
+            sent.clear()
+        left, right, dx, dy, dh, way_x, way_y, cos_there, sin_there, steer = rows[k]
+        x, y, heading = error_x + dx, error_y + dy, error_heading + dh
+        # A heading that is off turns the way until then.
+        x, y = x - heading * way_y, y + heading * way_x
+        ahead, aside = cos_there * x + sin_there * y, cos_there * y - sin_there * x
+        for share, (faster, turning) in zip(shares, sent, strict=False):
+            ahead -= share * faster
+            heading -= share * turning
+        faster = ahead_rate * ahead
+        turning = aside_rate * heading + steer * aside
+        sent.appendleft((faster, turning))
+        wheel = half_track * turning
+        return left + (faster + wheel) / left_radius, right + (faster - wheel) / right_radius
+
+    return wheel_speeds

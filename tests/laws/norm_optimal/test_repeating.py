@@ -1,0 +1,77 @@
+"""What comes back in each pass, told apart from what does not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hilc_cli.laws.norm_optimal.repeating import repeating
+from hilc_cli.reference.sampled import Floats
+
+N = 64
+
+
+def wave(half_waves: int) -> Floats:
+    """A cosine of power one along the path."""
+    angles = math.pi * half_waves * (np.arange(N) + 0.5) / N
+    unit: Floats = np.cos(angles) * math.sqrt((2 if half_waves else 1) / N)
+    return unit
+
+
+def test_one_pass_tells_nothing() -> None:
+    assert not repeating(np.ones((1, N, 3))).any()
+
+
+@pytest.mark.parametrize("passes", [3, 7])
+def test_what_all_passes_have_is_expected(passes: int) -> None:
+    common = np.random.default_rng(1).normal(size=(N, 3))
+    assert repeating(np.array([common] * passes)) == pytest.approx(common, abs=1e-12)
+
+
+def test_from_two_passes_slow_waves_alone_are_expected() -> None:
+    slow, fast = wave(15), wave(16)
+    both = np.tile((slow + fast)[:, None], (1, 3))
+    expected = np.tile(slow[:, None], (1, 3))
+    assert repeating(np.array([both, both])) == pytest.approx(expected, abs=1e-12)
+
+
+def test_what_changes_its_sign_is_not_expected() -> None:
+    own = np.random.default_rng(1).normal(size=(N, 3))
+    found = repeating(np.array([own, -own, own, -own]))
+    assert found == pytest.approx(np.zeros((N, 3)), abs=1e-12)
+
+
+def test_mixture_is_shrunk_by_its_powers() -> None:
+    # Two waves of one octave: what comes back, and what has either sign in half of the passes.
+    common, own = 3.0 * wave(9), 1.0 * wave(13)
+    passes = np.zeros((4, N, 3))
+    passes[:, :, 0] = [common + own, common - own, common + own, common - own]
+    passes[:, :, 2] = [common, common, common, common]
+    # c = (4 |mean|^2 - 10) / 3 with |mean|^2 = 9, and each pass has 10 - c of its own.
+    repeated = 26 / 3
+    share = repeated / (repeated + (10 - repeated) / 4)
+    found = repeating(passes)
+    assert found[:, 0] == pytest.approx(share * common, abs=1e-12)
+    assert found[:, 1].any() == 0
+    assert found[:, 2] == pytest.approx(common, abs=1e-12)
+
+
+def test_octaves_do_not_lend_each_other_their_power() -> None:
+    slow, fast = 10 * wave(1), 0.1 * wave(40)
+    passes = np.zeros((4, N, 3))
+    passes[:, :, 1] = [slow + fast, slow - fast, slow + fast, slow - fast]
+    assert repeating(passes)[:, 1] == pytest.approx(slow, abs=1e-12)
+
+
+def test_noise_is_shrunk_on_average() -> None:
+    random = np.random.default_rng(3)
+    found = np.array([repeating(random.normal(size=(8, N, 3))) for _ in range(50)])
+    # The mean of eight passes has an eighth of the power; most of that is seen through.
+    assert np.square(found).mean() < 0.4 / 8
+
+
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_short_paths(n: int) -> None:
+    assert repeating(np.ones((3, n, 3))) == pytest.approx(np.ones((n, 3)))
