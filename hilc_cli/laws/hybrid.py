@@ -100,7 +100,7 @@ def with_derivative(ahead: Number, now: Number, rate: float) -> Number:
         rate: tau / d_t.
 
     Source:
-        Not in the paper: under this reading most of what it says comes true, see
+        Not in the paper: under this reading figures 3, 8b and 8c come out as it has them, see
         `benchmarks/readings.py`.
     """
     return ahead + rate * (ahead - now)
