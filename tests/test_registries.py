@@ -32,7 +32,9 @@ from hilc_cli.runs.pictures.catalogue import RunPicture
 from hilc_cli.drawing import layout
 
 PICTURE = RunPicture(
-    lambda runs, iterations: layout.panel_figure("fruit", lambda axes: axes.plot([0, 1]), 3.0)
+    lambda runs, iterations, look: layout.panel_figure(
+        "fruit", lambda axes: axes.plot([0, 1]), 3.0, 2.0, look=look
+    )
 )
 """
 

@@ -240,10 +240,10 @@ class TrajectorySpec(Model):
         except TimingError as error:
             if robot is not None or self.timing is None or not self.timing.of_wheels:
                 raise
-            problem, _, remedy = str(error).partition("; ")
+            problem, _, _ = str(error).partition("; ")
             limits = " and ".join(self.timing.of_wheels)
-            message = f"{problem}, since there is no robot that has its {limits}"
-            raise TimingError(f"{message}; {remedy}, or take a scenario", error.field) from None
+            message = f"{problem} without a robot, for whose wheels {limits} would count"
+            raise TimingError(f"{message}; take a scenario with this trajectory") from None
 
     @cached_property
     def _kept(self) -> dict[PathTiming | None, tuple[Reference, Profile | None]]:

@@ -107,8 +107,10 @@ class Plan:
     @property
     def path_size(self) -> float:
         """Size of the trajectory [m]; the largest if several are tried."""
-        paths = self.trajectories.values() or [self.scenario.spec.trajectory]
-        return max(path.reference().size for path in paths)
+        spec = self.scenario.spec
+        paths = self.trajectories.values() or [spec.trajectory]
+        # A path's time may need the scenario's wheels.
+        return max(spec.model_copy(update={"trajectory": path}).reference.size for path in paths)
 
     @cached_property
     def cases(self) -> Cases:

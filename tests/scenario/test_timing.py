@@ -287,7 +287,9 @@ def test_without_a_robot_wheels_are_not_limited() -> None:
     assert alone.timing.of_wheels == ("wheel_speed", "wheel_acceleration")
     assert alone.reference().samples == 140
     by_wheels = path({"line": {"length": 2.99}}, timing={"wheel_speed": 1.1, "acceleration": 1})
-    with pytest.raises(TimingError, match="no robot that has its wheel_speed; give 'speed' or"):
+    with pytest.raises(
+        TimingError, match="without a robot, for whose wheels wheel_speed would count; take a sc"
+    ):
         TrajectorySpec.model_validate(by_wheels).reference()
     assert scenario(by_wheels).spec.reference.samples == math.ceil((2.99 / 0.11 + 0.11) / DT)
 

@@ -30,6 +30,15 @@ def scenario(write: Write) -> hilc.Scenario:
     return hilc.load_scenario("scenario.yaml")
 
 
+def test_sweep_of_a_path_whose_time_needs_the_wheels(scenario: hilc.Scenario) -> None:
+    timing = {"wheel_speed": 2, "wheel_acceleration": 4}
+    changes = {"trajectory.timing": timing, "trajectory.segments.0": {"turn": {"angle": 1}}}
+    timed = hilc.load_scenario("scenario.yaml", changes)
+    assert hilc.plan_sweep(timed, ["controller.b_w=1,2"]).path_size == timed.spec.reference.size
+    found = hilc.sweep(hilc.plan_sweep(timed, ["controller.b_w=1,2"]))
+    assert not found.columns["diverged"].any()
+
+
 @pytest.mark.parametrize(
     ("vary", "profiles"),
     [
