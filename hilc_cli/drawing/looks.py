@@ -14,7 +14,7 @@ from typing import Any
 import matplotlib
 from matplotlib.font_manager import fontManager
 
-from hilc_cli.drawing.style import IN_POINTS
+from hilc_cli.drawing.style import IN_POINTS, PRINT_SIZE
 from hilc_cli.errors import InvalidInputError, Problem, UsageError
 from hilc_cli.files import read_file
 from hilc_cli.results.look import LARGEST_TEXT, SMALLEST_TEXT, Look, read_width
@@ -22,6 +22,7 @@ from hilc_cli.wording import listed, near_name, printable, shortened
 
 _MOST_BYTES, _MOST_LETTERS = 64_000, 200  # of a style file, and of one of its values
 _WIDEST_LINE = 20.0  # [pt]
+_ROOM = 7.5e-3  # [m] of a picture's width that a point of text's size needs
 _SHOWN = 60  # letters of a wrong value
 
 Check = Callable[[Any], bool]
@@ -140,6 +141,8 @@ def picture_look(
         font_size = size
     elif font_size is not None:
         settings.pop("font.size", None)
+    if true_width is not None:
+        _check_room(true_width, font_size or PRINT_SIZE)
     return Look(
         width=true_width,
         font=font,
@@ -148,6 +151,24 @@ def picture_look(
         style_file="" if style is None else str(style),
         title=title,
     )
+
+
+def _check_room(width: float, font_size: float) -> None:
+    """Makes sure that panels have room beside their text.
+
+    Args:
+        width: Of the picture [m].
+        font_size: [pt].
+
+    Raises:
+        UsageError: They have not.
+    """
+    needed = _ROOM * font_size
+    if width < needed * (1 - 1e-9):
+        raise UsageError(
+            f"--width {1e3 * width:.6g}mm: is too narrow for text of {font_size:g} points; give "
+            f"{1e3 * needed:.4g}mm or more, or a --font-size of {width / _ROOM:.3g} or less"
+        )
 
 
 def font_families() -> list[str]:

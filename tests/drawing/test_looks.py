@@ -271,3 +271,19 @@ def test_a_look_that_asks_for_nothing_changes_nothing(make_run: MakeRun) -> None
     assert Look(width=0.085, font="A B", font_size=7, title=False).options == (
         " --width 85mm --font 'A B' --font-size 7 --no-title"
     )
+
+
+@pytest.mark.parametrize(
+    ("width", "font_size", "least", "most"),
+    [("60mm", 12.0, "90", "8"), ("85mm", 20.0, "150", "11.3"), ("120mm", 30.0, "225", "16")],
+)
+def test_text_that_leaves_no_room_is_refused(
+    width: str, font_size: float, least: str, most: str
+) -> None:
+    with pytest.raises(UsageError) as error:
+        picture_look(width=width, font_size=font_size)
+    assert str(error.value) == (
+        f"--width {width}: is too narrow for text of {font_size:g} points; give {least}mm or "
+        f"more, or a --font-size of {most} or less"
+    )
+    assert picture_look(width=f"{least}mm", font_size=font_size).font_size == font_size

@@ -196,10 +196,14 @@ def draw_colored_path(
         axes.add_collection(pieces, autolim=False)
         view.draw_start(axes, trial)
         view.name_poses(axes, end=False)
+    before = len(axes.lines)
     view.draw_reference(axes, run.reference)
+    for line in axes.lines[before:]:
+        line.set_linewidth(_HAIRLINE)  # so that it does not hide the colours
     return view.leaving_note(shown, run.reference, trials)
 
 
+_HAIRLINE = 0.6  # [pt]
 _COLORS = style.iteration_colors().with_extremes(over=style.BEYOND_COLOR)
 
 

@@ -98,4 +98,4 @@ def _in_words(data: SweepData, quantiles: Floats) -> str:
         median = metric_text(data, middle, digits)
         if median.split()[0] not in ends and ends[0] != ends[1]:
             break
-    return f"Median {median}, 90 % of the cases between {ends[0]} and {ends[1]}"
+    return f"Median {median}, quantiles of 5 and 95 % {ends[0]} and {ends[1]}"

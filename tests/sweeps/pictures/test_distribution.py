@@ -35,7 +35,7 @@ def test_bands_and_title_tell_the_quantiles() -> None:
     axes = distribution(
         sweep({SEED: Range(0, 100, "integer")}, lambda case: 100 + number(case[SEED]))
     )
-    title = "Median 150 m, 90 % of the cases between 105 and 195"
+    title = "Median 150 m, quantiles of 5 and 95 % 105 and 195"
     assert axes.get_title(loc="left") == title
     assert legend(axes) == ["5 to 95 %", "25 to 75 %", "Median", SHARE]
     assert line(axes, "Median").get_xdata() == [150, 150]
@@ -46,7 +46,7 @@ def test_bands_and_title_tell_the_quantiles() -> None:
 def test_values_that_hardly_differ_are_told_apart() -> None:
     axes = distribution(sweep({SEED: SEEDS}, lambda case: 0.3425 + 1e-6 * number(case[SEED])))
     assert axes.get_title(loc="left") == (
-        "Median 0.342505 m, 90 % of the cases between 0.342501 and 0.342509"
+        "Median 0.342505 m, quantiles of 5 and 95 % 0.342501 and 0.342509"
     )
 
 
