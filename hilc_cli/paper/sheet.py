@@ -128,7 +128,7 @@ def _draw_row(
     above = _TITLE
     page = float(figure.get_size_inches()[0])
     longest = int(72 * (page - 2 * _EDGE) / (_BOLD_CHARACTER * style.PRINT_SIZE))
-    heading = textwrap.wrap(row.heading, longest)
+    heading = textwrap.wrap(row.heading.replace(" rad/s", "\u00a0rad/s"), longest)
     if heading:
         shift = ScaledTranslation(_EDGE - _LEFT, above + 0.02, figure.dpi_scale_trans)
         panels[0].text(

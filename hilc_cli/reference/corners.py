@@ -14,6 +14,8 @@ _STEPS = 50
 _EXACT = 1e-12  # relative, of lengths
 _LAST_PLACES = 16  # so many units in the last place of coordinates are rounding
 
+_NO_U_TURN = 1e-3  # [rad]; corners that turn back more sharply are no corners
+
 
 class RoundingError(ValueError):
     """A corner that no arc of the radius fits into; says why, and what to do."""
@@ -72,6 +74,10 @@ def rounded(before: Segment, after: Segment, radius: float) -> tuple[Segment, Se
         first, second = rounded(before.segment, after.segment, radius)
         return Backward(first), Backward(second)
     corner = _pose(after, 0.0)[2] - _pose(before, 1.0)[2]
+    if math.pi - abs(corner) < _NO_U_TURN:
+        raise RoundingError(
+            "goes back the way that it came, which no arc rounds; turn in place there, or reverse"
+        )
     side = math.copysign(1.0, corner)
     ends = _meet(before, after, side * radius, radius * abs(math.tan(corner / 2)))
     available = before.parts[-1].length if isinstance(before, Chain) else before.length

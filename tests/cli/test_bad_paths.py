@@ -188,6 +188,10 @@ CASES: dict[str, tuple[str, str]] = {
         added("line: {to: [1, 1], duration: 1}", "corners: {radius: 2}\n"),
         "path.yaml:6:5: trajectory.segments.1.line: starts with a corner of 1.57 rad that takes about 2 m of either leg to round with a radius of 2 m, and the legs have 1 m and 1 m for it; give a smaller radius, or longer legs",
     ),
+    "corners-back": (
+        added("line: {to: [0, 0], duration: 1}", "corners: {radius: 0.1}\n"),
+        "path.yaml:6:5: trajectory.segments.1.line: starts with a corner of 3.14 rad that goes back the way that it came, which no arc rounds; turn in place there, or reverse",
+    ),
     "corners-start": (
         TRAJECTORY.replace("length: 1", "to: [0, 1]") + "corners: {radius: 0.1}\n",
         "path.yaml:5:5: trajectory.segments.0.line: starts with a heading of 1.57079633 rad where the path arrives with 0 rad, a corner of 1.57 rad; make start.heading the first one, since there is nothing to round",

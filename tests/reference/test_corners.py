@@ -138,7 +138,7 @@ def test_corner_backward_is_rounded_too() -> None:
         ),
         (
             [ThroughPlan(np.array([[0.0, 0], [1, 0], [0.2, 0]]), "polyline", duration=1.0)],
-            "has a corner that takes about",
+            "has a corner that goes back the way that it came, which no arc rounds; turn in place",
         ),
     ],
     ids=["short", "taken", "cusp", "stop", "start", "back"],
