@@ -14,7 +14,7 @@ from matplotlib.ticker import Formatter, MaxNLocator
 from numpy.typing import NDArray
 
 from hilc_cli.drawing.sheet import balanced, is_fitted, look_of, most_ticks, panel_size
-from hilc_cli.drawing.style import MARKER_SIZE, NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
+from hilc_cli.drawing.style import LIMIT_COLOR, MARKER_SIZE, NOTE_COLOR, SMALL_SIZE, TITLE_SIZE
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.wording import printable
 
@@ -67,6 +67,21 @@ def number_text(value: float, digits: int = 10) -> str:
     mantissa, _, exponent = text.partition("e")
     text = f"{mantissa}e{int(exponent)}" if exponent else mantissa
     return text.replace("-", "\N{MINUS SIGN}")
+
+
+def name_limit(axes: Axes, value: float, text: str) -> None:
+    """Names the value of a horizontal line to the right of its panel."""
+    axes.annotate(
+        text,
+        xy=(1, value),
+        xycoords=("axes fraction", "data"),
+        xytext=(3, 0),
+        textcoords="offset points",
+        va="center",
+        fontsize=SMALL_SIZE,
+        color=LIMIT_COLOR,
+        annotation_clip=False,
+    )
 
 
 def exponent_text(value: float) -> str:

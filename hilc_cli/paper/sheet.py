@@ -44,7 +44,6 @@ _LEAST = 1.0  # width of a panel
 _NARROW = 5.0  # page below which bar and legend stand below each other
 _HEADING_LINE = 0.115  # of the heading of a row that is broken
 _BOLD_CHARACTER = 0.6  # mean width of a bold letter, in sizes of the text
-_PATHS = frozenset({PanelKind.PATH_CHANGE, PanelKind.PATHS})
 
 
 @dataclass(frozen=True, slots=True)

@@ -180,17 +180,8 @@ def draw_wheel_speeds(axes: Axes, path: ShownPath) -> None:
             label="Speed limit" if value == sides[0] else "_limit",
             zorder=1,
         )
-        axes.annotate(
-            ("+" if value > 0 else "") + labels.number_text(value, 4),
-            xy=(1, value),
-            xycoords=("axes fraction", "data"),
-            xytext=(3, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=style.SMALL_SIZE,
-            color=style.LIMIT_COLOR,
-            annotation_clip=False,
-        )
+        sign = "+" if value > 0 else ""
+        labels.name_limit(axes, value, f"{sign}{labels.number_text(value, 4)}")
     corners = path.demand.corners
     if corners:
         most = max(joint.corner_wheel for joint in corners)

@@ -178,17 +178,7 @@ def _draw_limits(axes: Axes, limits: Sequence[float], lowest: float, highest: fl
         signs = {1: "+", -1: "\N{MINUS SIGN}"}
         values = {0.0: "±"} if together else {sign * limit: signs[sign] for sign in sides}
         for value, text in values.items():
-            axes.annotate(
-                f"{text}{labels.number_text(limit, 4)}",
-                xy=(1, value),
-                xycoords=("axes fraction", "data"),
-                xytext=(3, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=style.SMALL_SIZE,
-                color=style.LIMIT_COLOR,
-                annotation_clip=False,
-            )
+            labels.name_limit(axes, value, f"{text}{labels.number_text(limit, 4)}")
     far = ", ".join(f"±{labels.number_text(limit, 4)}" for limit in limits if limit not in near)
     return [f"speed limit {far} rad/s is out of view"] if far else []
 
