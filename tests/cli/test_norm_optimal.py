@@ -191,7 +191,7 @@ def test_picture_of_learning(hilc: Hilc, folder: Path, scenario: str) -> None:
         2,
         "",
         "hilc: there is no picture 'learning' of test: nothing is told of what was learned; "
-        "law norm-optimal with 'identify: true' tells wheel radius and half track\n",
+        "law norm-optimal tells what it identifies of the robot\n",
     )
     assert not (folder / "b/learning.png").exists()
     outcome = hilc("plot", "a", "b", "--kind", "learning", "--out", "both")

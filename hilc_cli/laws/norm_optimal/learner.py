@@ -49,14 +49,11 @@ class NormOptimalPlan(Plan):
     """What the next pass does, and the way that it takes.
 
     Attributes:
-        target: Where it should lead: the trajectory, from a start off it a way into it, shape
-            (n + 1, 3).
         merge_sample: First sample from which it stays on the trajectory, within a millimetre; None
             if it is not there at the end.
         settled: Whether the searches for it ended by themselves.
     """
 
-    target: Floats | None = None
     merge_sample: int | None = None
     settled: bool = True
 
@@ -91,7 +88,6 @@ class NormOptimalLearner:
         self._learned = Learned(self._belief.parameters, np.zeros((reference.samples, 3)))
         self._safeguard = Safeguard(self._learned)
         self._plan: NormOptimalPlan | None = None  # of the pass that runs
-        self._inputs: Floats | None = None  # of the last plan
         self._seen = 0
         self._usual = 1.0
 
@@ -110,7 +106,7 @@ class NormOptimalLearner:
         far = _FARTHEST * max(self._reference.size, 1.0)
         if np.all(np.abs(error) <= far) and np.all(np.abs(latest.sent) <= _LIMIT):
             if latest.sent.any():
-                misfit, went_back = self._take_in(latest, plan)
+                misfit, went_back = self._take_in(latest)
             else:
                 self._starts.append(latest.measured.mean(axis=0))
         merge_time, settled = self._of_plan(plan)
@@ -142,7 +138,7 @@ class NormOptimalLearner:
         merged = np.inf if plan.merge_sample is None else plan.merge_sample
         return merged * self._reference.sample_time, float(plan.settled)
 
-    def _take_in(self, latest: Pass, plan: NormOptimalPlan | None) -> tuple[Floats, bool]:
+    def _take_in(self, latest: Pass) -> tuple[Floats, bool]:
         """Learns from a pass.
 
         Returns:
@@ -160,7 +156,7 @@ class NormOptimalLearner:
         learned = Learned(
             self._belief.parameters, repeating(np.array([beyond for _, beyond in driven]))
         )
-        error = self._error(driven[-1][0], plan)
+        error = self._error(driven[-1][0])
         self._learned, went_back = self._safeguard.next(error, learned)
         return misfits(self._identification.innovations(self._belief, passes)), went_back
 
@@ -168,12 +164,20 @@ class NormOptimalLearner:
         """Mean square of a pass's innovations: about 1 where the belief explains it."""
         return float(np.square(self._identification.innovations(self._belief, [latest])).mean())
 
-    def _error(self, poses: Floats, plan: NormOptimalPlan | None) -> float:
-        """RMS of what was off in a pass; 1 counts as one."""
-        target = self._target if plan is None or plan.target is None else plan.target
+    def _error(self, poses: Floats) -> float:
+        """RMS of what was off in a pass, from a start off the trajectory in its second half.
+
+        1 counts as one.
+        """
         position, heading = self._law.squared_weights
-        squares = np.square(poses - target) @ [position, position, heading]
+        squares = np.square(poses - self._target) @ [position, position, heading]
+        if not self._is_on_it(np.mean(self._starts, axis=0)):
+            squares = squares[len(squares) // 2 :]
         return float(np.sqrt(squares.mean()))
+
+    def _is_on_it(self, start: Floats) -> bool:
+        """Whether the trajectory begins at a start."""
+        return float(np.abs(start - self._target[0]).max()) <= _ON_IT
 
     def _smoothed(self, each: Pass) -> tuple[Floats, Floats]:
         """The likeliest poses of a pass, and what it did beyond the model, shape (n, 3)."""
@@ -186,7 +190,7 @@ class NormOptimalLearner:
 
     def _way_in(self, motor: Motor, start: Floats) -> WayIn:
         """The trajectory, or from a start off it a way into it."""
-        if float(np.abs(start - self._target[0]).max()) <= _ON_IT:
+        if self._is_on_it(start):
             return WayIn(self._target, settled=True)
         radius = (motor.left_radius + motor.right_radius) / 2
         gains = step_gains(radius, motor.half_track, self._reference.sample_time)
@@ -224,15 +228,12 @@ class NormOptimalLearner:
             self._speed_limit,
             law.squared_weights,
             _FREE,
-            self._inputs,
         )
-        self._inputs = found.inputs
         left, right = found.inputs.T.copy()
         plan = NormOptimalPlan(
             left,
             right,
             found.poses,
-            target=way_in.poses,
             merge_sample=self._merged(found.poses),
             settled=way_in.settled and found.settled,
         )

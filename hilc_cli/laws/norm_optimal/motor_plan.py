@@ -55,7 +55,6 @@ def motor_plan(
     speed_limit: float,
     weights: tuple[float, float],
     free: float,
-    near: Floats | None = None,
 ) -> MotorPlan:
     """Returns the best commands.
 
@@ -72,7 +71,6 @@ def motor_plan(
         speed_limit: b_w [rad/s], finite.
         weights: Of a squared position [m^-2] and heading [rad^-2].
         free: Share of the fastest command by which a command may be off at a cost of one.
-        near: Commands that may be near the best, where the search then begins, shape (n, 2).
     """
     position, heading = weights
     pose_weights = np.array([position, position, heading])
@@ -90,10 +88,6 @@ def motor_plan(
 
     inputs = easy.clip(-speed_limit, speed_limit)
     poses, cost = motion(inputs)
-    if near is not None:
-        reached, there = motion(near)
-        if there < cost:
-            inputs, poses, cost = near, reached, there
     settled = False
     for _ in range(_MOST_STEPS):
         if not math.isfinite(cost):

@@ -7,9 +7,9 @@ planned one, the plant and the regulator linearised along the reference,
              - [a(k+1) - A_k a(k)] - p(k),
 
 d(0) = s - s' - a(0). Dashes are what has come back in each of the iterations before and is
-therefore allowed for, s the start, a what is left of readings that are off the same way each time after
-smoothing, and p what comes of a robot that is identified with an error. The plan itself starts at
-s' + a(0), where it takes the platform to be, and is on the trajectory at sample h.
+therefore allowed for, s the start, a what is left of readings that are off the same way each time
+after smoothing, and p what comes of a robot that is identified with an error. The plan itself
+starts at s' + a(0), where it takes the platform to be, and is on the trajectory at sample h.
 """
 
 from __future__ import annotations
@@ -164,13 +164,15 @@ def _misled(
 ) -> Floats:
     """Returns what is driven otherwise since the robot is identified with an error, (n, 3, seeds).
 
-    Of the first seed nothing.
+    Of the first seed nothing, and without noise of any.
     """
+    given, n = experiment.disturbance, experiment.reference.samples
+    if not (given.state.active or given.output.active):
+        return np.zeros((n, 3, seeds))
     random = np.random.default_rng(4)
     values, vectors = np.linalg.eigh(belief.covariance)
     roots = vectors * np.sqrt(values.clip(min=0.0))
     errors = roots @ random.standard_normal((len(values), seeds))
-    errors[3:] = errors[3:].clip(min=0.0)  # delay, lag and friction are none, and not below
     errors[:, 0] = 0.0
     inputs = np.stack([plan.left, plan.right], axis=1)
     ahead, turn = np.moveaxis(

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor
-from hilc_cli.laws.norm_optimal.motor_identification import Identification, MotorBelief, Pass
 from hilc_cli.plants.motor import Motor as RealMotor
 from tests.laws.norm_optimal.real_robot import IDEAL, STEP, driven, real_robot, wandering
 
