@@ -54,7 +54,7 @@ Delay and lag are hardly told apart where speeds change slowly, nor R and B in a
 
 PRIOR = np.array([0.3, 0.05, 0.5, 0.3, 0.3, 0.5])
 """Standard deviations of the parameters beforehand: shares, seconds, and rad/s of friction."""
-_MEASURED = 0.99  # of the standard error beforehand; what is less sure is not measured
+_MEASURED = 0.4  # of the standard error beforehand; what is less sure is not measured
 _STEP = np.array([1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5])  # of the difference quotients
 _FARTHEST = np.array([1.5, 0.5, 1.5])  # from what was believed, in logarithms
 _MOST = np.array([1.0, 2.0, 10.0])  # delay [s], lag [s], friction [rad/s]
@@ -286,7 +286,7 @@ class Identification:
         # From where it was, and from further up: at a floor there is no slope to leave it by.
         # TNC is free of linear algebra, whose threads would take longer than all the rest.
         starts = [np.log(noise)] if coarsely else [np.log(noise), np.log(noise) + 4.0]
-        most, exact = (20, 1e-3) if coarsely else (80, 1e-7)
+        most, exact = (20, 1e-3) if coarsely else (50, 1e-6)
         found = [
             minimize(
                 cost_and_slope,

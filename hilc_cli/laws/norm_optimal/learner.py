@@ -84,6 +84,7 @@ class NormOptimalLearner:
         motor = Motor(radius, radius, half_track, 0.0, 0.0, 0.0)
         self._belief = MotorBelief.at_first(motor, Noise(*[_VAGUE**2] * 5))
         self._passes: deque[Pass] = deque(maxlen=MEMORY)
+        self._driven: deque[tuple[Floats, Floats]] = deque(maxlen=MEMORY)
         self._starts: deque[Floats] = deque(maxlen=MEMORY)
         self._learned = Learned(self._belief.parameters, np.zeros((reference.samples, 3)))
         self._safeguard = Safeguard(self._learned)
@@ -151,12 +152,13 @@ class NormOptimalLearner:
         if early or self._surprise(latest) > _NEW * self._usual:
             self._belief = self._identification.update(self._belief, passes)
             self._usual = max(self._surprise(latest), 1.0)
-        driven = [self._smoothed(each) for each in passes]
-        self._starts = deque((poses[0] for poses, _ in driven), maxlen=MEMORY)
-        learned = Learned(
-            self._belief.parameters, repeating(np.array([beyond for _, beyond in driven]))
-        )
-        error = self._error(driven[-1][0])
+            self._driven = deque((self._smoothed(each) for each in passes), maxlen=MEMORY)
+        else:
+            self._driven.append(self._smoothed(latest))
+        self._starts = deque((poses[0] for poses, _ in self._driven), maxlen=MEMORY)
+        beside = repeating(np.array([beyond for _, beyond in self._driven]))
+        learned = Learned(self._belief.parameters, beside)
+        error = self._error(self._driven[-1][0])
         self._learned, went_back = self._safeguard.next(error, learned)
         return misfits(self._identification.innovations(self._belief, passes)), went_back
 
