@@ -11,6 +11,7 @@ from pydantic import Field
 
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.laws.law import Law
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.yaml_input.model import Located, Model
@@ -34,11 +35,13 @@ class Setting:
 
     Attributes:
         reference: The trajectory.
-        model: The platform as the controller believes it to be.
+        model: The platform as the controller believes it to be; its wheel radius is the mean.
         initial_error: Start of the reference less the initial pose [m, m, rad].
         initial_bound: Bound of the initial pose's disturbance, likewise.
         lead: Share of a sample's turn after which its way is gone: 0 as Eq. 8 has it, 0.5 on an
             arc between two samples.
+        drivetrain: Wheels, motors and tyres as the controller believes them to be; None where
+            equal wheels do at once what they are told and never slip.
     """
 
     reference: Reference
@@ -46,6 +49,7 @@ class Setting:
     initial_error: Triple
     initial_bound: Triple
     lead: float = 0.0
+    drivetrain: Drivetrain | None = None
 
     def has_initial_error(self, tolerance: float) -> bool:
         """Whether a run starts off the reference, so that a law may meet that.
