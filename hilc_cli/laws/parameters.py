@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
 from pydantic import Field
 
 from hilc_cli.disturbance.streams import Triple
+from hilc_cli.laws.arriving import ArrivingLaw
 from hilc_cli.laws.law import Law
 from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import Robot
@@ -115,11 +116,27 @@ class Controller(Model):
 
     @abstractmethod
     def law_for(self, setting: Setting) -> Law:
-        """The law for the engines.
+        """The law by itself.
 
         Raises:
             ValueError: A number that follows from the parameters is not finite.
         """
+
+    @property
+    def knows_drivetrains(self) -> bool:
+        """Whether the law makes use of `Setting.drivetrain` by itself."""
+        return False
+
+    def law_on(self, setting: Setting) -> Law:
+        """The law for the engines, behind the wheels, motors and tyres that are believed in.
+
+        Raises:
+            ValueError: As for `law_for`.
+        """
+        law = self.law_for(setting)
+        if setting.drivetrain is None or self.knows_drivetrains:
+            return law
+        return ArrivingLaw(law, setting.model, setting.drivetrain, setting.lead)
 
     @property
     def called(self) -> str:

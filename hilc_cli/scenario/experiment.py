@@ -17,7 +17,7 @@ from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.registry import OWN as PLANTS
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import BELIEVED, MODEL, TRUE
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
@@ -94,13 +94,13 @@ class Scenario:
 
     def experiment(self) -> Experiment:
         """The scenario with every number resolved."""
-        spec = self.spec
-        reference = spec.reference
-        left, right = self._first_input(reference)
+        spec, setting = self.spec, self.setting
+        reference = setting.reference
+        left, right = self._first_input(setting)
         return Experiment(
             reference=reference,
             plant=spec.robot.as_plant(),
-            law=spec.controller.law_for(self.setting),
+            law=spec.controller.law_on(setting),
             initial_pose=spec.start_pose,
             initial_left=left,
             initial_right=right,
@@ -127,11 +127,15 @@ class Scenario:
             spec.model.drivetrain(robot),
         )
 
-    def _first_input(self, reference: Reference) -> tuple[Floats, Floats]:
+    def _first_input(self, setting: Setting) -> tuple[Floats, Floats]:
+        reference, model, drivetrain = setting.reference, setting.model, setting.drivetrain
         if self.initial_input is not None:
             return self.initial_input
         if self.spec.initial_input == "feedforward":
-            return feedforward(reference, self.spec.model.model(self.spec.robot.robot()))
+            wheels = feedforward(reference, model)
+            if drivetrain is None:
+                return wheels
+            return drivetrain.sent_for(*wheels, model.wheel_radius, reference.sample_time)
         nothing = _nothing(reference.samples)
         return nothing, nothing
 
