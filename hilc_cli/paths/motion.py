@@ -12,7 +12,6 @@ from hilc_cli.plants.kinematic import Robot, step_gains
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.theory.feasibility.demand import Demand
 
-_ROUNDING = 16 * float(np.finfo(np.float64).eps)  # of the difference of two positions
 _ON_THE_SPOT = 1e-3  # of the path's size: an arc of a smaller radius is a way to turn in place
 _STRAIGHT = 1e-9  # curvature by that of a circle of the path's size: what bends less does not
 _CONTINUOUS = 2.0  # times the change from step to step beside it, a curvature may change by
@@ -65,9 +64,8 @@ def motion_of(reference: Reference, demand: Demand, robot: Robot) -> Motion:
     """
     _, turn_gain = step_gains(robot.wheel_radius, robot.signed_half_track, reference.sample_time)
     left, right = demand.wheels
-    chord, turn = reference.steps, turn_gain * (left - right) + 0.0  # of zeros none is negative
-    farthest = float(max(np.abs(reference.x).max(), np.abs(reference.y).max()))
-    chord = np.where(np.abs(chord) > _ROUNDING * farthest, chord, 0.0)
+    turn = turn_gain * (left - right) + 0.0  # of zeros none is negative
+    chord = np.where(reference.directions != 0, reference.steps, 0.0)
     # A chord is shorter than its arc by the sine of half the turn; beyond half a turn it is no arc.
     arc = chord / np.where(np.abs(turn) < np.pi, np.sinc(turn / (2 * np.pi)), 1.0)
     moves = np.abs(arc) > _ON_THE_SPOT * reference.size * np.abs(turn)

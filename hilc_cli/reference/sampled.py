@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+_ROUNDING = 16 * float(np.finfo(np.float64).eps)  # of the difference of two positions
+
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Reference:
@@ -57,6 +59,13 @@ class Reference:
         x, y, heading = np.diff(self.x), np.diff(self.y), self.heading[:-1]
         chord: Floats = np.hypot(x, y)
         return np.where(np.cos(heading) * x + np.sin(heading) * y < 0, -chord, chord)
+
+    @property
+    def directions(self) -> Floats:
+        """Which way each step is driven, shape (n,): 1, backward -1, where it stands or turns 0."""
+        farthest = max(np.abs(self.x).max(), np.abs(self.y).max())
+        steps = self.steps
+        return np.where(np.abs(steps) > _ROUNDING * farthest, np.sign(steps), 0.0)
 
     @property
     def times(self) -> Floats:
