@@ -12,7 +12,7 @@ import numpy as np
 
 from hilc_cli.errors import UsageError
 from hilc_cli.logs.bags import Bag, Topic, checksum_of, opened_bag, shown
-from hilc_cli.logs.cleaning import clean_poses, in_order
+from hilc_cli.logs.cleaning import clean_poses, halfway, in_order
 from hilc_cli.logs.log import Log, Poses, Twists, WheelSpeeds
 from hilc_cli.logs.messages import (
     COMMANDS,
@@ -104,7 +104,7 @@ def read_bag(path: Path, options: ReadOptions) -> Log:
     commands, command_clock = _commands(path, command, found, notes)
     measured = None
     if wheels is not None and len(found[wheels.name]):
-        series, more = _wheel_speeds(path, wheels, found[wheels.name])
+        series, more = _wheel_speeds(path, wheels, found[wheels.name], measured=True)
         measured = series
         notes += more
     one_clock = command is None or abs(pose_clock - command_clock) < _APART
@@ -336,7 +336,7 @@ def _commands(
         return None, 0.0
     series = found[topic.name]
     if topic.type == JOINT_STATE:
-        speeds, more = _wheel_speeds(path, topic, series)
+        speeds, more = _wheel_speeds(path, topic, series, measured=False)
         notes += more
         return speeds, series.clock
     speed, yaw_rate = series.columns(2)
@@ -350,7 +350,9 @@ def _commands(
     return Twists(times, speed, yaw_rate, shown(topic.name)), series.clock
 
 
-def _wheel_speeds(path: Path, topic: Topic, series: _Series) -> tuple[WheelSpeeds, list[str]]:
+def _wheel_speeds(
+    path: Path, topic: Topic, series: _Series, *, measured: bool
+) -> tuple[WheelSpeeds, list[str]]:
     """Speeds of both wheels on a topic of joints, from their angles where it has no speeds."""
     left, right, left_angle, right_angle = series.columns(4)
     notes = [f"{counted(len(series), 'reading')} of {shown(topic.name)}"]
@@ -368,6 +370,9 @@ def _wheel_speeds(path: Path, topic: Topic, series: _Series) -> tuple[WheelSpeed
         left, right = (np.diff(each) / np.diff(times) for each in (left_angle, right_angle))
         times = times[:-1]
         notes += [*more, f"{shown(topic.name)} has no speeds; made from its angles"]
+        return WheelSpeeds(times, left, right, shown(topic.name)), notes
     _check_numbers(path, topic.name, left, right)
     (times, left, right), more = in_order(times, left, right, what="reading")
+    if measured:
+        times = halfway(times)
     return WheelSpeeds(times, left, right, shown(topic.name)), [*notes, *more]
