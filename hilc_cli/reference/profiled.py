@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.reference.corners import Part
+from hilc_cli.reference.lap_ends import fastest_lap_ends
 from hilc_cli.reference.placed import MAX_SAMPLES, Placed
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.segments import Backward, Chain, Segment, TurnInPlace
@@ -125,8 +126,8 @@ def profile_of(
         placed: The segments, of which only stops say what time they take; without corners.
         timing: How it is driven.
         sample_time: d_t [s].
-        is_lap: Whether it ends where and as it starts. If it also moves at both ends and nowhere
-            stands still, it is as fast at its end as at its start.
+        is_lap: Whether it ends where and as it starts. If it also moves at both ends, it is as
+            fast at its end as at its start, at rest if it has to stand still there.
 
     Raises:
         TimingError: The limits do not bound it, or it takes too many samples; its stretch is the
@@ -169,8 +170,7 @@ def _ways(segments: Sequence[Segment]) -> list[list[int]]:
     """Numbers of the segments between each two standstills; those in place are alone."""
     ways: list[list[int]] = [[0]]
     for number, (before, segment) in enumerate(pairwise(segments), 1):
-        turns_around = isinstance(before, Backward) != isinstance(segment, Backward)
-        if turns_around or before.length == 0 or segment.length == 0:
+        if not _goes_on(before, segment):
             ways.append([])
         ways[-1].append(number)
     return ways
@@ -193,10 +193,14 @@ def _profiles(
     driven = [number for number in range(len(ways)) if number not in stops]
     stretches = [_stretch([placed[each].segment for each in ways[number]]) for number in driven]
     left = MAX_SAMPLES - sum(stop.samples for stop in stops.values())
-    periodic = is_lap and len(ways) == 1 and (timing.start, timing.end) == ("moving", "moving")
     limits, wheels = timing.limits, timing.wheels
+    begin = timing.start if driven[:1] == [0] else "rest"
+    end = timing.end if driven[-1:] == [len(ways) - 1] else "rest"
+    moves = is_lap and (begin, end) == ("moving", "moving")
+    if moves and len(ways) > 1:
+        begin = end = "rest"  # unless the last way goes on as the first
     try:
-        if periodic and stretches:
+        if moves and len(ways) == 1:
             found = [
                 fastest_profile(
                     stretches[0], limits, wheels, sample_time, max_samples=left, periodic=True
@@ -204,19 +208,24 @@ def _profiles(
             ]
         else:
             found = fastest_profiles(
-                stretches,
-                limits,
-                wheels,
-                sample_time,
-                max_samples=left,
-                start="rest" if 0 in stops else timing.start,
-                end="rest" if len(ways) - 1 in stops else timing.end,
+                stretches, limits, wheels, sample_time, max_samples=left, start=begin, end=end
             )
+            if moves and _goes_on(placed[-1].segment, placed[0].segment):
+                left -= sum(each.samples for each in found[1:-1])
+                found[-1], found[0] = fastest_lap_ends(
+                    stretches[-1], stretches[0], limits, wheels, sample_time, max_samples=left
+                )
     except TimingError as error:
         error.stretch = ways[driven[error.stretch]][0]
         raise
     by_number = stops | dict(zip(driven, found, strict=True))
     return [by_number[number] for number in range(len(ways))]
+
+
+def _goes_on(before: Segment, after: Segment) -> bool:
+    """Whether a robot that drives the one segment can go on to the other without a standstill."""
+    same_way = isinstance(before, Backward) == isinstance(after, Backward)
+    return same_way and before.length > 0 and after.length > 0
 
 
 def _is_stop(segment: Segment) -> bool:
