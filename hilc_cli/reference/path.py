@@ -37,6 +37,7 @@ from hilc_cli.reference.segments import (
     nearest_equivalent_angle,
     turn_sign,
 )
+from hilc_cli.reference.smooth_parts import curvature_jumps
 from hilc_cli.reference.splines import CurveError
 from hilc_cli.reference.through_points import Curve, curve_through
 
@@ -181,12 +182,19 @@ class PathBuilder:
         shares, ends = (
             self._by_segments() if profile is None else (profile.shares, list(profile.ends))
         )
-        x, y, heading = (np.empty(ends[-1] + 1) for _ in range(3))
-        for placed, share in zip(self._placed, shares, strict=True):
+        segments = [placed.segment for placed in self._placed]
+        lengths = [segment.length for segment in segments]
+        x, y, heading, positions = (np.empty(ends[-1] + 1) for _ in range(4))
+        begin = 0.0
+        for segment, length, share in zip(segments, lengths, shares, strict=True):
+            part = slice(share.first, share.first + len(share.fractions))
             if len(share.fractions):  # of a short segment there may be none
-                part = slice(share.first, share.first + len(share.fractions))
-                x[part], y[part], heading[part], _ = placed.segment.at(share.fractions)
+                x[part], y[part], heading[part], _ = segment.at(share.fractions)
+            positions[part] = begin + length * share.fractions
+            begin += length
+            positions[part.stop :] = begin
         x[0], y[0], heading[0] = self.start
+        moves = profile is not None and min(profile.speeds[0], profile.speeds[-1]) > 0
         return Reference(
             name,
             self._sample_time,
@@ -194,8 +202,10 @@ class PathBuilder:
             y,
             heading,
             segment_ends=tuple(ends),
-            lengths=tuple(placed.segment.length for placed in self._placed),
+            lengths=tuple(lengths),
             corners=tuple(placed.corner for placed in self._placed),
+            turns=tuple(end_of(segment)[2] - segment.start_heading for segment in segments),
+            jumps=curvature_jumps(segments, positions, is_lap=moves and self._is_lap()),
         )
 
     def _by_segments(self) -> tuple[Sequence[Share], list[int]]:
