@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from hilc_cli.theory.feasibility.demand import SegmentDemand
 
 _MOST_JUMPS = 24  # in the table
+_BOUND = {"joint": "jumps of the curvature"}  # where a limit is called otherwise than its key
 _CLOSED = 1e-9  # [m] between the ends of a closed path, beside the size of its coordinates
 
 
@@ -190,8 +191,11 @@ def _rows(path: ShownPath) -> list[tuple[str, str]]:
     closed = gap <= _CLOSED * max(1.0, size)
     end = "ends where it starts" if closed else f"ends {gap:.4g} m from its start"
     width, height = (float(np.ptp(values)) for values in (reference.x, reference.y))
+    place = f"{_extent(width)} by {_extent(height)} m, {end}"
+    if not motion.distance[-1]:
+        place = f"on the spot, at ({reference.x[0]:.6g}, {reference.y[0]:.6g})"
     rows = [
-        ("Path", f"{_extent(width)} by {_extent(height)} m, {end}"),
+        ("Path", place),
         ("Samples", f"{demand.samples} of {demand.sample_time:g} s"),
     ]
     if path.feasibility is not None:
@@ -201,14 +205,16 @@ def _rows(path: ShownPath) -> list[tuple[str, str]]:
     rows.append(("Turn", _turn_text(_turn(path))))
     fastest = _most(demand.segments, lambda segment: segment.speed)
     mean = demand.length / demand.duration
-    rows.append(
-        ("Speed", f"up to {fastest.speed:.4g} m/s in {fastest.name}, {mean:.4g} on average")
-    )
+    if fastest.speed:
+        most = f"up to {fastest.speed:.4g} m/s in {fastest.name}"
+        rows.append(("Speed", f"{most}, {mean:.4g} on average"))
     if path.profile is not None:
         bound = ", ".join(
-            f"{name.replace('_', ' ')} {share:.0%}" for name, share in _bound(path).items()
+            f"{_BOUND.get(name, name.replace('_', ' '))} {share:.0%}"
+            for name, share in _bound(path).items()
         )
-        rows.append(("Profile", f"{path.profile.fastest:.4g} s at least; bound by {bound}"))
+        least = f"{path.profile.fastest:.4g} s at least"
+        rows.append(("Profile", f"{least}; bound by {bound}" if bound else least))
     rows += _other_ways(path)
     turning = _most(demand.segments, lambda segment: abs(segment.yaw_rate))
     if turning.yaw_rate:

@@ -71,11 +71,17 @@ class ShownPath:
         return wrapped(self.headline, *told, *([f"and {more} more"] if more else []))
 
     @property
+    def title(self) -> str:
+        """The name of the scenario, and of its trajectory if that is another one."""
+        names = dict.fromkeys([self.name, self.reference.name])
+        return ": ".join(names)
+
+    @property
     def headline(self) -> str:
         """What it is, in a few words."""
         demand = self.demand
         size = f"{demand.length:.4g} m in {demand.duration:.4g} s"
-        return f"{self.name}: {size}, {counted(len(demand.segments), 'segment')}"
+        return f"{self.title}: {size}, {counted(len(demand.segments), 'segment')}"
 
     def csv(self) -> str:
         """The sampled path as CSV, a row per sample.
@@ -167,12 +173,13 @@ def show(
     if isinstance(source, TrajectorySpec):
         reference, profile = source.reference(), source.profile()
         shown = show_reference(source.name, reference, source.segment_names, profile)
-        warnings = [*shown.warnings, *_without_wheels(source)]
+        warnings = [*source.warnings(), *shown.warnings, *_without_wheels(source)]
         return replace(shown, warnings=tuple(warnings))
     feasibility, spec = source.feasibility(), source.spec
     reference = spec.reference
     model = spec.model.model(feasibility.robot)
-    return _shown(source.name, reference, feasibility.demand, feasibility, model, spec.profile)
+    shown = _shown(source.name, reference, feasibility.demand, feasibility, model, spec.profile)
+    return replace(shown, warnings=(*spec.trajectory.warnings(), *shown.warnings))
 
 
 def _without_wheels(spec: TrajectorySpec) -> list[str]:

@@ -62,6 +62,8 @@ HEADING_TOLERANCE = 1e-9  # [rad]
 MOST_TURNING = 10_000.0
 """By which a clothoid may turn [rad]."""
 _SAME_HEADING = 0.01  # [rad]: with less of a corner in between, a lap begins as it ends
+_BACK = math.radians(135)
+"""A corner beyond which a segment is probably meant to be driven the other way."""
 _LAST_PLACES = 8  # so many units in the last place coordinates may be off in any case
 
 Pose = tuple[float, float, float]
@@ -153,6 +155,16 @@ class PathBuilder:
         if self._pose is None:
             return 0.0
         return math.dist(self._pose[:2], self.start[:2])
+
+    def off_the_start(self, index: int) -> float:
+        """How far the first points of a curve lead off the direction in which it starts [rad].
+
+        Args:
+            index: Number of its segment.
+        """
+        segment = self._placed[index].segment
+        heading = segment.start_heading - (math.pi if isinstance(segment, Backward) else 0.0)
+        return math.remainder(self.curves[index].first_heading - heading, 2 * math.pi)
 
     @property
     def slack(self) -> float:
@@ -260,10 +272,13 @@ class PathBuilder:
             return replace(placed, corner=jump), before
         if self._corner_radius is None or before is None:
             remedy = "make them equal or set 'corners: allow'"
+            back = abs(math.remainder(jump, 2 * math.pi)) > _BACK and placed.segment.length > 0
             if self._profiled:
                 remedy = "make them equal, turn in place, or set 'corners: {radius: 20 cm}'"
             if self._corner_radius is not None:
                 remedy = "make start.heading the first one, since there is nothing to round"
+            if back:
+                remedy = f"{_other_way(placed.segment)}, {remedy}"
             start = placed.segment.start_heading
             raise PathError(
                 f"starts with a heading of {start:.9g} rad where the path arrives with "
@@ -403,6 +418,13 @@ class PathBuilder:
                 f"brings the path to {total} samples; the longest path has {MAX_SAMPLES}"
             )
         self._counts[-1], self.samples = samples, total
+
+
+def _other_way(segment: Segment) -> str:
+    """What to do with a segment that leads where the robot comes from."""
+    if isinstance(segment, Backward):
+        return "leave out its 'reverse: true'"
+    return "set 'reverse: true' to drive it backward"
 
 
 def _slack(tolerance: float, *coordinates: float) -> float:
