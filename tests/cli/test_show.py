@@ -385,6 +385,25 @@ segments:
     assert "Time lost" in table[2]
 
 
+def test_corners_within_a_polyline_are_told(hilc: Hilc, write: Write) -> None:
+    corner = """\
+name: hall
+sample_time: 50 ms
+corners: allow
+segments:
+  - path: {points: [[0, 0], [1, 0], [1, 1], [2, 1.5]], through: polyline, speed: 0.1}
+"""
+    write({"path.yaml": corner})
+    told = hilc("show", "path.yaml", "--no-plots").err
+    assert told.startswith(
+        "hilc: warning: trajectory.segments.0.path has 2 corners, the sharpest of 90 deg at its "
+        "point 1, which no robot turns in a sample, however long the path takes; set 'corners: "
+        "{radius: 20 cm}', or take 'through: spline'\n"
+    )
+    rounded = ("--set", "corners={radius: 20 cm}")
+    assert hilc("show", "path.yaml", "--no-plots", *rounded).err == ""
+
+
 OTHER_WAY = "set 'reverse: true' to drive it backward, give its points in the other order"
 CURVES = [
     (

@@ -74,11 +74,18 @@ def test_curvature_jumps_where_arcs_meet_lines_and_not_where_clothoids_do() -> N
 )
 def test_where_the_robot_stands_no_curvature_jumps(timing: dict[str, float] | None) -> None:
     """A cusp, a stop and a turn in place, with curvature on one side of each."""
-    speed = {"speed": 0.1} if timing is None else {}
+    speed: dict[str, float] = {"speed": 0.1} if timing is None else {}
     arc = {"arc": {"radius": 0.5, "sweep": 1, "turn": "right", **speed}}
     back = {"arc": {"radius": 0.4, "sweep": 1, "turn": "right", "reverse": True, **speed}}
     turn = {"turn": {"angle": 1, **({"rate": 1} if timing is None else {})}}
-    segments = [arc, back, {"stop": {"duration": 1}}, {"line": {"length": 1, **speed}}, turn, arc]
+    segments: list[dict[str, Any]] = [
+        arc,
+        back,
+        {"stop": {"duration": 1}},
+        {"line": {"length": 1, **speed}},
+        turn,
+        arc,
+    ]
     given = {} if timing is None else {"timing": {**timing, "wheel_speed": 5}}
     path = trajectory(*segments, **given)
     if timing is None:
