@@ -142,7 +142,12 @@ class Scenario:
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        found = [*self._implausible(), *self.spec.controller.warnings(self.setting)]
+        trajectory = self.spec.trajectory
+        found = [
+            *self._implausible(),
+            *trajectory.warnings(),
+            *self.spec.controller.warnings(self.setting),
+        ]
         found += [*self._without_learning(), *self._slow_joints(), *self._of_motors()]
         if abs(self.spec.initial_error[2]) > math.pi:
             heading = self.spec.start_pose[2]
