@@ -20,8 +20,8 @@ from hilc_cli.reference.sampled import Floats, Reference
 _IN_HAND = 0.7
 """Bandwidth times dead time: some 40 ms more delay than is known are borne at 0.1 s."""
 _UNKNOWN, _BORNE = 0.04, 1.5
-"""Delay [s] that is borne beside all that is known, even where that is next to nothing; and bandwidth
-times dead time with it, of which pi / 2 is the limit."""
+"""Delay [s] that is borne beside all that is known, even where that is next to nothing; and
+bandwidth times dead time with it, of which pi / 2 is the limit."""
 _FASTEST, _FASTEST_ASIDE = 0.6, 0.3
 """Share of an error ahead that one sample takes away at most; and of one sideways, which is steered
 against by way of the heading."""
