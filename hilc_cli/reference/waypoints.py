@@ -5,16 +5,32 @@ Such a file may come from anybody: what is wrong is told with its line, and noth
 
 from __future__ import annotations
 
+import csv
 import io
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from hilc_cli.errors import UsageError
+from hilc_cli.reference.columns import (
+    HEADERS,
+    HEADING,
+    ITERATION,
+    NANOSECONDS,
+    SPEED,
+    TIME,
+    Column,
+    HeaderError,
+    X,
+    Y,
+    are_columns,
+    columns_of,
+    counted_since_1970,
+)
 from hilc_cli.reference.sampled import Floats
 
 MAX_BYTES = 50_000_000
@@ -22,26 +38,16 @@ MOST_POINTS = 10_000
 """More are not needed for any curve, and a scenario that holds them all can still be read."""
 _MOST_LINES, _LONGEST_LINE = 1_000_000, 10_000
 _FARTHEST = 1e8  # [m], as for all coordinates
-_LATEST = 1e11  # [s]: later times are counted in milli- or nanoseconds
+_LATEST = 1e11  # [s]: later times are counted in something else
+_RANGES = (
+    (X, _FARTHEST, "give metres"),
+    (Y, _FARTHEST, "give metres"),
+    (TIME, _LATEST, "give seconds, or tell its unit in the header, such as t_ms"),
+)
 _UNIT_NORM = 0.01  # by which a quaternion may be off
 
-X, Y, HEADING, SPEED, TIME, ITERATION = "x", "y", "heading", "speed", "t_s", "iteration"
-
-_NAMES: Mapping[str, frozenset[str]] = {
-    role: frozenset(names)
-    for role, *names in (
-        (X, "x", "x_m", "pos_x", "x_pos", "posx", "px", "tx", "ref_x", "x_ref", "easting"),
-        (Y, "y", "y_m", "pos_y", "y_pos", "posy", "py", "ty", "ref_y", "y_ref", "northing"),
-        (HEADING, "heading", "heading_rad", "theta", "yaw", "yaw_rad", "psi", "psi_rad"),
-        (SPEED, "speed", "velocity", "vel", "v", "vx", "speed_mps", "v_mps", "vx_mps"),
-        (TIME, "t", "t_s", "time", "time_s", "timestamp", "stamp", "seconds", "time_sec"),
-        (ITERATION, "iteration"),
-    )
-}
 _TUM = 8  # t x y z qx qy qz qw
-_HEADERS = "x,y (beside them heading, speed and t_s if they are known)"
-_DEGREES = frozenset({"lat", "latitude", "lon", "long", "lng", "longitude"})
-_OTHER_UNIT = re.compile(r"[\[(](mm|cm|km|ft|in|deg)[\])]", re.IGNORECASE)
+_QUATERNION = ("qx", "qy", "qz", "qw")
 _COMMENTS = ("#", "%", "//")
 _FEWEST_NOISY = 50  # of fewer points nobody can tell noise from corners
 _ZIGZAG = -0.3  # correlation of neighbouring turns below which they are noise; of noise alone -2/3
@@ -54,7 +60,9 @@ class Waypoints:
 
     Attributes:
         points: Shape (m, 2) [m].
-        columns: What was read, by hilc's own names.
+        columns: What was read, by hilc's own names and with other units.
+        unread: How many other columns there are.
+        says_unit: Whether the header tells in which unit the points are.
         times: At the points [s], shape (m,), rising; None if the file has none.
         speeds: At the points [m/s], shape (m,); None if the file has none.
         headings: At the points [rad], shape (m,); None if the file has none.
@@ -64,6 +72,8 @@ class Waypoints:
 
     points: Floats
     columns: tuple[str, ...]
+    unread: int = 0
+    says_unit: bool = False
     times: Floats | None = None
     speeds: Floats | None = None
     headings: Floats | None = None
@@ -126,7 +136,7 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
         line_text = raw.strip()
         if line_text.startswith(_COMMENTS):
             told = line_text.lstrip("#/ ")  # a sign of percent may belong to a name
-            if not rows and _is_header(_cells(told, None)):
+            if not rows and are_columns(_names(told)):
                 header = number, told
         elif line_text:
             rows.append((number, line_text))
@@ -135,7 +145,7 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
     if _decimal_commas(rows[0][1]) or _decimal_commas(rows[-1][1]):
         raise _wrong(path, rows[0][0], "has decimal commas; write decimal points")
     cells = _cells(rows[0][1], None)
-    if header is not None and len(_cells(header[1], None)) != len(cells):
+    if header is not None and len(_names(header[1])) not in (len(cells), len(cells) - 1):
         header = None  # a comment that has both words in it
     if header is None and not all(map(_is_number, cells)):
         header = rows.pop(0)
@@ -144,42 +154,40 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
         columns = _without_header(path, rows, separator)
         width = len(_cells(rows[0][1], separator))
     else:
-        names = _cells(header[1], _separator(header[1]))
-        found = _roles(names)
-        if found is None:
-            raise _wrong(path, header[0], _no_columns(names))
-        columns, width = found, len(names)
-    return _table(path, rows, columns, separator, width)
+        names = _names(header[1])
+        try:
+            columns, width = columns_of(names), len(names)
+        except HeaderError as error:
+            raise _wrong(path, header[0], str(error)) from None
+    return _waypoints(path, columns, width, *_rows(path, rows, columns, separator, width))
 
 
-def _table(
+def _rows(
     path: Path,
     rows: Sequence[tuple[int, str]],
-    columns: Mapping[str, int],
+    columns: Sequence[Column],
     separator: str | None,
     width: int,
-) -> Waypoints:
-    """The numbers of the columns that are needed."""
+) -> tuple[Floats, list[int], int]:
+    """The numbers of the columns that are needed, their lines, and how many rows were dropped."""
     values: list[list[float]] = []
     lines: list[int] = []
     dropped = 0
     last: list[float] = []
+    has_iterations = columns[0].role == ITERATION
     for line, text in rows:
         cells = _cells(text, separator)
-        if len(cells) == width + 1 and not cells[-1]:
+        while len(cells) > width and not cells[-1]:
             cells.pop()
         if len(cells) != width:
-            raise _wrong(path, line, f"has {len(cells)} cells where {width} should stand")
-        row = [_number(path, line, name, cells[index]) for name, index in columns.items()]
-        if ITERATION in columns and last and row[0] != last[0]:
+            told = f"has {len(cells)} cells where {width} should stand"
+            raise _wrong(path, line, f"{told}; mend the line, or leave it out")
+        row = [_number(path, line, column.role, cells[column.index]) for column in columns]
+        if has_iterations and last and row[0] != last[0]:
             values, lines, dropped, last = [], [], 0, []
         if row == last:
             dropped += 1
             continue
-        if TIME in columns and last:
-            at = list(columns).index(TIME)
-            if row[at] <= last[at]:
-                raise _wrong(path, line, "has a time that is not after the one before")
         values.append(row)
         lines.append(line)
         last = row
@@ -187,24 +195,66 @@ def _table(
             raise UsageError(
                 f"{path}: has more than {MOST_POINTS} points; take fewer, such as every second one"
             )
-    table = dict(zip(columns, np.array(values).reshape(-1, len(columns)).T, strict=True))
-    if not values or len(values) < 2:
+    if len(values) < 2:
         raise UsageError(f"{path}: has fewer than two points; give at least two lines with x and y")
+    return np.array(values), lines, dropped
+
+
+def _waypoints(
+    path: Path,
+    columns: Sequence[Column],
+    width: int,
+    values: Floats,
+    lines: Sequence[int],
+    dropped: int,
+) -> Waypoints:
+    """Points of the numbers that stand in a file."""
+    columns = [
+        counted_since_1970(column, first)
+        for column, first in zip(columns, values[0].tolist(), strict=True)
+    ]
+    table = {
+        column.role: given / column.per_unit
+        for column, given in zip(columns, values.T, strict=True)
+    }
+    told = {column.role: column.in_words for column in columns}
+    unread = width - len(columns)
     iteration = table.pop(ITERATION, None)
+    if NANOSECONDS in table:
+        rest = table.pop(NANOSECONDS)
+        whole = (table[TIME] == np.floor(table[TIME])).all()
+        if whole and (rest >= 0).all() and (rest < 1).all():
+            table[TIME] = table[TIME] + rest
+            told[TIME] = f"{TIME} from s and ns"
     if "qw" in table:
-        w, x, y, z = (table.pop(name) for name in ("qw", "qx", "qy", "qz"))
+        x, y, z, w = (table.pop(name) for name in _QUATERNION)
         norm = np.sqrt(w * w + x * x + y * y + z * z)
         off = np.flatnonzero(np.abs(norm - 1) > _UNIT_NORM)
         if len(off):
-            told = "has no unit quaternion at its end, as the lines of a TUM file have"
-            raise _wrong(path, lines[int(off[0])], f"{told}; put a header in front: {_HEADERS}")
+            problem = "has no unit quaternion at its end, as the lines of a TUM file have"
+            raise _wrong(path, lines[int(off[0])], f"{problem}; put a header in front: {HEADERS}")
         table[HEADING] = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+        unread = 0
+    for role, most, remedy in _RANGES:
+        beyond = np.flatnonzero(np.abs(table.get(role, np.zeros(1))) > most)
+        if len(beyond):
+            unit = "s" if role == TIME else "m"
+            name = "a time" if role == TIME else f"an {role}"
+            problem = f"has {name} beyond {most:g} {unit}"
+            raise _wrong(path, lines[int(beyond[0])], f"{problem}; {remedy}")
+    if TIME in table:
+        back = np.flatnonzero(np.diff(table[TIME]) <= 0)
+        if len(back):
+            problem = "has a time that is not after the one before"
+            remedy = "sort the lines by time and keep one of each, or take the times out"
+            raise _wrong(path, lines[int(back[0]) + 1], f"{problem}; {remedy}")
     return Waypoints(
         np.stack([table[X], table[Y]], axis=1),
-        tuple(table),
+        tuple(told.get(role, role) for role in table),
+        unread,
+        any(column.unit for column in columns if column.role == X),
         table.get(TIME),
-        # With times they are not needed.
-        table.get(SPEED) if TIME not in table else None,
+        table.get(SPEED),
         table.get(HEADING),
         dropped,
         None if iteration is None else int(iteration[-1]),
@@ -213,26 +263,28 @@ def _table(
 
 def _without_header(
     path: Path, rows: Sequence[tuple[int, str]], separator: str | None
-) -> dict[str, int]:
+) -> list[Column]:
     """What the columns of a file without a header are, where there is no doubt."""
     first = _cells(rows[0][1], separator)
     width = len(first)
     if width == _TUM:
-        return {TIME: 0, X: 1, Y: 2, "qx": 4, "qy": 5, "qz": 6, "qw": 7}
+        quaternion = [Column(name, at) for at, name in enumerate(_QUATERNION, 4)]
+        return [Column(TIME, 0), Column(X, 1), Column(Y, 2), *quaternion]
+    points = [Column(X, 0), Column(Y, 1)]
     if width == 2:
-        return {X: 0, Y: 1}
+        return points
     if width == 3 and not _is_clock([_cells(text, separator)[0] for _, text in rows[:100]]):
         third = [_cells(text, separator)[-1] for _, text in rows]
         if any(_is_number(cell) and float(cell) < 0 for cell in third):
             told = "has a third column with numbers below 0 and no header that tells what they are"
-            raise _wrong(path, rows[0][0], f"{told}; put a header in front: {_HEADERS}")
+            raise _wrong(path, rows[0][0], f"{told}; put a header in front: {HEADERS}")
         is_height = all(_is_number(cell) and float(cell) == 0 for cell in third)
-        return {X: 0, Y: 1} if is_height else {X: 0, Y: 1, SPEED: 2}
+        return points if is_height else [*points, Column(SPEED, 2)]
     raise _wrong(
         path,
         rows[0][0],
         f"has {width} columns and no header that tells what they are; put a header in front: "
-        f"{_HEADERS}",
+        f"{HEADERS}",
     )
 
 
@@ -244,58 +296,25 @@ def _is_clock(cells: Sequence[str]) -> bool:
     return bool(steps.min() > 0 and np.ptp(steps) <= 1e-3 * steps.max())
 
 
-def _is_header(cells: Sequence[str]) -> bool:
-    """Whether a comment tells what the columns are."""
-    return _roles(cells) is not None or sum(_plain(cell) in _DEGREES for cell in cells) == 2
-
-
-def _no_columns(names: Sequence[str]) -> str:
-    """What is wrong with a header, or what stands in its place, that names no columns x and y."""
-    plain = [_plain(name) for name in names]
-    if len(names) == 1 and any(sign in names[0] for sign in "|:/&"):
-        return "is parted neither by commas, semicolons nor white space; save it with commas"
-    if not _DEGREES.isdisjoint(plain):
-        return "names latitude and longitude; give x and y in metres, such as those of UTM"
-    if any(_OTHER_UNIT.search(name) for name in names):
-        return "names a unit that is not metres; give metres"
-    for role in (X, Y):
-        if sum(name in _NAMES[role] for name in plain) > 1:
-            return f"names several columns that may be {role}; keep one of them"
-    return f"names no columns x and y; call them {_HEADERS}"
-
-
-def _roles(names: Sequence[str]) -> dict[str, int] | None:
-    """Columns by what they are, the iteration first; None without x and y, or with one twice."""
-    plain = [_plain(name) for name in names]
-    found: dict[str, int] = {}
-    for role, known in sorted(_NAMES.items(), key=lambda item: item[0] != ITERATION):
-        at = [
-            index
-            for index, name in enumerate(plain)
-            if name in known or (role in (X, Y) and name.endswith(f"_position_{role}"))
-        ]
-        if len(at) > 1 and role in (X, Y):
-            return None
-        if at:
-            found[role] = at[0]
-    return found if X in found and Y in found else None
-
-
-def _plain(name: str) -> str:
-    """A column's name in lower case, without quotes and a unit in brackets."""
-    name = re.sub(r"[\[(](m|rad|s|m/s)[\])]", "", name.strip().strip("\"'").lower())
-    return re.sub(r"[\s./]+", "_", name.strip()).strip("_")
-
-
 def _separator(line: str) -> str | None:
     """What parts the cells of a line; None for white space."""
-    return ";" if ";" in line else "," if "," in line else None
+    return next((sign for sign in ";," if sign in line), None)
+
+
+def _names(header: str) -> list[str]:
+    """The names of columns in a header; those in white space may have blanks between tabs."""
+    header = re.sub(r"\s+(?=[\[(])", "", header)  # a unit belongs to its name
+    return _cells(header, _separator(header) or ("\t" if "\t" in header else None))
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
     """The cells of a line; without a separator by what the line has."""
     separator = separator or _separator(line)
-    return [cell.strip().strip("\"'") for cell in line.split(separator)]
+    if separator is None:
+        cells: Iterator[str] = iter(line.split())
+    else:
+        cells = iter(next(csv.reader([line], delimiter=separator, skipinitialspace=True)))
+    return [cell.strip().strip("\"'") for cell in cells]
 
 
 def _decimal_commas(line: str) -> bool:
@@ -316,14 +335,12 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
     if re.fullmatch(r"[-+]?\d+,\d+", cell):
         raise _wrong(path, line, "has decimal commas; write decimal points")
     if not _is_number(cell) or "_" in cell:
-        raise _wrong(path, line, f"holds something that is no number where {name} should stand")
+        told = f"holds something that is no number where {name} should stand"
+        raise _wrong(path, line, f"{told}; mend the line, or leave it out")
     number = float(cell)
     if not math.isfinite(number):
-        raise _wrong(path, line, f"has a number that is not finite where {name} should stand")
-    if name in (X, Y) and abs(number) > _FARTHEST:
-        raise _wrong(path, line, f"has an {name} beyond {_FARTHEST:g} m; give metres")
-    if name == TIME and abs(number) > _LATEST:
-        raise _wrong(path, line, f"has a time beyond {_LATEST:g} s; give seconds")
+        told = f"has a number that is not finite where {name} should stand"
+        raise _wrong(path, line, f"{told}; mend the line, or leave it out")
     if name == SPEED and not 0 <= number <= _FARTHEST:
         told = "has a speed that is below 0 or too high; say that it drives backward"
         raise _wrong(path, line, f"{told} by 'reverse: true'")

@@ -369,19 +369,30 @@ def test_wrong_path_is_explained(write: Write, folder: Path, case: str) -> None:
 FILES: dict[str, tuple[str | bytes, str]] = {
     "degrees": (
         "lat,lon\n48.1,11.5\n48.2,11.5\n",
-        "track.csv:1: names latitude and longitude; give x and y in metres, such as those of UTM",
+        "track.csv:1: names latitude and longitude; project them to metres first, such as to UTM",
     ),
-    "millimetres": ("x [mm],y [mm]\n1,2\n3,4\n", "track.csv:1: names a unit that is not metres; give metres"),
+    "furlongs": (
+        "x [fur],y [fur]\n1,2\n3,4\n",
+        "track.csv:1: names a unit of x that is not known; give m, cm, mm, km, ft or in",
+    ),
+    "knots": (
+        "x;y;speed (kn)\n1;2;3\n3;4;5\n",
+        "track.csv:1: names a unit of speed that is not known; give m/s, cm/s, mm/s, km/h or mph",
+    ),
+    "jiffies": (
+        "# time [jiffies], x, y\n1,2,3\n3,4,5\n",
+        "track.csv:1: names a unit of t_s that is not known; give s, ms, us, ns or min",
+    ),
     "decimal commas": ("x;y\n1,5;2,5\n3,5;4,5\n", "track.csv:1: has decimal commas; write decimal points"),
     "one point": ("x,y\n1,2\n", "track.csv: has fewer than two points; give at least two lines with x and y"),
     "the same point": ("1 2\n1 2\n", "track.csv: has fewer than two points; give at least two lines with x and y"),
-    "not a number": ("x,y\n0,0\nnan,1\n", "track.csv:3: has a number that is not finite where x should stand"),
+    "not a number": ("x,y\n0,0\nnan,1\n", "track.csv:3: has a number that is not finite where x should stand; mend the line, or leave it out"),
     "bars": (
         "x|y\n1|2\n3|4\n",
         "track.csv:1: is parted neither by commas, semicolons nor white space; save it with commas",
     ),
     "two x": ("x,y,x\n1,2,3\n", "track.csv:1: names several columns that may be x; keep one of them"),
-    "back in time": ("t,x,y\n0,0,0\n2,1,0\n1,2,0\n", "track.csv:4: has a time that is not after the one before"),
+    "back in time": ("t,x,y\n0,0,0\n2,1,0\n1,2,0\n", "track.csv:4: has a time that is not after the one before; sort the lines by time and keep one of each, or take the times out"),
     "backward": (
         "x,y,v\n0,0,-1\n1,0,-1\n",
         "track.csv:2: has a speed that is below 0 or too high; say that it drives backward by 'reverse: true'",
@@ -476,7 +487,7 @@ def test_wrong_path_file_is_told_with_the_rest_and_writes_nothing(
     before = listing(folder)
     message = (
         "path.yaml:4:18: trajectory.segments.0.path.file: track.csv:3: holds something that is no "
-        "number where y should stand\n"
+        "number where y should stand; mend the line, or leave it out\n"
         "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got -1; give a number above 0, "
         "such as 0.2 or 20 cm\n"
     )
