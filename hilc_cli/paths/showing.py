@@ -166,13 +166,14 @@ def show(
         return replace(show(loaded), notes=notes)
     if isinstance(source, TrajectorySpec):
         shown = show_reference(source.name, source.reference(), source.segment_names)
-        warnings = [*shown.warnings, *_without_wheels(source)]
+        warnings = [*shown.warnings, *source.warnings(), *_without_wheels(source)]
         return replace(shown, warnings=tuple(warnings), profile=source.profile())
     feasibility, spec = source.feasibility(), source.spec
     reference = spec.reference
     model = spec.model.model(feasibility.robot)
     shown = _shown(source.name, reference, feasibility.demand, feasibility, model)
-    return replace(shown, profile=spec.profile)
+    warnings = [*shown.warnings, *spec.trajectory.warnings()]
+    return replace(shown, warnings=tuple(warnings), profile=spec.profile)
 
 
 def _without_wheels(spec: TrajectorySpec) -> list[str]:

@@ -63,6 +63,7 @@ class Waypoints:
         columns: What was read, by hilc's own names and with other units.
         unread: How many other columns there are.
         says_unit: Whether the header tells in which unit the points are.
+        says_clock: The same of the times.
         times: At the points [s], shape (m,), rising; None if the file has none.
         speeds: At the points [m/s], shape (m,); None if the file has none.
         headings: At the points [rad], shape (m,); None if the file has none.
@@ -74,6 +75,7 @@ class Waypoints:
     columns: tuple[str, ...]
     unread: int = 0
     says_unit: bool = False
+    says_clock: bool = False
     times: Floats | None = None
     speeds: Floats | None = None
     headings: Floats | None = None
@@ -96,6 +98,18 @@ class Waypoints:
         if squares <= _SHARP**2 * len(turns) or turns[:-1] @ turns[1:] > _ZIGZAG * squares:
             return None
         return float(np.sqrt(np.square(np.diff(points, 2, axis=0)).mean() / 6))
+
+    @property
+    def counts_in_whole_units(self) -> bool:
+        """Whether all times are whole numbers of a unit that the file does not tell."""
+        if self.times is None or self.says_clock:
+            return False
+        return bool((self.times == np.round(self.times)).all())
+
+    @property
+    def extent(self) -> float:
+        """The longer side of the box around the points [m]."""
+        return float(np.ptp(self.points, axis=0).max())
 
     @property
     def look_back(self) -> bool:
@@ -253,6 +267,7 @@ def _waypoints(
         tuple(told.get(role, role) for role in table),
         unread,
         any(column.unit for column in columns if column.role == X),
+        any(column.unit for column in columns if column.role == TIME),
         table.get(TIME),
         table.get(SPEED),
         table.get(HEADING),

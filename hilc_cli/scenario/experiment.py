@@ -30,6 +30,7 @@ from hilc_cli.yaml_input.nodes import Place
 from hilc_cli.yaml_input.tree import to_yaml
 
 NAMED_INPUTS = ("zero", "feedforward")
+_FAR = 10.0  # times the size of the path, from which no robot comes to it
 _MUCH = 0.1  # of a path's duration, for jumps of its curvature
 INITIAL_INPUT_FILE = "initial-input.csv"
 
@@ -137,7 +138,8 @@ class Scenario:
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        found = [*self._implausible(), *self.spec.controller.warnings(self.setting)]
+        found = [*self._implausible(), *self.spec.trajectory.warnings()]
+        found += [*self._far_away(), *self.spec.controller.warnings(self.setting)]
         found += [*self._without_learning(), *self._slow_joints()]
         if abs(self.spec.initial_error[2]) > math.pi:
             heading = self.spec.start_pose[2]
@@ -158,6 +160,19 @@ class Scenario:
         if spec.initial_pose.heading is not None:
             headings["initial_pose.heading"] = spec.initial_pose.heading
         return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)
+
+    def _far_away(self) -> list[str]:
+        """A start that lies where the path does not, such as at 0 beside points in UTM."""
+        x, y, _ = self.spec.trajectory.start_pose
+        distance = math.hypot(*self.spec.initial_error[:2])
+        demand = self.feasibility().demand
+        size = max(demand.extent, 2 * self.spec.robot.robot().half_track)
+        if distance <= _FAR * size:
+            return []
+        return [
+            f"initial_pose is {distance:.4g} m from the trajectory's start at ({x:.9g}, {y:.9g}), "
+            f"{distance / size:.2g} times the size of the path; give it in the path's coordinates"
+        ]
 
     def _slow_joints(self) -> list[str]:
         """Jumps of the curvature that wheels can follow only nearly at rest."""

@@ -166,7 +166,7 @@ def _scenario(
         _initial_input(spec, tree, inputs),
         dict(inputs.checksums),
         _sweep_places(spec, tree),
-        tuple(path_notes(files, spec.trajectory)),
+        tuple(path_notes(files, spec.trajectory, 2 * spec.robot.robot().half_track)),
     )
 
 

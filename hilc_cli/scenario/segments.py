@@ -47,6 +47,10 @@ ShortLength = Annotated[float, such_as(LengthBound, "0.01 or 1 cm")]
 _BACKWARD = "2 or 2 m/s, and 'reverse: true' to drive backward"
 
 
+_TURNS = {"reverse": "a turn in place goes neither way; give a negative angle to turn right"}
+_STOPS = {"reverse": "a stop goes neither way; leave it out"}
+
+
 class _Shape(Model):
     timed_by: ClassVar[tuple[str, ...]] = ("duration", "speed")
     """Keys that say what time it takes."""
@@ -155,6 +159,7 @@ class TurnSpec(_Shape):
     """A turn in place."""
 
     timed_by = ("duration", "rate")
+    other_names = _TURNS
 
     angle: TurnAngle = Field(description="rad, positive to the left, not 0")
     duration: PositiveTime | None = Field(None, description="s, a whole number of samples")
@@ -178,6 +183,7 @@ class StopSpec(_Shape):
 
     timed_by = ()
     least_timed = 0
+    other_names = _STOPS
 
     duration: PositiveTime = Field(description="s, a whole number of samples")
 
@@ -186,7 +192,7 @@ class StopSpec(_Shape):
         return StopPlan(self.duration)
 
 
-class ClothoidSpec(_Timed):
+class ClothoidSpec(_Reversible):
     """A curve whose curvature changes linearly with its length, along the running heading."""
 
     exactly_one = (("end_curvature", "end_radius"),)
@@ -221,7 +227,9 @@ class ClothoidSpec(_Timed):
         end = self._curvature(self.end_curvature, self.end_radius)
         assert end is not None  # exactly one is given
         start = self._curvature(self.start_curvature, self.start_radius)
-        return ClothoidPlan(self.length, end, start, self.duration, self.speed)
+        return ClothoidPlan(
+            self.length, end, start, self.duration, self.speed, reverse=bool(self.reverse)
+        )
 
     def _curvature(self, curvature: float | None, radius: float | None) -> float | None:
         if radius is None or self.turn is None:

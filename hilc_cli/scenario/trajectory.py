@@ -21,6 +21,7 @@ from hilc_cli.reference.speed_limits import Limits, Wheels
 from hilc_cli.reference.through_points import Curve
 from hilc_cli.reference.timing import End, TimingError
 from hilc_cli.scenario.segments import SegmentSpec
+from hilc_cli.theory.feasibility.plausibility import in_degrees_a_second
 from hilc_cli.wording import near_name
 from hilc_cli.yaml_input.model import Flag, Located, Model, Name, Text, together, wrong, wrong_at
 from hilc_cli.yaml_input.quantities import (
@@ -35,6 +36,8 @@ from hilc_cli.yaml_input.quantities import (
     such_as,
 )
 
+_MUCH_MOVED = 0.01
+"""By so much of a segment's length no coordinate is off that was merely rounded."""
 _MOST_DEGREES = 3600
 """Larger numbers are hardly meant to be degrees."""
 MOST_POINTS = 10_000
@@ -195,6 +198,27 @@ class TrajectorySpec(Model):
     def curves(self) -> Mapping[int, Curve]:
         """Curves through points, by the number of their segment."""
         return self._path.curves
+
+    def warnings(self) -> list[str]:
+        """What of it is legal but probably not meant."""
+        lengths, names = self._path.lengths, self.segment_names
+        rates = {
+            f"trajectory.segments.{index}.turn.rate": segment.turn.rate
+            for index, segment in enumerate(self.segments)
+            if segment.turn is not None and segment.turn.rate is not None
+        }
+        moved = [
+            (f"{names[index]}: its {what}", distance, lengths[index])
+            for index, what, distance in self._path.moved
+        ]
+        if self.closed:
+            moved.append((f"{names[-1]}: its end", self._path.gap(), sum(lengths)))
+        return in_degrees_a_second(rates) + [
+            f"trajectory.{what} is {distance:.3g} m off, {distance / length:.2g} of the length, "
+            "which 'tolerance' allows; give a smaller one to see what does not fit"
+            for what, distance, length in moved
+            if distance > _MUCH_MOVED * length
+        ]
 
     def reference(self, robot: WheelLimits | None = None) -> Reference:
         """The sampled trajectory.

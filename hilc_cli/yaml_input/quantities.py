@@ -62,6 +62,7 @@ _OTHER_UNITS: Mapping[str, str] = {
     **_names("*0.9144 m", "yd", "yard", "yards"),
     **_names("*0.44704 m/s", "mph"),
     **_names("*1000 Hz", "khz"),
+    **_names("*9.80665 m/s^2", "g", "gee"),
     **_names("*360 deg", "turn", "turns", "rev", "revs", "revolution", "revolutions"),
     **_names("*2*pi", "tau"),
     **_names("pi", "\N{GREEK SMALL LETTER PI}"),
@@ -302,6 +303,8 @@ _NAMES = {
     _SPEED: "m/s or km/h",
     _WHEEL_SPEED: "rad/s, deg/s or rpm",
     Unit(length=-1): "1/m",
+    Unit(length=1, time=-2): "m/s^2",
+    Unit(angle=1, time=-2): "rad/s^2",
 }
 
 Coordinate = Annotated[float, Quantity(_LENGTH, "1.5 or 20 cm", least=-1e8, most=1e8)]

@@ -62,7 +62,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "turn-reverse": (
         added("turn: {angle: pi, duration: 1, reverse: true}"),
-        "path.yaml:6:36: trajectory.segments.1.turn.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+        "path.yaml:6:36: trajectory.segments.1.turn.reverse: is an unknown key; a turn in place goes neither way; give a negative angle to turn right",
     ),
     "stop-empty": (
         added("stop: {}"),
@@ -331,11 +331,19 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "stop-reverse": (
         added("stop: {duration: 1, reverse: true}"),
-        "path.yaml:6:25: trajectory.segments.1.stop.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+        "path.yaml:6:25: trajectory.segments.1.stop.reverse: is an unknown key; a stop goes neither way; leave it out",
     ),
     "clothoid-reverse": (
-        added("clothoid: {length: 1, end_curvature: 1, duration: 1, reverse: true}"),
-        "path.yaml:6:58: trajectory.segments.1.clothoid.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+        added("clothoid: {length: 1, end_curvature: 1, duration: 1, reverse: back}"),
+        "path.yaml:6:67: trajectory.segments.1.clothoid.reverse: must be true or false, got 'back'; give true or false",
+    ),
+    "timing-g": (
+        only("spline: {points: [[0, 0], [1, 0]]}", "timing: {speed: 1, acceleration: 0.1 g}\n"),
+        "path.yaml:5:34: trajectory.timing.acceleration: has the unknown unit 'g', got '0.1 g'; did you mean '0.1*9.80665 m/s^2'?",
+    ),
+    "timing-gravity": (
+        only("spline: {points: [[0, 0], [1, 0]]}", "timing: {speed: 1, acceleration: 3 Gal}\n"),
+        "path.yaml:5:34: trajectory.timing.acceleration: has the unknown unit 'Gal', got '3 Gal'; give it in m/s^2",
     ),
     "points-back": (
         only("path: {points: [[0, 0], [1, 0], [2, 0]], times: [0, 2, 1]}"),
@@ -440,6 +448,10 @@ def test_points_in_the_place_of_the_scenario_are_told_where_they_belong(
     ("segment", "message"),
     [
         (
+            "turn: {angle: pi, rate: 45}",
+            "trajectory.segments.1.turn.rate is 45 rad/s, which is 7.16 turns a second; 45 deg/s?",
+        ),
+        (
             "turn: {angle: 90, duration: 1}",
             "trajectory.segments.1.turn.angle is 90 rad, which is 14.3 turns; 90 deg?",
         ),
@@ -452,6 +464,119 @@ def test_points_in_the_place_of_the_scenario_are_told_where_they_belong(
 def test_degrees_without_their_unit_are_warned_of(write: Write, segment: str, message: str) -> None:
     write({"path.yaml": added(segment)})
     assert load_scenario("scenario.yaml").warnings() == [message]
+
+
+def test_angle_of_a_clothoid_is_not_told_to_be_a_sweep(write: Write) -> None:
+    write({"path.yaml": added("clothoid: {length: 2, end_curvature: 10, duration: 20}")})
+    assert load_scenario("scenario.yaml").warnings() == []
+
+
+@pytest.mark.parametrize(
+    ("segment", "more", "message"),
+    [
+        (
+            "line: {to: [4, 1.5], duration: 3}",
+            "tolerance: 2 m\n",
+            "trajectory.segments.1.line: its end is 1.54 m off, 0.46 of the length, which "
+            "'tolerance' allows; give a smaller one to see what does not fit",
+        ),
+        (
+            "arc: {center: [1, 1.1], radius: 1, sweep: pi, turn: left, duration: 3}",
+            "tolerance: 20 cm\n",
+            "trajectory.segments.1.arc: its centre is 0.1 m off, 0.032 of the length, which "
+            "'tolerance' allows; give a smaller one to see what does not fit",
+        ),
+        (
+            "spline: {points: [[1.5, 0], [2, 0], [3, 1]], duration: 3}",
+            "tolerance: 1 m\n",
+            "trajectory.segments.1.spline: its first point is 0.5 m off, 0.2 of the length, which "
+            "'tolerance' allows; give a smaller one to see what does not fit",
+        ),
+        (
+            "arc: {radius: 1, sweep: pi, turn: left, duration: 3}",
+            "tolerance: 3 m\nclosed: true\n",
+            "trajectory.segments.1.arc: its end is 2.24 m off, 0.54 of the length, which "
+            "'tolerance' allows; give a smaller one to see what does not fit",
+        ),
+        ("line: {to: [2, 0.001], duration: 1}", "tolerance: 1 cm\n", ""),
+    ],
+)
+def test_points_that_a_tolerance_moves_far_are_told(
+    write: Write, segment: str, more: str, message: str
+) -> None:
+    write({"path.yaml": added(segment, more)})
+    told = [text for text in load_scenario("scenario.yaml").warnings() if "tolerance" in text]
+    assert told == ([message] if message else [])
+
+
+def test_start_beside_a_path_in_utm_is_told(write: Write) -> None:
+    points = "x;y\n500000;5400000\n500010;5400003\n500012;5400012\n"
+    at_zero = "iterations: 2\ninitial_pose: {x: 0, y: 5 cm}"
+    write(
+        {
+            "scenario.yaml": scenario("iterations: 2", at_zero),
+            "path.yaml": only("path: {file: track.csv, speed: 1}"),
+            "track.csv": points,
+        }
+    )
+    (told,) = [text for text in load_scenario("scenario.yaml").warnings() if "initial_pose" in text]
+    assert told == (
+        "initial_pose is 5.423e+06 m from the trajectory's start at (500000, 5400000), 4.5e+05 "
+        "times the size of the path; give it in the path's coordinates"
+    )
+
+
+UNITS: dict[str, tuple[str, str]] = {
+    "millimetres": (
+        "x,y\n0,0\n1500,200\n2800,900\n",
+        "3 points (x, y), no duplicates, not closed, spans 2800 m (millimetres or centimetres? "
+        "call them x_mm,y_mm or x_cm,y_cm)",
+    ),
+    "parts of millimetres": (
+        "x,y\n0,0\n1500.5,200\n2800,900\n",
+        "3 points (x, y), no duplicates, not closed, spans 2800 m (millimetres or centimetres? "
+        "call them x_mm,y_mm or x_cm,y_cm)",
+    ),
+    "metres that are told": (
+        "x_m,y_m\n0,0\n1500,200\n2800,900\n",
+        "3 points (x, y), no duplicates, not closed",
+    ),
+    "millimetres that are told": (
+        "x_mm,y_mm,z_mm\n0,0,1\n1500,200,1\n2800,900,1\n",
+        "3 points (x from mm, y from mm of 3 columns), no duplicates, not closed",
+    ),
+    "everything": (
+        "x;y;yaw_deg;v_kmh\n0;0;3;1\n1;0;4;1\n2;0.3;9;1\n",
+        "3 points (x, y, heading from deg, speed from km/h), no duplicates, not closed",
+    ),
+    "milliseconds": (
+        "t;x;y\n0;0;0\n100;1;0\n200;1.5;0.2\n",
+        "3 points (x, y, t_s), no duplicates, not closed, takes 200 s (milliseconds? call them t_ms)",
+    ),
+    "milliseconds that are told": (
+        "t_ms;x;y\n0;0;0\n100;1;0\n200;1.5;0.2\n",
+        "3 points (x, y, t_s from ms), no duplicates, not closed",
+    ),
+    "a clock in two": (
+        "sec,nanosec,x,y\n17,900000000,0,0\n18,400000000,1,0\n",
+        "2 points (x, y, t_s from s and ns), no duplicates, not closed",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", UNITS)
+def test_units_are_told_or_asked_about(write: Write, case: str) -> None:
+    content, told = UNITS[case]
+    robot = "wheel_radius: 0.2, half_track: 0.4"
+    write(
+        {
+            "scenario.yaml": scenario("wheel_radius: 0.2, half_track: 0.5", robot),
+            "path.yaml": only("path: {file: track.csv, duration: 10}"),
+            "track.csv": content,
+        }
+    )
+    (note,) = load_scenario("scenario.yaml").notes
+    assert note == f"trajectory.segments.0.path: track.csv: {told}"
 
 
 def test_points_in_degrees_are_told_with_their_file(write: Write) -> None:
