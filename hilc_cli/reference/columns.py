@@ -133,7 +133,9 @@ _OF_PLACES = _words(
     "pose position ref transform translation utm waypoint world wp"
 )
 _OWNERS = _words("position translation")
-_OF_SIGNALS = _words("field pose ref target twist desired vehicle car robot ego")
+_OF_SIGNALS = _words(
+    "field orientation rotation pose ref target twist desired vehicle car robot ego"
+)
 _OF_CLOCKS = _words("elapsed epoch field header log msg ros rosbag sim stamp system unix")
 _ROLES: Mapping[str, _Role] = {
     ITERATION: _Role(_words("iteration"), frozenset(), frozenset(), {}),
@@ -168,6 +170,7 @@ _ROLES: Mapping[str, _Role] = {
     ),
 }
 _SURELY_METRES = _words("easting northing rechtswert hochwert utm_e utm_n")
+_BRACKETS = ("[", "{", "(", "<")
 _DEGREES = _words("lat latitude lon long lng longitude")
 _SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
 
@@ -219,6 +222,12 @@ def are_columns(names: Sequence[str]) -> bool:
     return True
 
 
+def is_unit(cell: str) -> bool:
+    """Whether a cell holds the name of a unit, or nothing in its place."""
+    unit = re.sub(r"[\s/_*.\[\]()-]", "", cell.translate(_SIGNS).lower())
+    return not unit or any(unit in kind.units for kind in _ROLES.values())
+
+
 def counted_since_1970(column: Column, first: float) -> Column:
     """A column of times that does not tell its unit, with the one that its first time tells."""
     if column.role != TIME or column.unit:
@@ -234,10 +243,13 @@ def _columns(role: str, kind: _Role, names: Sequence[str]) -> Iterator[tuple[int
     for index, name in enumerate(names):
         words, bracket = _parts(name)
         for count in range(len(words), -1, -1):
-            suffix, stem = "".join(words[count:]), "_".join(words[:count])
+            stemmed, suffix = words[:count], "".join(words[count:])
             if suffix and suffix not in kind.units:
                 continue
-            rank = kind.rank(words[:count])
+            if suffix and stemmed[-1:] == ["in"]:
+                stemmed = stemmed[:-1]
+            stem = "_".join(stemmed)
+            rank = kind.rank(stemmed)
             if rank is None and role == TIME and suffix in _CLOCKS and not stem:
                 rank = 0
             if rank is not None:
@@ -259,6 +271,8 @@ def _clock(time: Column, others: Sequence[Column]) -> dict[str, Column]:
 
 def _none(names: Sequence[str]) -> str:
     """What is wrong with a header, or what stands in its place, that names no columns x and y."""
+    if names[0][:1] in _BRACKETS:
+        return f"begins with a bracket, as no CSV does; save it as one with the header {HEADERS}"
     if len(names) == 1 and any(sign in names[0] for sign in "|:/&"):
         return "is parted neither by commas, semicolons nor white space; save it with commas"
     if _are_degrees(names):

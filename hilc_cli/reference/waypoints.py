@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,7 @@ from hilc_cli.reference.columns import (
     are_columns,
     columns_of,
     counted_since_1970,
+    is_unit,
 )
 from hilc_cli.reference.sampled import Floats
 
@@ -39,6 +41,7 @@ MOST_POINTS = 10_000
 _MOST_LINES, _LONGEST_LINE = 1_000_000, 10_000
 _FARTHEST = 1e8  # [m], as for all coordinates
 _LATEST = 1e11  # [s]: later times are counted in something else
+_LONGEST = 1e6  # [s]: so are those of a longer path
 _RANGES = (
     (X, _FARTHEST, "give metres"),
     (Y, _FARTHEST, "give metres"),
@@ -48,6 +51,7 @@ _UNIT_NORM = 0.01  # by which a quaternion may be off
 
 _TUM = 8  # t x y z qx qy qz qw
 _QUATERNION = ("qx", "qy", "qz", "qw")
+_MEND = "mend the line, or leave it out"
 _COMMENTS = ("#", "%", "//")
 _FEWEST_NOISY = 50  # of fewer points nobody can tell noise from corners
 _ZIGZAG = -0.3  # correlation of neighbouring turns below which they are noise; of noise alone -2/3
@@ -142,18 +146,20 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
         raise _wrong(path, line, "is not UTF-8 text; save it as CSV in UTF-8") from None
     header: tuple[int, str] | None = None
     rows: list[tuple[int, str]] = []
-    for number, raw in enumerate(io.StringIO(text), 1):
+    for number, raw in enumerate(io.StringIO(text, newline=None), 1):
         if number > _MOST_LINES:
             raise UsageError(f"{path}: has more than {_MOST_LINES} lines; take fewer points")
         if len(raw) > _LONGEST_LINE:
             raise _wrong(path, number, f"has a line of {len(raw)} characters; give a CSV file")
         line_text = raw.strip()
+        if number == 1 and re.fullmatch(r"sep=.", line_text):
+            continue  # said to Excel
         if line_text.startswith(_COMMENTS):
             told = line_text.lstrip("#/ ")  # a sign of percent may belong to a name
             if not rows and are_columns(_names(told)):
                 header = number, told
         elif line_text:
-            rows.append((number, line_text))
+            rows.append((number, raw.strip("\n")))  # a tab in front stands for an empty cell
     if not rows:
         raise UsageError(f"{path}: has no points; give at least two lines with x and y")
     if _decimal_commas(rows[0][1]) or _decimal_commas(rows[-1][1]):
@@ -163,12 +169,17 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
         header = None  # a comment that has both words in it
     if header is None and not all(map(_is_number, cells)):
         header = rows.pop(0)
-    separator = _separator(rows[0][1]) if rows else None
     if header is None:
+        separator = _separator(rows[0][1])
         columns = _without_header(path, rows, separator)
         width = len(_cells(rows[0][1], separator))
     else:
         names = _names(header[1])
+        below = _cells(rows[0][1], _separator_below(header[1], rows)) if rows else []
+        if any(below) and all(map(is_unit, below)):
+            names = _with_units(names, below)
+            rows.pop(0)
+        separator = _separator_below(header[1], rows)
         try:
             columns, width = columns_of(names), len(names)
         except HeaderError as error:
@@ -195,7 +206,7 @@ def _rows(
             cells.pop()
         if len(cells) != width:
             told = f"has {len(cells)} cells where {width} should stand"
-            raise _wrong(path, line, f"{told}; mend the line, or leave it out")
+            raise _wrong(path, line, f"{told}; {_MEND}")
         row = [_number(path, line, column.role, cells[column.index]) for column in columns]
         if has_iterations and last and row[0] != last[0]:
             values, lines, dropped, last = [], [], 0, []
@@ -262,6 +273,10 @@ def _waypoints(
             problem = "has a time that is not after the one before"
             remedy = "sort the lines by time and keep one of each, or take the times out"
             raise _wrong(path, lines[int(back[0]) + 1], f"{problem}; {remedy}")
+        duration = float(np.ptp(table[TIME]))
+        if duration > _LONGEST:
+            problem = f"has times that are {duration:.3g} s apart"
+            raise _wrong(path, lines[-1], f"{problem}; tell their unit in the header, such as t_ms")
     return Waypoints(
         np.stack([table[X], table[Y]], axis=1),
         tuple(told.get(role, role) for role in table),
@@ -313,13 +328,30 @@ def _is_clock(cells: Sequence[str]) -> bool:
 
 def _separator(line: str) -> str | None:
     """What parts the cells of a line; None for white space."""
+    line = re.sub(r"\"[^\"]*\"|[\[(][^\])]*[\])]", "", line)  # what is within a name parts none
     return next((sign for sign in ";," if sign in line), None)
+
+
+def _separator_below(header: str, rows: Sequence[tuple[int, str]]) -> str | None:
+    """What parts the cells of the lines below a header."""
+    first = rows[0][1] if rows else ""
+    separator = _separator(first)
+    both_have_tabs = "\t" in first and "\t" in header.strip()
+    return "\t" if separator is None and both_have_tabs else separator
 
 
 def _names(header: str) -> list[str]:
     """The names of columns in a header; those in white space may have blanks between tabs."""
-    header = re.sub(r"\s+(?=[\[(])", "", header)  # a unit belongs to its name
-    return _cells(header, _separator(header) or ("\t" if "\t" in header else None))
+    separator = _separator(header) or ("\t" if "\t" in header.strip() else None)
+    if separator is None:  # a unit belongs to its name
+        header = re.sub(r"\s*[\[(][^\])]*[\])]", lambda unit: "".join(unit[0].split()), header)
+    return _cells(header, separator)
+
+
+def _with_units(names: Sequence[str], units: Sequence[str]) -> list[str]:
+    """The names of columns with the units that stand in a line below them."""
+    named = zip_longest(names, units, fillvalue="")
+    return [f"{name} [{bare}]" if (bare := unit.strip("[]() -")) else name for name, unit in named]
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
@@ -351,11 +383,12 @@ def _number(path: Path, line: int, name: str, cell: str) -> float:
         raise _wrong(path, line, "has decimal commas; write decimal points")
     if not _is_number(cell) or "_" in cell:
         told = f"holds something that is no number where {name} should stand"
-        raise _wrong(path, line, f"{told}; mend the line, or leave it out")
+        remedy = "give seconds, or take the times out" if name == TIME else _MEND
+        raise _wrong(path, line, f"{told}; {remedy}")
     number = float(cell)
     if not math.isfinite(number):
         told = f"has a number that is not finite where {name} should stand"
-        raise _wrong(path, line, f"{told}; mend the line, or leave it out")
+        raise _wrong(path, line, f"{told}; {_MEND}")
     if name == SPEED and not 0 <= number <= _FARTHEST:
         told = "has a speed that is below 0 or too high; say that it drives backward"
         raise _wrong(path, line, f"{told} by 'reverse: true'")
