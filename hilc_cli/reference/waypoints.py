@@ -344,7 +344,11 @@ def _names(header: str) -> list[str]:
     """The names of columns in a header; those in white space may have blanks between tabs."""
     separator = _separator(header) or ("\t" if "\t" in header.strip() else None)
     if separator is None:  # a unit belongs to its name
-        header = re.sub(r"\s*[\[(][^\])]*[\])]", lambda unit: "".join(unit[0].split()), header)
+        header = re.sub(
+            r"\s*[\[(][^\])]*[\])]",
+            lambda found: "".join(found[0].split()) if is_unit(found[0]) else found[0],
+            header,
+        )
     return _cells(header, separator)
 
 

@@ -20,6 +20,7 @@ from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.speed_limits import Limits, Wheels
 from hilc_cli.reference.through_points import Curve
 from hilc_cli.reference.timing import End, TimingError
+from hilc_cli.scenario import other_words
 from hilc_cli.scenario.segments import SegmentSpec
 from hilc_cli.theory.feasibility.plausibility import in_degrees_a_second
 from hilc_cli.wording import near_name
@@ -49,6 +50,8 @@ MOST_KEPT = 1_000_000
 class PoseSpec(Model):
     """A position and a heading."""
 
+    other_names = other_words.OF_POSE
+
     x: Coordinate = Field(description="m")
     y: Coordinate = Field(description="m")
     heading: Angle = Field(description="rad, counterclockwise from the x axis")
@@ -73,19 +76,10 @@ def _word_or_radius(value: object, handler: object) -> object:
     raise wrong("is not one of the choices", remedy)
 
 
-_OTHER_LIMITS = {
-    **dict.fromkeys(("velocity", "maxvelocity", "vmax", "maxspeed"), "it is speed"),
-    **dict.fromkeys(("accel", "amax", "maxaccel", "maxacceleration"), "it is acceleration"),
-    **dict.fromkeys(
-        ("alat", "lateralaccel", "maxlateralacceleration"), "it is lateral_acceleration"
-    ),
-}
-
-
 class TimingSpec(Model):
     """Limits within which the path is driven as fast as can be."""
 
-    other_names = _OTHER_LIMITS
+    other_names = other_words.OF_TIMING
 
     speed: PositiveSpeed | None = Field(None, description="m/s")
     acceleration: PositiveAcceleration | None = Field(
@@ -130,6 +124,8 @@ class TimingSpec(Model):
 
 class TrajectorySpec(Model):
     """A reference trajectory: where it starts and the segments that it is made of."""
+
+    other_names = other_words.IN_TRAJECTORY
 
     name: Name
     description: Text = ""

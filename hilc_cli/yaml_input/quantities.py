@@ -115,6 +115,11 @@ def _word(found: re.Match[str], alone: Mapping[str, str]) -> str:
     return f"{before}{gap}{unit}{power}"
 
 
+def _is_in(text: str, unit: Unit) -> bool:
+    """Whether a text is an expression in a unit that is one."""
+    return unit != PLAIN and _has_unit(text, unit) and evaluate(text).unit == unit
+
+
 def _has_unit(text: str, fits: Unit) -> bool:
     try:
         found = evaluate(text).unit
@@ -208,7 +213,9 @@ class Quantity:
                 raise self._no_expression(value, error) from None
             if result.unit not in (PLAIN, self.unit):
                 problem = "must have no unit" if self.unit == PLAIN else "has the wrong unit"
-                raise wrong(problem, self.remedy)
+                candidates = (f"{value}/s", f"1/({value})")
+                near = next((each for each in candidates if _is_in(each, self.unit)), None)
+                raise wrong(problem, f"did you mean '{near}'?" if near else self.remedy)
             number = result.number.constant
         else:
             try:

@@ -74,7 +74,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "stop-speed": (
         added("stop: {duration: 1, speed: 0}"),
-        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; did you mean 'trajectory.timing.speed'?",
+        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; a stop has none; leave it out",
     ),
     "clothoid-end": (
         added("clothoid: {length: 2, duration: 1}"),
@@ -100,7 +100,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "clothoid-unit": (
         added("clothoid: {length: 2, end_curvature: 1 m, duration: 1}"),
-        "path.yaml:6:42: trajectory.segments.1.clothoid.end_curvature: has the wrong unit, got '1 m'; give a number, such as 0.2, 0.2/m or 1/(5 m)",
+        "path.yaml:6:42: trajectory.segments.1.clothoid.end_curvature: has the wrong unit, got '1 m'; did you mean '1/(1 m)'?",
     ),
     "clothoid-winds": (
         added("clothoid: {length: 1000, end_curvature: 1000, duration: 1}"),
@@ -298,7 +298,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "path-kind": (
         added("waypoints: {file: track.csv, speed: 1}"),
-        "path.yaml:6:5: trajectory.segments.1.waypoints: is an unknown key; known: arc, clothoid, line, path, semicircle, spline, stop, turn",
+        "path.yaml:6:5: trajectory.segments.1.waypoints: is an unknown key; it is path, of a file, or spline, of points",
     ),
     "spline-file": (
         only("spline: {file: track.csv, speed: 1}"),
@@ -344,6 +344,96 @@ CASES: dict[str, tuple[str, str]] = {
     "timing-gravity": (
         only("spline: {points: [[0, 0], [1, 0]]}", "timing: {speed: 1, acceleration: 3 Gal}\n"),
         "path.yaml:5:34: trajectory.timing.acceleration: has the unknown unit 'Gal', got '3 Gal'; give it in m/s^2",
+    ),
+    "clothoid-sweep": (
+        added("clothoid: {length: 1, end_radius: 1, turn: left, sweep: 1, duration: 1}"),
+        "path.yaml:6:54: trajectory.segments.1.clothoid.sweep: is an unknown key; it turns by its length times the mean of its two curvatures",
+    ),
+    "turn-direction": (
+        added("turn: {angle: pi, rate: 1, direction: left}"),
+        "path.yaml:6:32: trajectory.segments.1.turn.direction: is an unknown key; it is angle, above 0 to the left",
+    ),
+    "turn-omega": (
+        added("turn: {angle: pi, omega: 1}"),
+        "path.yaml:6:23: trajectory.segments.1.turn.omega: is an unknown key; it is rate",
+    ),
+    "turn-rate-deg": (
+        added("turn: {angle: pi, rate: 45 deg}"),
+        "path.yaml:6:29: trajectory.segments.1.turn.rate: has the wrong unit, got '45 deg'; did you mean '45 deg/s'?",
+    ),
+    "arc-angle": (
+        added("arc: {radius: 1, turn: left, sweep: 1, angle: 1, duration: 1}"),
+        "path.yaml:6:44: trajectory.segments.1.arc.angle: is an unknown key; it is sweep",
+    ),
+    "arc-clockwise": (
+        added("arc: {radius: 1, turn: left, sweep: 1, clockwise: true, duration: 1}"),
+        "path.yaml:6:44: trajectory.segments.1.arc.clockwise: is an unknown key; it is turn: left or right",
+    ),
+    "line-velocity": (
+        added("line: {length: 1, velocity: 1}"),
+        "path.yaml:6:23: trajectory.segments.1.line.velocity: is an unknown key; it is speed",
+    ),
+    "line-word-backward": (
+        added("line: {length: 1, speed: 1, backward: true}"),
+        "path.yaml:6:33: trajectory.segments.1.line.backward: is an unknown key; it is 'reverse: true'",
+    ),
+    "line-xy": (
+        added("line: {length: 1, x: 1, speed: 1}"),
+        "path.yaml:6:23: trajectory.segments.1.line.x: is an unknown key; give the end as 'to: [x, y]'",
+    ),
+    "kind-pause": (
+        added("pause: {duration: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.pause: is an unknown key; it is stop",
+    ),
+    "kind-rotate": (
+        added("rotate: {angle: 1, rate: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.rotate: is an unknown key; it is turn",
+    ),
+    "kind-type": (
+        added("type: line"),
+        "path.yaml:6:5: trajectory.segments.1.type: is an unknown key; the kind is a key: '- line: {length: 1, speed: 0.5}'",
+    ),
+    "path-loop": (
+        only("path: {file: track.csv, loop: true, speed: 1}"),
+        "path.yaml:4:29: trajectory.segments.0.path.loop: is an unknown key; it is closed",
+    ),
+    "path-unit": (
+        only("path: {file: track.csv, unit: mm, speed: 1}"),
+        "path.yaml:4:29: trajectory.segments.0.path.unit: is an unknown key; units are told in the header of the file, such as x_mm,y_mm",
+    ),
+    "path-delimiter": (
+        only("path: {file: track.csv, delimiter: ';', speed: 1}"),
+        "path.yaml:4:29: trajectory.segments.0.path.delimiter: is an unknown key; leave it out: it is found in the file",
+    ),
+    "path-filename": (
+        only("path: {filename: track.csv, speed: 1}"),
+        "path.yaml:4:12: trajectory.segments.0.path.filename: is an unknown key; it is file",
+    ),
+    "spline-there-and-back": (
+        only("spline: {points: [[0, 0], [1, 0], [2, 0], [1, 0], [0, 0]], speed: 1}"),
+        "path.yaml:4:5: trajectory.segments.0.spline: turns back on the spot between its points 0 and 1; move them, smooth a path's noise by 'smoothing', or drive the parts one after the other, one of them with 'reverse: true'",
+    ),
+    "top-waypoints": (
+        only(
+            "line: {length: 1, duration: 1}",
+            "start: {x: 0, y: 0, heading: 0}\nwaypoints: [[0, 0], [1, 1]]\n",
+        ),
+        "path.yaml:6:1: trajectory.waypoints: is an unknown key; points go into an entry of segments: '- spline: {points: [[x, y], ...], speed: 0.5}'",
+    ),
+    "top-path": (
+        only(
+            "line: {length: 1, duration: 1}",
+            "start: {x: 0, y: 0, heading: 0}\npath: {file: track.csv}\n",
+        ),
+        "path.yaml:6:1: trajectory.path: is an unknown key; it is a key of entries of 'trajectory.segments': write it there behind '- '",
+    ),
+    "top-speed": (
+        only("line: {length: 1, duration: 1}", "start: {x: 0, y: 0, heading: 0}\nspeed: 1\n"),
+        "path.yaml:6:1: trajectory.speed: is an unknown key; it is a key of 'trajectory.timing': indent it below 'timing:'",
+    ),
+    "top-dt": (
+        only("line: {length: 1, duration: 1}", "start: {x: 0, y: 0, heading: 0}\ndt: 0.1\n"),
+        "path.yaml:6:1: trajectory.dt: is an unknown key; it is sample_time",
     ),
     "points-back": (
         only("path: {points: [[0, 0], [1, 0], [2, 0]], times: [0, 2, 1]}"),

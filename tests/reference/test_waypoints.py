@@ -117,7 +117,40 @@ KINDS: dict[str, tuple[str, dict[str, list[float]]]] = {
         "x,y,heading [\u00b0]\n1,2,90\n3,4.5,-180\n",
         {"headings": [math.pi / 2, -math.pi]},
     ),
-    "comma in a name": ('"name","x, m","y"\n"a, b",1,2\n"c",3,4.5\n'.replace("x, m", "x"), {}),
+    "said to Excel": ("sep=;\nx;y\n1;2\n3;4.5\n", {}),
+    "old lines": ("x,y\r1,2\r3,4.5\r", {}),
+    "tabs with gaps": ("name\tx\ty\tnote\n\t1\t2\t\n\t3\t4.5\t\n", {}),
+    "units in brackets": ("x (m) y (m) v (km / h)\n1 2 3.6\n3 4.5 36\n", {"speeds": [1, 10]}),
+    "units below": ("t;x;y\n[ms];[m];[m]\n0;1;2\n500;3;4.5\n", {"times": [0, 0.5]}),
+    "units in words": (
+        "Zeit in ms,Position X in mm,Position Y in mm\n0,1000,2000\n500,3000,4500\n",
+        {"times": [0, 0.5]},
+    ),
+    "units as quotients": (
+        "t / ms;x / mm;y / mm\n0;1000;2000\n500;3000;4500\n",
+        {"times": [0, 0.5]},
+    ),
+    "any topic": (
+        "__time,/amcl_pose/pose/pose/position/x,/amcl_pose/pose/pose/position/y,/amcl_pose/c[0;1]\n"
+        "0,1,2,9\n0.5,3,4.5,9\n",
+        {"times": [0, 0.5]},
+    ),
+    "motion capture": (
+        "Frame,Time (Seconds),TX [mm],TY [mm],TZ [mm]\n1,0,1000,2000,5\n2,0.5,3000,4500,5\n",
+        {"times": [0, 0.5]},
+    ),
+    "drone": (
+        "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w []\n"
+        "500000000,1,2,0,1\n1000000000,3,4.5,0,1\n",
+        {"times": [0.5, 1]},
+    ),
+    "simulator": (
+        "location.x,location.y,location.z,rotation.yaw\n1,2,0.1,0.3\n3,4.5,0.1,0.4\n",
+        {"headings": [0.3, 0.4]},
+    ),
+    "index": (",x,y\n0,1,2\n1,3,4.5\n", {}),
+    "beside latitudes": ("lat,lon,utm_x,utm_y\n48,11,1,2\n48,11,3,4.5\n", {}),
+    "comma in a name": ('"name","x, m","y"\n"a, b",1,2\n"c",3,4.5\n', {}),
     "beside a reference": ("x_ref,y_ref,x,y\n9,9,1,2\n9,9,3,4.5\n", {}),
     "backward beside times": ("t,x,y,v\n0,1,2,-7\n1,3,4.5,-8\n", {"times": [0, 1]}),
     "german": (
@@ -214,6 +247,30 @@ WRONG: dict[str, tuple[str | bytes, str]] = {
         "# longitude; latitude\n48.1;11.5\n48.2;11.5\n",
         "f.csv:1: names latitude and longitude; project them to metres first, such as to UTM",
     ),
+    "degrees of a receiver": (
+        "%time,field.latitude,field.longitude\n1,48.1,11.5\n",
+        "f.csv:1: names latitude and longitude; project them to metres first, such as to UTM",
+    ),
+    "json": (
+        "[[0, 0], [1, 1]]\n",
+        "f.csv:1: begins with a bracket, as no CSV does; save it as one with the header x,y (beside them heading, speed and t_s if they are known)",
+    ),
+    "pixels": ("x [px],y [px]\n1,2\n", "f.csv:1: names a unit of x that is not known; give m, cm, mm, km, ft or in"),
+    "grads": ("x,y,yaw [gon]\n1,2,3\n", "f.csv:1: names a unit of heading that is not known; give rad or deg"),
+    "dates": (
+        "time,x,y\n2024-01-01T12:00:00,1,2\n2024-01-01T12:00:01,3,4\n",
+        "f.csv:2: holds something that is no number where t_s should stand; give seconds, or take the times out",
+    ),
+    "nanoseconds from 0": (
+        "time,x,y\n0,1,2\n900000000000,3,4\n",
+        "f.csv:3: has a time beyond 1e+11 s; give seconds, or tell its unit in the header, such as t_ms",
+    ),
+    "microseconds from 0": (
+        "time,x,y\n0,1,2\n7800000,3,4\n",
+        "f.csv:3: has times that are 7.8e+06 s apart; tell their unit in the header, such as t_ms",
+    ),
+    "cut off": ("t,x,y\n0,1,2\n1,3,4\n2,5,", "f.csv:4: holds something that is no number where y should stand; mend the line, or leave it out"),
+    "empty cells": ("x,y\n,\n1,2\n", "f.csv:2: holds something that is no number where x should stand; mend the line, or leave it out"),
     "bars": (
         "1|2\n3|4\n",
         "f.csv:1: is parted neither by commas, semicolons nor white space; save it with commas",
