@@ -73,6 +73,7 @@ _TIME = _units(
     (1e6, "us usec usecs micros microsec microsecs microsecond microseconds"),
     (1e9, "ns nsec nsecs nanos nanosec nanosecs nanosecond nanoseconds"),
     (1 / 60, "min mins minute minutes"),
+    (1 / 3600, "h hr hrs hour hours"),
 )
 _SPEED = _units(
     (1, "m/s mps ms-1 ms^-1"),
@@ -163,7 +164,7 @@ _ROLES: Mapping[str, _Role] = {
         _SPEED,
     ),
     TIME: _Role(
-        _words("t time timestamp stamp zeit temps tiempo"),
+        _words("t time timestamp stamp zeit temps tiempo epoch elapsed"),
         _words("t time timestamp stamp"),
         _OF_CLOCKS,
         _TIME,
@@ -196,8 +197,9 @@ def columns_of(names: Sequence[str]) -> list[Column]:
         others = [column for _, column in ranked] if role == TIME else others
     if X not in found or Y not in found:
         raise HeaderError(_none(names), has_columns=_are_degrees(names))
-    if TIME in found:
+    if TIME in found or _is_component(found.get(SPEED), names):
         found.pop(SPEED, None)
+    if TIME in found:
         found |= _clock(found[TIME], others)
         if not found[TIME].unit and any(name.startswith("field.") for name in names):
             # As rostopic writes the fields of a message, and all times.
@@ -259,6 +261,14 @@ def _columns(role: str, kind: _Role, names: Sequence[str]) -> Iterator[tuple[int
                 break
 
 
+def _is_component(speed: Column | None, names: Sequence[str]) -> bool:
+    """Whether a speed is that along x, beside another along y."""
+    if speed is None or not speed.stem.endswith("vx"):
+        return False
+    other = f"{speed.stem[:-1]}y"
+    return any("_".join(_parts(name)[0]).startswith(other) for name in names)
+
+
 def _clock(time: Column, others: Sequence[Column]) -> dict[str, Column]:
     """Seconds, and the nanoseconds that belong to them if they have a column of their own."""
     of_clock = [column for column in others if column.stem == time.stem]
@@ -271,7 +281,7 @@ def _clock(time: Column, others: Sequence[Column]) -> dict[str, Column]:
 
 def _none(names: Sequence[str]) -> str:
     """What is wrong with a header, or what stands in its place, that names no columns x and y."""
-    if names[0][:1] in _BRACKETS:
+    if names and names[0][:1] in _BRACKETS:
         return f"begins with a bracket, as no CSV does; save it as one with the header {HEADERS}"
     if len(names) == 1 and any(sign in names[0] for sign in "|:/&"):
         return "is parted neither by commas, semicolons nor white space; save it with commas"

@@ -5,18 +5,26 @@ Such a file may come from anybody: what is wrong is told with its line, and noth
 
 from __future__ import annotations
 
-import csv
 import io
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
 
 from hilc_cli.errors import UsageError
+from hilc_cli.reference.cells import (
+    are_units,
+    cells_of,
+    has_decimal_commas,
+    is_number,
+    names_of,
+    separator_below,
+    separator_of,
+    with_units,
+)
 from hilc_cli.reference.columns import (
     HEADERS,
     HEADING,
@@ -31,7 +39,6 @@ from hilc_cli.reference.columns import (
     are_columns,
     columns_of,
     counted_since_1970,
-    is_unit,
 )
 from hilc_cli.reference.sampled import Floats
 
@@ -156,30 +163,32 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
             continue  # said to Excel
         if line_text.startswith(_COMMENTS):
             told = line_text.lstrip("#/ ")  # a sign of percent may belong to a name
-            if not rows and are_columns(_names(told)):
+            if not rows and are_columns(names_of(told)):
                 header = number, told
+            elif are_units(told) and _is_header(header, rows):
+                rows.append((number, told))
         elif line_text:
             rows.append((number, raw.strip("\n")))  # a tab in front stands for an empty cell
     if not rows:
         raise UsageError(f"{path}: has no points; give at least two lines with x and y")
-    if _decimal_commas(rows[0][1]) or _decimal_commas(rows[-1][1]):
+    if has_decimal_commas(rows[0][1]) or has_decimal_commas(rows[-1][1]):
         raise _wrong(path, rows[0][0], "has decimal commas; write decimal points")
-    cells = _cells(rows[0][1], None)
-    if header is not None and len(_names(header[1])) not in (len(cells), len(cells) - 1):
+    cells = cells_of(rows[0][1], None)
+    if header is not None and len(names_of(header[1])) not in (len(cells), len(cells) - 1):
         header = None  # a comment that has both words in it
-    if header is None and not all(map(_is_number, cells)):
+    if not all(map(is_number, cells)) and (header is None or are_columns(names_of(rows[0][1]))):
         header = rows.pop(0)
     if header is None:
-        separator = _separator(rows[0][1])
+        separator = separator_of(rows[0][1])
         columns = _without_header(path, rows, separator)
-        width = len(_cells(rows[0][1], separator))
+        width = len(cells_of(rows[0][1], separator))
     else:
-        names = _names(header[1])
-        below = _cells(rows[0][1], _separator_below(header[1], rows)) if rows else []
-        if any(below) and all(map(is_unit, below)):
-            names = _with_units(names, below)
+        names = names_of(header[1])
+        if rows and are_units(rows[0][1]):
+            below = cells_of(rows[0][1], separator_below(header[1], rows))
+            names = with_units(names, below)
             rows.pop(0)
-        separator = _separator_below(header[1], rows)
+        separator = separator_below(header[1], rows)
         try:
             columns, width = columns_of(names), len(names)
         except HeaderError as error:
@@ -201,7 +210,7 @@ def _rows(
     last: list[float] = []
     has_iterations = columns[0].role == ITERATION
     for line, text in rows:
-        cells = _cells(text, separator)
+        cells = cells_of(text, separator)
         while len(cells) > width and not cells[-1]:
             cells.pop()
         if len(cells) != width:
@@ -295,7 +304,7 @@ def _without_header(
     path: Path, rows: Sequence[tuple[int, str]], separator: str | None
 ) -> list[Column]:
     """What the columns of a file without a header are, where there is no doubt."""
-    first = _cells(rows[0][1], separator)
+    first = cells_of(rows[0][1], separator)
     width = len(first)
     if width == _TUM:
         quaternion = [Column(name, at) for at, name in enumerate(_QUATERNION, 4)]
@@ -303,12 +312,12 @@ def _without_header(
     points = [Column(X, 0), Column(Y, 1)]
     if width == 2:
         return points
-    if width == 3 and not _is_clock([_cells(text, separator)[0] for _, text in rows[:100]]):
-        third = [_cells(text, separator)[-1] for _, text in rows]
-        if any(_is_number(cell) and float(cell) < 0 for cell in third):
+    if width == 3 and not _is_clock([cells_of(text, separator)[0] for _, text in rows[:100]]):
+        third = [cells_of(text, separator)[-1] for _, text in rows]
+        if any(is_number(cell) and float(cell) < 0 for cell in third):
             told = "has a third column with numbers below 0 and no header that tells what they are"
             raise _wrong(path, rows[0][0], f"{told}; put a header in front: {HEADERS}")
-        is_height = all(_is_number(cell) and float(cell) == 0 for cell in third)
+        is_height = all(is_number(cell) and float(cell) == 0 for cell in third)
         return points if is_height else [*points, Column(SPEED, 2)]
     raise _wrong(
         path,
@@ -320,72 +329,24 @@ def _without_header(
 
 def _is_clock(cells: Sequence[str]) -> bool:
     """Whether a column rises by equal steps, as times do."""
-    if not all(map(_is_number, cells)) or len(cells) < 3:
+    if not all(map(is_number, cells)) or len(cells) < 3:
         return False
     steps = np.diff([float(cell) for cell in cells])
     return bool(steps.min() > 0 and np.ptp(steps) <= 1e-3 * steps.max())
 
 
-def _separator(line: str) -> str | None:
-    """What parts the cells of a line; None for white space."""
-    line = re.sub(r"\"[^\"]*\"|[\[(][^\])]*[\])]", "", line)  # what is within a name parts none
-    return next((sign for sign in ";," if sign in line), None)
-
-
-def _separator_below(header: str, rows: Sequence[tuple[int, str]]) -> str | None:
-    """What parts the cells of the lines below a header."""
-    first = rows[0][1] if rows else ""
-    separator = _separator(first)
-    both_have_tabs = "\t" in first and "\t" in header.strip()
-    return "\t" if separator is None and both_have_tabs else separator
-
-
-def _names(header: str) -> list[str]:
-    """The names of columns in a header; those in white space may have blanks between tabs."""
-    separator = _separator(header) or ("\t" if "\t" in header.strip() else None)
-    if separator is None:  # a unit belongs to its name
-        header = re.sub(
-            r"\s*[\[(][^\])]*[\])]",
-            lambda found: "".join(found[0].split()) if is_unit(found[0]) else found[0],
-            header,
-        )
-    return _cells(header, separator)
-
-
-def _with_units(names: Sequence[str], units: Sequence[str]) -> list[str]:
-    """The names of columns with the units that stand in a line below them."""
-    named = zip_longest(names, units, fillvalue="")
-    return [f"{name} [{bare}]" if (bare := unit.strip("[]() -")) else name for name, unit in named]
-
-
-def _cells(line: str, separator: str | None) -> list[str]:
-    """The cells of a line; without a separator by what the line has."""
-    separator = separator or _separator(line)
-    if separator is None:
-        cells: Iterator[str] = iter(line.split())
-    else:
-        cells = iter(next(csv.reader([line], delimiter=separator, skipinitialspace=True)))
-    return [cell.strip().strip("\"'") for cell in cells]
-
-
-def _decimal_commas(line: str) -> bool:
-    """Whether commas stand within numbers that something else parts."""
-    return re.search(r"\d,\d+[;\t ]\s*[-+]?\d+,\d", line) is not None
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+def _is_header(header: tuple[int, str] | None, rows: Sequence[tuple[int, str]]) -> bool:
+    """Whether nothing but a header has been read yet."""
+    if header is not None:
+        return not rows
+    return len(rows) == 1 and not all(map(is_number, cells_of(rows[0][1], None)))
 
 
 def _number(path: Path, line: int, name: str, cell: str) -> float:
     """The number in a cell, which must be one of its column."""
     if re.fullmatch(r"[-+]?\d+,\d+", cell):
         raise _wrong(path, line, "has decimal commas; write decimal points")
-    if not _is_number(cell) or "_" in cell:
+    if not is_number(cell) or "_" in cell:
         told = f"holds something that is no number where {name} should stand"
         remedy = "give seconds, or take the times out" if name == TIME else _MEND
         raise _wrong(path, line, f"{told}; {remedy}")

@@ -479,7 +479,7 @@ FILES: dict[str, tuple[str | bytes, str]] = {
     ),
     "jiffies": (
         "# time [jiffies], x, y\n1,2,3\n3,4,5\n",
-        "track.csv:1: names a unit of t_s that is not known; give s, ms, us, ns or min",
+        "track.csv:1: names a unit of t_s that is not known; give s, ms, us, ns, min or h",
     ),
     "decimal commas": ("x;y\n1,5;2,5\n3,5;4,5\n", "track.csv:1: has decimal commas; write decimal points"),
     "one point": ("x,y\n1,2\n", "track.csv: has fewer than two points; give at least two lines with x and y"),

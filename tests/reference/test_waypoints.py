@@ -122,6 +122,10 @@ KINDS: dict[str, tuple[str, dict[str, list[float]]]] = {
     "tabs with gaps": ("name\tx\ty\tnote\n\t1\t2\t\n\t3\t4.5\t\n", {}),
     "units in brackets": ("x (m) y (m) v (km / h)\n1 2 3.6\n3 4.5 36\n", {"speeds": [1, 10]}),
     "units below": ("t;x;y\n[ms];[m];[m]\n0;1;2\n500;3;4.5\n", {"times": [0, 0.5]}),
+    "units in a comment below": ("x,y\n# mm, mm\n1000,2000\n3000,4500\n", {}),
+    "header twice": ("# x, y\nx,y\n1,2\n3,4.5\n", {}),
+    "hours": ("time [h],x,y\n0,1,2\n0.5,3,4.5\n", {"times": [0, 1800]}),
+    "parts of a velocity": ("x,y,vx,vy\n1,2,-1,1\n3,4.5,1,-1\n", {}),
     "units in words": (
         "Zeit in ms,Position X in mm,Position Y in mm\n0,1000,2000\n500,3000,4500\n",
         {"times": [0, 0.5]},
