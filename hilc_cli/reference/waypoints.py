@@ -72,7 +72,7 @@ class Waypoints:
     Attributes:
         points: Shape (m, 2) [m].
         columns: What was read, by hilc's own names and with other units.
-        unread: How many other columns there are.
+        of_columns: How many there are, if some are not read.
         says_unit: Whether the header tells in which unit the points are.
         says_clock: The same of the times.
         times: At the points [s], shape (m,), rising; None if the file has none.
@@ -84,7 +84,7 @@ class Waypoints:
 
     points: Floats
     columns: tuple[str, ...]
-    unread: int = 0
+    of_columns: int | None = None
     says_unit: bool = False
     says_clock: bool = False
     times: Floats | None = None
@@ -252,7 +252,7 @@ def _waypoints(
         for column, given in zip(columns, values.T, strict=True)
     }
     told = {column.role: column.in_words for column in columns}
-    unread = width - len(columns)
+    of_columns = width if width > len(columns) else None
     iteration = table.pop(ITERATION, None)
     if NANOSECONDS in table:
         rest = table.pop(NANOSECONDS)
@@ -268,7 +268,7 @@ def _waypoints(
             problem = "has no unit quaternion at its end, as the lines of a TUM file have"
             raise _wrong(path, lines[int(off[0])], f"{problem}; put a header in front: {HEADERS}")
         table[HEADING] = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-        unread = 0
+        of_columns = None
     for role, most, remedy in _RANGES:
         beyond = np.flatnonzero(np.abs(table.get(role, np.zeros(1))) > most)
         if len(beyond):
@@ -289,7 +289,7 @@ def _waypoints(
     return Waypoints(
         np.stack([table[X], table[Y]], axis=1),
         tuple(told.get(role, role) for role in table),
-        unread,
+        of_columns,
         any(column.unit for column in columns if column.role == X),
         any(column.unit for column in columns if column.role == TIME),
         table.get(TIME),

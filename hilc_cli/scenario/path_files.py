@@ -144,8 +144,8 @@ def path_notes(
 
 def _columns(read: Waypoints) -> str:
     """What was read, and of how many columns."""
-    given = len(read.columns) + read.unread
-    return ", ".join(read.columns) + (f" of {given} columns" if read.unread else "")
+    of_all = f" of {read.of_columns} columns" if read.of_columns else ""
+    return ", ".join(read.columns) + of_all
 
 
 def _odd_units(read: Waypoints, separation: float | None) -> list[str]:
