@@ -22,7 +22,7 @@ from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.learning import BELIEVED, MODEL, TRUE
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
-from hilc_cli.theory.feasibility.demand import demand_of
+from hilc_cli.theory.feasibility.demand import Demand, demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
 from hilc_cli.theory.feasibility.plausibility import implausible, is_plain
 from hilc_cli.wording import in_short
@@ -138,8 +138,9 @@ class Scenario:
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        found = [*self._implausible(), *self.spec.trajectory.warnings()]
-        found += [*self._far_away(), *self.spec.controller.warnings(self.setting)]
+        demand = self.feasibility().demand
+        found = [*self._implausible(demand), *self.spec.trajectory.warnings()]
+        found += [*self._far_away(demand), *self.spec.controller.warnings(self.setting)]
         found += [*self._without_learning(), *self._slow_joints()]
         if abs(self.spec.initial_error[2]) > math.pi:
             heading = self.spec.start_pose[2]
@@ -150,7 +151,7 @@ class Scenario:
             )
         return found
 
-    def _implausible(self) -> list[str]:
+    def _implausible(self, demand: Demand) -> list[str]:
         """Numbers that hardly anybody means."""
         spec, robot = self.spec, self.spec.robot.robot()
         headings = {"trajectory.start.heading": spec.trajectory.start_pose[2]}
@@ -159,13 +160,12 @@ class Scenario:
                 headings[f"trajectory.segments.{index}.spline.heading"] = segment.spline.heading
         if spec.initial_pose.heading is not None:
             headings["initial_pose.heading"] = spec.initial_pose.heading
-        return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)
+        return implausible(demand, robot, spec.model.model(robot), headings)
 
-    def _far_away(self) -> list[str]:
+    def _far_away(self, demand: Demand) -> list[str]:
         """A start that lies where the path does not, such as at 0 beside points in UTM."""
         x, y, _ = self.spec.trajectory.start_pose
         distance = math.hypot(*self.spec.initial_error[:2])
-        demand = self.feasibility().demand
         size = max(demand.extent, 2 * self.spec.robot.robot().half_track)
         if distance <= _FAR * size:
             return []
