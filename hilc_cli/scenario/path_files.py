@@ -19,6 +19,7 @@ _ENOUGH, _SMOOTH = 4.5, 5.0
 """Times the noise of its points that a path may pass from them: with the first it hardly zigzags,
 and with the second no more."""
 _TINY = 0.01  # [m]: nobody drives within less
+_SHORT_LEG = 0.1  # of the usual way from point to point
 _SMALL_ROBOT = 1.0  # [m] between its wheels
 _FAR = 1e3  # [m]: a small robot gets no farther
 _FAR_IN_WHOLES = 500.0  # times its width, if all points are whole numbers
@@ -135,6 +136,8 @@ def path_notes(
         noise = read.noise
         if noise is not None and shape is not None and (shape.smoothing or 0) < _ENOUGH * noise:
             parts.append(f"zigzags by noise of {noise:.2g} m (smoothing: {_SMOOTH * noise:.2g} m?)")
+        if curve.adds_leg:
+            parts += _short_leg(read)
         parts += _odd_units(read, separation)
         if read.look_back and shape is not None and not shape.reverse:
             parts.append("its headings look back (reverse: true?)")
@@ -146,6 +149,15 @@ def _columns(read: Waypoints) -> str:
     """What was read, and of how many columns."""
     of_all = f" of {read.of_columns} columns" if read.of_columns else ""
     return ", ".join(read.columns) + of_all
+
+
+def _short_leg(read: Waypoints) -> list[str]:
+    """What is to be told of a leg that closes a path which its points have closed, nearly."""
+    steps = np.hypot(*np.diff(read.points, axis=0).T)
+    leg = float(np.hypot(*(read.points[-1] - read.points[0])))
+    if leg > _SHORT_LEG * float(np.median(steps)):
+        return []
+    return [f"its last point is {leg:.2g} m from its first (tolerance: {2 * leg:.1g} m?)"]
 
 
 def _odd_units(read: Waypoints, separation: float | None) -> list[str]:

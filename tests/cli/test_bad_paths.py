@@ -654,6 +654,17 @@ UNITS: dict[str, tuple[str, str]] = {
 }  # fmt: skip
 
 
+def test_lap_whose_last_point_nearly_is_its_first_is_told(write: Write) -> None:
+    points = "x,y\n0,0\n1,0\n1,1\n0,1\n0,0.003\n"
+    path = only("path: {file: track.csv, duration: 10, closed: true}")
+    write({"path.yaml": path, "track.csv": points})
+    (note,) = load_scenario("scenario.yaml").notes
+    assert note.endswith("closed, its last point is 0.003 m from its first (tolerance: 0.006 m?)")
+    write({"path.yaml": f"{path}tolerance: 0.006 m\n"})
+    (note,) = load_scenario("scenario.yaml").notes
+    assert note.endswith("5 points (x, y), no duplicates, closed")
+
+
 @pytest.mark.parametrize("case", UNITS)
 def test_units_are_told_or_asked_about(write: Write, case: str) -> None:
     content, told = UNITS[case]
