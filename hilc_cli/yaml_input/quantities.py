@@ -213,7 +213,7 @@ class Quantity:
                 raise self._no_expression(value, error) from None
             if result.unit not in (PLAIN, self.unit):
                 problem = "must have no unit" if self.unit == PLAIN else "has the wrong unit"
-                candidates = (f"{value}/s", f"1/({value})")
+                candidates = (f"{value}/s".replace("/s/s", "/s^2"), f"1/({value})")
                 near = next((each for each in candidates if _is_in(each, self.unit)), None)
                 raise wrong(problem, f"did you mean '{near}'?" if near else self.remedy)
             number = result.number.constant
