@@ -1,4 +1,4 @@
-"""The cells of the lines of a file with points, whatever parts them."""
+"""The cells of the lines of a table, whatever parts them."""
 
 from __future__ import annotations
 
@@ -16,9 +16,8 @@ def separator_of(line: str) -> str | None:
     return next((sign for sign in ";," if sign in line), None)
 
 
-def separator_below(header: str, rows: Sequence[tuple[int, str]]) -> str | None:
-    """What parts the cells of the lines below a header."""
-    first = rows[0][1] if rows else ""
+def separator_below(header: str, first: str) -> str | None:
+    """What parts the cells of the lines below a header, by the first of them."""
     separator = separator_of(first)
     both_have_tabs = "\t" in first and "\t" in header.strip()
     return "\t" if separator is None and both_have_tabs else separator
@@ -38,7 +37,7 @@ def names_of(header: str) -> list[str]:
 
 def are_units(line: str) -> bool:
     """Whether a line below a header tells the units of its columns."""
-    cells = cells_of(line, None)
+    cells = cells_of(line)
     return any(cells) and all(map(is_unit, cells))
 
 
@@ -48,7 +47,7 @@ def with_units(names: Sequence[str], units: Sequence[str]) -> list[str]:
     return [f"{name} [{bare}]" if (bare := unit.strip("[]() -")) else name for name, unit in named]
 
 
-def cells_of(line: str, separator: str | None) -> list[str]:
+def cells_of(line: str, separator: str | None = None) -> list[str]:
     """The cells of a line; without a separator by what the line has."""
     separator = separator or separator_of(line)
     if separator is None:

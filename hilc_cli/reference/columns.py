@@ -1,13 +1,17 @@
-"""What the columns of a file with points are, and in which units: by the names in its header."""
+"""What the columns of tables are, and in which units: by the names in their headers."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-X, Y, HEADING, SPEED, TIME, ITERATION = "x", "y", "heading", "speed", "t_s", "iteration"
+import numpy as np
+
+from hilc_cli.reference.sampled import Floats
+
+X, Y, HEADING, TIME = "x", "y", "heading", "t_s"
 NANOSECONDS = "nanoseconds"
 """What a clock adds to the whole seconds that stand in a column of their own."""
 
@@ -30,7 +34,7 @@ class Column:
 
     Attributes:
         role: What it is.
-        index: Its place in a line.
+        index: Its place in a row.
         unit: In which unit it says that it is; empty if it does not say so.
         per_unit: So many of that unit make one of hilc's.
         stem: Its name without the unit.
@@ -49,9 +53,19 @@ class Column:
             return self.role
         return f"{self.role} from {self.unit}"
 
+    def converted(self, values: Floats) -> Floats:
+        """Values of the column in hilc's unit; those that are too large for it are infinite."""
+        with np.errstate(over="ignore"):
+            converted: Floats = values / self.per_unit
+        return converted
 
-def _units(*units: tuple[float, str]) -> Mapping[str, tuple[str, float]]:
-    """Units by their other names without spaces and strokes, the first of each as it is told."""
+
+Units = Mapping[str, tuple[str, float]]
+"""Units by their names without spaces and strokes: as they are told, and how many make one."""
+
+
+def _units(*units: tuple[float, str]) -> Units:
+    """Units by all of their names, the first of each as it is told."""
     return {
         name.replace("/", ""): (text.split()[0], per_unit)
         for per_unit, text in units
@@ -59,7 +73,7 @@ def _units(*units: tuple[float, str]) -> Mapping[str, tuple[str, float]]:
     }
 
 
-_LENGTH = _units(
+LENGTHS = _units(
     (1, "m meter meters metre metres"),
     (100, "cm centimeter centimeters centimetre centimetres"),
     (1e3, "mm millimeter millimeters millimetre millimetres"),
@@ -67,7 +81,7 @@ _LENGTH = _units(
     (1 / 0.3048, "ft foot feet"),
     (1 / 0.0254, "in inch inches"),
 )
-_TIME = _units(
+TIMES = _units(
     (1, "s sec secs second seconds"),
     (1e3, "ms msec msecs millis millisec millisecs millisecond milliseconds"),
     (1e6, "us usec usecs micros microsec microsecs microsecond microseconds"),
@@ -75,40 +89,51 @@ _TIME = _units(
     (1 / 60, "min mins minute minutes"),
     (1 / 3600, "h hr hrs hour hours"),
 )
-_SPEED = _units(
+SPEEDS = _units(
     (1, "m/s mps ms-1 ms^-1"),
     (100, "cm/s cmps"),
     (1e3, "mm/s mmps"),
     (3.6, "km/h kmh kph kmph kmh-1"),
     (1 / 0.44704, "mph miph"),
 )
-_ANGLE = _units(
+ANGLES = _units(
     (1, "rad rads radian radians"), (180 / math.pi, "deg degs degree degrees \N{DEGREE SIGN}")
 )
-_CLOCKS = frozenset(name for name in _TIME if "sec" in name)
-"""Units that are the whole name of a column of times."""
+ANGULAR_SPEEDS = _units(
+    (1, "rad/s rad/sec radps rads-1"),
+    (180 / math.pi, "deg/s deg/sec degps degs-1 \N{DEGREE SIGN}/s"),
+    (30 / math.pi, "rpm rev/min"),
+    (0.5 / math.pi, "rev/s"),
+)
+_ALL_UNITS = (LENGTHS, TIMES, SPEEDS, ANGLES, ANGULAR_SPEEDS)
 _EPOCHS = ((1e17, 1e9, "ns"), (1e14, 1e6, "us"), (1e11, 1e3, "ms"))
 """From these times on they are counted since 1970, and in so many parts of a second."""
 _LATEST = 1e19
 
 
 @dataclass(frozen=True, slots=True)
-class _Role:
+class Kind:
     """How columns of one kind are called.
 
     Attributes:
         names: The usual names, without a unit.
+        units: In which it may be.
         words: First or last words of others.
         beside: Words that may stand beside those.
-        units: In which it may be.
         owners: With one of these right before its last word, anything may stand before it.
+        bare: Units that may be the whole name.
     """
 
     names: frozenset[str]
-    words: frozenset[str]
-    beside: frozenset[str]
-    units: Mapping[str, tuple[str, float]]
+    units: Units
+    words: frozenset[str] = frozenset()
+    beside: frozenset[str] = frozenset()
     owners: frozenset[str] = frozenset()
+    bare: frozenset[str] = frozenset()
+
+    def unit(self, name: str) -> tuple[str, float]:
+        """A unit as it is told, and how many of it make one of hilc's: 0 if it is not known."""
+        return self.units.get(name, (name, 0.0)) if name else ("", 1.0)
 
     def rank(self, words: Sequence[str]) -> int | None:
         """How surely some words are a name of it, 0 the most; None if they are none."""
@@ -125,114 +150,119 @@ class _Role:
         return 1 if is_other or is_owned else None
 
 
-def _words(text: str) -> frozenset[str]:
+def words(text: str) -> frozenset[str]:
+    """The words of a text."""
     return frozenset(text.split())
 
 
-_OF_PLACES = _words(
+_OF_PLACES = words(
     "center centre coord coordinate field gps loc local location map odom p path point points pos "
     "pose position ref transform translation utm waypoint world wp"
 )
-_OWNERS = _words("position translation")
-_OF_SIGNALS = _words(
-    "field orientation rotation pose ref target twist desired vehicle car robot ego"
-)
-_OF_CLOCKS = _words("elapsed epoch field header log msg ros rosbag sim stamp system unix")
-_ROLES: Mapping[str, _Role] = {
-    ITERATION: _Role(_words("iteration"), frozenset(), frozenset(), {}),
-    X: _Role(
-        _words("x posx px tx p_rs_r_x easting east rechtswert utm_e"),
-        _words("x"),
+_OWNERS = words("position translation")
+OF_SIGNALS = words("field orientation rotation pose ref target twist desired vehicle car robot ego")
+_OF_CLOCKS = words("elapsed epoch field header log msg ros rosbag sim stamp system unix")
+POSE: Mapping[str, Kind] = {
+    X: Kind(
+        words("x posx px tx p_rs_r_x easting east rechtswert utm_e"),
+        LENGTHS,
+        words("x"),
         _OF_PLACES,
-        _LENGTH,
         _OWNERS,
     ),
-    Y: _Role(
-        _words("y posy py ty p_rs_r_y northing north hochwert utm_n"),
-        _words("y"),
+    Y: Kind(
+        words("y posy py ty p_rs_r_y northing north hochwert utm_n"),
+        LENGTHS,
+        words("y"),
         _OF_PLACES,
-        _LENGTH,
         _OWNERS,
     ),
-    HEADING: _Role(
-        _words("heading theta yaw psi"), _words("heading theta yaw psi"), _OF_SIGNALS, _ANGLE
+    HEADING: Kind(
+        words("heading theta yaw psi"), ANGLES, words("heading theta yaw psi"), OF_SIGNALS
     ),
-    SPEED: _Role(
-        _words("speed velocity vel v vx geschwindigkeit vitesse velocidad"),
-        _words("speed velocity vel v vx"),
-        _OF_SIGNALS,
-        _SPEED,
-    ),
-    TIME: _Role(
-        _words("t time timestamp stamp zeit temps tiempo epoch elapsed"),
-        _words("t time timestamp stamp"),
+    TIME: Kind(
+        words("t time timestamp stamp zeit temps tiempo epoch elapsed"),
+        TIMES,
+        words("t time timestamp stamp"),
         _OF_CLOCKS,
-        _TIME,
+        bare=frozenset(name for name in TIMES if "sec" in name),
     ),
 }
-_SURELY_METRES = _words("easting northing rechtswert hochwert utm_e utm_n")
-_BRACKETS = ("[", "{", "(", "<")
-_DEGREES = _words("lat latitude lon long lng longitude")
+"""How people call time and the parts of a pose."""
+_SURELY_METRES = words("easting northing rechtswert hochwert utm_e utm_n")
 _SIGNS = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
 
 
-def columns_of(names: Sequence[str]) -> list[Column]:
-    """The columns that are needed of those that a header names, the iteration first.
+def ranked(role: str, kind: Kind, names: Sequence[str]) -> list[tuple[int, Column]]:
+    """The columns that may be of one kind, each with its rank, the surest first."""
+    return sorted(_ranked(role, kind, names), key=lambda each: each[0])
 
-    Speeds are not needed beside times.
+
+def named(role: str, kind: Kind, index: int, name: str) -> Column:
+    """A column of which somebody says that it is of a kind, in the unit that its name has."""
+    found, bracket = words_of(name)
+    suffixes = ("".join(found[count:]) for count in range(1, len(found)))
+    unit = bracket or next((each for each in suffixes if each in kind.units), "")
+    return Column(role, index, *kind.unit(unit))
+
+
+def check_units(columns: Iterable[Column], kinds: Mapping[str, Kind]) -> None:
+    """Makes sure that the units of columns are known.
 
     Raises:
-        HeaderError: There are no columns x and y, or several, or a unit is not known.
+        HeaderError: One is not.
     """
-    found: dict[str, Column] = {}
-    others: list[Column] = []
-    for role, kind in _ROLES.items():
-        ranked = sorted(_columns(role, kind, names), key=lambda each: each[0])
-        if not ranked:
-            continue
-        best = [column for rank, column in ranked if rank == ranked[0][0]]
-        if len(best) > 1 and role in (X, Y):
-            raise HeaderError(f"names several columns that may be {role}; keep one of them")
-        found[role] = best[0]
-        others = [column for _, column in ranked] if role == TIME else others
-    if X not in found or Y not in found:
-        raise HeaderError(_none(names), has_columns=_are_degrees(names))
-    if TIME in found or _is_component(found.get(SPEED), names):
-        found.pop(SPEED, None)
-    if TIME in found:
-        found |= _clock(found[TIME], others)
-        if not found[TIME].unit and any(name.startswith("field.") for name in names):
-            # As rostopic writes the fields of a message, and all times.
-            found[TIME] = replace(found[TIME], unit="ns", per_unit=1e9)
-    for role in (X, Y, HEADING, SPEED, TIME):
-        if role in found and found[role].per_unit == 0:
-            known = list(dict.fromkeys(unit for unit, _ in _ROLES[role].units.values()))
+    for column in columns:
+        if column.per_unit == 0:
+            known = list(dict.fromkeys(unit for unit, _ in kinds[column.role].units.values()))
             raise HeaderError(
-                f"names a unit of {role} that is not known; give {', '.join(known[:-1])} or "
+                f"names a unit of {column.role} that is not known; give {', '.join(known[:-1])} or "
                 f"{known[-1]}",
                 has_columns=True,
             )
-    return list(found.values())
-
-
-def are_columns(names: Sequence[str]) -> bool:
-    """Whether the cells of a comment tell what the columns are."""
-    try:
-        columns_of(names)
-    except HeaderError as error:
-        return error.has_columns
-    return True
 
 
 def is_unit(cell: str) -> bool:
     """Whether a cell holds the name of a unit, or nothing in its place."""
     unit = re.sub(r"[\s/_*.\[\]()-]", "", cell.translate(_SIGNS).lower())
-    return not unit or any(unit in kind.units for kind in _ROLES.values())
+    return not unit or any(unit in units for units in _ALL_UNITS)
+
+
+def clock(time: Column, others: Iterable[Column], names: Sequence[str]) -> list[Column]:
+    """Times, or seconds and the nanoseconds that belong to them if those have their own column.
+
+    Args:
+        time: The column of times.
+        others: Columns that may be of the same clock.
+        names: Of all columns. With those of a message's fields, as rostopic writes them, it writes
+            all times in nanoseconds.
+    """
+    if not time.unit and any(name.startswith("field.") for name in names):
+        return [replace(time, unit="ns", per_unit=1e9)]
+    of_clock = [column for column in others if column.stem == time.stem]
+    seconds = next((column for column in of_clock if column.unit == "s"), None)
+    rest = next((column for column in of_clock if column.unit == "ns"), None)
+    if seconds is None or rest is None:
+        return [time]
+    return [seconds, replace(rest, role=NANOSECONDS)]
+
+
+def whole_clock(seconds: Floats, nanoseconds: Floats) -> Floats | None:
+    """Times of whole seconds and what a clock adds to them; None if they are not such.
+
+    Args:
+        seconds: Not-a-number where there is none [s], shape (m,).
+        nanoseconds: The same of what is added, converted [s], shape (m,).
+    """
+    there = ~np.isnan(seconds)
+    whole, rest = seconds[there], nanoseconds[there]
+    fits = (whole == np.floor(whole)) & (rest >= 0) & (rest < 1)
+    return seconds + nanoseconds if fits.all() else None
 
 
 def counted_since_1970(column: Column, first: float) -> Column:
-    """A column of times that does not tell its unit, with the one that its first time tells."""
-    if column.role != TIME or column.unit:
+    """A column of times, in the unit that its first time tells where its name does not."""
+    if column.unit:
         return column
     for least, per_unit, unit in _EPOCHS:
         if least <= first < _LATEST:
@@ -240,68 +270,29 @@ def counted_since_1970(column: Column, first: float) -> Column:
     return column
 
 
-def _columns(role: str, kind: _Role, names: Sequence[str]) -> Iterator[tuple[int, Column]]:
+def _ranked(role: str, kind: Kind, names: Sequence[str]) -> Iterator[tuple[int, Column]]:
     """The columns that may be of one kind, each with its rank."""
     for index, name in enumerate(names):
-        words, bracket = _parts(name)
-        for count in range(len(words), -1, -1):
-            stemmed, suffix = words[:count], "".join(words[count:])
+        found, bracket = words_of(name)
+        for count in range(len(found), -1, -1):
+            stemmed, suffix = found[:count], "".join(found[count:])
             if suffix and suffix not in kind.units:
                 continue
             if suffix and stemmed[-1:] == ["in"]:
                 stemmed = stemmed[:-1]
             stem = "_".join(stemmed)
-            rank = kind.rank(stemmed)
-            if rank is None and role == TIME and suffix in _CLOCKS and not stem:
-                rank = 0
+            rank = 0 if not stem and suffix in kind.bare else kind.rank(stemmed)
             if rank is not None:
                 unit = bracket or suffix or ("m" if stem in _SURELY_METRES else "")
-                text, per_unit = kind.units.get(unit, (unit, 0.0)) if unit else ("", 1.0)
-                yield rank, Column(role, index, text, per_unit, stem)
+                yield rank, Column(role, index, *kind.unit(unit), stem)
                 break
 
 
-def _is_component(speed: Column | None, names: Sequence[str]) -> bool:
-    """Whether a speed is that along x, beside another along y."""
-    if speed is None or not speed.stem.endswith("vx"):
-        return False
-    other = f"{speed.stem[:-1]}y"
-    return any("_".join(_parts(name)[0]).startswith(other) for name in names)
-
-
-def _clock(time: Column, others: Sequence[Column]) -> dict[str, Column]:
-    """Seconds, and the nanoseconds that belong to them if they have a column of their own."""
-    of_clock = [column for column in others if column.stem == time.stem]
-    seconds = next((column for column in of_clock if column.unit == "s"), None)
-    rest = next((column for column in of_clock if column.unit == "ns"), None)
-    if seconds is None or rest is None:
-        return {TIME: time}
-    return {TIME: seconds, NANOSECONDS: replace(rest, role=NANOSECONDS)}
-
-
-def _none(names: Sequence[str]) -> str:
-    """What is wrong with a header, or what stands in its place, that names no columns x and y."""
-    if names and names[0][:1] in _BRACKETS:
-        return f"begins with a bracket, as no CSV does; save it as one with the header {HEADERS}"
-    if len(names) == 1 and any(sign in names[0] for sign in "|:/&"):
-        return "is parted neither by commas, semicolons nor white space; save it with commas"
-    if _are_degrees(names):
-        return "names latitude and longitude; project them to metres first, such as to UTM"
-    return f"names no columns x and y; call them {HEADERS}"
-
-
-HEADERS = "x,y (beside them heading, speed and t_s if they are known)"
-
-
-def _are_degrees(names: Sequence[str]) -> bool:
-    return sum(not _DEGREES.isdisjoint(_parts(name)[0]) for name in names) >= 2
-
-
-def _parts(name: str) -> tuple[list[str], str | None]:
+def words_of(name: str) -> tuple[list[str], str]:
     """The words of a column's name in lower case, and its unit in brackets if it has one."""
     name = name.strip().strip("\"'").translate(_SIGNS)
     bracket = re.fullmatch(r"(.*?)\s*[\[({]([^\[\](){}]*)[\])}]", name)
-    unit = None
+    unit = ""
     if bracket is not None:
         name, unit = bracket[1], re.sub(r"[\s/_*.]", "", bracket[2].lower())
     name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)

@@ -5,61 +5,53 @@ Such a file may come from anybody: what is wrong is told with its line, and noth
 
 from __future__ import annotations
 
-import io
 import math
-import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from hilc_cli.errors import UsageError
-from hilc_cli.reference.cells import (
-    are_units,
-    cells_of,
-    has_decimal_commas,
-    is_number,
-    names_of,
-    separator_below,
-    separator_of,
-    with_units,
-)
+from hilc_cli.reference.cells import cells_of, is_number
 from hilc_cli.reference.columns import (
-    HEADERS,
     HEADING,
-    ITERATION,
     NANOSECONDS,
-    SPEED,
     TIME,
     Column,
     HeaderError,
     X,
     Y,
+    counted_since_1970,
+    whole_clock,
+)
+from hilc_cli.reference.path_columns import (
+    HEADERS,
+    ITERATION,
+    SPEED,
     are_columns,
     columns_of,
-    counted_since_1970,
+)
+from hilc_cli.reference.point_tables import (
+    MAX_BYTES,
+    MEND,
+    TUM,
+    PointTable,
+    check_place,
+    check_times,
+    headings_of,
+    not_unit,
+    number_in,
+    wrong,
 )
 from hilc_cli.reference.sampled import Floats
 
-MAX_BYTES = 50_000_000
+__all__ = ["MAX_BYTES", "MOST_POINTS", "Waypoints", "parse_waypoints"]
+
 MOST_POINTS = 10_000
 """More are not needed for any curve, and a scenario that holds them all can still be read."""
-_MOST_LINES, _LONGEST_LINE = 1_000_000, 10_000
-_FARTHEST = 1e8  # [m], as for all coordinates
-_LATEST = 1e11  # [s]: later times are counted in something else
-_LONGEST = 1e6  # [s]: so are those of a longer path
-_RANGES = (
-    (X, _FARTHEST, "give metres"),
-    (Y, _FARTHEST, "give metres"),
-    (TIME, _LATEST, "give seconds, or tell its unit in the header, such as t_ms"),
-)
-_UNIT_NORM = 0.01  # by which a quaternion may be off
-
-_TUM = 8  # t x y z qx qy qz qw
-_QUATERNION = ("qx", "qy", "qz", "qw")
-_MEND = "mend the line, or leave it out"
-_COMMENTS = ("#", "%", "//")
+_FASTEST = 1e8  # [m/s]
+_LONGEST = 1e6  # [s]: times of a longer path are counted in something else
 _FEWEST_NOISY = 50  # of fewer points nobody can tell noise from corners
 _ZIGZAG = -0.3  # correlation of neighbouring turns below which they are noise; of noise alone -2/3
 _SHARP = 0.05  # [rad]: turns from point to point that are smaller (RMS) do no harm
@@ -146,76 +138,48 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
     Raises:
         UsageError: It is no such file; names the line.
     """
+    table = PointTable.read(path, content, are_columns=are_columns, too_long="take fewer points")
+    if table.header is None:
+        if table.first is None:
+            raise UsageError(f"{path}: has no points; give at least two lines with x and y")
+        rows = list(table.rows)
+        return _waypoints(table, _numbers(table, rows, _without_header(table, rows)))
     try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise _wrong(path, line, "is not UTF-8 text; save it as CSV in UTF-8") from None
-    header: tuple[int, str] | None = None
-    rows: list[tuple[int, str]] = []
-    for number, raw in enumerate(io.StringIO(text, newline=None), 1):
-        if number > _MOST_LINES:
-            raise UsageError(f"{path}: has more than {_MOST_LINES} lines; take fewer points")
-        if len(raw) > _LONGEST_LINE:
-            raise _wrong(path, number, f"has a line of {len(raw)} characters; give a CSV file")
-        line_text = raw.strip()
-        if number == 1 and re.fullmatch(r"sep=.", line_text):
-            continue  # said to Excel
-        if line_text.startswith(_COMMENTS):
-            told = line_text.lstrip("#/ ")  # a sign of percent may belong to a name
-            if not rows and are_columns(names_of(told)):
-                header = number, told
-            elif are_units(told) and _is_header(header, rows):
-                rows.append((number, told))
-        elif line_text:
-            rows.append((number, raw.strip("\n")))  # a tab in front stands for an empty cell
-    if not rows:
-        raise UsageError(f"{path}: has no points; give at least two lines with x and y")
-    if has_decimal_commas(rows[0][1]) or has_decimal_commas(rows[-1][1]):
-        raise _wrong(path, rows[0][0], "has decimal commas; write decimal points")
-    cells = cells_of(rows[0][1], None)
-    if header is not None and len(names_of(header[1])) not in (len(cells), len(cells) - 1):
-        header = None  # a comment that has both words in it
-    if not all(map(is_number, cells)) and (header is None or are_columns(names_of(rows[0][1]))):
-        header = rows.pop(0)
-    if header is None:
-        separator = separator_of(rows[0][1])
-        columns = _without_header(path, rows, separator)
-        width = len(cells_of(rows[0][1], separator))
-    else:
-        names = names_of(header[1])
-        if rows and are_units(rows[0][1]):
-            below = cells_of(rows[0][1], separator_below(header[1], rows))
-            names = with_units(names, below)
-            rows.pop(0)
-        separator = separator_below(header[1], rows)
-        try:
-            columns, width = columns_of(names), len(names)
-        except HeaderError as error:
-            raise _wrong(path, header[0], str(error)) from None
-    return _waypoints(path, columns, width, *_rows(path, rows, columns, separator, width))
+        columns = columns_of(table.header.names)
+    except HeaderError as error:
+        raise wrong(path, table.header.line, str(error)) from None
+    return _waypoints(table, _numbers(table, table.rows, columns))
 
 
-def _rows(
-    path: Path,
-    rows: Sequence[tuple[int, str]],
-    columns: Sequence[Column],
-    separator: str | None,
-    width: int,
-) -> tuple[Floats, list[int], int]:
-    """The numbers of the columns that are needed, their lines, and how many rows were dropped."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Numbers:
+    """The numbers of the columns that are needed.
+
+    Attributes:
+        columns: What they are.
+        values: As they stand in the file, shape (m, number of columns).
+        lines: Where each row stands.
+        dropped: How many rows said the same as the one before.
+    """
+
+    columns: Sequence[Column]
+    values: Floats
+    lines: Sequence[int]
+    dropped: int
+
+
+def _numbers(
+    table: PointTable, rows: Iterable[tuple[int, str]], columns: Sequence[Column]
+) -> _Numbers:
+    """Reads them, those of the last iteration if there are several."""
+    path = table.path
     values: list[list[float]] = []
     lines: list[int] = []
     dropped = 0
     last: list[float] = []
     has_iterations = columns[0].role == ITERATION
     for line, text in rows:
-        cells = cells_of(text, separator)
-        while len(cells) > width and not cells[-1]:
-            cells.pop()
-        if len(cells) != width:
-            told = f"has {len(cells)} cells where {width} should stand"
-            raise _wrong(path, line, f"{told}; {_MEND}")
+        cells = table.cells(line, text)
         row = [_number(path, line, column.role, cells[column.index]) for column in columns]
         if has_iterations and last and row[0] != last[0]:
             values, lines, dropped, last = [], [], 0, []
@@ -231,99 +195,88 @@ def _rows(
             )
     if len(values) < 2:
         raise UsageError(f"{path}: has fewer than two points; give at least two lines with x and y")
-    return np.array(values), lines, dropped
+    return _Numbers(columns, np.array(values), lines, dropped)
 
 
-def _waypoints(
-    path: Path,
-    columns: Sequence[Column],
-    width: int,
-    values: Floats,
-    lines: Sequence[int],
-    dropped: int,
-) -> Waypoints:
+def _waypoints(table: PointTable, numbers: _Numbers) -> Waypoints:
     """Points of the numbers that stand in a file."""
+    path, lines = table.path, numbers.lines
     columns = [
-        counted_since_1970(column, first)
-        for column, first in zip(columns, values[0].tolist(), strict=True)
+        counted_since_1970(column, float(first)) if column.role == TIME else column
+        for column, first in zip(numbers.columns, numbers.values[0], strict=True)
     ]
-    table = {
-        column.role: given / column.per_unit
-        for column, given in zip(columns, values.T, strict=True)
+    found = {
+        column.role: column.converted(given)
+        for column, given in zip(columns, numbers.values.T, strict=True)
     }
     told = {column.role: column.in_words for column in columns}
-    of_columns = width if width > len(columns) else None
-    iteration = table.pop(ITERATION, None)
-    if NANOSECONDS in table:
-        rest = table.pop(NANOSECONDS)
-        whole = (table[TIME] == np.floor(table[TIME])).all()
-        if whole and (rest >= 0).all() and (rest < 1).all():
-            table[TIME] = table[TIME] + rest
-            told[TIME] = f"{TIME} from s and ns"
-    if "qw" in table:
-        x, y, z, w = (table.pop(name) for name in _QUATERNION)
-        norm = np.sqrt(w * w + x * x + y * y + z * z)
-        off = np.flatnonzero(np.abs(norm - 1) > _UNIT_NORM)
-        if len(off):
+    of_columns = table.width if table.width > len(columns) else None
+    iteration = found.pop(ITERATION, None)
+    rest = found.pop(NANOSECONDS, None)
+    whole = None if rest is None else whole_clock(found[TIME], rest)
+    if whole is not None:
+        found[TIME] = whole
+        told[TIME] = f"{TIME} from s and ns"
+    if "qw" in found:
+        quaternions = np.stack([found.pop(name) for name in ("qw", "qx", "qy", "qz")], axis=1)
+        off = not_unit(quaternions)
+        if off is not None:
             problem = "has no unit quaternion at its end, as the lines of a TUM file have"
-            raise _wrong(path, lines[int(off[0])], f"{problem}; put a header in front: {HEADERS}")
-        table[HEADING] = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+            raise wrong(path, lines[off], f"{problem}; put a header in front: {HEADERS}")
+        found[HEADING] = headings_of(quaternions)
         of_columns = None
-    for role, most, remedy in _RANGES:
-        beyond = np.flatnonzero(np.abs(table.get(role, np.zeros(1))) > most)
-        if len(beyond):
-            unit = "s" if role == TIME else "m"
-            name = "a time" if role == TIME else f"an {role}"
-            problem = f"has {name} beyond {most:g} {unit}"
-            raise _wrong(path, lines[int(beyond[0])], f"{problem}; {remedy}")
-    if TIME in table:
-        back = np.flatnonzero(np.diff(table[TIME]) <= 0)
-        if len(back):
-            problem = "has a time that is not after the one before"
-            remedy = "sort the lines by time and keep one of each, or take the times out"
-            raise _wrong(path, lines[int(back[0]) + 1], f"{problem}; {remedy}")
-        duration = float(np.ptp(table[TIME]))
-        if duration > _LONGEST:
-            problem = f"has times that are {duration:.3g} s apart"
-            raise _wrong(path, lines[-1], f"{problem}; tell their unit in the header, such as t_ms")
+    for role in (X, Y):
+        check_place(path, lines, role, found[role])
+    if TIME in found:
+        check_times(path, lines, found[TIME])
+        _check_order(path, lines, found[TIME])
     return Waypoints(
-        np.stack([table[X], table[Y]], axis=1),
-        tuple(told.get(role, role) for role in table),
+        np.stack([found[X], found[Y]], axis=1),
+        tuple(told.get(role, role) for role in found),
         of_columns,
         any(column.unit for column in columns if column.role == X),
         any(column.unit for column in columns if column.role == TIME),
-        table.get(TIME),
-        table.get(SPEED),
-        table.get(HEADING),
-        dropped,
+        found.get(TIME),
+        found.get(SPEED),
+        found.get(HEADING),
+        numbers.dropped,
         None if iteration is None else int(iteration[-1]),
     )
 
 
-def _without_header(
-    path: Path, rows: Sequence[tuple[int, str]], separator: str | None
-) -> list[Column]:
+def _check_order(path: Path, lines: Sequence[int], times: Floats) -> None:
+    """Makes sure that times [s] rise, and are those of a drive."""
+    back = np.flatnonzero(np.diff(times) <= 0)
+    if len(back):
+        problem = "has a time that is not after the one before"
+        remedy = "sort the lines by time and keep one of each, or take the times out"
+        raise wrong(path, lines[int(back[0]) + 1], f"{problem}; {remedy}")
+    duration = float(np.ptp(times))
+    if duration > _LONGEST:
+        problem = f"has times that are {duration:.3g} s apart"
+        raise wrong(path, lines[-1], f"{problem}; tell their unit in the header, such as t_ms")
+
+
+def _without_header(table: PointTable, rows: Sequence[tuple[int, str]]) -> list[Column]:
     """What the columns of a file without a header are, where there is no doubt."""
-    first = cells_of(rows[0][1], separator)
-    width = len(first)
-    if width == _TUM:
-        quaternion = [Column(name, at) for at, name in enumerate(_QUATERNION, 4)]
-        return [Column(TIME, 0), Column(X, 1), Column(Y, 2), *quaternion]
+    if table.width == len(TUM):
+        return [Column(role, at) for at, role in enumerate(TUM) if role != "z"]
     points = [Column(X, 0), Column(Y, 1)]
-    if width == 2:
+    if table.width == 2:
         return points
-    if width == 3 and not _is_clock([cells_of(text, separator)[0] for _, text in rows[:100]]):
-        third = [cells_of(text, separator)[-1] for _, text in rows]
-        if any(is_number(cell) and float(cell) < 0 for cell in third):
+    split = [cells_of(text, table.separator) for _, text in rows] if table.width == 3 else []
+    if split and not _is_clock([cells[0] for cells in split[:100]]):
+        third = [float(cells[-1]) for cells in split if is_number(cells[-1])]
+        if any(number < 0 for number in third):
             told = "has a third column with numbers below 0 and no header that tells what they are"
-            raise _wrong(path, rows[0][0], f"{told}; put a header in front: {HEADERS}")
-        is_height = all(is_number(cell) and float(cell) == 0 for cell in third)
+            raise wrong(table.path, rows[0][0], f"{told}; put a header in front: {HEADERS}")
+        is_height = len(third) == len(split) and not any(third)
         return points if is_height else [*points, Column(SPEED, 2)]
-    raise _wrong(
-        path,
+    raise wrong(
+        table.path,
         rows[0][0],
-        f"has {width} columns and no header that tells what they are; put a header in front: "
-        f"{HEADERS}",
+        f"has {table.width} columns and no header that tells what they are; put a header in "
+        f"front: {HEADERS}",
     )
 
 
@@ -335,30 +288,11 @@ def _is_clock(cells: Sequence[str]) -> bool:
     return bool(steps.min() > 0 and np.ptp(steps) <= 1e-3 * steps.max())
 
 
-def _is_header(header: tuple[int, str] | None, rows: Sequence[tuple[int, str]]) -> bool:
-    """Whether nothing but a header has been read yet."""
-    if header is not None:
-        return not rows
-    return len(rows) == 1 and not all(map(is_number, cells_of(rows[0][1], None)))
-
-
-def _number(path: Path, line: int, name: str, cell: str) -> float:
+def _number(path: Path, line: int, role: str, cell: str) -> float:
     """The number in a cell, which must be one of its column."""
-    if re.fullmatch(r"[-+]?\d+,\d+", cell):
-        raise _wrong(path, line, "has decimal commas; write decimal points")
-    if not is_number(cell) or "_" in cell:
-        told = f"holds something that is no number where {name} should stand"
-        remedy = "give seconds, or take the times out" if name == TIME else _MEND
-        raise _wrong(path, line, f"{told}; {remedy}")
-    number = float(cell)
-    if not math.isfinite(number):
-        told = f"has a number that is not finite where {name} should stand"
-        raise _wrong(path, line, f"{told}; {_MEND}")
-    if name == SPEED and not 0 <= number <= _FARTHEST:
+    remedy = "give seconds, or take the times out" if role == TIME else MEND
+    number = number_in(path, line, role, cell, remedy)
+    if role == SPEED and not 0 <= number <= _FASTEST:
         told = "has a speed that is below 0 or too high; say that it drives backward"
-        raise _wrong(path, line, f"{told} by 'reverse: true'")
+        raise wrong(path, line, f"{told} by 'reverse: true'")
     return number
-
-
-def _wrong(path: Path, line: int, what: str) -> UsageError:
-    return UsageError(f"{path}:{line}: {what}")

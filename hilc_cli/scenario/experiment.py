@@ -16,9 +16,8 @@ from hilc_cli.laws.norm_optimal.law import IDEAL_MOTORS, RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
 from hilc_cli.plants.kinematic import feedforward
-from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import OWN as PLANTS
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import BELIEVED, MODEL, TRUE
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
@@ -96,13 +95,13 @@ class Scenario:
 
     def experiment(self) -> Experiment:
         """The scenario with every number resolved."""
-        spec = self.spec
-        reference = spec.reference
-        left, right = self._first_input(reference)
+        spec, setting = self.spec, self.setting
+        reference = setting.reference
+        left, right = self._first_input(setting)
         return Experiment(
             reference=reference,
             plant=spec.robot.as_plant(),
-            law=spec.controller.law_for(self.setting),
+            law=spec.controller.law_on(setting),
             initial_pose=spec.start_pose,
             initial_left=left,
             initial_right=right,
@@ -119,20 +118,25 @@ class Scenario:
     @property
     def setting(self) -> Setting:
         """What the law may depend on beside its own parameters."""
-        spec = self.spec
+        spec, robot = self.spec, self.spec.robot.robot()
         return Setting(
             spec.reference,
-            spec.model.model(spec.robot.robot()),
+            spec.model.model(robot),
             spec.initial_error,
             spec.disturbance.initial_pose.bound,
             spec.robot.lead,
+            spec.model.drivetrain(robot),
         )
 
-    def _first_input(self, reference: Reference) -> tuple[Floats, Floats]:
+    def _first_input(self, setting: Setting) -> tuple[Floats, Floats]:
+        reference, model, drivetrain = setting.reference, setting.model, setting.drivetrain
         if self.initial_input is not None:
             return self.initial_input
         if self.spec.initial_input == "feedforward":
-            return feedforward(reference, self.spec.model.model(self.spec.robot.robot()))
+            wheels = feedforward(reference, model)
+            if drivetrain is None:
+                return wheels
+            return drivetrain.sent_for(*wheels, model.wheel_radius, reference.sample_time)
         nothing = _nothing(reference.samples)
         return nothing, nothing
 
@@ -235,8 +239,13 @@ class Scenario:
             del data[key]["wheel_separation"]
         if spec.robot.friction is None:
             del data["robot"]["friction"]
-        _without_usual_plant(data, spec.robot)
-        data["model"]["wheel_radius"] = model.wheel_radius
+        _without_usual(data, spec)
+        drivetrain = spec.model.drivetrain(robot)
+        data["model"]["wheel_radius"] = (
+            model.wheel_radius
+            if drivetrain is None or drivetrain.left_radius == drivetrain.right_radius
+            else {"left": drivetrain.left_radius, "right": drivetrain.right_radius}
+        )
         del data["model"][FROM]  # its numbers are in its place
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:
@@ -260,7 +269,7 @@ class Scenario:
         data = self.spec.model_dump(mode="json", exclude={"sweep"}, exclude_none=True)
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE
-        _without_usual_plant(data, self.spec.robot)
+        _without_usual(data, self.spec)
         return data
 
     def resolved_yaml(self) -> str:
@@ -268,11 +277,12 @@ class Scenario:
         return to_yaml(self.resolved())
 
 
-def _without_usual_plant(data: dict[str, Any], robot: RobotSpec) -> None:
-    """Leaves out of a scenario what its plant has as every scenario's plant has it."""
-    for key in robot.only_if_given:
-        if getattr(robot, key) == type(robot).model_fields[key].default:
-            del data["robot"][key]
+def _without_usual(data: dict[str, Any], spec: ScenarioSpec) -> None:
+    """Leaves out of a scenario what its robot and its model have as those of every scenario."""
+    for section, part in (("robot", spec.robot), ("model", spec.model)):
+        for key in part.only_if_given:
+            if getattr(part, key) == type(part).model_fields[key].default:
+                data[section].pop(key, None)
 
 
 # Shown elsewhere: the speed limit is a figure of its own, the switch has a text of its own.

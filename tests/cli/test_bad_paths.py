@@ -112,7 +112,11 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "reverse-corner": (
         added("line: {to: [2, 0], duration: 1, reverse: true}"),
-        "path.yaml:6:5: trajectory.segments.1.line: starts with a heading of 3.14159265 rad where the path arrives with 0 rad, a corner of 3.14 rad; make them equal or set 'corners: allow'",
+        "path.yaml:6:5: trajectory.segments.1.line: starts with a heading of 3.14159265 rad where the path arrives with 0 rad, a corner of 3.14 rad; leave out its 'reverse: true', make them equal or set 'corners: allow'",
+    ),
+    "back-corner": (
+        added("path: {points: [[1, 0], [0, 0.2]], through: polyline, speed: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.path: starts with a heading of 2.94419709 rad where the path arrives with 0 rad, a corner of 2.94 rad; set 'reverse: true' to drive it backward, make them equal or set 'corners: allow'",
     ),
     "spline-empty": (
         added("spline: {duration: 1}"),
@@ -481,7 +485,7 @@ FILES: dict[str, tuple[str | bytes, str]] = {
         "# time [jiffies], x, y\n1,2,3\n3,4,5\n",
         "track.csv:1: names a unit of t_s that is not known; give s, ms, us, ns, min or h",
     ),
-    "decimal commas": ("x;y\n1,5;2,5\n3,5;4,5\n", "track.csv:1: has decimal commas; write decimal points"),
+    "decimal commas": ("x;y\n1,5;2,5\n3,5;4,5\n", "track.csv:2: has decimal commas; write decimal points"),
     "one point": ("x,y\n1,2\n", "track.csv: has fewer than two points; give at least two lines with x and y"),
     "the same point": ("1 2\n1 2\n", "track.csv: has fewer than two points; give at least two lines with x and y"),
     "not a number": ("x,y\n0,0\nnan,1\n", "track.csv:3: has a number that is not finite where x should stand; mend the line, or leave it out"),

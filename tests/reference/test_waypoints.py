@@ -239,7 +239,7 @@ WRONG: dict[str, tuple[str | bytes, str]] = {
     "one": ("1,2\n", "f.csv: has fewer than two points; give at least two lines with x and y"),
     "latin": (b"1,2\n3,\xe9\n", "f.csv:2: is not UTF-8 text; save it as CSV in UTF-8"),
     "commas": ("1,5;2,5\n3,5;4,5\n", "f.csv:1: has decimal commas; write decimal points"),
-    "german": ("x y\n1,5 2,5\n3,5 4,5\n", "f.csv:1: has decimal commas; write decimal points"),
+    "german": ("x y\n1,5 2,5\n3,5 4,5\n", "f.csv:2: has decimal commas; write decimal points"),
     "names": ("easting;height\n1;2\n", f"f.csv:1: names no columns x and y; {COLUMNS}"),
     "twice": ("x,x_m,y\n1,2,3\n", "f.csv:1: names several columns that may be x; keep one of them"),
     "y twice": ("x,y,y\n1,2,3\n", "f.csv:1: names several columns that may be y; keep one of them"),
