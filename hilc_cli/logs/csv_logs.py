@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -31,6 +32,7 @@ from hilc_cli.logs.options import ReadOptions
 from hilc_cli.reference.cells import is_number
 from hilc_cli.reference.columns import (
     HEADING,
+    ITERATION,
     NANOSECONDS,
     TIME,
     Column,
@@ -111,6 +113,7 @@ class _Rows:
         names: What they are called there.
         lines: Where each row stands.
         values: Of one row behind the other.
+        iteration: The last one, of which the rows are, if the file has several.
     """
 
     path: Path
@@ -118,6 +121,7 @@ class _Rows:
     names: Sequence[str]
     lines: array[int] = field(default_factory=lambda: array("q"))
     values: array[float] = field(default_factory=lambda: array("d"))
+    iteration: float | None = None
 
     @classmethod
     def of(cls, table: PointTable, asked: Mapping[str, str]) -> _Rows:
@@ -130,21 +134,26 @@ class _Rows:
         found = cls(table.path, columns, [names[column.index] for column in columns])
         for line, text in table.rows:
             cells = table.cells(line, text)
+            row = {column.role: found.number(line, column, cells) for column in columns}
+            iteration = row.get(ITERATION)
+            if iteration != found.iteration:
+                del found.lines[:], found.values[:]
+                found.iteration = iteration
             found.lines.append(line)
-            for column in columns:
-                cell = cells[column.index]
-                empty = cell.lower() in _EMPTY
-                found.values.append(
-                    np.nan if empty else number_in(table.path, line, column.role, cell)
-                )
+            found.values.extend(row.values())
         return found
+
+    def number(self, line: int, column: Column, cells: Sequence[str]) -> float:
+        """The number of a column in a row, not-a-number where its cell is empty."""
+        cell = cells[column.index]
+        if cell.lower() in _EMPTY and column.role != ITERATION:
+            return math.nan
+        return number_in(self.path, line, column.role, cell)
 
     def log(self, checksum: str) -> Log:
         """Returns the log that the rows are."""
         table, notes = self._table()
-        without_time = np.flatnonzero(np.isnan(table[CLOCK]))
-        if len(without_time):
-            raise wrong(self.path, self.lines[int(without_time[0])], "has no time")
+        self._check_times(table)
         poses, more = self._poses(table)
         notes += more
         commands, more = self._commands(table)
@@ -182,15 +191,26 @@ class _Rows:
             table[CLOCK] = whole
             told[CLOCK] = f"{CLOCK} from s and ns"
         told.pop(NANOSECONDS, None)
+        table.pop(ITERATION, None)
         for role in (X, Y):
             check_place(self.path, self.lines, role, table[role])
         for role in (CLOCK, COMMAND_TIME):
             if role in table:
                 check_times(self.path, self.lines, table[role])
         columns = listed(dict.fromkeys(self.names), len(self.names))
-        notes = [f"{counted(len(self.lines), 'row')} with the columns {columns}"]
+        last = "" if self.iteration is None else f" of iteration {self.iteration:g}"
+        notes = [f"{counted(len(self.lines), 'row')}{last} with the columns {columns}"]
         converted = [text for role, text in told.items() if text != role]
         return table, [*notes, *([f"read {listed(converted)}"] if converted else [])]
+
+    def _check_times(self, table: Mapping[str, Floats]) -> None:
+        """Makes sure that each row that tells something has the time of it."""
+        other = COMMAND_TIME in table
+        for name, column in table.items():
+            clock = COMMAND_TIME if other and name in (LEFT, RIGHT, SPEED, YAW_RATE) else CLOCK
+            without = np.flatnonzero(np.isnan(table[clock]) & ~np.isnan(column))
+            if len(without) and name != COMMAND_TIME:
+                raise wrong(self.path, self.lines[int(without[0])], f"has {name} but no time of it")
 
     def _poses(self, table: Mapping[str, Floats]) -> tuple[Poses, list[str]]:
         has_quaternion = QUATERNION[0] in table

@@ -8,6 +8,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.reference.columns import (
     ANGULAR_SPEEDS,
     HEADING,
+    ITERATION,
     POSE,
     SPEEDS,
     TIME,
@@ -80,6 +81,7 @@ ROLES: Mapping[str, Kind] = {
     COMMAND_TIME: Kind(
         words("command_t command_time command_stamp cmd_t cmd_time cmd_stamp sent sent_t"), TIMES
     ),
+    ITERATION: Kind(words("iteration"), {}),
 }
 """What a column may be, as ``--columns`` calls it, and how people call it."""
 

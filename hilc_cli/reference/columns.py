@@ -11,7 +11,7 @@ import numpy as np
 
 from hilc_cli.reference.sampled import Floats
 
-X, Y, HEADING, TIME = "x", "y", "heading", "t_s"
+X, Y, HEADING, TIME, ITERATION = "x", "y", "heading", "t_s", "iteration"
 NANOSECONDS = "nanoseconds"
 """What a clock adds to the whole seconds that stand in a column of their own."""
 

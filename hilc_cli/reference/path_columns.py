@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from hilc_cli.reference.columns import (
     HEADING,
+    ITERATION,
     OF_SIGNALS,
     POSE,
     SPEEDS,
@@ -22,7 +23,7 @@ from hilc_cli.reference.columns import (
     words_of,
 )
 
-SPEED, ITERATION = "speed", "iteration"
+SPEED = "speed"
 HEADERS = "x,y (beside them heading, speed and t_s if they are known)"
 
 _KINDS: Mapping[str, Kind] = {

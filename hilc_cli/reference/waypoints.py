@@ -16,6 +16,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.reference.cells import cells_of, is_number
 from hilc_cli.reference.columns import (
     HEADING,
+    ITERATION,
     NANOSECONDS,
     TIME,
     Column,
@@ -27,7 +28,6 @@ from hilc_cli.reference.columns import (
 )
 from hilc_cli.reference.path_columns import (
     HEADERS,
-    ITERATION,
     SPEED,
     are_columns,
     columns_of,

@@ -23,6 +23,7 @@ from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import Demand, demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
+from hilc_cli.theory.feasibility.motors import acceleration_warnings, start_warnings
 from hilc_cli.theory.feasibility.plausibility import implausible, is_plain
 from hilc_cli.wording import in_short
 from hilc_cli.yaml_input.nodes import Place
@@ -145,7 +146,7 @@ class Scenario:
         demand = self.feasibility().demand
         found = [*self._implausible(demand), *self.spec.trajectory.warnings()]
         found += [*self._far_away(demand), *self.spec.controller.warnings(self.setting)]
-        found += [*self._without_learning(), *self._slow_joints()]
+        found += [*self._without_learning(), *self._slow_joints(), *self._of_motors(demand)]
         if abs(self.spec.initial_error[2]) > math.pi:
             heading = self.spec.start_pose[2]
             meant = f"; {heading:g} deg?" if is_plain(heading) else ""
@@ -177,6 +178,18 @@ class Scenario:
             f"initial_pose is {distance:.4g} m from the trajectory's start at ({x:.9g}, {y:.9g}), "
             f"{distance / size:.2g} times the size of the path; give it in the path's coordinates"
         ]
+
+    def _of_motors(self, demand: Demand) -> list[str]:
+        """What motors, real or believed ones, cannot follow."""
+        spec, drivetrain = self.spec, self.setting.drivetrain
+        limits = {"robot.motor.acceleration": spec.robot.wheel_acceleration}
+        if drivetrain is not None:
+            limits["model.motor.acceleration"] = drivetrain.motor.acceleration
+        key = min(limits, key=lambda key: limits[key])
+        if drivetrain is None and limits[key] == math.inf:
+            return []
+        found = acceleration_warnings(demand, spec.robot.mean_wheel_radius, key, limits[key])
+        return found if drivetrain is None else [*found, *start_warnings(demand, drivetrain.motor)]
 
     def _slow_joints(self) -> list[str]:
         """Jumps of the curvature that wheels can follow only nearly at rest."""

@@ -108,6 +108,12 @@ def test_a_note_tells_what_was_read_in_which_unit() -> None:
     assert "read t from ms, x from mm, y from cm, heading from deg" in notes
 
 
+def test_the_last_of_several_iterations_is_read() -> None:
+    log = parsed("iteration,t,x,y", [f"{i},{k},{k + 100 * i},0" for i in range(3) for k in K])
+    assert log.poses.x == pytest.approx(np.arange(12) + 200)
+    assert log.notes[0].startswith("12 rows of iteration 2 with the columns")
+
+
 def test_a_column_that_the_user_names_has_the_unit_of_its_name() -> None:
     rows = [f"{100 * k},{10 * k},{k}" for k in K]
     log = parsed("# clk_ms,a_mm,b", rows, {"t": "clk_ms", "x": "a_mm", "y": "b"})
