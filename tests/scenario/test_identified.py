@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import hilc_cli as hilc
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.motor import Motor
 
 HEADER = "iteration,model_wheel_radius_m,model_half_track_m\n"
@@ -82,11 +83,10 @@ def test_number_outside_the_range_is_told_at_the_key(here: Path) -> None:
 
 
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("key", ["wheel_radius", "half_track", "wheel_separation", "motor"])
+@pytest.mark.parametrize("key", ["wheel_radius", "half_track", "wheel_separation"])
 def test_numbers_beside_it_are_refused(key: str) -> None:
-    beside = {"delay": 0.1} if key == "motor" else 0.1
     with pytest.raises(hilc.HilcError) as error:
-        hilc.load_scenario("example:small-robot", {"model": {"from": "run", key: beside}})
+        hilc.load_scenario("example:small-robot", {"model": {"from": "run", key: 0.1}})
     assert str(error.value) == (
         f"override model: model.from: tells {key}, which the model has, too; give one of them, "
         "such as 'model: {from: run}' alone"
@@ -102,9 +102,8 @@ def test_wheels_and_motors_come_with_it(here: Path) -> None:
         "model_lag_s": 0.05,
         "model_friction_rad_s": 0.2,
     }
-    rows = [["iteration", *columns], [0, *columns.values()]]
-    text = "".join(",".join(map(str, row)) + "\n" for row in rows)
-    (here / "run/learning.csv").write_text(text)
+    names, values = ",".join(columns), ",".join(map(repr, columns.values()))
+    (here / "run/learning.csv").write_text(f"iteration,{names}\n0,{values}\n")
     setting = hilc.load_scenario("example:small-robot", {"model": {"from": "run"}}).setting
     drivetrain = setting.drivetrain
     assert drivetrain is not None
@@ -112,9 +111,10 @@ def test_wheels_and_motors_come_with_it(here: Path) -> None:
     assert drivetrain.left_radius + drivetrain.right_radius == pytest.approx(0.06)
     assert setting.model.wheel_radius == pytest.approx(0.03)
     assert drivetrain.motor == Motor(0.09, 0.05, dead_zone=0.2)
+    told = {"model": {"from": "run", "motor": {"delay": 0.1}}}
+    with pytest.raises(hilc.HilcError, match="model.from: tells motor, which the model has, too"):
+        hilc.load_scenario("example:small-robot", told)
     # A run with ideal motors tells none.
     (here / "run/learning.csv").write_text(f"{HEADER}0,0.03,0.09\n")
-    assert (
-        hilc.load_scenario("example:small-robot", {"model": {"from": "run"}}).setting.drivetrain
-        is None
-    )
+    drivetrain = hilc.load_scenario("example:small-robot", told).setting.drivetrain
+    assert drivetrain == Drivetrain(0.03, 0.03, Motor(0.1))
