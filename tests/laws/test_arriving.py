@@ -84,6 +84,10 @@ def test_learning_on_a_delayed_robot_is_that_on_an_ideal_one_sent_earlier(law: s
     assert poses(late) == pytest.approx(poses(ideal), abs=1e-11)
     for before, after in zip(ideal.trials.values(), late.trials.values(), strict=True):
         assert after.left[:-LATE] == pytest.approx(before.left[LATE:], abs=1e-8)
+    # A plan says what is sent, and where the robot is to be then.
+    assert ideal.plan is not None and late.plan is not None
+    assert late.plan.left[:-LATE] == pytest.approx(ideal.plan.left[LATE:], abs=1e-8)
+    assert late.plan.poses.tolist() == ideal.plan.poses.tolist()
     assert ideal.metrics["max_position_error_m"][0] > 1e-3  # there is something to learn
     untold = hilc.run({**scenario(LAWS[law], {"motor": {"delay": LATE * STEP}}), "model": {}})
     assert np.abs(poses(untold) - poses(ideal)).max() > 0.01

@@ -112,7 +112,7 @@ def test_wheels_and_motors_come_with_it(here: Path) -> None:
     assert setting.model.wheel_radius == pytest.approx(0.03)
     assert drivetrain.motor == Motor(0.09, 0.05, dead_zone=0.2)
     told = {"model": {"from": "run", "motor": {"delay": 0.1}}}
-    with pytest.raises(hilc.HilcError, match="model.from: tells motor, which the model has, too"):
+    with pytest.raises(hilc.HilcError, match=r"model\.from: tells motor, which the model has, too"):
         hilc.load_scenario("example:small-robot", told)
     # A run with ideal motors tells none.
     (here / "run/learning.csv").write_text(f"{HEADER}0,0.03,0.09\n")
