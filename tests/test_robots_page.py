@@ -58,7 +58,7 @@ def test_figures_of_laws_that_know_nothing_of_it() -> None:
 
 
 @pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize("law", ["hybrid", "pid", "feedback", "norm-optimal"])
+@pytest.mark.parametrize("law", ["hybrid", "pid", "feedback"])
 def test_figures_of_laws_that_are_told(law: str) -> None:
     (told,) = [block for block in blocks("docs/robots.md") if block.mark == "file: told.yaml"]
     Path("told.yaml").write_text(told.text, encoding="utf-8")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any
@@ -21,9 +21,9 @@ from hilc_cli.reference.sampled import Reference
 from hilc_cli.wording import counted
 from hilc_cli.yaml_input.model import Flag
 
-STEP_SHARE, RETURNS = "step_share", "returns_to_best"
-"""Columns of ``learning.csv``: share of the law's step that the next pass takes, and how often it
-has gone back so far."""
+STEP_SHARE, WENT_BACK = "step_share", "went_back"
+"""Columns of ``learning.csv``: the share of the law's step that the next pass takes, and whether it
+starts from the best pass (1) or from the last (0)."""
 
 _SMALLER = 0.5
 """What a step is multiplied by with each return."""
@@ -117,7 +117,7 @@ class _WatchedLearner:
         self._from = task.initial_left, task.initial_right
         self._best: Iteration | None = None
         self._least = math.inf
-        self._share, self._returns = 1.0, 0
+        self._share = 1.0
 
     def plan(self) -> Plan:
         """Returns the law's plan, or one that goes a part of the way there."""
@@ -139,14 +139,14 @@ class _WatchedLearner:
         error = wheel_error(iteration, self._half_track)
         if self._best is None or error < self._least:
             self._best, self._least = iteration, error
-        if self._judge.is_worse(error):
+        worse = self._judge.is_worse(error)
+        if worse:
             iteration = self._best
             self._share *= _SMALLER
-            self._returns += 1
             self._judge.start_anew()
         self._from = iteration.left, iteration.right
         figures = self._inner.learn(iteration)
-        return {**figures, STEP_SHARE: self._share, RETURNS: float(self._returns)}
+        return {**figures, STEP_SHARE: self._share, WENT_BACK: float(worse)}
 
 
 def _part_of_the_way(
@@ -162,18 +162,6 @@ def _part_of_the_way(
         return lefts[k] + share * (left - lefts[k]), rights[k] + share * (right - rights[k])
 
     return wheel_speeds
-
-
-def caught(figures: Figures) -> list[str]:
-    """Returns what to warn of, by the figures of the last iteration, where a net has caught it."""
-    times = int(figures.get(RETURNS, 0))
-    if not times:
-        return []
-    return [
-        "learning became worse, and the safety net went back to the best pass "
-        f"{counted(times, 'time')}; steps are now {figures[STEP_SHARE]:g} of what the gains say: "
-        "give smaller gains"
-    ]
 
 
 class WithSafetyNet(Controller):
@@ -197,9 +185,20 @@ class WithSafetyNet(Controller):
 
     def figures(self) -> tuple[str, ...]:
         """What the net has done."""
-        return (STEP_SHARE, RETURNS) if self.safety_net else ()
+        return (STEP_SHARE, WENT_BACK) if self.safety_net else ()
 
     @property
     def called(self) -> str:
         """The law as messages name it; with the net it is another one."""
         return f"law {self.law}" + (" with safety_net: true" if self.safety_net else "")
+
+    def warnings_after(self, figures: Mapping[str, float]) -> list[str]:
+        """That the net has caught the law."""
+        share = figures.get(STEP_SHARE, 1.0)
+        if share == 1:
+            return []
+        times = counted(round(math.log(share, _SMALLER)), "time")
+        return [
+            f"learning made passes clearly worse and went back to the best one {times}: steps are "
+            f"now {share:g} of what the gains say; give smaller gains"
+        ]

@@ -16,7 +16,6 @@ from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.laws.law import Plan
-from hilc_cli.laws.safety_net import caught
 from hilc_cli.results.folder import DRAWN_WITH, INITIAL_INPUT, SCENARIO, origin
 from hilc_cli.results.learning import LEARNING, LearningTable, write_learning
 from hilc_cli.results.look import USUAL, Look
@@ -223,7 +222,7 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         plan=_finite(learner.plan()) if measured.diverged_at is None else None,
         timings={"simulation": time.perf_counter() - clock},
     )
-    warnings = (*warnings_before(scenario), *warnings_after(result, experiment))
+    warnings = (*warnings_before(scenario), *warnings_after(result, scenario, experiment))
     return replace(result, warnings=warnings)
 
 
@@ -324,6 +323,8 @@ def warnings_before(scenario: ScenarioSource) -> list[str]:
     return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
 
 
-def warnings_after(run: RunData, experiment: Experiment) -> list[str]:
+def warnings_after(run: RunData, scenario: Scenario, experiment: Experiment) -> list[str]:
     """Says what was probably not meant and only a simulation shows, by its last iteration."""
-    return [*seen_warnings(seen_in(run.last, experiment)), *caught(run.learning.last())]
+    figures = run.learning.last() if run.learning.names else {}
+    told = scenario.spec.controller.warnings_after(figures)
+    return [*told, *seen_warnings(seen_in(run.last, experiment))]

@@ -53,6 +53,16 @@ CASES = [
         "scenario.yaml:8:3: controller.forgeting: is an unknown key of law pid; did you mean 'forgetting'?",
     ),
     (
+        "safety-net-no-choice",
+        law("  law: pid\n  gains: {kp: 1}\n  safety_net: on\n"),
+        "scenario.yaml:8:15: controller.safety_net: must be true or false, got 'on'; give true or false",
+    ),
+    (
+        "safety-net-of-another-law",
+        law("  law: feedback\n  safety_net: true\n"),
+        "scenario.yaml:7:3: controller.safety_net: is an unknown key of law feedback, but one of laws hybrid and pid; known: b_w, gains, law",
+    ),
+    (
         "pid-no-gains",
         law("  law: pid\n"),
         "scenario.yaml:5:1: controller.gains: is missing; give it",
