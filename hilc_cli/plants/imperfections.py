@@ -1,19 +1,18 @@
-"""What a scenario says of the motors, tyres and wheels of a robot as it is."""
+"""What a scenario says of the motors and tyres of a robot as it is."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
-from pydantic import Field, WrapValidator
+from pydantic import Field
 
 from hilc_cli.plants.imperfect_plant import Slip
 from hilc_cli.plants.motor import Motor
 from hilc_cli.yaml_input.model import Model
 from hilc_cli.yaml_input.quantities import (
     Duration,
-    RobotLength,
     SlipShare,
     WheelAcceleration,
     WheelSpeedLoss,
@@ -61,22 +60,3 @@ class SlipSpec(Model):
     def slip(self) -> Slip:
         """Returns the slip for the engines."""
         return Slip(self.longitudinal, self.lateral)
-
-
-class WheelRadii(Model):
-    """The radius of each wheel."""
-
-    left: RobotLength = Field(description="R_c of the left wheel [m]")
-    right: RobotLength = Field(description="R_c of the right wheel [m]")
-
-
-(_RADIUS,) = RobotLength.__metadata__  # type: ignore[attr-defined]
-
-
-def _one_or_both(value: object, handler: object) -> Any:
-    """Validates a radius against what it seems to be, so that only that is told of."""
-    is_both = isinstance(value, Mapping | WheelRadii)
-    return WheelRadii.model_validate(value) if is_both else _RADIUS(value)
-
-
-WheelRadius = Annotated[RobotLength | WheelRadii, WrapValidator(_one_or_both)]

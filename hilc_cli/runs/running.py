@@ -165,7 +165,7 @@ class Run(RunData):
             "diverged_at": self.diverged_at,
             "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
-            **origin(self.started, DRAWN_WITH, self.scenario.plug_ins),
+            **origin(self.started, (*DRAWN_WITH, *spec.robot.libraries), self.scenario.plug_ins),
             "command": list(command),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),

@@ -82,11 +82,14 @@ class Scenario:
         return self.spec.controller.in_words(self.setting)
 
     @property
-    def plug_ins(self) -> dict[str, dict[str, str | None]]:
-        """Package and version of what is not hilc's own in it, as manifests note them."""
-        law, plant = self.spec.controller.law, self.spec.robot.plant
-        of_law = plug_ins.packages_of("law", [law], LAWS)
-        return of_law | plug_ins.packages_of("plant", [plant], PLANTS)
+    def plug_ins(self) -> dict[str, dict[str, Any]]:
+        """What is not hilc's own in it, as manifests note it: package and version, or command."""
+        law, robot = self.spec.controller.law, self.spec.robot
+        found: dict[str, dict[str, Any]] = dict(plug_ins.packages_of("law", [law], LAWS))
+        program = robot.program
+        if program is None:
+            return found | plug_ins.packages_of("plant", [robot.plant_name], PLANTS)
+        return found | {robot.plant_name: program}
 
     @property
     def speed_limit(self) -> float | None:
@@ -208,20 +211,16 @@ class Scenario:
         """The scenario as plain data with every default, file and relation filled in."""
         spec = self.spec
         data = spec.model_dump(mode="json", exclude={"sweep"})
-        robot = spec.robot.robot()
-        model = spec.model.model(robot)
+        model = spec.model.model(spec.robot.robot())
         data["trajectory"] = spec.trajectory.model_dump(mode="json", exclude_none=True)
         timing = spec.trajectory.timing
         if timing is not None and timing.wheel_speed is None:
             limited = timing.model_copy(update={"wheel_speed": self.speed_limit})
             data["trajectory"]["timing"] = limited.model_dump(mode="json", exclude_none=True)
-        for key, platform in (("robot", robot), ("model", model)):
-            data[key]["half_track"] = platform.half_track
-            del data[key]["wheel_separation"]
-        if spec.robot.friction is None:
-            del data["robot"]["friction"]
+        data["robot"] = spec.robot.resolved()
         _without_usual_plant(data, spec.robot)
-        data["model"]["wheel_radius"] = model.wheel_radius
+        data["model"] |= {"wheel_radius": model.wheel_radius, "half_track": model.half_track}
+        del data["model"]["wheel_separation"]
         del data["model"][FROM]  # its numbers are in its place
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:

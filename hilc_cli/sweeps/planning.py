@@ -22,10 +22,10 @@ from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec, read_a
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.plan import (
     TRAJECTORY,
-    WITHOUT_EFFECT,
     Change,
     Plan,
     changes_path,
+    keys_without_effect,
     parts,
     root,
     scenario_of,
@@ -287,7 +287,8 @@ class _Checked:
     def _add(self, key: str, axis: Axis) -> None:
         place = self.places[key]
         try:
-            if any(key == other or key.startswith(f"{other}.") for other in WITHOUT_EFFECT):
+            without = keys_without_effect(self.spec)
+            if any(key == other or key.startswith(f"{other}.") for other in without):
                 message = "has no effect on the results; vary another key"
                 raise InvalidInputError.of(place, key, message)
             if key == _LAW:

@@ -47,7 +47,7 @@ def _unknown(check: Check) -> str:
     if knows_plant(check.law.experiment):
         return spec.controller.called
     left_out = ", ".join(_imperfections(spec.robot))
-    return f"a robot with {left_out}" if left_out else f"plant {spec.robot.plant}"
+    return f"a robot with {left_out}" if left_out else f"plant {spec.robot.plant_name}"
 
 
 def _imperfections(robot: RobotSpec) -> list[str]:

@@ -1,0 +1,64 @@
+"""What hilc's own plants share below ``robot:``: wheels of their own sizes, and their motors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any
+
+from pydantic import Field, WrapValidator
+
+from hilc_cli.plants.imperfections import MotorSpec
+from hilc_cli.plants.parameters import RobotSpec
+from hilc_cli.yaml_input.model import Model
+from hilc_cli.yaml_input.quantities import RobotLength
+
+
+class WheelRadii(Model):
+    """The radius of each wheel."""
+
+    left: RobotLength = Field(description="R_c of the left wheel [m]")
+    right: RobotLength = Field(description="R_c of the right wheel [m]")
+
+
+(_RADIUS,) = RobotLength.__metadata__  # type: ignore[attr-defined]
+
+
+def _one_or_both(value: object, handler: object) -> Any:
+    """Validates a radius against what it seems to be, so that only that is told of."""
+    is_both = isinstance(value, Mapping | WheelRadii)
+    return WheelRadii.model_validate(value) if is_both else _RADIUS(value)
+
+
+WheelRadius = Annotated[RobotLength | WheelRadii, WrapValidator(_one_or_both)]
+
+IDEAL_MOTOR = MotorSpec()
+
+
+class WheeledSpec(RobotSpec):
+    """A robot whose wheels may differ, and whose motors may be late."""
+
+    wheel_radius: WheelRadius = Field(description="R_c [m]")  # type: ignore[assignment]  # or two
+    motor: MotorSpec = Field(IDEAL_MOTOR, description="what the motors make of their inputs")
+
+    def with_keys(self, keys: Iterable[str]) -> WheeledSpec:
+        """Returns the same robot, with a radius for each wheel if a key leads to one."""
+        if not any(key.startswith("wheel_radius.") for key in keys):
+            return self
+        left, right = self.wheel_radii
+        return self.model_copy(update={"wheel_radius": WheelRadii(left=left, right=right)})
+
+    @property
+    def wheel_radii(self) -> tuple[float, float]:
+        """Radius of the left and of the right wheel [m]."""
+        radius: float | WheelRadii = self.wheel_radius
+        return (radius.left, radius.right) if isinstance(radius, WheelRadii) else (radius, radius)
+
+    @property
+    def mean_wheel_radius(self) -> float:
+        """The radius [m] of equal wheels that drive as far."""
+        return sum(self.wheel_radii) / 2
+
+    def figures(self) -> dict[str, float]:
+        """Returns what the wheels are like."""
+        left, right = self.wheel_radii
+        return {"left_per_right_radius": left / right}
