@@ -142,6 +142,11 @@ class MujocoSpec(WheeledSpec):
         is_ahead = self.gravity_center is not None and self.gravity_center[0] > 0
         return (half_track if is_ahead else -half_track, 0.0)
 
+    @property
+    def wheel_load(self) -> float:
+        """Share of the weight on the wheels; the caster bears the rest."""
+        return 1 - self.robot().gravity_center[0] / self._caster[0]
+
     def robot(self) -> Robot:
         """Returns the platform."""
         platform = super().robot()

@@ -137,6 +137,11 @@ class RobotSpec(Model):
         return 0.5
 
     @property
+    def wheel_load(self) -> float | None:
+        """Share of the weight on the wheels, where the plant slides; None where it never does."""
+        return None
+
+    @property
     def in_lanes(self) -> bool:
         """Whether the batch engine can move the plant."""
         return self.as_plant().lane_gains(1.0) is not None

@@ -44,7 +44,7 @@ from hilc_cli.runs.run_folder import (
 from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
-from hilc_cli.theory.feasibility.feasibility import beyond_wheels
+from hilc_cli.theory.feasibility.feasibility import beyond_tyres, beyond_wheels
 from hilc_cli.theory.noise import seen_in, seen_warnings
 from hilc_cli.wording import printable
 
@@ -320,7 +320,8 @@ def _check(folder: Path, scenario: Scenario, text: str, *, force: bool) -> None:
 def warnings_before(scenario: ScenarioSource) -> list[str]:
     """Says what is probably not meant, and what no law can do, before anything is simulated."""
     scenario = as_scenario(scenario)
-    return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
+    feasibility = scenario.feasibility()
+    return [*scenario.warnings(), *beyond_wheels(feasibility), *beyond_tyres(feasibility)]
 
 
 def warnings_after(run: RunData, experiment: Experiment) -> list[str]:

@@ -204,7 +204,7 @@ class Scenario:
         limit = math.inf if self.speed_limit is None else self.speed_limit
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             demand = demand_of(spec.reference, robot, spec.trajectory.segment_names)
-        limits = Limits(limit, spec.robot.friction)
+        limits = Limits(limit, spec.robot.friction, spec.robot.wheel_load)
         return Feasibility(demand, robot, limits, profiled=spec.trajectory.timing is not None)
 
     def resolved(self) -> dict[str, Any]:

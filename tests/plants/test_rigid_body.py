@@ -226,7 +226,7 @@ def test_defaults_follow_from_wheels_and_track() -> None:
     body = plant().body
     assert body.size == (0.5, 0.5, 0.2)
     assert body.mass == pytest.approx(500 * 0.5 * 0.5 * 0.2)
-    assert body.caster == (-0.25, 0)
+    assert body.caster == pytest.approx((-0.25, 0))
     assert body.torque_limit == pytest.approx(0.15 * RADIUS * body.mass * GRAVITY)
     assert body.velocity_gain == pytest.approx(body.mass * RADIUS**2 / 0.04)
     assert plant(gravity_center=[0.1, 0]).body.caster == (0.25, 0)
