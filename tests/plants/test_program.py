@@ -339,3 +339,20 @@ def test_check_says_that_it_does_not_know_the_program(here: Path, hilc: Hilc) ->
     assert outcome.code == 0
     simulated = hilc("check", "s.yaml", "--trust", "--simulate", "--json")
     assert json.loads(simulated.out)["learning"]["simulated"]["iterations"] == 2
+
+
+def test_programs_of_workers_end_with_an_interrupted_sweep(folder: Path) -> None:
+    script = f"echo $$ >>numbers; {KEEPS_STILL}; echo $$ >>ended"
+    made = scenario({"command": ["sh", "-c", script]}, iterations=100_000)
+    Path("s.yaml").write_text(json.dumps(made))
+    vary = ("--vary", "controller.gains.l1=0.2,0.5", "--workers", "2", "--no-plots", "-q")
+    with started("sweep", "s.yaml", *vary, "--trust", cwd=folder) as process:
+        while not Path("numbers").exists() or len(Path("numbers").read_text().split()) < 2:
+            assert process.poll() is None, outcome_of(process)
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        assert outcome_of(process).code == 130
+    numbers = Path("numbers").read_text().split()
+    for number in numbers:
+        assert_gone(int(number))
+    assert sorted(Path("ended").read_text().split()) == sorted(numbers)

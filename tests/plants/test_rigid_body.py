@@ -279,6 +279,12 @@ def test_sweep_agrees_with_single_runs(folder: Path) -> None:
         assert swept[case] == pytest.approx(expected, abs=1e-9)
 
 
+def test_a_sweep_has_one_plant(hilc: Hilc, folder: Path) -> None:
+    outcome = hilc("sweep", "example:feedback-circle", "--vary", "robot.plant=kinematic,mujoco")
+    assert outcome.code == 2
+    assert "robot.plant: cannot be varied, since each plant has parameters of its" in outcome.err
+
+
 def test_missing_library_is_one_error(hilc: Hilc, folder: Path, monkeypatch: Any) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingPackageError):
@@ -303,7 +309,11 @@ def test_missing_library_is_one_error(hilc: Hilc, folder: Path, monkeypatch: Any
         ({"gravity_center": [-0.05, 0.21]}, "robot.gravity_center: lets the robot tip over a"),
         ({"gravity_center": [0.3, 0]}, "robot.gravity_center: must be between the axle and the"),
         ({"plant": "mujocco"}, "robot.plant: is not one of the choices, got 'mujocco'; did you"),
-        ({"plant": "kinematic", "body": {"mass": 1}}, "robot.body: is an unknown key"),
+        ({"plant": "kinematic", "body": {"mass": 1}}, "robot.body: is an unknown key; known: "),
+        (
+            {"plant": "kinematic", "mass": 1},
+            "robot.mass: is an unknown key; did you mean 'robot.body.mass'? It needs 'plant: mujo",
+        ),
     ],
 )
 def test_wrong_keys_are_told(robot: dict[str, Any], said: str) -> None:
