@@ -65,7 +65,11 @@ def main() -> None:
         for model in BELIEFS:
             found = errors(robot, model, given.passes)
             later = np.array(found[FROM:])
-            cells += [f"{found[0]:.3g}", f"{np.median(later):.2f}", f"{later.max():.2f}"]
+            cells += [
+                f"{float(f'{found[0]:.3g}'):g}",
+                f"{np.median(later):.2f}",
+                f"{later.max():.2f}",
+            ]
         print(f"| {name} | {' | '.join(cells)} |", flush=True)
 
 

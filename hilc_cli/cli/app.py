@@ -7,6 +7,7 @@ import typer
 from hilc_cli.cli.check import check
 from hilc_cli.cli.compare import compare
 from hilc_cli.cli.examples import examples
+from hilc_cli.cli.identify import identify
 from hilc_cli.cli.options import Version
 from hilc_cli.cli.plot import plot
 from hilc_cli.cli.reproduce import reproduce
@@ -46,6 +47,7 @@ app.command()(check)
 app.command()(plot)
 app.command()(compare)
 app.command()(sweep)
+app.command()(identify)
 app.command()(reproduce)
 app.command()(examples)
 app.command()(schema)

@@ -9,8 +9,9 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
-from hilc_cli.plants.imperfections import SlipSpec
+from hilc_cli.plants.imperfections import SLIP, SlipSpec, imperfections_of
 from hilc_cli.plants.kinematic import (
     Linearisation,
     Robot,
@@ -19,7 +20,7 @@ from hilc_cli.plants.kinematic import (
     step_gains,
 )
 from hilc_cli.plants.plant import Plant, Pose, Step
-from hilc_cli.plants.wheeled import IDEAL_MOTOR, WheeledSpec
+from hilc_cli.plants.wheeled import WheeledSpec
 from hilc_cli.reference.sampled import Floats
 
 
@@ -69,16 +70,13 @@ class KinematicPlant(Plant):
         return step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
 
 
-_SLIP = SlipSpec()
-
-
 class KinematicSpec(WheeledSpec):
     """The plant as it really is: the paper's, unless something of a real robot is given."""
 
     only_if_given: ClassVar[tuple[str, ...]] = ("plant", "motor", "slip", "integration")
 
     plant: Literal["kinematic"] = "kinematic"
-    slip: SlipSpec = Field(_SLIP, description="what the tyres lose")
+    slip: SlipSpec = Field(SLIP, description="what the tyres lose")
     integration: Literal["euler", "exact"] = Field(
         "euler", description="euler: Eq. 8; exact: the arc between two samples"
     )
@@ -87,23 +85,12 @@ class KinematicSpec(WheeledSpec):
         """Returns the plant for the engines: the paper's, if nothing keeps it from being that."""
         if not self.imperfections():
             return KinematicPlant(self.robot())
-        left, right = self.wheel_radii
-        exact = self.integration == "exact"
-        motor, slip = self.motor.motor(), self.slip.slip()
-        return ImperfectPlant(self.robot(), left, right, motor, slip, exact)
+        drivetrain = Drivetrain(*self.wheel_radii, self.motor.motor(), self.slip.slip())
+        return ImperfectPlant(self.robot(), drivetrain, self.integration == "exact")
 
     def imperfections(self) -> dict[str, float | str]:
         """Returns what the paper's plant has not."""
-        found: dict[str, float | str] = {}
-        left, right = self.wheel_radii
-        if left != right:
-            found |= {"wheel_radius.left": left, "wheel_radius.right": right}
-        # What is left out is the very default, which makes the plants of a large sweep fast.
-        sections = (("motor", self.motor, IDEAL_MOTOR), ("slip", self.slip, _SLIP))
-        for name, section, ideal in sections:
-            if section is not ideal:
-                given = section.model_dump(exclude_defaults=True)
-                found |= {f"{name}.{key}": value for key, value in given.items()}
+        found = imperfections_of(self.wheel_radii, self.motor, self.slip)
         if self.integration != "euler":
             found["integration"] = self.integration
         return found

@@ -2,43 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Annotated, Any
+from collections.abc import Iterable
 
-from pydantic import Field, WrapValidator
+from pydantic import Field
 
-from hilc_cli.plants.imperfections import MotorSpec
+from hilc_cli.plants.imperfections import MOTOR, MotorSpec, WheelRadii, WheelRadius
 from hilc_cli.plants.parameters import RobotSpec
-from hilc_cli.yaml_input.model import Model
-from hilc_cli.yaml_input.quantities import RobotLength
-
-
-class WheelRadii(Model):
-    """The radius of each wheel."""
-
-    left: RobotLength = Field(description="R_c of the left wheel [m]")
-    right: RobotLength = Field(description="R_c of the right wheel [m]")
-
-
-(_RADIUS,) = RobotLength.__metadata__  # type: ignore[attr-defined]
-
-
-def _one_or_both(value: object, handler: object) -> Any:
-    """Validates a radius against what it seems to be, so that only that is told of."""
-    is_both = isinstance(value, Mapping | WheelRadii)
-    return WheelRadii.model_validate(value) if is_both else _RADIUS(value)
-
-
-WheelRadius = Annotated[RobotLength | WheelRadii, WrapValidator(_one_or_both)]
-
-IDEAL_MOTOR = MotorSpec()
 
 
 class WheeledSpec(RobotSpec):
     """A robot whose wheels may differ, and whose motors may be late."""
 
     wheel_radius: WheelRadius = Field(description="R_c [m]")  # type: ignore[assignment]  # or two
-    motor: MotorSpec = Field(IDEAL_MOTOR, description="what the motors make of their inputs")
+    motor: MotorSpec = Field(MOTOR, description="what the motors make of their inputs")
 
     def with_keys(self, keys: Iterable[str]) -> WheeledSpec:
         """Returns the same robot, with a radius for each wheel if a key leads to one."""
@@ -57,6 +33,11 @@ class WheeledSpec(RobotSpec):
     def mean_wheel_radius(self) -> float:
         """The radius [m] of equal wheels that drive as far."""
         return sum(self.wheel_radii) / 2
+
+    @property
+    def wheel_acceleration(self) -> float:
+        """The most that the speed of a wheel changes [rad/s^2]."""
+        return self.motor.motor().acceleration
 
     def figures(self) -> dict[str, float]:
         """Returns what the wheels are like."""

@@ -16,6 +16,7 @@ from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.errors import DivergedError, UsageError
 from hilc_cli.files import folder_to_read, merge_folder
 from hilc_cli.laws.law import Plan
+from hilc_cli.laws.safety_net import caught
 from hilc_cli.results.folder import DRAWN_WITH, INITIAL_INPUT, SCENARIO, origin
 from hilc_cli.results.learning import LEARNING, LearningTable, write_learning
 from hilc_cli.results.look import USUAL, Look
@@ -326,4 +327,4 @@ def warnings_before(scenario: ScenarioSource) -> list[str]:
 
 def warnings_after(run: RunData, experiment: Experiment) -> list[str]:
     """Says what was probably not meant and only a simulation shows, by its last iteration."""
-    return seen_warnings(seen_in(run.last, experiment))
+    return [*seen_warnings(seen_in(run.last, experiment)), *caught(run.learning.last())]

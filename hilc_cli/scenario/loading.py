@@ -43,8 +43,8 @@ from hilc_cli.yaml_input.reading import (
 )
 
 Overrides = Mapping[str, object] | Sequence[str]
-_RADIUS, _PLANT = ("robot", "wheel_radius"), ("robot", "plant")
-_PATH = "trajectory"
+_RADII = (("robot", "wheel_radius"), ("model", "wheel_radius"))
+_PATH, _PLANT = "trajectory", ("robot", "plant")
 _KINDS = (SCENARIOS, TRAJECTORIES)
 
 ScenarioSource = Scenario | str | Path | Mapping[str, object]
@@ -195,13 +195,15 @@ def _default(keys: Sequence[str]) -> object:
 
 def _with_both_radii(tree: MapNode, keys: Sequence[str]) -> MapNode:
     """The scenario, with its one wheel radius as that of each wheel if a key leads to one."""
-    node, place, found = nearest(tree, _RADIUS)
-    is_one = found and isinstance(node, Scalar) and node.value is not None
-    if not is_one or tuple(keys[:2]) != _RADIUS or len(keys) == len(_RADIUS):
+    radius = tuple(keys[:2])
+    if radius not in _RADII or len(keys) == len(radius):
+        return tree
+    node, place, found = nearest(tree, radius)
+    if not found or not isinstance(node, Scalar) or node.value is None:
         return tree
     wheels = ("left", "right")
     both = MapNode(place, dict.fromkeys(wheels, node), dict.fromkeys(wheels, place))
-    return apply_override(tree, _RADIUS, both, lambda same: same)
+    return apply_override(tree, radius, both, lambda same: same)
 
 
 def _with_program_folder(tree: MapNode) -> MapNode:
