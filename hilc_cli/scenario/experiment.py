@@ -83,11 +83,14 @@ class Scenario:
         return self.spec.controller.in_words(self.setting)
 
     @property
-    def plug_ins(self) -> dict[str, dict[str, str | None]]:
-        """Package and version of what is not hilc's own in it, as manifests note them."""
-        law, plant = self.spec.controller.law, self.spec.robot.plant
-        of_law = plug_ins.packages_of("law", [law], LAWS)
-        return of_law | plug_ins.packages_of("plant", [plant], PLANTS)
+    def plug_ins(self) -> dict[str, dict[str, Any]]:
+        """What is not hilc's own in it, as manifests note it: package and version, or command."""
+        law, robot = self.spec.controller.law, self.spec.robot
+        found: dict[str, dict[str, Any]] = dict(plug_ins.packages_of("law", [law], LAWS))
+        program = robot.program
+        if program is None:
+            return found | plug_ins.packages_of("plant", [robot.plant_name], PLANTS)
+        return found | {robot.plant_name: program}
 
     @property
     def speed_limit(self) -> float | None:
@@ -233,7 +236,7 @@ class Scenario:
         limit = math.inf if self.speed_limit is None else self.speed_limit
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             demand = demand_of(spec.reference, robot, spec.trajectory.segment_names)
-        limits = Limits(limit, spec.robot.friction)
+        limits = Limits(limit, spec.robot.friction, spec.robot.wheel_load)
         return Feasibility(demand, robot, limits, profiled=spec.trajectory.timing is not None)
 
     def resolved(self) -> dict[str, Any]:
@@ -247,11 +250,9 @@ class Scenario:
         if timing is not None and timing.wheel_speed is None:
             limited = timing.model_copy(update={"wheel_speed": self.speed_limit})
             data["trajectory"]["timing"] = limited.model_dump(mode="json", exclude_none=True)
-        for key, platform in (("robot", robot), ("model", model)):
-            data[key]["half_track"] = platform.half_track
-            del data[key]["wheel_separation"]
-        if spec.robot.friction is None:
-            del data["robot"]["friction"]
+        data["robot"] = spec.robot.resolved()
+        data["model"]["half_track"] = model.half_track
+        del data["model"]["wheel_separation"]
         _without_usual(data, spec)
         drivetrain = spec.model.drivetrain(robot)
         data["model"]["wheel_radius"] = (

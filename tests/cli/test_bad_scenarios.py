@@ -916,7 +916,7 @@ CASES = [
     (
         "traj-example-unknown-far",
         scenario("path.yaml", "example:qqq"),
-        "scenario.yaml:2:13: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, corridor, figure-eight, parking, rounded-square, slalom, spiral, square-lap, timed-lap, turn-in-place",
+        "scenario.yaml:2:13: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, circle-from-rest, corridor, figure-eight, parking, rounded-square, slalom, spiral, square-lap, timed-lap, turn-in-place",
     ),
     (
         "traj-number",
