@@ -50,6 +50,7 @@ class _ArrivingLearner:
         self._inner = law.law.learner(
             replace(task, initial_left=left, initial_right=right, speed_limit=limit)
         )
+        self._unanswered: Plan | None = None  # the plan that is driven, if it is answered to
 
     def plan(self) -> Plan:
         """Returns what the law plans, as it is to be sent."""
@@ -57,15 +58,43 @@ class _ArrivingLearner:
         radius, sample_time = law.model.wheel_radius, self._task.reference.sample_time
         left, right = law.drivetrain.inputs_for(plan.left, plan.right, radius, sample_time)
         add = law.drivetrain.motor.against_friction
-        feedback = None
-        if plan.feedback is not None:
-            feedback = _answer_on_arrival(law, self._task, plan, left, right)
-        return Plan(add(left), add(right), plan.poses, feedback)
+        sent = Plan(add(left), add(right), plan.poses)
+        if plan.feedback is None:
+            return sent
+        self._unanswered = sent.within(self._task.speed_limit)
+        return replace(sent, feedback=_answer_on_arrival(law, self._task, plan, left, right))
 
     def learn(self, iteration: Iteration) -> Figures:
         """Has the law learn from what has arrived."""
         left, right = self._arrived(iteration.left, iteration.right)
+        alone, self._unanswered = self._unanswered, None
+        if alone is not None and self._law.drivetrain.motor.lag:
+            left, right = self._with_answers_at_once(iteration, alone)
         return self._inner.learn(replace(iteration, left=left, right=right))
+
+    def _with_answers_at_once(self, iteration: Iteration, alone: Plan) -> tuple[Floats, Floats]:
+        """Returns what would have arrived, had wheels followed the feedback's answers at once.
+
+        Answers to errors come too late to lead by the lag, but in the next pass, where they are
+        planned, they lead. So that pass gets what they were to do. Learning from what the lag has
+        left of them would make errors grow from pass to pass that the feedback swings with.
+
+        Args:
+            iteration: The pass.
+            alone: What was planned for it without the answers.
+        """
+        law = self._law
+        motor = replace(law.drivetrain.motor, lag=0.0, acceleration=math.inf, dead_zone=0.0)
+        at_once = replace(law.drivetrain, motor=motor)
+        without = law.drivetrain.motor.without_friction
+        answers = at_once.effective(
+            without(iteration.left) - without(alone.left),
+            without(iteration.right) - without(alone.right),
+            law.model.wheel_radius,
+            self._task.reference.sample_time,
+        )
+        planned = self._arrived(alone.left, alone.right)
+        return planned[0] + answers[0], planned[1] + answers[1]
 
     def _arrived(self, left: Floats, right: Floats) -> tuple[Floats, Floats]:
         law = self._law
