@@ -40,8 +40,10 @@ def test_answer_is_not_longer_than_it_may_be() -> None:
 
 
 def test_bandwidth_is_held_back_by_delay_noise_and_the_sample_time() -> None:
-    fastest = 0.3 / STEP
-    assert bandwidths(MOTOR, LOUD, STEP, 1e3) == pytest.approx([fastest] * 2)
+    # 40 ms more delay than is known are borne, and half of the limit sideways.
+    fastest = [1.5 / (STEP + 0.04), 0.3 / STEP]
+    assert bandwidths(MOTOR, LOUD, STEP, 1e3) == pytest.approx(fastest)
+    assert bandwidths(MOTOR, LOUD, 0.1, 1e3) == pytest.approx([6.0, 3.0])
     late = MOTOR._replace(delay=0.1, lag=0.1)
     assert bandwidths(late, LOUD, STEP, 1e3) == pytest.approx([0.7 / 0.22] * 2)
     # Readings alone: nothing is to be answered.
