@@ -49,9 +49,9 @@ def test_bandwidth_is_held_back_by_delay_noise_and_the_sample_time() -> None:
     # Readings alone: nothing is to be answered.
     quiet = bandwidths(MOTOR, Noise(1e-20, 1e-20, 1e-20, 1e-4, 1e-4), STEP, 1e3)
     assert max(quiet) < 1e-5 / STEP
-    # And where motion has as much noise as readings, the gain of a Kalman filter is golden.
-    mixed = bandwidths(MOTOR, Noise(1e-6, 1e-6, 1e-6, 1e-6, 1e-6), 10.0, 1e6)
-    assert mixed == pytest.approx([0.03] * 2)
+    # And where motion has half as much noise as readings, the gain of a Kalman filter is a half.
+    mixed = bandwidths(MOTOR, Noise(5e-7, 5e-7, 5e-7, 1e-6, 1e-6), 10.0, 1e6)
+    assert mixed == pytest.approx([0.05, 0.03])
     # No more than a fiftieth of the limit comes of the readings' noise.
     noise = Noise(1e-4, 1e-4, 1e-4, 1e-4, 1e-4)
     ahead, aside = bandwidths(MOTOR, noise, STEP, 20.0)
