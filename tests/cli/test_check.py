@@ -530,6 +530,7 @@ TIMED = {
     "timed-lap": at_most(
         curvatures(list(zip(ROUND_X, ROUND_Y, strict=True)), "periodic"), 0.13, 0.04
     ),
+    "circle-from-rest": (0.5 * (1 + 0.25) / 0.101, 0.5**2 / 9.80665),  # of another robot
     "parking": at_most(np.array([0, 1 / 0.35]), 0.1, math.inf),
 }
 
