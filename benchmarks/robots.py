@@ -1,6 +1,6 @@
 """What norm-optimal learning does on robots as they are, of which it is told nothing.
 
-    python benchmarks/robots.py [--passes 60] [--seeds 5] [--motors identify|ideal]
+    python benchmarks/robots.py [--passes 60] [--seeds 5]
 
 The robots move on an integrator of their own, which shares no code with hilc: a tenth of a sample
 a step, exact arcs, commands that arrive when their delay is over. The believed wheel radius is 10 %
@@ -240,7 +240,6 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     options.add_argument("--passes", type=int, default=60)
     options.add_argument("--seeds", type=int, default=5)
-    options.add_argument("--motors", choices=["identify", "ideal"], default="identify")
     options.add_argument("--paths", nargs="+", choices=list(PATHS), default=list(PATHS))
     options.add_argument("--machines", nargs="+", choices=list(MACHINES), default=list(MACHINES))
     given = options.parse_args()
@@ -253,10 +252,8 @@ def main() -> None:
         print("|---|---:|---:|---:|---:|---:|")
         for what in given.machines:
             machine, cells, spent = MACHINES[what], [], 0.0
-            for feedback in ("lqr", "none"):
-                controller = NormOptimalController(
-                    law="norm-optimal", motors=given.motors, feedback=feedback, b_w=LIMIT
-                )
+            for feedback in ("regulator", "none"):
+                controller = NormOptimalController(law="norm-optimal", feedback=feedback, b_w=LIMIT)
                 runs = [
                     errors(machine, reference, controller, given.passes, seed)
                     for seed in range(given.seeds if machine.is_random else 1)
