@@ -155,7 +155,7 @@ def _answer_on_arrival(
             wheel(speed)
             for wheel, speed in zip(wheels, limit_wheel_speeds(*told, limit), strict=True)
         ]
-        planned_alone = limit_wheel_speeds(*map(add, sent[k]), limit)
+        planned_alone = limit_wheel_speeds(add(sent[k][0]), add(sent[k][1]), limit)
         for wheel, speed in zip(without, planned_alone, strict=True):
             wheel(speed)
         under_way.append((left_share * turned[0], right_share * turned[1]))
