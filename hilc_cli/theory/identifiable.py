@@ -132,12 +132,13 @@ class Identifiable:
         """What one pass tells, in one row."""
         found = self.of_a_pass
         sure = dict(zip(TOLD, np.isfinite(found.errors).tolist(), strict=True))
+        together = {part for whole, parts in _OF_TWO.items() if sure[whole] for part in parts}
         told, hidden = [], []
         for (name, unit), error in zip(TOLD.items(), found.errors.tolist(), strict=True):
             parts = _OF_TWO.get(name, ())
             if sure[name] and not (parts and all(sure[part] for part in parts)):
                 told.append(f"{name} {_SCALES[unit] * error:.2g} {unit}")
-            elif not sure[name] and not parts:
+            elif not sure[name] and not parts and name not in together:
                 hidden.append(name)
         text = ", ".join(told) or "nothing"
         if hidden:

@@ -8,10 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.loop import simulate
-from hilc_cli.errors import DivergedError
 from hilc_cli.laws.arriving import ArrivingLaw
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.plants.drivetrain import Drivetrain
@@ -26,6 +23,7 @@ from hilc_cli.theory.late_loop import (
     loops_of,
     planned_task,
 )
+from hilc_cli.theory.reach import driven_error
 
 UNTOLD = 0.05
 """Delay or lag [s] whose effect is told: 50 ms, which hardly any robot is without."""
@@ -144,16 +142,15 @@ class Lateness:
             initial_left=task.initial_left,
             initial_right=task.initial_right,
             iterations=0,
-            disturbance=Disturbance(),
         )
-        open_loop = _error(replace(late, learn_in_first=False))
+        open_loop = driven_error(replace(late, learn_in_first=False))
         if not self.has_feedback:
             return Effect(open_loop)
         loops = self.loops
         is_stable = None
         if loops is not None:
             is_stable = all(each.is_stable(motor.delay, motor.lag) for each in loops)
-        return Effect(open_loop, _error(replace(late, learn_in_first=True)), is_stable)
+        return Effect(open_loop, driven_error(replace(late, learn_in_first=True)), is_stable)
 
     @property
     def findings(self) -> Findings:
@@ -174,11 +171,17 @@ class Lateness:
         )
 
     @property
+    @np.errstate(all="ignore")
     def rows(self) -> Rows:
         """The delay margin, and what `UNTOLD` does."""
         if not self.is_known:
             return []
         return [("Delay margin", self._margin_text()), (f"{_time(UNTOLD)} untold", self._effects())]
+
+    @property
+    def brief(self) -> Rows:
+        """The same in short: without a margin where there is no feedback."""
+        return self.rows if not self.is_known or self.has_feedback else self.rows[1:]
 
     def _margin_text(self) -> str:
         if not self.has_feedback:
@@ -192,9 +195,9 @@ class Lateness:
             if identified is not None:
                 known = self.own.delay + self.own.lag
                 more = max(identified[0] - self.own.delay, 0.0)
-                text += (
-                    f"; then {_time(more)} or more beyond the {_time(known)} that are identified"
-                )
+                text += f"; then {_time(more)} or more"
+                if known:
+                    text += f" beyond the {_time(known)} that are identified"
             return text
         text = _bears(margin, loop)
         if self.told.delay or self.told.lag:
@@ -217,6 +220,7 @@ class Lateness:
         return "; ".join(texts)
 
     @property
+    @np.errstate(all="ignore")
     def document(self) -> dict[str, object]:
         """The same as JSON."""
         if not self.is_known:
@@ -254,16 +258,6 @@ def _narrowest(
     margins = [each.margin(told.delay, told.lag, longest) for each in loops]
     least = int(np.argmin(margins))
     return margins[least], loops[least]
-
-
-def _error(experiment: Experiment) -> float:
-    """Returns the largest position error of a single pass [m]; infinite if it is not finite."""
-    try:
-        (trial,) = simulate(experiment)
-    except DivergedError:
-        return math.inf
-    reference = experiment.reference
-    return float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
 
 
 def _bears(margin: float, loop: LateLoop) -> str:
