@@ -116,7 +116,9 @@ class LateLoop:
 
     def is_stable(self, delay: float, lag: float = 0.0) -> bool:
         """Returns whether no error grows with wheels that are so late; both in s."""
-        return self._on(self._angles()).is_stable(*self._samples(delay, lag))
+        late = self._samples(delay, lag)
+        angles = self._closer(self._angles(), *late)
+        return self._on(self._closer(angles, *late)).is_stable(*late)
 
     def margin(self, known: float = 0.0, lag: float = 0.0, most: float = math.inf) -> float:
         """Returns the largest delay up to which the loop is stable [s].
@@ -149,11 +151,8 @@ class LateLoop:
                     stable = middle
                 else:
                     unstable = middle
-            # Where the curve now nearly meets zero it is looked at more closely, which may show
-            # that it passes on the other side.
-            where = int(curve.nearest(unstable, slow))
-            low, high = angles[max(where - 2, 0)], angles[min(where + 2, len(angles) - 1)]
-            angles = np.unique(np.concatenate([angles, np.linspace(low, high, _NEAR)]))
+            # A closer look may show that the curve passes zero on the other side.
+            angles = self._closer(angles, unstable, slow)
             curve, wider = self._on(angles), exact
             while stable > 0 and not curve.is_stable(stable, slow):
                 stable, wider = max(stable - wider, 0.0), 2 * wider
@@ -171,6 +170,12 @@ class LateLoop:
         angles = np.concatenate([logs, turn - logs, turn + logs])
         inside = angles[(angles > 0) & (angles < math.pi)]
         return np.unique(np.concatenate([[0.0], inside, [math.pi]]))
+
+    def _closer(self, angles: Floats, delay: float, lag: float) -> Floats:
+        """Returns frequencies with more of them where f is nearest to zero; delay in samples."""
+        where = int(self._on(angles).nearest(delay, lag))
+        low, high = angles[max(where - 2, 0)], angles[min(where + 2, len(angles) - 1)]
+        return np.unique(np.concatenate([angles, np.linspace(low, high, _NEAR)]))
 
     def _on(self, angles: Floats) -> _Curve:
         """Returns f at frequencies, whatever the delay is."""
