@@ -212,9 +212,18 @@ class Scenario:
         model = spec.model.model(robot)
         data["trajectory"] = spec.trajectory.model_dump(mode="json", exclude_none=True)
         timing = spec.trajectory.timing
-        if timing is not None and timing.wheel_speed is None:
-            limited = timing.model_copy(update={"wheel_speed": self.speed_limit})
+        if timing is not None:
+            limits = spec.wheel_limits
+            own = {"wheel_speed": limits.wheel_speed, "wheel_acceleration": limits.wheel_acceleration}
+            left_out = {
+                key: limit
+                for key, limit in own.items()
+                if getattr(timing, key) is None and math.isfinite(limit)
+            }
+            limited = timing.model_copy(update=left_out)
             data["trajectory"]["timing"] = limited.model_dump(mode="json", exclude_none=True)
+        if spec.safety is None:
+            del data["safety"]
         for key, platform in (("robot", robot), ("model", model)):
             data[key]["half_track"] = platform.half_track
             del data[key]["wheel_separation"]
