@@ -7,6 +7,7 @@ import typer
 from hilc_cli.cli.check import check
 from hilc_cli.cli.compare import compare
 from hilc_cli.cli.examples import examples
+from hilc_cli.cli.learn import learn
 from hilc_cli.cli.options import Version
 from hilc_cli.cli.plot import plot
 from hilc_cli.cli.reproduce import reproduce
@@ -47,5 +48,6 @@ app.command()(plot)
 app.command()(compare)
 app.command()(sweep)
 app.command()(reproduce)
+app.add_typer(learn, name="learn")
 app.command()(examples)
 app.command()(schema)
