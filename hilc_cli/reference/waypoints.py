@@ -5,7 +5,6 @@ Such a file may come from anybody: what is wrong is told with its line, and noth
 
 from __future__ import annotations
 
-import io
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -15,34 +14,47 @@ from pathlib import Path
 import numpy as np
 
 from hilc_cli.errors import UsageError
+from hilc_cli.reference.point_tables import (
+    COMMENTS,
+    HEADING,
+    MAX_BYTES,
+    POSE_NAMES,
+    TIME,
+    TUM,
+    X,
+    Y,
+    cells_of,
+    comment_text,
+    decimal_commas,
+    has_role,
+    headings_of,
+    is_number,
+    not_unit,
+    number_in,
+    plain_name,
+    row_of,
+    separator_of,
+    text_lines,
+    wrong,
+)
 from hilc_cli.reference.sampled import Floats
 
-MAX_BYTES = 50_000_000
+__all__ = ["MAX_BYTES", "MOST_POINTS", "Waypoints", "parse_waypoints"]
+
 MOST_POINTS = 10_000
 """More are not needed for any curve, and a scenario that holds them all can still be read."""
-_MOST_LINES, _LONGEST_LINE = 1_000_000, 10_000
-_FARTHEST = 1e8  # [m], as for all coordinates
-_LATEST = 1e11  # [s]: later times are counted in milli- or nanoseconds
-_UNIT_NORM = 0.01  # by which a quaternion may be off
+_FASTEST = 1e8  # [m/s]
 
-X, Y, HEADING, SPEED, TIME, ITERATION = "x", "y", "heading", "speed", "t_s", "iteration"
+SPEED, ITERATION = "speed", "iteration"
 
 _NAMES: Mapping[str, frozenset[str]] = {
-    role: frozenset(names)
-    for role, *names in (
-        (X, "x", "x_m", "pos_x", "x_pos", "posx", "px", "tx", "ref_x", "x_ref", "easting"),
-        (Y, "y", "y_m", "pos_y", "y_pos", "posy", "py", "ty", "ref_y", "y_ref", "northing"),
-        (HEADING, "heading", "heading_rad", "theta", "yaw", "yaw_rad", "psi", "psi_rad"),
-        (SPEED, "speed", "velocity", "vel", "v", "vx", "speed_mps", "v_mps", "vx_mps"),
-        (TIME, "t", "t_s", "time", "time_s", "timestamp", "stamp", "seconds", "time_sec"),
-        (ITERATION, "iteration"),
-    )
+    **POSE_NAMES,
+    SPEED: frozenset(("speed", "velocity", "vel", "v", "vx", "speed_mps", "v_mps", "vx_mps")),
+    ITERATION: frozenset((ITERATION,)),
 }
-_TUM = 8  # t x y z qx qy qz qw
 _HEADERS = "x,y (beside them heading, speed and t_s if they are known)"
 _DEGREES = frozenset({"lat", "latitude", "lon", "long", "lng", "longitude"})
 _OTHER_UNIT = re.compile(r"[\[(](mm|cm|km|ft|in|deg)[\])]", re.IGNORECASE)
-_COMMENTS = ("#", "%", "//")
 _FEWEST_NOISY = 50  # of fewer points nobody can tell noise from corners
 _ZIGZAG = -0.3  # correlation of neighbouring turns below which they are noise; of noise alone -2/3
 _SHARP = 0.05  # [rad]: turns from point to point that are smaller (RMS) do no harm
@@ -111,43 +123,33 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
     Raises:
         UsageError: It is no such file; names the line.
     """
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise _wrong(path, line, "is not UTF-8 text; save it as CSV in UTF-8") from None
     header: tuple[int, str] | None = None
     rows: list[tuple[int, str]] = []
-    for number, raw in enumerate(io.StringIO(text), 1):
-        if number > _MOST_LINES:
-            raise UsageError(f"{path}: has more than {_MOST_LINES} lines; take fewer points")
-        if len(raw) > _LONGEST_LINE:
-            raise _wrong(path, number, f"has a line of {len(raw)} characters; give a CSV file")
-        line_text = raw.strip()
-        if line_text.startswith(_COMMENTS):
-            told = line_text.lstrip("#/ ")  # a sign of percent may belong to a name
-            if not rows and _is_header(_cells(told, None)):
+    for number, line in text_lines(path, content, "take fewer points"):
+        if line.startswith(COMMENTS):
+            told = comment_text(line)
+            if not rows and _is_header(cells_of(told)):
                 header = number, told
-        elif line_text:
-            rows.append((number, line_text))
+        else:
+            rows.append((number, line))
     if not rows:
         raise UsageError(f"{path}: has no points; give at least two lines with x and y")
-    if _decimal_commas(rows[0][1]) or _decimal_commas(rows[-1][1]):
-        raise _wrong(path, rows[0][0], "has decimal commas; write decimal points")
-    cells = _cells(rows[0][1], None)
-    if header is not None and len(_cells(header[1], None)) != len(cells):
+    if decimal_commas(rows[0][1]) or decimal_commas(rows[-1][1]):
+        raise wrong(path, rows[0][0], "has decimal commas; write decimal points")
+    cells = cells_of(rows[0][1])
+    if header is not None and len(cells_of(header[1], None)) != len(cells):
         header = None  # a comment that has both words in it
-    if header is None and not all(map(_is_number, cells)):
+    if header is None and not all(map(is_number, cells)):
         header = rows.pop(0)
-    separator = _separator(rows[0][1]) if rows else None
+    separator = separator_of(rows[0][1]) if rows else None
     if header is None:
         columns = _without_header(path, rows, separator)
-        width = len(_cells(rows[0][1], separator))
+        width = len(cells_of(rows[0][1], separator))
     else:
-        names = _cells(header[1], _separator(header[1]))
+        names = cells_of(header[1], separator_of(header[1]))
         found = _roles(names)
         if found is None:
-            raise _wrong(path, header[0], _no_columns(names))
+            raise wrong(path, header[0], _no_columns(names))
         columns, width = found, len(names)
     return _table(path, rows, columns, separator, width)
 
@@ -165,11 +167,7 @@ def _table(
     dropped = 0
     last: list[float] = []
     for line, text in rows:
-        cells = _cells(text, separator)
-        if len(cells) == width + 1 and not cells[-1]:
-            cells.pop()
-        if len(cells) != width:
-            raise _wrong(path, line, f"has {len(cells)} cells where {width} should stand")
+        cells = row_of(path, line, text, separator, width)
         row = [_number(path, line, name, cells[index]) for name, index in columns.items()]
         if ITERATION in columns and last and row[0] != last[0]:
             values, lines, dropped, last = [], [], 0, []
@@ -179,7 +177,7 @@ def _table(
         if TIME in columns and last:
             at = list(columns).index(TIME)
             if row[at] <= last[at]:
-                raise _wrong(path, line, "has a time that is not after the one before")
+                raise wrong(path, line, "has a time that is not after the one before")
         values.append(row)
         lines.append(line)
         last = row
@@ -192,13 +190,12 @@ def _table(
         raise UsageError(f"{path}: has fewer than two points; give at least two lines with x and y")
     iteration = table.pop(ITERATION, None)
     if "qw" in table:
-        w, x, y, z = (table.pop(name) for name in ("qw", "qx", "qy", "qz"))
-        norm = np.sqrt(w * w + x * x + y * y + z * z)
-        off = np.flatnonzero(np.abs(norm - 1) > _UNIT_NORM)
-        if len(off):
+        quaternions = np.stack([table.pop(name) for name in ("qw", "qx", "qy", "qz")], axis=1)
+        off = not_unit(quaternions)
+        if off is not None:
             told = "has no unit quaternion at its end, as the lines of a TUM file have"
-            raise _wrong(path, lines[int(off[0])], f"{told}; put a header in front: {_HEADERS}")
-        table[HEADING] = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+            raise wrong(path, lines[off], f"{told}; put a header in front: {_HEADERS}")
+        table[HEADING] = headings_of(quaternions)
     return Waypoints(
         np.stack([table[X], table[Y]], axis=1),
         tuple(table),
@@ -215,20 +212,20 @@ def _without_header(
     path: Path, rows: Sequence[tuple[int, str]], separator: str | None
 ) -> dict[str, int]:
     """What the columns of a file without a header are, where there is no doubt."""
-    first = _cells(rows[0][1], separator)
+    first = cells_of(rows[0][1], separator)
     width = len(first)
-    if width == _TUM:
-        return {TIME: 0, X: 1, Y: 2, "qx": 4, "qy": 5, "qz": 6, "qw": 7}
+    if width == len(TUM):
+        return {name: index for index, name in enumerate(TUM) if name != "z"}
     if width == 2:
         return {X: 0, Y: 1}
-    if width == 3 and not _is_clock([_cells(text, separator)[0] for _, text in rows[:100]]):
-        third = [_cells(text, separator)[-1] for _, text in rows]
-        if any(_is_number(cell) and float(cell) < 0 for cell in third):
+    if width == 3 and not _is_clock([cells_of(text, separator)[0] for _, text in rows[:100]]):
+        third = [cells_of(text, separator)[-1] for _, text in rows]
+        if any(is_number(cell) and float(cell) < 0 for cell in third):
             told = "has a third column with numbers below 0 and no header that tells what they are"
-            raise _wrong(path, rows[0][0], f"{told}; put a header in front: {_HEADERS}")
-        is_height = all(_is_number(cell) and float(cell) == 0 for cell in third)
+            raise wrong(path, rows[0][0], f"{told}; put a header in front: {_HEADERS}")
+        is_height = all(is_number(cell) and float(cell) == 0 for cell in third)
         return {X: 0, Y: 1} if is_height else {X: 0, Y: 1, SPEED: 2}
-    raise _wrong(
+    raise wrong(
         path,
         rows[0][0],
         f"has {width} columns and no header that tells what they are; put a header in front: "
@@ -238,7 +235,7 @@ def _without_header(
 
 def _is_clock(cells: Sequence[str]) -> bool:
     """Whether a column rises by equal steps, as times do."""
-    if not all(map(_is_number, cells)) or len(cells) < 3:
+    if not all(map(is_number, cells)) or len(cells) < 3:
         return False
     steps = np.diff([float(cell) for cell in cells])
     return bool(steps.min() > 0 and np.ptp(steps) <= 1e-3 * steps.max())
@@ -246,12 +243,12 @@ def _is_clock(cells: Sequence[str]) -> bool:
 
 def _is_header(cells: Sequence[str]) -> bool:
     """Whether a comment tells what the columns are."""
-    return _roles(cells) is not None or sum(_plain(cell) in _DEGREES for cell in cells) == 2
+    return _roles(cells) is not None or sum(plain_name(cell) in _DEGREES for cell in cells) == 2
 
 
 def _no_columns(names: Sequence[str]) -> str:
     """What is wrong with a header, or what stands in its place, that names no columns x and y."""
-    plain = [_plain(name) for name in names]
+    plain = [plain_name(name) for name in names]
     if len(names) == 1 and any(sign in names[0] for sign in "|:/&"):
         return "is parted neither by commas, semicolons nor white space; save it with commas"
     if not _DEGREES.isdisjoint(plain):
@@ -266,13 +263,13 @@ def _no_columns(names: Sequence[str]) -> str:
 
 def _roles(names: Sequence[str]) -> dict[str, int] | None:
     """Columns by what they are, the iteration first; None without x and y, or with one twice."""
-    plain = [_plain(name) for name in names]
+    plain = [plain_name(name) for name in names]
     found: dict[str, int] = {}
     for role, known in sorted(_NAMES.items(), key=lambda item: item[0] != ITERATION):
         at = [
             index
             for index, name in enumerate(plain)
-            if name in known or (role in (X, Y) and name.endswith(f"_position_{role}"))
+            if (has_role(role, name) if role in POSE_NAMES else name in known)
         ]
         if len(at) > 1 and role in (X, Y):
             return None
@@ -281,54 +278,10 @@ def _roles(names: Sequence[str]) -> dict[str, int] | None:
     return found if X in found and Y in found else None
 
 
-def _plain(name: str) -> str:
-    """A column's name in lower case, without quotes and a unit in brackets."""
-    name = re.sub(r"[\[(](m|rad|s|m/s)[\])]", "", name.strip().strip("\"'").lower())
-    return re.sub(r"[\s./]+", "_", name.strip()).strip("_")
-
-
-def _separator(line: str) -> str | None:
-    """What parts the cells of a line; None for white space."""
-    return ";" if ";" in line else "," if "," in line else None
-
-
-def _cells(line: str, separator: str | None) -> list[str]:
-    """The cells of a line; without a separator by what the line has."""
-    separator = separator or _separator(line)
-    return [cell.strip().strip("\"'") for cell in line.split(separator)]
-
-
-def _decimal_commas(line: str) -> bool:
-    """Whether commas stand within numbers that something else parts."""
-    return re.search(r"\d,\d+[;\t ]\s*[-+]?\d+,\d", line) is not None
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
 def _number(path: Path, line: int, name: str, cell: str) -> float:
     """The number in a cell, which must be one of its column."""
-    if re.fullmatch(r"[-+]?\d+,\d+", cell):
-        raise _wrong(path, line, "has decimal commas; write decimal points")
-    if not _is_number(cell) or "_" in cell:
-        raise _wrong(path, line, f"holds something that is no number where {name} should stand")
-    number = float(cell)
-    if not math.isfinite(number):
-        raise _wrong(path, line, f"has a number that is not finite where {name} should stand")
-    if name in (X, Y) and abs(number) > _FARTHEST:
-        raise _wrong(path, line, f"has an {name} beyond {_FARTHEST:g} m; give metres")
-    if name == TIME and abs(number) > _LATEST:
-        raise _wrong(path, line, f"has a time beyond {_LATEST:g} s; give seconds")
-    if name == SPEED and not 0 <= number <= _FARTHEST:
+    number = number_in(path, line, name, cell)
+    if name == SPEED and not 0 <= number <= _FASTEST:
         told = "has a speed that is below 0 or too high; say that it drives backward"
-        raise _wrong(path, line, f"{told} by 'reverse: true'")
+        raise wrong(path, line, f"{told} by 'reverse: true'")
     return number
-
-
-def _wrong(path: Path, line: int, what: str) -> UsageError:
-    return UsageError(f"{path}:{line}: {what}")
