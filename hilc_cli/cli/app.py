@@ -6,6 +6,7 @@ import typer
 
 from hilc_cli.cli.check import check
 from hilc_cli.cli.compare import compare
+from hilc_cli.cli.drive import drive
 from hilc_cli.cli.examples import examples
 from hilc_cli.cli.learn import learn
 from hilc_cli.cli.options import Version
@@ -49,5 +50,6 @@ app.command()(compare)
 app.command()(sweep)
 app.command()(reproduce)
 app.add_typer(learn, name="learn")
+app.command()(drive)
 app.command()(examples)
 app.command()(schema)

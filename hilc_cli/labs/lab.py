@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any, Self
 
 from hilc_cli.errors import ExistingResultsError, UsageError
+from hilc_cli.labs.driving import Drive
 from hilc_cli.labs.folder import read_state, write_state
 from hilc_cli.labs.lock import locked
 from hilc_cli.labs.logged import log_of_arrays, logged_trial
 from hilc_cli.labs.state import LabState
 from hilc_cli.labs.trials import LabTrial
 from hilc_cli.laws.law import Plan
+from hilc_cli.logs.log import RefusedTrialError
 from hilc_cli.logs.options import ReadOptions
 from hilc_cli.logs.reading import read_log
 from hilc_cli.reference.sampled import Floats
@@ -151,7 +153,7 @@ class Lab:
             HilcError: The log or the lab cannot be read or written.
         """
         read = read_log(Path(log), options)
-        new = logged_trial(read, self.plan, self.scenario, start_time=start_time)
+        new = logged_trial(read, self._state, start_time=start_time)
         self._check_is_new(new[0], str(log))
         if dry_run:
             return self._state.after(new[0])
@@ -184,9 +186,51 @@ class Lab:
             HilcError: The lab cannot be written.
         """
         log = log_of_arrays(poses, times, sent, sent_times)
-        new = logged_trial(log, self.plan, self.scenario, start_time=start_time)
+        new = logged_trial(log, self._state, start_time=start_time)
         self._check_is_new(new[0], "this trial")
         self.take_in(new, plots=plots)
+
+    def drive(self) -> Drive:
+        """Returns the controller of the next trial, feedback included, to be driven line by line.
+
+        What came of it is taken in by `add_driven`.
+        """
+        learning = self._state.learning
+        limits = self.scenario.spec.safety_limits
+        return Drive(learning.plan(), learning.reference, limits)
+
+    def add_driven(
+        self,
+        drive: Drive,
+        *,
+        plots: bool = True,
+        look: Look = USUAL,
+        command: Sequence[str] = (),
+    ) -> LabState:
+        """Takes in a pass that `drive` was driven by.
+
+        Raises:
+            RefusedTrialError: It did not come to its end, or is no trial of the plan; the lab is
+                as it was.
+            HilcError: The lab cannot be written.
+        """
+        if not drive.is_whole:
+            n = self._state.learning.reference.samples
+            why = drive.stopped or "the input ended"
+            raise RefusedTrialError(
+                f"{self.folder}: the pass was over at sample {drive.reached} of {n}: {why}; "
+                "nothing is added"
+            )
+        times, poses, sent = drive.log
+        log = log_of_arrays(poses, times, sent, times)
+        lead_in = self._state.learning.lead_in * self.scenario.spec.trajectory.sample_time
+        new = logged_trial(
+            log,
+            self._state,
+            start_time=drive.start_time + lead_in,
+            replayed=self.plan.feedback is None,
+        )
+        return self.take_in(new, plots=plots, look=look, command=command)
 
     def take_in(
         self,

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import math
+from collections.abc import Mapping
 from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
 
 from hilc_cli.errors import UsageError
+from hilc_cli.labs.state import LabState
 from hilc_cli.labs.trials import LabTrial, Report
 from hilc_cli.laws.law import Plan
 from hilc_cli.laws.norm_optimal.motor import Motor
@@ -29,18 +31,18 @@ _SENT = "left_wheel_rad_s,right_wheel_rad_s"
 
 
 def logged_trial(
-    log: Log, plan: Plan, scenario: Scenario, *, start_time: float | None = None
+    log: Log, state: LabState, *, start_time: float | None = None, replayed: bool = True
 ) -> tuple[LabTrial, str]:
-    """Makes a trial of what was logged while a plan was replayed.
+    """Makes a trial of what was logged while a plan was driven.
 
-    It is taken into the frame of its own measured start: a plan that is replayed moves with its
-    start, and with nothing else.
+    If it was replayed, it is taken into the frame of its own measured start: a plan that is
+    replayed moves with its start, and with nothing else.
 
     Args:
         log: What was recorded.
-        plan: What was to be sent.
-        scenario: What was to be followed, by which robot.
+        state: What the lab knew before, its plan among it.
         start_time: When sample 0 was sent, in the log's clock [s]; None: that is found.
+        replayed: Whether nothing answered to the poses on the way.
 
     Returns:
         The trial, and a table of what was taken out of the log, which hilc reads as a log.
@@ -48,13 +50,15 @@ def logged_trial(
     Raises:
         RefusedTrialError: The log is no trial of the plan.
     """
+    scenario, plan = state.scenario, state.plan
     spec = scenario.spec
     reference, robot = spec.reference, spec.robot.robot()
     planned = PlannedPass.from_samples(reference, plan.left, plan.right)
     limits = Limits(None if spec.safety is None else spec.safety.max_error)
-    options = AlignOptions(start_time, limits=limits)
-    measured = align(log, planned, believed_motor(scenario), robot, options)
-    trial = into_start_frame(measured, reference)
+    motor, knows_lag = motor_so_far(scenario, state.run.learning.last() if state.trials else {})
+    options = AlignOptions(start_time, lag_is_known=knows_lag, limits=limits)
+    measured = align(log, planned, motor, robot, options)
+    trial = into_start_frame(measured, reference) if replayed else measured
     motion = Plan(trial.left, trial.right, trial.poses, lead_in=-trial.first)
     x, y, heading = measured.start.tolist()
     report = Report(
@@ -63,7 +67,7 @@ def logged_trial(
         start_time_s=trial.start_time,
         start_time_standard_error_s=trial.start_time_error or None,
         start_pose=(x, y, heading),
-        moved_to_start=True,
+        moved_to_start=replayed,
         notes=list(trial.report),
         warnings=list(trial.warnings),
     )
@@ -71,11 +75,29 @@ def logged_trial(
     return LabTrial(motion, plan, report), table_of(log, log.sent(robot), first, last)
 
 
-def believed_motor(scenario: Scenario) -> Motor:
-    """Returns the robot that the controller believes in, with its motors."""
+def motor_so_far(scenario: Scenario, learned: Mapping[str, float]) -> tuple[Motor, bool]:
+    """Returns the robot as it is known before a trial, and whether that includes its lag.
+
+    When a plan began is found the better, the better the robot is known; and passes are laid over
+    the plan alike only if the same robot is taken for all of them.
+
+    Args:
+        scenario: Tells what is believed.
+        learned: What the law has found out in earlier trials, by column of ``learning.csv``.
+    """
     model = scenario.setting.model
-    radius = model.wheel_radius
-    return Motor(radius, radius, model.signed_half_track, 0.0, 0.0, 0.0)
+    half_track = learned.get("model_half_track_m", model.half_track)
+    radius, ratio = learned.get("model_wheel_radius_m", model.wheel_radius), 1.0
+    delay = lag = friction = 0.0
+    knows_lag = "model_lag_s" in learned
+    if knows_lag:
+        ratio, delay, lag, friction = (
+            learned[f"model_{name}"]
+            for name in ("left_per_right_radius", "delay_s", "lag_s", "friction_rad_s")
+        )
+    right = 2 * radius / (1 + ratio)
+    signed = math.copysign(half_track, model.signed_half_track)
+    return Motor(ratio * right, right, signed, delay, lag, friction), knows_lag
 
 
 def table_of(log: Log, sent: WheelSpeeds | None, first: float, last: float) -> str:

@@ -37,9 +37,14 @@ class LabState:
         return replace(self, trials=self.trials[:-1])
 
     @property
+    def learning(self) -> RobotLearning:
+        """The law at work, all trials taken in."""
+        return self._learned[0]
+
+    @property
     def plan(self) -> Plan:
         """What to send next, from the lead-in on, within all limits."""
-        return self._learned[0].plan()
+        return self.learning.plan()
 
     @property
     def run(self) -> RunData:
