@@ -8,6 +8,8 @@ from hilc_cli.cli.check import check
 from hilc_cli.cli.compare import compare
 from hilc_cli.cli.drive import drive
 from hilc_cli.cli.examples import examples
+from hilc_cli.cli.export import export
+from hilc_cli.cli.identify import identify
 from hilc_cli.cli.learn import learn
 from hilc_cli.cli.options import Version
 from hilc_cli.cli.plot import plot
@@ -48,8 +50,10 @@ app.command()(check)
 app.command()(plot)
 app.command()(compare)
 app.command()(sweep)
-app.command()(reproduce)
 app.add_typer(learn, name="learn")
 app.command()(drive)
+app.command()(identify)
+app.command()(export)
+app.command()(reproduce)
 app.command()(examples)
 app.command()(schema)

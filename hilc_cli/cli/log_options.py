@@ -1,4 +1,4 @@
-"""Options that say how the log of a robot is to be read."""
+"""Options of the commands that read logs of robots."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hilc_cli.errors import UsageError
+from hilc_cli.wording import shortened
 
 if TYPE_CHECKING:
     from hilc_cli.logs.options import ReadOptions
@@ -15,41 +16,43 @@ Columns = Annotated[
     str | None,
     typer.Option(
         metavar="ROLE=NAME,...",
-        help="Columns of a table by what they are, such as t=stamp,x=px,y=py.",
+        help="What the columns of a table are called, such as t=stamp,x=pose.x,y=pose.y.",
         show_default=False,
     ),
 ]
-Pose = Annotated[
+PoseTopic = Annotated[
     str | None,
-    typer.Option(metavar="TOPIC", help="Topic of the poses in a bag.", show_default=False),
+    typer.Option("--pose", metavar="TOPIC", help="Poses in a bag.", show_default=False),
 ]
-Command = Annotated[
+CommandTopic = Annotated[
     str | None,
-    typer.Option(metavar="TOPIC", help="Topic of the commands in a bag.", show_default=False),
+    typer.Option("--command", metavar="TOPIC", help="Commands in a bag.", show_default=False),
 ]
-Wheels = Annotated[
+WheelsTopic = Annotated[
     str | None,
     typer.Option(
-        metavar="TOPIC", help="Topic of the measured wheel speeds in a bag.", show_default=False
+        "--wheels", metavar="TOPIC", help="Measured wheel speeds in a bag.", show_default=False
     ),
 ]
 Frames = Annotated[
     str | None,
     typer.Option(
-        metavar="PARENT,CHILD", help="Frames of the poses on a topic of tf.", show_default=False
+        metavar="PARENT,CHILD",
+        help="Frames of poses among transforms, such as map,base_link.",
+        show_default=False,
     ),
 ]
 Joints = Annotated[
     str | None,
     typer.Option(
-        metavar="LEFT,RIGHT", help="Joints of the wheels on a topic of them.", show_default=False
+        metavar="LEFT,RIGHT", help="Joints of the wheels among joint states.", show_default=False
     ),
 ]
 Marker = Annotated[
     str | None,
     typer.Option(
-        metavar="AHEAD,LEFT",
-        help="Where the measured point is, seen from the wheel midpoint [m].",
+        metavar="X,Y",
+        help="Where the measured point is, ahead and left of the wheel midpoint [m].",
         show_default=False,
     ),
 ]
@@ -64,44 +67,37 @@ def read_options(
     joints: str | None,
     marker: str | None,
 ) -> ReadOptions:
-    """Returns what the options say.
+    """What the options say of a log.
 
     Raises:
-        UsageError: One of them has another form.
+        UsageError: One of them says nothing.
     """
+    from hilc_cli.logs.csv_logs import parse_columns
     from hilc_cli.logs.options import ReadOptions
 
-    named: dict[str, str] = {}
-    for part in (columns or "").split(",") if columns else ():
-        role, equals, name = part.partition("=")
-        if not (role.strip() and equals and name.strip()):
-            raise UsageError(f"--columns {columns}: must be ROLE=NAME,..., such as t=stamp,x=px")
-        named[role.strip()] = name.strip()
     return ReadOptions(
-        named,
+        {} if columns is None else parse_columns(columns),
         pose,
         command,
         wheels,
-        _pair("--frames", frames, "map,base_link"),
-        _pair("--joints", joints, "left_wheel_joint,right_wheel_joint"),
-        _lengths("--marker", marker),
+        None if frames is None else _two(frames, "--frames", "map,base_link"),
+        None if joints is None else _two(joints, "--joints", "left_wheel_joint,right_wheel_joint"),
+        (0.0, 0.0) if marker is None else _point(marker),
     )
 
 
-def _pair(option: str, text: str | None, example: str) -> tuple[str, str] | None:
-    if text is None:
-        return None
+def _two(text: str, option: str, example: str) -> tuple[str, str]:
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != 2 or not all(parts):
-        raise UsageError(f"{option} {text}: must be two names, such as {example}")
+        raise UsageError(f"{option}: must be two names like '{example}', got {shortened(text)!r}")
     return parts[0], parts[1]
 
 
-def _lengths(option: str, text: str | None) -> tuple[float, float]:
-    if text is None:
-        return 0.0, 0.0
+def _point(text: str) -> tuple[float, float]:
     try:
-        ahead, left = map(float, text.split(","))
+        x, y = (float(part) for part in text.split(","))
     except ValueError:
-        raise UsageError(f"{option} {text}: must be two lengths in m, such as 0.05,0") from None
-    return ahead, left
+        raise UsageError(
+            f"--marker: must be two numbers like '0.12,-0.03', got {shortened(text)!r}"
+        ) from None
+    return x, y

@@ -48,6 +48,18 @@ def in_order(times: Floats, *columns: Floats, what: str) -> tuple[tuple[Floats, 
     return tuple(series), notes
 
 
+def halfway(times: Floats) -> Floats:
+    """From when samples of a speed hold that were taken at given times: halfway to the one before.
+
+    Args:
+        times: Of the samples, rising [s], shape (m,).
+    """
+    if len(times) < 2:
+        return times
+    middles = (times[1:] + times[:-1]) / 2
+    return np.concatenate([[times[0] - (middles[0] - times[0])], middles])
+
+
 def clean_poses(
     where: object, times: Floats, x: Floats, y: Floats, heading: Floats | None, source: str
 ) -> tuple[Poses, list[str]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from hilc_cli.errors import UsageError
-from hilc_cli.logs.cleaning import clean_poses, in_order
+from hilc_cli.logs.cleaning import clean_poses, halfway, in_order
 from hilc_cli.logs.log import Log, Poses, Twists, WheelSpeeds
 from hilc_cli.logs.options import ReadOptions
 from hilc_cli.reference.point_tables import (
@@ -212,8 +212,10 @@ class _Table:
         notes += more
         wheels = None
         if MEASURED_LEFT in table:
-            series, more = self._series(table, "t", (MEASURED_LEFT, MEASURED_RIGHT), "reading")
-            wheels = WheelSpeeds(*series, "measured wheel speeds") if len(series[0]) else None
+            pair = (MEASURED_LEFT, MEASURED_RIGHT)
+            (times, left, right), more = self._series(table, "t", pair, "reading")
+            if len(times):
+                wheels = WheelSpeeds(halfway(times), left, right, "the table's measured speeds")
             notes += more
         return Log(
             self.path,

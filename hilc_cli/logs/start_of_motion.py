@@ -118,7 +118,7 @@ def fit_pass(
 
 
 def _belief(motor: Motor, drive: Drive, offset: float | None, *, lag_is_known: bool) -> Belief:
-    of_drive = (0.0 if offset is None else offset, _start_heading(drive))
+    of_drive = (0.0 if offset is None else offset, start_heading(drive))
     values = np.array([0.0, 0.0, 0.0, motor.delay, motor.lag, motor.friction, 0.0, *of_drive])
     free = np.ones(len(values), dtype=bool)
     free[[FRICTION, MARKER]] = False
@@ -130,7 +130,7 @@ def _belief(motor: Motor, drive: Drive, offset: float | None, *, lag_is_known: b
     return Belief(motor, values, values.copy(), spread, free)
 
 
-def _start_heading(drive: Drive) -> float:
+def start_heading(drive: Drive) -> float:
     """Where a robot without measured headings looks at first: about where it goes."""
     way = drive.readings[:, :2] - drive.readings[0, :2]
     far = np.hypot(*way.T)

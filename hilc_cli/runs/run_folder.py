@@ -52,9 +52,7 @@ LAB_FOLDER = ResultFolder(
     kind="hilc lab",
     other="another scenario, or trials",
     pictures=tuple(RUN_PICTURES),
-    files=frozenset(
-        {SCENARIO, ITERATIONS, SAMPLES, INITIAL_INPUT, LEARNING, LAB_TRIALS, LAB_NEXT}
-    ),
+    files=frozenset({SCENARIO, ITERATIONS, SAMPLES, INITIAL_INPUT, LEARNING, LAB_TRIALS, LAB_NEXT}),
 )
 _MAX_SCENARIO_BYTES = 10_000_000
 

@@ -39,7 +39,7 @@ class MadeUpRobot:
         after: float = 1.0,
         seed: int = 0,
     ) -> Floats:
-        """Drives wheel speeds, shape (n, 2), sent from `clock` on: times and poses, shape (m, 4)."""
+        """Drives wheel speeds, shape (n, 2), sent from `clock` on: times and poses, (m, 4)."""
         random = np.random.default_rng(seed)
         end = len(wheels) * sample_time + after
         pictures = np.arange(-before + random.uniform(0, 1 / self.rate), end, 1 / self.rate)

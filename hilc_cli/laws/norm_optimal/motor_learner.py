@@ -119,7 +119,9 @@ class MotorLearner:
             self._usual = max(self._identification.misfit(self._belief, latest), 1.0)
         driven = [self._smoothed(each) for each in passes]
         self._starts = deque((poses[0] for poses, _ in driven), maxlen=_MEMORY)
-        self._beside = repeating(np.array([beyond for _, beyond in driven]))
+        self._beside = repeating(
+            np.array([beyond for _, beyond in driven]), np.array([each.sent for each in passes])
+        )
 
     def _smoothed(self, each: Pass) -> tuple[Floats, Floats]:
         """The likeliest poses of a pass, and what it did beyond the model, shape (n, 3)."""
