@@ -20,9 +20,15 @@ from hilc_cli.logs.cleaning import clean_poses
 from hilc_cli.logs.log import Log, WheelSpeeds
 from hilc_cli.logs.planned import PlannedPass
 from hilc_cli.logs.trial_checks import Limits
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.scenario.experiment import Scenario
 
+_MOTOR = (
+    "model_wheel_radius_m", "model_left_per_right_radius", "model_half_track_m",
+    "model_delay_s", "model_lag_s", "model_friction_rad_s",
+)  # fmt: skip
+"""Columns of ``learning.csv`` that tell a robot with its motors."""
 _AROUND = 5.0
 """Seconds before and after a pass that are kept of a log."""
 _HEADER = "t_s,x_m,y_m,heading_rad"
@@ -85,19 +91,18 @@ def motor_so_far(scenario: Scenario, learned: Mapping[str, float]) -> tuple[Moto
         scenario: Tells what is believed.
         learned: What the law has found out in earlier trials, by column of ``learning.csv``.
     """
-    model = scenario.setting.model
-    half_track = learned.get("model_half_track_m", model.half_track)
-    radius, ratio = learned.get("model_wheel_radius_m", model.wheel_radius), 1.0
-    delay = lag = friction = 0.0
+    setting = scenario.setting
+    model = setting.model
+    believed = setting.drivetrain or Drivetrain(model.wheel_radius, model.wheel_radius)
+    left, right, half_track = believed.left_radius, believed.right_radius, model.half_track
+    delay, lag, friction = (getattr(believed.motor, name) for name in ("delay", "lag", "dead_zone"))
     knows_lag = "model_lag_s" in learned
     if knows_lag:
-        ratio, delay, lag, friction = (
-            learned[f"model_{name}"]
-            for name in ("left_per_right_radius", "delay_s", "lag_s", "friction_rad_s")
-        )
-    right = 2 * radius / (1 + ratio)
+        radius, ratio, half_track, delay, lag, friction = (learned[name] for name in _MOTOR)
+        right = 2 * radius / (1 + ratio)
+        left = ratio * right
     signed = math.copysign(half_track, model.signed_half_track)
-    return Motor(ratio * right, right, signed, delay, lag, friction), knows_lag
+    return Motor(left, right, signed, delay, lag, friction), knows_lag or lag > 0
 
 
 def table_of(log: Log, sent: WheelSpeeds | None, first: float, last: float) -> str:

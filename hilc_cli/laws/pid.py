@@ -14,6 +14,7 @@ from hilc_cli.laws.gain_matrix import (
     GainHeading,
     GainMatrix,
     GainMatrixChoice,
+    GainsAlong,
     corrected_plan,
     gain_matrix,
     matrix_misfits,
@@ -206,10 +207,8 @@ class PidLaw:
         ]
         if smoothed is not None:
             left, right, *past = smoothed(np.stack([left, right, *past]))
-        coefficients = self.matrix.coefficients
-        return corrected_plan(
-            coefficients, (left, right), past, self.gain_heading, previous, reference
-        )
+        gains = GainsAlong.same(self.matrix, reference.samples)
+        return corrected_plan(gains, (left, right), past, self.gain_heading, previous, reference)
 
     def _remembered(self, learned: Floats, initial: Floats) -> Floats:
         if self.forgetting == 0:

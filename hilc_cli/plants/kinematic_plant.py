@@ -10,8 +10,16 @@ from typing import ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
-from hilc_cli.plants.imperfections import MotorSpec, SlipSpec, WheelRadii, WheelRadius
+from hilc_cli.plants.imperfections import (
+    MOTOR,
+    SLIP,
+    MotorSpec,
+    SlipSpec,
+    WheelRadii,
+    WheelRadius,
+)
 from hilc_cli.plants.kinematic import (
     Linearisation,
     Robot,
@@ -70,9 +78,6 @@ class KinematicPlant(Plant):
         return step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
 
 
-_MOTOR, _SLIP = MotorSpec(), SlipSpec()
-
-
 class KinematicSpec(RobotSpec):
     """The plant as it really is: the paper's, unless something of a real robot is given."""
 
@@ -80,8 +85,8 @@ class KinematicSpec(RobotSpec):
 
     wheel_radius: WheelRadius = Field(description="R_c [m]")  # type: ignore[assignment]  # or two
     plant: Literal["kinematic"] = "kinematic"
-    motor: MotorSpec = Field(_MOTOR, description="what the motors make of their inputs")
-    slip: SlipSpec = Field(_SLIP, description="what the tyres lose")
+    motor: MotorSpec = Field(MOTOR, description="what the motors make of their inputs")
+    slip: SlipSpec = Field(SLIP, description="what the tyres lose")
     integration: Literal["euler", "exact"] = Field(
         "euler", description="euler: Eq. 8; exact: the arc between two samples"
     )
@@ -90,10 +95,8 @@ class KinematicSpec(RobotSpec):
         """Returns the plant for the engines: the paper's, if nothing keeps it from being that."""
         if not self.imperfections():
             return KinematicPlant(self.robot())
-        left, right = self._radii
-        exact = self.integration == "exact"
-        motor, slip = self.motor.motor(), self.slip.slip()
-        return ImperfectPlant(self.robot(), left, right, motor, slip, exact)
+        drivetrain = Drivetrain(*self._radii, self.motor.motor(), self.slip.slip())
+        return ImperfectPlant(self.robot(), drivetrain, self.integration == "exact")
 
     def imperfections(self) -> dict[str, float | str]:
         """Returns what the paper's plant has not."""
@@ -102,7 +105,7 @@ class KinematicSpec(RobotSpec):
         if left != right:
             found |= {"wheel_radius.left": left, "wheel_radius.right": right}
         # What is left out is the very default, which makes the plants of a large sweep fast.
-        for name, section, ideal in (("motor", self.motor, _MOTOR), ("slip", self.slip, _SLIP)):
+        for name, section, ideal in (("motor", self.motor, MOTOR), ("slip", self.slip, SLIP)):
             if section is not ideal:
                 given = section.model_dump(exclude_defaults=True)
                 found |= {f"{name}.{key}": value for key, value in given.items()}

@@ -37,6 +37,7 @@ from hilc_cli.reference.segments import (
     nearest_equivalent_angle,
     turn_sign,
 )
+from hilc_cli.reference.smooth_parts import curvature_jumps
 from hilc_cli.reference.splines import CurveError
 from hilc_cli.reference.through_points import Curve, curve_through
 
@@ -61,6 +62,8 @@ HEADING_TOLERANCE = 1e-9  # [rad]
 MOST_TURNING = 10_000.0
 """By which a clothoid may turn [rad]."""
 _SAME_HEADING = 0.01  # [rad]: with less of a corner in between, a lap begins as it ends
+_BACK = math.radians(135)
+"""A corner beyond which a segment is probably meant to be driven the other way."""
 _LAST_PLACES = 8  # so many units in the last place coordinates may be off in any case
 
 Pose = tuple[float, float, float]
@@ -153,6 +156,16 @@ class PathBuilder:
             return 0.0
         return math.dist(self._pose[:2], self.start[:2])
 
+    def off_the_start(self, index: int) -> float:
+        """How far the first points of a curve lead off the direction in which it starts [rad].
+
+        Args:
+            index: Number of its segment.
+        """
+        segment = self._placed[index].segment
+        heading = segment.start_heading - (math.pi if isinstance(segment, Backward) else 0.0)
+        return math.remainder(self.curves[index].first_heading - heading, 2 * math.pi)
+
     @property
     def slack(self) -> float:
         """How far the running point may be off what is given [m]."""
@@ -181,12 +194,19 @@ class PathBuilder:
         shares, ends = (
             self._by_segments() if profile is None else (profile.shares, list(profile.ends))
         )
-        x, y, heading = (np.empty(ends[-1] + 1) for _ in range(3))
-        for placed, share in zip(self._placed, shares, strict=True):
+        segments = [placed.segment for placed in self._placed]
+        lengths = [segment.length for segment in segments]
+        x, y, heading, positions = (np.empty(ends[-1] + 1) for _ in range(4))
+        begin = 0.0
+        for segment, length, share in zip(segments, lengths, shares, strict=True):
+            part = slice(share.first, share.first + len(share.fractions))
             if len(share.fractions):  # of a short segment there may be none
-                part = slice(share.first, share.first + len(share.fractions))
-                x[part], y[part], heading[part], _ = placed.segment.at(share.fractions)
+                x[part], y[part], heading[part], _ = segment.at(share.fractions)
+            positions[part] = begin + length * share.fractions
+            begin += length
+            positions[part.stop :] = begin
         x[0], y[0], heading[0] = self.start
+        moves = profile is not None and min(profile.speeds[0], profile.speeds[-1]) > 0
         return Reference(
             name,
             self._sample_time,
@@ -194,8 +214,10 @@ class PathBuilder:
             y,
             heading,
             segment_ends=tuple(ends),
-            lengths=tuple(placed.segment.length for placed in self._placed),
+            lengths=tuple(lengths),
             corners=tuple(placed.corner for placed in self._placed),
+            turns=tuple(end_of(segment)[2] - segment.start_heading for segment in segments),
+            jumps=curvature_jumps(segments, positions, is_lap=moves and self._is_lap()),
         )
 
     def _by_segments(self) -> tuple[Sequence[Share], list[int]]:
@@ -250,10 +272,13 @@ class PathBuilder:
             return replace(placed, corner=jump), before
         if self._corner_radius is None or before is None:
             remedy = "make them equal or set 'corners: allow'"
+            back = abs(math.remainder(jump, 2 * math.pi)) > _BACK and placed.segment.length > 0
             if self._profiled:
                 remedy = "make them equal, turn in place, or set 'corners: {radius: 20 cm}'"
             if self._corner_radius is not None:
                 remedy = "make start.heading the first one, since there is nothing to round"
+            if back:
+                remedy = f"{_other_way(placed.segment)}, {remedy}"
             start = placed.segment.start_heading
             raise PathError(
                 f"starts with a heading of {start:.9g} rad where the path arrives with "
@@ -393,6 +418,13 @@ class PathBuilder:
                 f"brings the path to {total} samples; the longest path has {MAX_SAMPLES}"
             )
         self._counts[-1], self.samples = samples, total
+
+
+def _other_way(segment: Segment) -> str:
+    """What to do with a segment that leads where the robot comes from."""
+    if isinstance(segment, Backward):
+        return "leave out its 'reverse: true'"
+    return "set 'reverse: true' to drive it backward"
 
 
 def _slack(tolerance: float, *coordinates: float) -> float:

@@ -17,9 +17,8 @@ from hilc_cli.laws.norm_optimal.law import IDEAL_MOTORS, RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
 from hilc_cli.plants.kinematic import feedforward
-from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import OWN as PLANTS
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import BELIEVED, MODEL, TRUE
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
@@ -100,13 +99,13 @@ class Scenario:
 
     def experiment(self) -> Experiment:
         """The scenario with every number resolved."""
-        spec = self.spec
-        reference = spec.reference
-        left, right = self._first_input(reference)
+        spec, setting = self.spec, self.setting
+        reference = setting.reference
+        left, right = self._first_input(setting)
         return Experiment(
             reference=reference,
             plant=spec.robot.as_plant(),
-            law=spec.controller.law_for(self.setting),
+            law=spec.controller.law_on(setting),
             initial_pose=spec.start_pose,
             initial_left=left,
             initial_right=right,
@@ -122,20 +121,18 @@ class Scenario:
 
     def robot_learning(self) -> RobotLearning:
         """Returns the law at work on a real robot: its plans are within all limits."""
-        spec = self.spec
-        lead_in = self.lead_in
+        spec, lead_in = self.spec, self.lead_in
         reference = with_standstill(spec.reference, lead_in)
+        setting = replace(self.setting, reference=reference, lead=_ON_ARCS)
         left, right = (
-            np.concatenate([np.zeros(lead_in), wheel])
-            for wheel in self._first_input(spec.reference)
+            np.concatenate([np.zeros(reference.samples - len(wheel)), wheel])
+            for wheel in self._first_input(setting)
         )
         limits = spec.safety_limits
         experiment = replace(
             self.experiment(),
             reference=reference,
-            law=spec.controller.law_for(
-                replace(self.setting, reference=reference, lead=_ON_ARCS),
-            ),
+            law=spec.controller.law_on(setting),
             initial_left=left,
             initial_right=right,
             speed_limit=limits.wheel_speed,
@@ -145,32 +142,44 @@ class Scenario:
     @property
     def lead_in(self) -> int:
         """Samples of standstill before a robot's trajectory, for inputs that arrive late."""
-        longest = _LONGEST_DELAY if _DELAY in self.spec.controller.figures() else 0.0
+        longest = self.spec.model.motor.delay
+        if _DELAY in self.spec.controller.figures():
+            longest = max(longest, _LONGEST_DELAY)
         return math.ceil(longest / self.spec.trajectory.sample_time - 1e-9)
 
     @property
     def setting(self) -> Setting:
         """What the law may depend on beside its own parameters."""
-        spec = self.spec
+        spec, robot = self.spec, self.spec.robot.robot()
         return Setting(
             spec.reference,
-            spec.model.model(spec.robot.robot()),
+            spec.model.model(robot),
             spec.initial_error,
             spec.disturbance.initial_pose.bound,
             spec.robot.lead,
+            spec.model.drivetrain(robot),
         )
 
-    def _first_input(self, reference: Reference) -> tuple[Floats, Floats]:
+    def _first_input(self, setting: Setting) -> tuple[Floats, Floats]:
+        reference, model, drivetrain = setting.reference, setting.model, setting.drivetrain
         if self.initial_input is not None:
             return self.initial_input
         if self.spec.initial_input == "feedforward":
-            return feedforward(reference, self.spec.model.model(self.spec.robot.robot()))
+            wheels = feedforward(reference, model)
+            if drivetrain is None:
+                return wheels
+            return drivetrain.sent_for(*wheels, model.wheel_radius, reference.sample_time)
         nothing = _nothing(reference.samples)
         return nothing, nothing
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        found = [*self._implausible(), *self.spec.controller.warnings(self.setting)]
+        trajectory = self.spec.trajectory
+        found = [
+            *self._implausible(),
+            *trajectory.warnings(),
+            *self.spec.controller.warnings(self.setting),
+        ]
         found += [*self._without_learning(), *self._slow_joints()]
         if abs(self.spec.initial_error[2]) > math.pi:
             heading = self.spec.start_pose[2]
@@ -265,8 +274,13 @@ class Scenario:
             del data[key]["wheel_separation"]
         if spec.robot.friction is None:
             del data["robot"]["friction"]
-        _without_usual_plant(data, spec.robot)
-        data["model"]["wheel_radius"] = model.wheel_radius
+        _without_usual(data, spec)
+        drivetrain = spec.model.drivetrain(robot)
+        data["model"]["wheel_radius"] = (
+            model.wheel_radius
+            if drivetrain is None or drivetrain.left_radius == drivetrain.right_radius
+            else {"left": drivetrain.left_radius, "right": drivetrain.right_radius}
+        )
         del data["model"][FROM]  # its numbers are in its place
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:
@@ -290,7 +304,7 @@ class Scenario:
         data = self.spec.model_dump(mode="json", exclude={"sweep"}, exclude_none=True)
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE
-        _without_usual_plant(data, self.spec.robot)
+        _without_usual(data, self.spec)
         return data
 
     def resolved_yaml(self) -> str:
@@ -298,11 +312,12 @@ class Scenario:
         return to_yaml(self.resolved())
 
 
-def _without_usual_plant(data: dict[str, Any], robot: RobotSpec) -> None:
-    """Leaves out of a scenario what its plant has as every scenario's plant has it."""
-    for key in robot.only_if_given:
-        if getattr(robot, key) == type(robot).model_fields[key].default:
-            del data["robot"][key]
+def _without_usual(data: dict[str, Any], spec: ScenarioSpec) -> None:
+    """Leaves out of a scenario what its robot and its model have as those of every scenario."""
+    for section, part in (("robot", spec.robot), ("model", spec.model)):
+        for key in part.only_if_given:
+            if getattr(part, key) == type(part).model_fields[key].default:
+                data[section].pop(key, None)
 
 
 # Shown elsewhere: the speed limit is a figure of its own, the switch has a text of its own.

@@ -33,7 +33,7 @@ from hilc_cli.yaml_input.reading import (
 )
 
 Overrides = Mapping[str, object] | Sequence[str]
-_RADIUS = ("robot", "wheel_radius")
+_RADII = (("robot", "wheel_radius"), ("model", "wheel_radius"))
 _PATH = "trajectory"
 _KINDS = (SCENARIOS, TRAJECTORIES)
 
@@ -185,13 +185,15 @@ def _default(keys: Sequence[str]) -> object:
 
 def _with_both_radii(tree: MapNode, keys: Sequence[str]) -> MapNode:
     """The scenario, with its one wheel radius as that of each wheel if a key leads to one."""
-    node, place, found = nearest(tree, _RADIUS)
-    is_one = found and isinstance(node, Scalar) and node.value is not None
-    if not is_one or tuple(keys[:2]) != _RADIUS or len(keys) == len(_RADIUS):
+    radius = tuple(keys[:2])
+    if radius not in _RADII or len(keys) == len(radius):
+        return tree
+    node, place, found = nearest(tree, radius)
+    if not found or not isinstance(node, Scalar) or node.value is None:
         return tree
     wheels = ("left", "right")
     both = MapNode(place, dict.fromkeys(wheels, node), dict.fromkeys(wheels, place))
-    return apply_override(tree, _RADIUS, both, lambda same: same)
+    return apply_override(tree, radius, both, lambda same: same)
 
 
 def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Collection, Iterable, Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -20,8 +20,17 @@ from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Tri
 from hilc_cli.engine.safety import SafetyLimits
 from hilc_cli.laws.parameters import Controller
 from hilc_cli.laws.registry import ControllerSpec, controller_model
+from hilc_cli.plants.drivetrain import Drivetrain
+from hilc_cli.plants.imperfections import (
+    MOTOR,
+    SLIP,
+    BelievedRadii,
+    BelievedRadius,
+    MotorSpec,
+    SlipSpec,
+)
 from hilc_cli.plants.kinematic import Robot
-from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, half_track_of
+from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, TurnConventionName, half_track_of
 from hilc_cli.plants.registry import RobotSection
 from hilc_cli.reference.profiled import Profile, WheelLimits
 from hilc_cli.reference.sampled import Reference
@@ -206,15 +215,26 @@ _WithFrom = create_model("_WithFrom", __base__=Model, **_FROM)
 
 
 class ModelSpec(_WithFrom):
-    """What the controller believes; what is left out is as the robot really is."""
+    """What the controller believes.
+
+    What is left out is as the robot really is; motors and tyres are then ideal.
+    """
 
     other_names = OTHER_KEYS
 
-    wheel_radius: RobotLength | None = Field(None, description="R_rs [m]")
+    only_if_given: ClassVar[tuple[str, ...]] = ("turn_convention", "motor", "slip")
+    """Keys that a resolved scenario has only where they are not as in every model."""
+
+    wheel_radius: BelievedRadius | None = Field(None, description="R_rs [m]")
     half_track: RobotLength | None = Field(None, description="B_rs [m]")
     wheel_separation: WheelSeparation | None = Field(
         None, description="distance between the wheels [m], instead of half_track"
     )
+    turn_convention: TurnConventionName | None = Field(
+        None, description="another than the robot's: left and right wheel are believed swapped"
+    )
+    motor: MotorSpec = Field(MOTOR, description="what motors make of their inputs")
+    slip: SlipSpec = Field(SLIP, description="what tyres lose")
 
     @model_validator(mode="after")
     def _one_track(self) -> Self:
@@ -226,10 +246,39 @@ class ModelSpec(_WithFrom):
         """The platform as the controller believes it to be."""
         half_track = half_track_of(self.half_track, self.wheel_separation)
         return Robot(
-            robot.wheel_radius if self.wheel_radius is None else self.wheel_radius,
+            sum(self._radii(robot)) / 2,
             robot.half_track if half_track is None else half_track,
-            robot.turn_convention,
+            self.turn_convention or robot.turn_convention,
         )
+
+    def drivetrain(self, robot: Robot) -> Drivetrain | None:
+        """The wheels, motors and tyres that the controller believes in; None for the paper's."""
+        left, right = self._radii(robot)
+        # What is left out is the very default, which makes the cases of a large sweep fast.
+        if left == right and self.motor is MOTOR and self.slip is SLIP:
+            return None
+        found = Drivetrain(left, right, self.motor.motor(), self.slip.slip())
+        return None if found.is_ideal else found
+
+    def with_keys(self, keys: Iterable[str]) -> ModelSpec:
+        """Returns the same model, with a radius for each wheel if a key leads to one."""
+        if not any(key.startswith("wheel_radius.") for key in keys):
+            return self
+        radius: float | BelievedRadii | None = self.wheel_radius
+        if not isinstance(radius, BelievedRadii):
+            radius = BelievedRadii(left=radius, right=radius)
+        return self.model_copy(update={"wheel_radius": radius})
+
+    def _radii(self, robot: Robot) -> tuple[float, float]:
+        """The radius [m] of the left and of the right wheel."""
+        radius: float | BelievedRadii | None = self.wheel_radius
+        if radius is None:
+            radius = robot.wheel_radius
+        if not isinstance(radius, BelievedRadii):
+            return radius, radius
+        left = robot.wheel_radius if radius.left is None else radius.left
+        right = robot.wheel_radius if radius.right is None else radius.right
+        return left, right
 
 
 DEFAULT_ITERATIONS = 100
@@ -260,7 +309,8 @@ def _wheel_limits(data: Mapping[str, Any]) -> WheelLimits | None:
     safety = data.get("safety") or SafetySpec()
     if not isinstance(safety, SafetySpec):
         return None
-    return _limits_of(believed, safety.limits([limit]))
+    model = data.get("model") or ModelSpec()
+    return _limits_of(believed, safety.limits([limit], [model.motor.acceleration]))
 
 
 def _limits_of(believed: Robot, limits: SafetyLimits) -> WheelLimits:
@@ -377,7 +427,8 @@ class ScenarioSpec(Model):
     @property
     def safety_limits(self) -> SafetyLimits:
         """Limits of every plan for a robot, of each the smallest that is given anywhere."""
-        return (self.safety or SafetySpec()).limits([self.controller.b_w])
+        safety, motor = self.safety or SafetySpec(), self.model.motor
+        return safety.limits([self.controller.b_w], [motor.acceleration])
 
     @property
     def reference(self) -> Reference:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, WrapValidator, model_validator
 
 from hilc_cli.reference.path import (
@@ -37,6 +38,8 @@ from hilc_cli.yaml_input.quantities import (
 
 _MOST_DEGREES = 3600
 """Larger numbers are hardly meant to be degrees."""
+_AWAY = math.radians(100)
+"""From the direction in which a curve starts to that of its first points: more is hardly meant."""
 MOST_POINTS = 10_000
 """Points of all segments together, which a resolved scenario holds."""
 MOST_KEPT = 1_000_000
@@ -198,6 +201,29 @@ class TrajectorySpec(Model):
         """Curves through points, by the number of their segment."""
         return self._path.curves
 
+    def warnings(self) -> list[str]:
+        """What of the points of its curves is legal, and hardly meant."""
+        found = []
+        for index, curve in self.curves.items():
+            key = f"trajectory.{self.segment_names[index]}"
+            off = self._path.off_the_start(index)
+            if abs(off) > _AWAY:
+                shape = self.segments[index].spline or self.segments[index].path
+                reverse = shape is not None and bool(shape.reverse)
+                found.append(f"{key} {_leads_away(off, reverse=reverse)}")
+            back = curve.turns_back
+            if back:
+                point, turn = back[0]
+                x, y = curve.points[int(np.searchsorted(curve.numbers, point))]
+                among = f", and at {len(back) - 1} more" if len(back) > 1 else ""
+                found.append(
+                    f"{key} turns back by {math.degrees(turn):.3g} deg at its point {point}, "
+                    f"({x:.6g}, {y:.6g}){among}: no robot drives such a loop; end it there, and "
+                    "give the way back as a path of its own, with 'reverse: true' or after a turn "
+                    "in place"
+                )
+        return found
+
     def reference(self, robot: WheelLimits | None = None) -> Reference:
         """The sampled trajectory.
 
@@ -307,6 +333,22 @@ class TrajectorySpec(Model):
                 f"{remedy}{self._degrees_meant(last)}",
             )
         return path
+
+
+def _leads_away(off: float, *, reverse: bool) -> str:
+    """What is to be said of points that lead away from the direction in which it is driven."""
+    degrees = f"{math.degrees(abs(off)):.3g} deg"
+    if reverse:
+        return (
+            f"is driven backward, and its first points lead {degrees} off that way, to where the "
+            "robot looks: it bends round on the spot; leave out 'reverse: true', or give its "
+            "points in the other order"
+        )
+    return (
+        f"has first points that lead {degrees} off the heading with which it starts: it bends "
+        "round on the spot; set 'reverse: true' to drive it backward, give its points in the "
+        "other order, or correct the heading"
+    )
 
 
 def _has_own_start(segment: object) -> bool:

@@ -102,10 +102,11 @@ def plan_sweep(
         loaded, _nodes(vary), {k: value for k, value in options.items() if value is not None}
     )
     # Which samples a run records has no effect on a sweep, and is not to limit its iterations.
-    robot = loaded.spec.robot.with_keys(
-        key.removeprefix("robot.") for key in _axis_nodes(tree) if root(key) == "robot"
-    )
-    spec = loaded.spec.model_copy(update={"record": RecordSpec(), "sweep": None, "robot": robot})
+    updates: dict[str, Any] = {"record": RecordSpec(), "sweep": None}
+    for section in ("robot", "model"):
+        below = [key.partition(".")[2] for key in _axis_nodes(tree) if root(key) == section]
+        updates[section] = getattr(loaded.spec, section).with_keys(below)
+    spec = loaded.spec.model_copy(update=updates)
     base = replace(loaded, spec=spec)
     try:
         asked = CompleteSweepSpec.model_validate(to_data(tree))

@@ -146,7 +146,9 @@ def meant(tree: Node, keys: PathKeys, model: type[Model], known: Sequence[KnownK
     near = part[0] if len(part) == 1 else near_word(word, step.fields)
     if near is not None:
         return f"did you mean '{near}'?"
-    return _elsewhere(word, known, there) or _of_other_choice(keys, [word], model)
+    above = tuple(map(_wild, keys[:-1]))
+    below_first = sorted(known, key=lambda key: key.keys[: len(above)] != above)
+    return _elsewhere(word, below_first, there) or _of_other_choice(keys, [word], model)
 
 
 def _elsewhere(word: str, known: Sequence[KnownKey], there: Sequence[KnownKey]) -> str | None:

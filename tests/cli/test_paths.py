@@ -11,7 +11,6 @@ import pytest
 from hilc_cli.checks.checking import check
 from hilc_cli.checks.report.whole import document
 from hilc_cli.engine.loop import simulate
-from hilc_cli.errors import InvalidInputError
 from hilc_cli.scenario.loading import load_scenario
 from hilc_cli.sweeps.planning import plan_sweep
 from tests.cli.inputs import TABLES, scenario
@@ -205,17 +204,6 @@ def assert_alike(one: object, other: object) -> None:
         assert other == pytest.approx(one, rel=0.02)  # iterations that rounding may shift
     else:
         assert one == other
-
-
-def test_lateral_gain_is_refused_where_it_would_steer_wrong(write: Write) -> None:
-    write({"path.yaml": MANOEUVRE})
-    with pytest.raises(InvalidInputError) as caught:
-        load_scenario("scenario.yaml", ["controller.gains.lateral=0.5"])
-    assert str(caught.value) == (
-        "--set controller.gains.lateral=0.5: controller.gains.lateral: steers to the wrong side "
-        "where the trajectory is driven backward, got 0.5; give 0, or a trajectory without "
-        "'reverse: true'"
-    )
 
 
 def test_check_tells_of_each_segment(hilc: Hilc, write: Write) -> None:

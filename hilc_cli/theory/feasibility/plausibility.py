@@ -15,6 +15,7 @@ _WHEEL_RADII = (1e-3, 2.0)  # [m]: from a toy to the largest lorries
 _HALF_TRACKS = (5e-3, 10.0)  # [m]
 _NARROWEST, _WIDEST = 1 / 3, 50.0  # half track by wheel radius
 ON_THE_SPOT = 0.05  # radius by half track: an arc below is a way to write a turn in place
+_WITHOUT_ANGLE = (".clothoid", ".spline", ".path")  # segments whose turn nobody writes
 _DECIMALS = 3  # of an angle that somebody wrote as a plain number
 _UNITS = {"mm": 1e-3, "cm": 1e-2}
 _ROUNDING = 1e-9  # relative
@@ -37,6 +38,7 @@ def implausible(
             abs(part.turn),
         )
         for part in demand.segments
+        if not part.name.endswith(_WITHOUT_ANGLE)
     ]
     return [
         *(_sizes(robot) if robot else ()),
