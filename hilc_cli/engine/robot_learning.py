@@ -20,6 +20,8 @@ _PATIENCE = 3
 """Passes after the best one by whose median it is judged whether things get worse."""
 _CLEARLY = 2.0
 """An error so many times that of the best pass is clearly worse."""
+_NOTHING = 1e-3
+"""Share of a plan's largest wheel speed below which wheels stand before the trajectory begins."""
 
 
 def with_standstill(reference: Reference, samples: int) -> Reference:
@@ -45,6 +47,16 @@ def without_lead_in(trial: Trial, lead_in: int) -> Trial:
         trial,
         **{name: getattr(trial, name)[lead_in:] for name in ("x", "y", "heading", "left", "right")},
     )
+
+
+def _still_at_first(plan: Plan) -> Plan:
+    """The plan, whose wheels stand until what they are told is more than noise."""
+    fastest = np.maximum(np.abs(plan.left), np.abs(plan.right))
+    moves = fastest[: plan.lead_in] > _NOTHING * fastest.max(initial=0.0)
+    still = int(np.argmax(moves)) if moves.any() else plan.lead_in
+    left, right = plan.left.copy(), plan.right.copy()
+    left[:still] = right[:still] = 0.0
+    return replace(plan, left=left, right=right)
 
 
 @dataclass(slots=True)
@@ -104,7 +116,7 @@ class RobotLearning:
                 left=best.left + self.share * (plan.left - best.left),
                 right=best.right + self.share * (plan.right - best.right),
             )
-        return self._limits.applied(plan, self.reference.sample_time, self._sent)
+        return self._limits.applied(_still_at_first(plan), self.reference.sample_time, self._sent)
 
     def learn(self, trial: Trial, planned: Plan) -> Figures:
         """Learns from a trial.

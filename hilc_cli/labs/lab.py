@@ -130,7 +130,7 @@ class Lab:
         *,
         start_time: float | None = None,
         dry_run: bool = False,
-        plots: bool = True,
+        plots: bool = False,
         look: Look = USUAL,
         command: Sequence[str] = (),
     ) -> LabState:
@@ -203,7 +203,7 @@ class Lab:
         self,
         drive: Drive,
         *,
-        plots: bool = True,
+        plots: bool = False,
         look: Look = USUAL,
         command: Sequence[str] = (),
     ) -> LabState:
@@ -236,7 +236,7 @@ class Lab:
         self,
         new: tuple[LabTrial, str],
         *,
-        plots: bool = True,
+        plots: bool = False,
         look: Look = USUAL,
         command: Sequence[str] = (),
     ) -> LabState:
@@ -252,7 +252,7 @@ class Lab:
         self._replace(state, new=new, plots=plots, look=look, command=command)
         return state
 
-    def undo(self, *, plots: bool = True, look: Look = USUAL, command: Sequence[str] = ()) -> None:
+    def undo(self, *, plots: bool = False, look: Look = USUAL, command: Sequence[str] = ()) -> None:
         """Drops the last trial: the lab is as it was before that was added.
 
         Raises:
