@@ -143,8 +143,9 @@ class Drive:
 
     def _towards_rest(self) -> Pair:
         left, right = self._last
-        if math.isfinite(self._step):
-            self._last = (_nearer_rest(left, self._step), _nearer_rest(right, self._step))
+        step = self._limits.wheel_acceleration * self._sample_time
+        if math.isfinite(step):
+            self._last = (_nearer_rest(left, step), _nearer_rest(right, step))
         else:
             self._last = (0.0, 0.0)
         return self._last
@@ -186,7 +187,6 @@ def serve(drive: Drive, lines: BinaryIO, answers: BinaryIO) -> None:
         answers.write(b"%r %r\n" % pair)
         answers.flush()
 
-    gc.collect()
     gc.disable()  # which would take milliseconds now and then
     try:
         for line in _whole_lines(lines):
