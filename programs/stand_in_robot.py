@@ -35,7 +35,7 @@ parser.add_argument("--clock", type=float, default=100.0, help="of the camera, a
 parser.add_argument("--seed", type=int, default=0)
 given = parser.parse_args()
 
-with open(given.plan, newline="") as file:  # noqa: PTH123
+with open(given.plan, newline="") as file:
     rows = [row for row in csv.DictReader(file) if row["left_wheel_rad_s"]]
 times = np.array([float(row["t_s"]) for row in rows])
 speeds = [(float(row["left_wheel_rad_s"]), float(row["right_wheel_rad_s"])) for row in rows]
@@ -54,7 +54,7 @@ drive = plant.start(pose, STEP)
 STANDS = 0.6  # [s] before the plan and after it
 duration = STANDS - times[0] + times[-1] + sample + STANDS + given.delay
 pictures = 0
-with open(given.log, "w", newline="") as file:  # noqa: PTH123
+with open(given.log, "w", newline="") as file:
     log = csv.writer(file)
     log.writerow(["t_s", "x_m", "y_m", "heading_rad"])
     for step in range(math.ceil(duration / STEP)):
