@@ -175,6 +175,10 @@ class Controller(Model):
         """What is legal but probably not meant."""
         return []
 
+    def warnings_after(self, figures: Mapping[str, float]) -> list[str]:
+        """What the figures of the last iteration warn of."""
+        return []
+
 
 def law_named(data: Mapping[str, Any]) -> object:
     """What ``law:`` says in parameters that may not be valid."""

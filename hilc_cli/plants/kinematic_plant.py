@@ -119,6 +119,7 @@ class KinematicSpec(RobotSpec):
         motor = self.motor
         return {
             "left_per_right_radius": left / right,
+            "delay_and_lag_s": motor.delay + motor.lag,
             "delay_s": motor.delay,
             "lag_s": motor.lag,
             "friction_rad_s": motor.dead_zone,

@@ -222,7 +222,7 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         plan=_finite(learner.plan()) if measured.diverged_at is None else None,
         timings={"simulation": time.perf_counter() - clock},
     )
-    warnings = (*warnings_before(scenario), *warnings_after(result, experiment))
+    warnings = (*warnings_before(scenario), *warnings_after(result, scenario, experiment))
     return replace(result, warnings=warnings)
 
 
@@ -323,6 +323,8 @@ def warnings_before(scenario: ScenarioSource) -> list[str]:
     return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
 
 
-def warnings_after(run: RunData, experiment: Experiment) -> list[str]:
+def warnings_after(run: RunData, scenario: Scenario, experiment: Experiment) -> list[str]:
     """Says what was probably not meant and only a simulation shows, by its last iteration."""
-    return seen_warnings(seen_in(run.last, experiment))
+    figures = run.learning.last() if run.learning.names else {}
+    told = scenario.spec.controller.warnings_after(figures)
+    return [*told, *seen_warnings(seen_in(run.last, experiment))]

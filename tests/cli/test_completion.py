@@ -47,7 +47,7 @@ def complete(hilc: Hilc, monkeypatch: pytest.MonkeyPatch) -> Complete:
         ("hilc|sweep|example|:|fig8a|--set|controller.gains.k_t", ["controller.gains.k_theta="]),
         ("hilc|run|x|--set|robot.turn", ["robot.turn_convention="]),
         ("hilc|run|x|--set|=|model.ha", ["model.half_track="]),
-        ("hilc|run|x|--set|controller.mo", ["controller.motors="]),
+        ("hilc|run|x|--set|controller.fe", ["controller.feedback="]),
         ("hilc|run|x|--set=model.ha", ["model.half_track="]),
         ("hilc|check|x|--set|disturbance.st", ["disturbance.state.standard_deviation="]),
         ("hilc|sweep|x|--vary|initial_pose.h", ["initial_pose.heading="]),

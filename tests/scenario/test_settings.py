@@ -54,13 +54,12 @@ H = {"merge_time_s": {"h": pytest.approx(0.2)}}  # 200 samples of a millisecond
     [
         ({}, PLATFORM | H),
         ({"controller.h": 90}, PLATFORM | {"merge_time_s": {"h": pytest.approx(0.09)}}),
-        ({"controller.identify": False}, H),
         ({"initial_pose": None}, PLATFORM),
         ({"initial_pose": None, "disturbance.initial_pose.bound": [0.1, 0, 0]}, PLATFORM | H),
         ({"controller": {"law": "feedback"}}, {}),
         (
             {
-                "controller": {"law": "norm-optimal", "motors": "identify"},
+                "controller": {"law": "norm-optimal"},
                 "robot.wheel_radius": {"left": 0.201, "right": 0.199},
                 "robot.motor": {"delay": 0.05, "lag": 0.1, "dead_zone": 0.3},
             },

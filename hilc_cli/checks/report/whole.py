@@ -86,7 +86,7 @@ def _rows(check: Check) -> list[tuple[str, str]]:
     demand, robot = check.feasibility.demand, spec.robot.robot()
     model = spec.model.model(robot)
     path = (
-        f"{spec.trajectory.name}: {demand.length:.4g} m in {demand.duration:.4g} s, "
+        f"{spec.trajectory.name}: {demand.in_short}, "
         f"{demand.samples} samples of {demand.sample_time:g} s"
     )
     rows = [

@@ -10,7 +10,6 @@ import pytest
 
 from hilc_cli.laws.norm_optimal import (
     linear_quadratic,
-    local_level,
     motion_filter,
     motor,
     motor_quadratic,
@@ -28,7 +27,6 @@ GAINS, INVERSES = (
 )
 POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
-READINGS, KNOWN = np.cumsum(RANDOM.normal(0, 1, (2, 40)), axis=1)
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
 STATES, CONTROLS = RANDOM.normal(0, 0.5, (N, 7, 7)), RANDOM.normal(0, 0.5, (N, 7, 2))
 GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
@@ -84,8 +82,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
             (motor_quadratic.input_derivatives, (POSES,)),
         )
     },
-    "filtered": (local_level.filtered, (READINGS, KNOWN, 0.2)),
-    "smoothed": (local_level.smoothed, (READINGS, 0.2)),
+    "smoother": (motion_filter.carried_back, (POSES, POSES + 0.1, STATES[:, :3, :3])),
 }
 
 
