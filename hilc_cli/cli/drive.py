@@ -66,7 +66,7 @@ def drive(
     if lab is None:
         if not quiet:
             end = f"stopped: {pass_.stopped}" if pass_.stopped else "the input ended"
-            say(f"{end}, after sample {pass_.reached - 1}")
+            say(f"{end}, after {pass_.progress}")
         return
     state = lab.add_driven(pass_, plots=not no_plots, command=sys.argv)
     if not quiet:

@@ -151,7 +151,7 @@ def status(
     verbose: options.Verbose = False,
     version: options.Version = False,
 ) -> None:
-    """Tell how the trials of a lab went, what was learned, and what comes next.
+    """Tell how the trials of a lab went, and what comes next.
 
     \b
     Examples:

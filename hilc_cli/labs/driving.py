@@ -158,9 +158,10 @@ class Drive:
         return not self.stopped and self._next >= self._samples
 
     @property
-    def reached(self) -> int:
-        """The sample that would be next, from the start of the lead-in."""
-        return self._next
+    def progress(self) -> str:
+        """How many of the plan's samples were driven."""
+        whole = self._samples - self._first
+        return f"{min(self._next - self._first, whole)} of {whole} samples"
 
     @property
     def start_time(self) -> float:

@@ -215,11 +215,9 @@ class Lab:
             HilcError: The lab cannot be written.
         """
         if not drive.is_whole:
-            n = self._state.learning.reference.samples
             why = drive.stopped or "the input ended"
             raise RefusedTrialError(
-                f"{self.folder}: the pass was over at sample {drive.reached} of {n}: {why}; "
-                "nothing is added"
+                f"{self.folder}: the pass was over after {drive.progress}: {why}; nothing is added"
             )
         times, poses, sent = drive.log
         log = log_of_arrays(poses, times, sent, times)
