@@ -28,6 +28,7 @@ from hilc_cli.plants.imperfections import (
     BelievedRadius,
     MotorSpec,
     SlipSpec,
+    imperfections_of,
 )
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, TurnConventionName, half_track_of
@@ -37,6 +38,7 @@ from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.speed_limits import Wheels
 from hilc_cli.reference.timing import TimingError
 from hilc_cli.scenario.identified import FROM
+from hilc_cli.scenario.other_words import OF_POSE
 from hilc_cli.scenario.safety import SafetySpec
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
@@ -260,6 +262,10 @@ class ModelSpec(_WithFrom):
         found = Drivetrain(left, right, self.motor.motor(), self.slip.slip())
         return None if found.is_ideal else found
 
+    def imperfections(self, robot: Robot) -> dict[str, float | str]:
+        """What is believed beyond the paper's robot, by dotted key."""
+        return imperfections_of(self._radii(robot), self.motor, self.slip)
+
     def with_keys(self, keys: Iterable[str]) -> ModelSpec:
         """Returns the same model, with a radius for each wheel if a key leads to one."""
         if not any(key.startswith("wheel_radius.") for key in keys):
@@ -377,6 +383,8 @@ _OTHER_KEYS = {
 class InitialPoseSpec(Model):
     """Where each iteration starts; what is left out is as in the trajectory's start."""
 
+    other_names = OF_POSE
+
     x: Coordinate | None = Field(None, description="m")
     y: Coordinate | None = Field(None, description="m")
     heading: Angle | None = Field(None, description="rad")
@@ -417,6 +425,12 @@ class ScenarioSpec(Model):
         """What does not fit together, whatever else is wrong."""
         own = super().misfits(data)
         return [*own, *_misfits_of_path(data), *_misfits_of_record(data)]
+
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine can run it."""
+        is_ideal = self.model.drivetrain(self.robot.robot()) is None
+        return self.robot.in_lanes and self.controller.in_lanes and is_ideal
 
     @property
     def wheel_limits(self) -> WheelLimits:
