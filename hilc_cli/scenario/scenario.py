@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterable, Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -18,6 +17,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
+from hilc_cli.engine.safety import SafetyLimits
 from hilc_cli.laws.parameters import Controller
 from hilc_cli.laws.registry import ControllerSpec, controller_model
 from hilc_cli.plants.drivetrain import Drivetrain
@@ -39,6 +39,7 @@ from hilc_cli.reference.speed_limits import Wheels
 from hilc_cli.reference.timing import TimingError
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.other_words import OF_POSE
+from hilc_cli.scenario.safety import SafetySpec
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.yaml_input.expressions import PLAIN
@@ -311,12 +312,16 @@ def _wheel_limits(data: Mapping[str, Any]) -> WheelLimits | None:
         limit = valid(PositiveWheelSpeed, given)
         if limit is None:
             return None
-    return _limits_of(believed, limit)
+    safety = data.get("safety") or SafetySpec()
+    if not isinstance(safety, SafetySpec):
+        return None
+    model = data.get("model") or ModelSpec()
+    return _limits_of(believed, safety.limits([limit], [model.motor.acceleration]))
 
 
-def _limits_of(believed: Robot, speed_limit: float | None) -> WheelLimits:
+def _limits_of(believed: Robot, limits: SafetyLimits) -> WheelLimits:
     wheels = Wheels(believed.wheel_radius, believed.half_track)
-    return WheelLimits(wheels, math.inf if speed_limit is None else speed_limit)
+    return WheelLimits(wheels, limits.wheel_speed, limits.wheel_acceleration)
 
 
 def _reference_of(data: Mapping[str, Any]) -> tuple[Reference | None, list[Located]]:
@@ -410,9 +415,10 @@ class ScenarioSpec(Model):
     controller: ControllerSpec
     disturbance: DisturbanceSpec = DisturbanceSpec()
     record: RecordSpec = RecordSpec()
+    safety: SafetySpec | None = Field(None, description="limits of every plan for a robot")
     sweep: SweepSpec | None = Field(None, description="what 'hilc sweep' varies")
 
-    looked_at = ("trajectory", "robot", "model", "record")
+    looked_at = ("trajectory", "robot", "model", "record", "safety")
 
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
@@ -430,7 +436,13 @@ class ScenarioSpec(Model):
     def wheel_limits(self) -> WheelLimits:
         """What the trajectory's timing takes of the believed robot."""
         believed = self.model.model(self.robot.robot())
-        return _limits_of(believed, self.controller.b_w)
+        return _limits_of(believed, self.safety_limits)
+
+    @property
+    def safety_limits(self) -> SafetyLimits:
+        """Limits of every plan for a robot, of each the smallest that is given anywhere."""
+        safety, motor = self.safety or SafetySpec(), self.model.motor
+        return safety.limits([self.controller.b_w], [motor.acceleration])
 
     @property
     def reference(self) -> Reference:

@@ -160,7 +160,10 @@ class NormOptimalLearner:
         else:
             self._driven.append(self._smoothed(latest))
         self._starts = deque((poses[0] for poses, _ in self._driven), maxlen=MEMORY)
-        beside = repeating(np.array([beyond for _, beyond in self._driven]))
+        beside = repeating(
+            np.array([beyond for _, beyond in self._driven]),
+            np.array([each.sent for each in passes]),
+        )
         learned = Learned(self._belief.parameters, beside)
         error = self._error(self._driven[-1][0])
         self._learned = self._safeguard.next(error, learned)
