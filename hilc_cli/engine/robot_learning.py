@@ -20,7 +20,7 @@ _PATIENCE = 3
 """Passes after the best one by whose median it is judged whether things get worse."""
 _CLEARLY = 2.0
 """An error so many times that of the best pass is clearly worse."""
-_NOTHING = 1e-3
+_NOTHING = 1e-2
 """Share of a plan's largest wheel speed below which wheels stand before the trajectory begins."""
 
 
