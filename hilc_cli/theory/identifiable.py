@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Rows
@@ -26,6 +26,9 @@ READ_POSITION, READ_HEADING = 2e-3, math.radians(0.2)
 """Standard deviations of a reading [m, rad] where the scenario has none."""
 MOVED, TURNED = 5e-3, math.radians(0.5)
 """How far a robot is off after the first metre of its wheels [m, rad]: it grows with its root."""
+
+if TYPE_CHECKING:
+    from hilc_cli.laws.norm_optimal.motion_filter import Noise
 
 TOLD = {
     "wheel radius": "%",
@@ -75,6 +78,8 @@ class Identifiable:
     @cached_property
     def noise(self) -> Noise:
         """The noise that is reckoned with, of the scenario where it has any."""
+        from hilc_cli.laws.norm_optimal.motion_filter import Noise  # the compiler starts slowly
+
         experiment = self._experiment
         reference, source = experiment.reference, experiment.disturbance
         position, heading = READ_POSITION, READ_HEADING
@@ -128,7 +133,15 @@ class Identifiable:
         return PassInformation(sure.told_errors, tuple(alike))
 
     @property
+    @np.errstate(all="ignore")
     def rows(self) -> Rows:
+        """What one pass tells, and what it hardly tells apart."""
+        alike = ", ".join(" and ".join(pair) for pair in self.of_a_pass.alike)
+        return [*self.brief, ("  hardly apart", alike or "nothing")]
+
+    @property
+    @np.errstate(all="ignore")
+    def brief(self) -> Rows:
         """What one pass tells, in one row."""
         found = self.of_a_pass
         sure = dict(zip(TOLD, np.isfinite(found.errors).tolist(), strict=True))
@@ -143,11 +156,10 @@ class Identifiable:
         text = ", ".join(told) or "nothing"
         if hidden:
             text += f"; not {', '.join(hidden)}"
-        if found.alike:
-            text += f"; hardly apart {', '.join(' and '.join(pair) for pair in found.alike)}"
-        return [("One pass tells to", text)]
+        return [("A pass tells to", text)]
 
     @property
+    @np.errstate(all="ignore")
     def document(self) -> dict[str, object]:
         """The same as JSON, standard errors as shares, in s and in rad/s."""
         found, noise = self.of_a_pass, self.noise

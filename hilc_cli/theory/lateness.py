@@ -166,40 +166,39 @@ class Lateness:
         has = " and ".join(f"robot.motor.{name} of {value:g} s" for name, value in parts if value)
         return Findings.warning(
             f"{has}: the feedback in the pass is unstable with it, as it bears {_time(margin)} of "
-            f"delay{_where(loop)}; tell the law of it (model.motor), lower its gains, or drive "
+            f"delay {_where(loop)}; tell the law of it (model.motor), lower its gains, or drive "
             "slower"
         )
 
     @property
     @np.errstate(all="ignore")
     def rows(self) -> Rows:
-        """The delay margin, and what `UNTOLD` does."""
+        """The delay margin and where it is, and what `UNTOLD` does."""
         if not self.is_known:
             return []
-        return [("Delay margin", self._margin_text()), (f"{_time(UNTOLD)} untold", self._effects())]
+        place = [] if self.narrowest is None else [("  is narrowest", _where(self.narrowest[1]))]
+        untold = (f"{_time(UNTOLD)} untold", self._effects())
+        return [("Delay margin", self._margin_text()), *place, untold]
 
     @property
+    @np.errstate(all="ignore")
     def brief(self) -> Rows:
-        """The same in short: without a margin where there is no feedback."""
-        return self.rows if not self.is_known or self.has_feedback else self.rows[1:]
+        """The same in short: nothing where there is no feedback, and late is late."""
+        if not self.is_known or not self.has_feedback:
+            return []
+        return [("Delay margin", self._margin_text()), (f"{_time(UNTOLD)} untold", self._effects())]
 
     def _margin_text(self) -> str:
         if not self.has_feedback:
             return "none needed: nothing in a pass answers to its errors"
         if self.narrowest is None:
             return "not evaluated: what the feedback answers to an error does not end"
-        margin, loop = self.narrowest
-        if isinstance(self._experiment.law, NormOptimalLaw):
-            text = f"first pass {_bears(margin, loop)}"
-            identified = self.narrowest_identified
-            if identified is not None:
-                known = self.own.delay + self.own.lag
-                more = max(identified[0] - self.own.delay, 0.0)
-                text += f"; then {_time(more)} or more"
-                if known:
-                    text += f" beyond the {_time(known)} that are identified"
-            return text
-        text = _bears(margin, loop)
+        text, identified = _bears(self.narrowest[0]), self.narrowest_identified
+        if identified is not None:
+            known = self.own.delay + self.own.lag
+            beyond = f" beyond the {_time(known)} that it has found" if known else ""
+            more = _time(max(identified[0] - self.own.delay, 0.0))
+            return f"{text} before a pass has been seen, then {more} or more{beyond}"
         if self.told.delay or self.told.lag:
             text += f", of which the law is told {_time(self.told.delay)}"
         if self.own.delay or self.own.lag:
@@ -210,13 +209,13 @@ class Lateness:
     def _effects(self) -> str:
         texts = []
         for name, effect in (("delay", self.of_delay), ("lag", self.of_lag)):
-            alone = f"{_length(effect.open_loop_m)} off"
-            text = f"of {name} {alone} without feedback"
+            text = f"{name} {_length(effect.open_loop_m)} off"
             if effect.error_m is not None:
-                text += f", {_length(effect.error_m)} with it"
-                if effect.is_stable is False:
-                    text += ", unstable"
+                text += f", {_length(effect.error_m)} with feedback"
+                text += ", unstable" if effect.is_stable is False else ""
             texts.append(text)
+        if texts[0].partition(" ")[2] == texts[1].partition(" ")[2]:
+            return f"delay or lag {texts[0].partition(' ')[2]}"
         return "; ".join(texts)
 
     @property
@@ -260,14 +259,14 @@ def _narrowest(
     return margins[least], loops[least]
 
 
-def _bears(margin: float, loop: LateLoop) -> str:
+def _bears(margin: float) -> str:
     if math.isinf(margin):
         return "longer than the path takes"
-    return f"{_time(margin)}{_where(loop)}" if margin else f"0 s: unstable{_where(loop)}"
+    return _time(margin) if margin else "none: unstable"
 
 
 def _where(loop: LateLoop) -> str:
-    return f" at {loop.speed:.3g} m/s and {loop.yaw_rate:.3g} rad/s (t = {loop.at:.4g} s)"
+    return f"at {loop.speed:.3g} m/s and {loop.yaw_rate:.3g} rad/s (t = {loop.at:.4g} s)"
 
 
 def _time(seconds: float) -> str:

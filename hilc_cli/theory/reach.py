@@ -146,7 +146,7 @@ def late_start(
             f"from initial_pose, {found.off:.3g} m off, {who} does not get onto the "
             f"trajectory before its end, where {found.left:.3g} m are left; {remedy}"
         )
-        return Findings.failure(text)
+        return Findings.failure(text) if hopeless else Findings.warning(text)
     if found.joins <= max(asked, (found.samples + 1) // 2):
         return Findings()
     text = (

@@ -20,13 +20,12 @@ def motors_section(check: Check, *, whole: bool = False) -> Section:
     """
     late, identifiable = check.lateness, check.identifiable
     identifies = isinstance(check.law.experiment.law, NormOptimalLaw)
-    told = identifiable.rows if whole or identifies else []
     return Section(
         "motors",
         "What do late wheels do, and what does a pass tell of the robot?",
-        [*late.rows, *told],
-        document={"lateness": late.document, "one_pass_tells": identifiable.document}
+        [*late.rows, *identifiable.rows] if whole else [],
+        document={"lateness": late.document, "a_pass_tells": identifiable.document}
         if whole
         else {},
-        brief=[*late.brief, *told],
+        brief=[*late.brief, *(identifiable.brief if identifies else [])],
     )
