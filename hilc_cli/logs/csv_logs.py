@@ -14,6 +14,7 @@ from hilc_cli.logs.cleaning import clean_poses, halfway, in_order
 from hilc_cli.logs.log import Log, Poses, Twists, WheelSpeeds
 from hilc_cli.logs.log_columns import (
     COMMAND_TIME,
+    ITERATION,
     LEFT,
     MEASURED_LEFT,
     MEASURED_RIGHT,
@@ -113,6 +114,7 @@ class _Table:
     lines: array[int] = field(default_factory=lambda: array("q"))
     values: array[float] = field(default_factory=lambda: array("d"))
     separator: str | None = None
+    iteration: float | None = None
 
     @classmethod
     def headed(
@@ -156,6 +158,11 @@ class _Table:
             else:
                 name = TIME if role in ("t", COMMAND_TIME) else role
                 row.append(number_in(self.path, line, name, cell))
+        if ITERATION in self.columns:  # as samples.csv has it: the last one counts
+            iteration = row[list(self.columns).index(ITERATION)]
+            if self.lines and iteration != self.iteration:
+                del self.lines[:], self.values[:]
+            self.iteration = iteration
         self.lines.append(line)
         self.values.extend(row)
 
@@ -163,6 +170,7 @@ class _Table:
         """Returns the log that the rows are."""
         numbers = np.array(self.values).reshape(-1, len(self.columns)).T
         table = dict(zip(self.columns, numbers, strict=True))
+        last = "" if table.pop(ITERATION, None) is None else f" of iteration {self.iteration:g}"
         source = f"columns {', '.join(dict.fromkeys(self.names))}"
         self._check_times(table)
         poses, notes = self._poses(table)
@@ -182,7 +190,7 @@ class _Table:
             commands,
             wheels,
             one_clock=COMMAND_TIME not in table,
-            notes=(f"{counted(len(self.lines), 'row')} with the {source}", *notes),
+            notes=(f"{counted(len(self.lines), 'row')}{last} with the {source}", *notes),
         )
 
     def _check_times(self, table: Mapping[str, Floats]) -> None:

@@ -22,7 +22,7 @@ from hilc_cli.wording import listed, printable, shortened, suggestion
 
 LEFT, RIGHT, SPEED, YAW_RATE = "left", "right", "v", "omega"
 MEASURED_LEFT, MEASURED_RIGHT = "measured_left", "measured_right"
-COMMAND_TIME = "command_t"
+COMMAND_TIME, ITERATION = "command_t", "iteration"
 QUATERNION = ("qw", "qx", "qy", "qz")
 
 _SIDES = {
@@ -65,6 +65,7 @@ ROLES: Mapping[str, frozenset[str]] = {
     ),
     MEASURED_LEFT: frozenset(_measured_names(LEFT)),
     MEASURED_RIGHT: frozenset(_measured_names(RIGHT)),
+    ITERATION: frozenset(("iteration",)),
     COMMAND_TIME: frozenset(("command_t", "command_t_s", "command_time", "cmd_t", "sent_t_s")),
 }  # fmt: skip
 """What a column may be, as ``--columns`` calls it, and how people call it."""

@@ -67,7 +67,7 @@ def load_scenario(
         FileAccessError: A file cannot be read.
     """
     inputs = Inputs()
-    return _scenario(inputs.tree(source), _changes(overrides), inputs, trust=trust)
+    return _scenario(inputs.tree(source), changes_of(overrides), inputs, trust=trust)
 
 
 def load_path(
@@ -93,7 +93,7 @@ def load_path(
     """
     inputs = Inputs()
     tree = inputs.tree(source, *_KINDS)
-    changes = _changes(overrides)
+    changes = changes_of(overrides)
     assert isinstance(tree, MapNode)  # anything else has been refused
     if kind_of(tree.entries, _KINDS) == SCENARIOS:
         scenario = _scenario(tree, changes, inputs, trust=trust)
@@ -194,7 +194,12 @@ def _with_both_radii(tree: MapNode, keys: Sequence[str]) -> MapNode:
     return apply_override(tree, _RADIUS, both, lambda same: same)
 
 
-def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
+def changes_of(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
+    """Keys and values of overrides.
+
+    Raises:
+        InvalidInputError: Texts are not like ``KEY=VALUE``; names every problem.
+    """
     if isinstance(overrides, str):
         overrides = [overrides]
     if isinstance(overrides, Mapping):
