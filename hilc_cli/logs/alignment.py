@@ -209,6 +209,11 @@ def _found(
                 f"the plan began at {start:.3f} s (standard error {error:.1g} s"
                 f"{_with_lag(fit)}), found from the plan and the poses together"
             )
+    if fit.others and given is None:
+        report.append(
+            f"the plan may have been driven {len(fit.others) + 1} times; the pass that it is most "
+            "like was taken; say another one with --start-time"
+        )
     if given is not None:
         report = [f"the plan began at {given:.3f} s, as it was said"]
         start, error = given, 0.0

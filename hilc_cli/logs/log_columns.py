@@ -72,6 +72,7 @@ ROLES: Mapping[str, frozenset[str]] = {
 
 _PAIRS = ((X, Y), (LEFT, RIGHT), (SPEED, YAW_RATE), (MEASURED_LEFT, MEASURED_RIGHT))
 USUAL = "t_s,x_m,y_m,heading_rad,left_wheel_rad_s,right_wheel_rad_s"
+_NANOSECONDS = "%time"  # as rostopic of ROS 1 calls them
 _UNITS = re.compile(
     r"(?:[\[(]|_)(mm|cm|km|ft|in|inch|deg|degrees|ms|us|ns|rpm)[\])]?$", re.IGNORECASE
 )
@@ -127,10 +128,11 @@ def columns_of(
 
 def _unit_of(name: str) -> tuple[str, str]:
     """The plain name of a column without its unit, and that unit, if it is not the usual one."""
-    unit = _UNITS.search(name.strip().strip("\"'"))
-    if unit is None:
-        return plain_name(name), ""
-    return plain_name(name.strip().strip("\"'")[: unit.start()]), unit[1].lower()
+    name = name.strip().strip("\"'")
+    if name == _NANOSECONDS:
+        return "time", "ns"
+    unit = _UNITS.search(name)
+    return plain_name(name[: unit.start()] if unit else name), unit[1].lower() if unit else ""
 
 
 def _is_called(role: str, name: str) -> bool:

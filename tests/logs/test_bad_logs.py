@@ -189,7 +189,7 @@ TABLES: dict[str, tuple[str | bytes, dict[str, str], str]] = {
     "no-such-role": (
         table(),
         {"columns": "xx=x_m"},
-        "--columns: there is no 'xx'; known: command_t, heading, left, measured_left, measured_right, omega, qw, qx, qy, qz, right, t, v, x, y",
+        "--columns: there is no 'xx'; known: command_t, heading, iteration, left, measured_left, measured_right, omega, qw, qx, qy, qz, right, t, v, x, y",
     ),
     "role-twice": (
         table(),
