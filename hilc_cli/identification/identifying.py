@@ -36,7 +36,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.scenario.loading import Overrides
 from hilc_cli.wording import counted, in_short
 
-_MOST_READINGS = 30_000
+_MOST_READINGS = 20_000
 _FEWEST_COMMANDS = 3
 _UNKNOWN = 0.5  # share of the spread beforehand above which nothing was learned
 _ALIKE = 0.25  # correlation of neighbouring innovations above which they are no noise
