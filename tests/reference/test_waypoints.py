@@ -185,7 +185,7 @@ KINDS: dict[str, tuple[str, dict[str, list[float]]]] = {
 def test_points_are_read_from_what_people_have(kind: str) -> None:
     text, others = KINDS[kind]
     found = parsed(text)
-    np.testing.assert_allclose(found.points, [[1, 2], [3, 4.5]], rtol=1e-15)
+    np.testing.assert_allclose(found.points, np.array([[1, 2], [3, 4.5]]), rtol=1e-15)
     for name in ("times", "speeds", "headings"):
         values = getattr(found, name)
         if name in others:
