@@ -289,6 +289,7 @@ def test_run_agrees_with_the_equations_written_down_a_second_time(name: str) -> 
     true_track = _half_track(robot.half_track, robot.wheel_separation, math.nan)
     believed_track = _half_track(model.half_track, model.wheel_separation, true_track)
     believed_radius = model.wheel_radius or robot.wheel_radius
+    assert isinstance(believed_radius, float)
     reference = spec.trajectory.reference()
     n, sample_time = reference.samples, spec.trajectory.sample_time
     path = (reference.x, reference.y, reference.heading)

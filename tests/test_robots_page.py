@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -58,6 +59,25 @@ def test_figures_of_laws_that_know_nothing_of_it() -> None:
 
 
 @pytest.mark.usefixtures("folder")
+@pytest.mark.parametrize("law", ["hybrid", "pid", "feedback"])
+def test_figures_of_laws_that_are_told(law: str) -> None:
+    (told,) = [block for block in blocks("docs/robots.md") if block.mark == "file: told.yaml"]
+    Path("told.yaml").write_text(told.text, encoding="utf-8")
+    laws: dict[str, dict[str, object]] = {
+        "hybrid": {"gains": {"l1": 0.5, "l2": 1, "lateral": 3, "derivative": 0.5}},
+        "pid": {"gains": {"kp": 0.1, "kd": 0.5}},
+    }
+    controller = {"law": law, "b_w": 6.67, **laws.get(law, {})}
+    changes = {"controller": controller, "initial_trial": "open-loop"}
+    cells = re.search(rf"\| `{law}`[^|]*\| ([0-9.]+) \| ([0-9.]+) \|", PAGE)
+    assert cells is not None
+    for expected, model in zip(cells.groups(), ({"model": None}, {}), strict=True):
+        run = hilc.run(hilc.load_scenario("told.yaml", {**changes, **model}))
+        left = 1000 * float(run.metrics["max_position_error_second_half_m"][-1])
+        assert f"{left:.3g}" == expected
+
+
+@pytest.mark.usefixtures("folder")
 def test_figures_of_motors_that_are_identified() -> None:
     (late,) = [block for block in blocks("docs/robots.md") if block.mark == "file: late.yaml"]
     Path("late.yaml").write_text(late.text, encoding="utf-8")
@@ -68,3 +88,14 @@ def test_figures_of_motors_that_are_identified() -> None:
 
     found, without = left("identify"), left("ideal")
     assert f"within {found:.2g} mm after ten passes, in the place of {without:.3g} mm" in PAGE
+
+
+@pytest.mark.parametrize("name", ["left wheel 2 % larger", "delay of 0.15 s"])
+def test_figures_of_the_robot_in_mujoco(name: str) -> None:
+    # Pass 3 is as good as those from 10 to 30, which benchmarks/mujoco_robot.py runs.
+    robots = runpy.run_path(str(ROOT / "benchmarks" / "mujoco_robot.py"))
+    errors = robots["errors"](robots["ROBOTS"][name], robots["BELIEFS"][0], 3)
+    first, median, worst = re.findall(rf"\| {name} \|" + r" ([0-9.]+) \|" * 3, PAGE)[0]
+    assert f"{errors[0]:.3g}" == first
+    assert f"{errors[3]:.2f}" == median
+    assert float(worst) <= 10

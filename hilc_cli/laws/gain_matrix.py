@@ -7,11 +7,12 @@ and the sine of the heading: Eqs. 45, 56 and 57.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
@@ -50,6 +51,12 @@ class GainMatrix:
             d.constant, d.cos, d.sin, e.constant, e.cos, e.sin, f.constant, f.cos, f.sin,
         )  # fmt: skip
 
+    @classmethod
+    def of(cls, coefficients: Coefficients) -> GainMatrix:
+        """The matrix of 18 coefficients."""
+        a, b, c, d, e, f = (Affine(*coefficients[first : first + 3]) for first in range(0, 18, 3))
+        return cls((a, b, c), (d, e, f))
+
     @property
     def is_kinematic(self) -> bool:
         """Whether it has the form of Eq. 45, with any wheel radius and half track."""
@@ -59,6 +66,35 @@ class GainMatrix:
             0, along, 0, 0, 0, along, turning, 0, 0,
             0, along, 0, 0, 0, along, -turning, 0, 0,
         )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GainsAlong:
+    """The gain matrix at each sample of a reference.
+
+    Attributes:
+        matrices: The different ones.
+        numbers: Which of them it is at each sample, shape (n,).
+    """
+
+    matrices: tuple[GainMatrix, ...]
+    numbers: NDArray[np.intp]
+
+    @classmethod
+    def same(cls, matrix: GainMatrix, samples: int) -> GainsAlong:
+        """One matrix at all samples."""
+        return cls((matrix,), np.zeros(samples, dtype=np.intp))
+
+    @property
+    def coefficients(self) -> Sequence[Coefficients]:
+        """`GainMatrix.coefficients` at each sample."""
+        different = [matrix.coefficients for matrix in self.matrices]
+        return [different[number] for number in self.numbers.tolist()]
+
+    def parts(self) -> Iterator[tuple[GainMatrix, NDArray[np.bool_]]]:
+        """Each matrix, and at which samples it is, shape (n,)."""
+        for number, matrix in enumerate(self.matrices):
+            yield matrix, self.numbers == number
 
 
 def inverse_kinematics_gain(wheel_radius: float, signed_half_track: float) -> GainMatrix:
@@ -240,10 +276,11 @@ class LaneParameters(NamedTuple):
 
     Attributes:
         gains: l1, l2, l3 >= 0 of the errors e_i(k+1), e_{i+1}(k) and e_{i+1}(k-1).
-        matrix: The 2x3 gain matrix.
+        matrix: The 2x3 gain matrix, without its lateral gain.
         gain_heading: Heading at which the matrix is taken.
         compensation: Length of the compensation of Eq. 21 in samples; None for Eq. 17.
         derivative: tau [s], see `HybridLaw`.
+        lateral: kappa [rad/m], see `HybridLaw`.
     """
 
     gains: tuple[float, float, float]
@@ -251,10 +288,11 @@ class LaneParameters(NamedTuple):
     gain_heading: GainHeading
     compensation: int | None
     derivative: float
+    lateral: float
 
 
 def corrected_plan(
-    coefficients: Coefficients,
+    gains: GainsAlong,
     inputs: tuple[Floats, Floats],
     past: PastErrors,
     choice: GainHeading,
@@ -271,7 +309,7 @@ def corrected_plan(
     of the reference, and the feedback takes it where the platform really points.
 
     Args:
-        coefficients: `GainMatrix.coefficients`.
+        gains: The gain matrix at each sample.
         inputs: Left and right wheel speeds to be corrected [rad/s], shape (n,) each.
         past: The weighted errors that are known beforehand.
         choice: Measured in the running iteration, measured in the previous one, or the reference's.
@@ -286,7 +324,12 @@ def corrected_plan(
     # NumPy's cosine may differ from that of the engine in the last bit.
     cosines = [math.cos(heading) for heading in headings.tolist()]
     sines = [math.sin(heading) for heading in headings.tolist()]
-    left, right = wheel_correction(coefficients, np.array(cosines), np.array(sines), *past)
+    at = np.stack([cosines, sines, *past])
+    left, right = inputs[0].copy(), inputs[1].copy()
+    for matrix, here in gains.parts():
+        corrections = wheel_correction(matrix.coefficients, *at[:, here])
+        left[here] += corrections[0]
+        right[here] += corrections[1]
 
     def at_chosen_heading(
         k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
@@ -296,14 +339,14 @@ def corrected_plan(
 
     feedback: WheelController | None = None
     if choice == "measured":
-        feedback = running or _at_measured_heading(coefficients, inputs, past)
+        feedback = running or _at_measured_heading(gains.coefficients, inputs, past)
     elif running is not None:
         feedback = at_chosen_heading
-    return Plan(inputs[0] + left, inputs[1] + right, reference.poses, feedback)
+    return Plan(left, right, reference.poses, feedback)
 
 
 def _at_measured_heading(
-    coefficients: Coefficients, inputs: tuple[Floats, Floats], past: PastErrors
+    coefficients: Sequence[Coefficients], inputs: tuple[Floats, Floats], past: PastErrors
 ) -> WheelController:
     """Returns u(k) + G(k) e(k), of which only the heading of G is not known beforehand."""
     lefts, rights = (speeds.tolist() for speeds in inputs)
@@ -313,7 +356,7 @@ def _at_measured_heading(
         k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
     ) -> tuple[float, float]:
         left_correction, right_correction = wheel_correction(
-            coefficients, cos, sin, past_x[k], past_y[k], past_heading[k]
+            coefficients[k], cos, sin, past_x[k], past_y[k], past_heading[k]
         )
         return lefts[k] + left_correction, rights[k] + right_correction
 

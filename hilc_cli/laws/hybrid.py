@@ -11,9 +11,11 @@ import numpy as np
 from pydantic import Field
 
 from hilc_cli.laws.gain_matrix import (
+    Coefficients,
     GainHeading,
     GainMatrix,
     GainMatrixChoice,
+    GainsAlong,
     LaneParameters,
     PastErrors,
     corrected_plan,
@@ -22,10 +24,10 @@ from hilc_cli.laws.gain_matrix import (
     wheel_correction,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
-from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
+from hilc_cli.laws.parameters import Setting, SpeedLimit, default_length, length_misfits
+from hilc_cli.laws.safety_net import WithSafetyNet
 from hilc_cli.plants.kinematic import Number, Robot
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.yaml_input.expressions import Affine
 from hilc_cli.yaml_input.model import Located, Model, valid
 from hilc_cli.yaml_input.quantities import Duration, Gain, LateralGain, Samples, Tolerance
 
@@ -121,6 +123,28 @@ def compensated_error(l1: float, previous_next: Number, weight: Number, start: f
     return l1 * (previous_next + weight * start)
 
 
+def steered(coefficients: Coefficients, left: float, right: float) -> Coefficients:
+    """The coefficients of a gain matrix by which an error aside turns the wheels as well.
+
+    Args:
+        coefficients: `GainMatrix.coefficients`.
+        left: What the left wheel gets of an error of 1 m to the left, -sin e_x + cos e_y
+            [rad/s/m]; negative to drive backward.
+        right: Likewise the right wheel.
+
+    Source:
+        Not in the paper.
+    """
+    (
+        lx, lx_cos, lx_sin, ly, ly_cos, ly_sin, lh, lh_cos, lh_sin,
+        rx, rx_cos, rx_sin, ry, ry_cos, ry_sin, rh, rh_cos, rh_sin,
+    ) = coefficients  # fmt: skip
+    return (
+        lx, lx_cos, lx_sin - left, ly, ly_cos + left, ly_sin, lh, lh_cos, lh_sin,
+        rx, rx_cos, rx_sin - right, ry, ry_cos + right, ry_sin, rh, rh_cos, rh_sin,
+    )  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True)
 class HybridLaw:
     """Learning with feedback in the iteration, or with compensation of the initial error.
@@ -129,13 +153,16 @@ class HybridLaw:
         l1: Gain of e_i(k+1), >= 0.
         l2: Gain of e_{i+1}(k), >= 0; unused with compensation.
         l3: Gain of e_{i+1}(k-1), >= 0; unused with compensation.
-        matrix: The 2x3 gain matrix.
+        matrix: The 2x3 gain matrix, without the lateral gain.
         gain_heading: Heading at which the matrix is taken: measured in the running iteration,
             measured in the previous one, or the reference's.
         compensation: The position of Fig. 2's switch: Eq. 21 if true, Eq. 17 if not.
         h: Length of the compensation in samples.
         derivative: tau [s]: with it l1 acts on e + tau de/dt of the iteration before, and the
             compensation is taken times tau; 0 is the paper.
+        lateral: kappa [rad/m], >= 0: heading error that is asked for by an error to the left where
+            the reference drives forward, and to the right where it drives backward; 0 is the
+            paper. The matrix has heading entries without cos and sin then.
     """
 
     theory: ClassVar[str] = "hilc_cli.theory.laws.hybrid:HybridTheory"
@@ -148,6 +175,7 @@ class HybridLaw:
     compensation: bool
     h: int
     derivative: float = 0.0
+    lateral: float = 0.0
 
     def lane_parameters(self) -> LaneParameters:
         """Returns what the batch engine runs: all that there is of the law."""
@@ -157,6 +185,7 @@ class HybridLaw:
             self.gain_heading,
             self.h if self.compensation else None,
             self.derivative,
+            self.lateral,
         )
 
     def learner(self, task: Task) -> Learner:
@@ -166,8 +195,9 @@ class HybridLaw:
     def plan(self, previous: Iteration, reference: Reference) -> Plan:
         """Plans the next iteration, learning from the previous one, see `corrected_plan`."""
         has_feedback = not self.compensation and (self.l2 != 0 or self.l3 != 0)
+        gains = self.gains_along(reference)
         return corrected_plan(
-            self.matrix.coefficients,
+            gains,
             (previous.left, previous.right),
             self._compensated(previous, reference)
             if self.compensation
@@ -175,7 +205,25 @@ class HybridLaw:
             self.gain_heading,
             previous,
             reference,
-            self._with_feedback(previous, reference) if has_feedback else None,
+            self._with_feedback(previous, reference, gains) if has_feedback else None,
+        )
+
+    def gains_along(self, reference: Reference) -> GainsAlong:
+        """Returns the gain matrix at each sample, with a lateral gain of the direction's sign.
+
+        A heading error e moves the platform aside by v e: forward and backward to different
+        sides, and not at all where it stands or turns in place, where the heading is left to its
+        own error then.
+        """
+        if self.lateral == 0:
+            return GainsAlong.same(self.matrix, reference.samples)
+        directions, numbers = np.unique(reference.directions, return_inverse=True)
+        return GainsAlong(
+            tuple(
+                with_lateral_gain(self.matrix, direction * self.lateral)
+                for direction in directions.tolist()
+            ),
+            numbers,
         )
 
     def ahead(self, error: Floats, reference: Reference) -> Floats:
@@ -205,9 +253,11 @@ class HybridLaw:
             for error in previous.errors
         ]
 
-    def _with_feedback(self, previous: Iteration, reference: Reference) -> WheelController:
+    def _with_feedback(
+        self, previous: Iteration, reference: Reference, gains: GainsAlong
+    ) -> WheelController:
         """Eq. 17 in full."""
-        coefficients = self.matrix.coefficients
+        coefficients = gains.coefficients
         l1, l2, l3 = self.l1, self.l2, self.l3
         left, right = previous.left.tolist(), previous.right.tolist()
         next_x, next_y, next_heading = (
@@ -220,7 +270,7 @@ class HybridLaw:
         ) -> tuple[float, float]:
             nonlocal before_x, before_y, before_heading
             left_correction, right_correction = wheel_correction(
-                coefficients,
+                coefficients[k],
                 cos,
                 sin,
                 learned_error(l1, next_x[k], l2, error_x, l3, before_x),
@@ -238,7 +288,7 @@ def with_lateral_gain(matrix: GainMatrix, kappa: float) -> GainMatrix:
 
     Args:
         matrix: The gain matrix.
-        kappa: Lateral gain [rad/m]; 0 leaves the matrix as it is.
+        kappa: Lateral gain [rad/m], negative to drive backward; 0 leaves the matrix as it is.
 
     Raises:
         ValueError: The heading's column depends on the heading.
@@ -247,17 +297,8 @@ def with_lateral_gain(matrix: GainMatrix, kappa: float) -> GainMatrix:
         return matrix
     if not has_constant_heading_column(matrix):
         raise ValueError("a lateral gain needs heading entries without cos and sin")
-
-    def row(entries: tuple[Affine, Affine, Affine]) -> tuple[Affine, Affine, Affine]:
-        x, y, heading = entries
-        turning = kappa * heading.constant
-        return (
-            Affine(x.constant, x.cos, x.sin - turning),
-            Affine(y.constant, y.cos + turning, y.sin),
-            heading,
-        )
-
-    return GainMatrix(row(matrix.left), row(matrix.right))
+    turnings = (kappa * row[2].constant for row in (matrix.left, matrix.right))
+    return GainMatrix.of(steered(matrix.coefficients, *turnings))
 
 
 def has_constant_heading_column(matrix: GainMatrix) -> bool:
@@ -272,7 +313,9 @@ class HybridGains(Model):
     l2: Gain = Field(0.0, description="of the running iteration's error, e_{i+1}(k)")
     l3: Gain = Field(0.0, description="of the running iteration's error, e_{i+1}(k-1)")
     lateral: LateralGain = Field(
-        0.0, description="kappa [rad/m]: heading error asked for by an error to the left; 0: none"
+        0.0,
+        description="kappa [rad/m]: heading error asked for by an error to the left, backward to "
+        "the right; 0: none",
     )
     derivative: Duration = Field(
         0.0, description="tau [s]: l1 acts on e + tau de/dt of the previous iteration; 0: the paper"
@@ -286,10 +329,9 @@ class HybridGains(Model):
         return f"l1 {self.l1:g}, l2 {self.l2:g}, l3 {self.l3:g}{lateral}{derivative}"
 
 
-class HybridController(Controller):
+class HybridController(WithSafetyNet):
     """The hybrid iterative learning controller of Qiao et al. 2021."""
 
-    in_lanes: ClassVar[bool] = True
     tied_to_trajectory: ClassVar[tuple[str, ...]] = ("h",)
 
     law: Literal["hybrid"] = "hybrid"
@@ -320,15 +362,11 @@ class HybridController(Controller):
         return [
             *length_misfits(valid(Samples, data.get("h")), reference),
             *(infinite or _lateral_misfits(gains, matrix, model)),
-            *_backward_misfits(gains, reference),
         ]
 
     def misfits_on(self, reference: Reference) -> list[Located]:
-        """A compensation longer than the trajectory, and a lateral gain on a way backward."""
-        return [
-            *length_misfits(self.h, reference),
-            *_backward_misfits(self.gains, reference),
-        ]
+        """A compensation longer than the trajectory."""
+        return length_misfits(self.h, reference)
 
     def compensates(self, setting: Setting) -> bool:
         """The position of Fig. 2's switch."""
@@ -336,17 +374,23 @@ class HybridController(Controller):
             return setting.has_initial_error(self.switch_tolerance)
         return self.compensation == "on"
 
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine knows the law."""
+        return not self.safety_net
+
     def law_for(self, setting: Setting) -> HybridLaw:
         """The law for the engines."""
         return HybridLaw(
             self.gains.l1,
             self.gains.l2,
             self.gains.l3,
-            with_lateral_gain(gain_matrix(self.gain_matrix, setting.model), self.gains.lateral),
+            gain_matrix(self.gain_matrix, setting.model),
             self.gain_heading,
             self.compensates(setting),
             default_length(self.h, setting.reference),
             self.gains.derivative,
+            self.gains.lateral,
         )
 
     def in_words(self, setting: Setting) -> str:
@@ -372,14 +416,6 @@ class HybridController(Controller):
                 "Eq. 21, which has l1 only; set 'compensation: off' for Eq. 17"
             ]
         return []
-
-
-def _backward_misfits(gains: HybridGains | None, reference: Reference | None) -> list[Located]:
-    """A lateral gain, which steers to the wrong side where the robot drives backward."""
-    if gains is None or gains.lateral == 0 or reference is None or not (reference.steps < 0).any():
-        return []
-    problem = "steers to the wrong side where the trajectory is driven backward"
-    return [(("gains", "lateral"), problem, "give 0, or a trajectory without 'reverse: true'")]
 
 
 def _lateral_misfits(gains: HybridGains | None, matrix: Any, model: Robot | None) -> list[Located]:

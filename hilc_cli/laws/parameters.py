@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
 from pydantic import Field
 
 from hilc_cli.disturbance.streams import Triple
+from hilc_cli.laws.arriving import ArrivingLaw
 from hilc_cli.laws.law import Law
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.yaml_input.model import Located, Model
@@ -34,11 +36,13 @@ class Setting:
 
     Attributes:
         reference: The trajectory.
-        model: The platform as the controller believes it to be.
+        model: The platform as the controller believes it to be; its wheel radius is the mean.
         initial_error: Start of the reference less the initial pose [m, m, rad].
         initial_bound: Bound of the initial pose's disturbance, likewise.
         lead: Share of a sample's turn after which its way is gone: 0 as Eq. 8 has it, 0.5 on an
             arc between two samples.
+        drivetrain: Wheels, motors and tyres as the controller believes them to be; None where
+            equal wheels do at once what they are told and never slip.
     """
 
     reference: Reference
@@ -46,6 +50,7 @@ class Setting:
     initial_error: Triple
     initial_bound: Triple
     lead: float = 0.0
+    drivetrain: Drivetrain | None = None
 
     def has_initial_error(self, tolerance: float) -> bool:
         """Whether a run starts off the reference, so that a law may meet that.
@@ -76,9 +81,6 @@ class Controller(Model):
 
     learns: ClassVar[bool] = True
     """Whether an iteration depends on those before it."""
-
-    in_lanes: ClassVar[bool] = False
-    """Whether the batch engine knows the law."""
 
     tied_to_trajectory: ClassVar[tuple[str, ...]] = ()
     """Keys whose values must fit the trajectory, and fit any if there is none."""
@@ -111,11 +113,40 @@ class Controller(Model):
 
     @abstractmethod
     def law_for(self, setting: Setting) -> Law:
-        """The law for the engines.
+        """The law by itself.
 
         Raises:
             ValueError: A number that follows from the parameters is not finite.
         """
+
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine knows the law."""
+        return False
+
+    @property
+    def knows_drivetrains(self) -> bool:
+        """Whether the law makes use of `Setting.drivetrain` by itself."""
+        return False
+
+    def learning_law(self, setting: Setting) -> Law:
+        """The law with what else the parameters put around it.
+
+        Raises:
+            ValueError: As for `law_for`.
+        """
+        return self.law_for(setting)
+
+    def law_on(self, setting: Setting) -> Law:
+        """The law for the engines, behind the wheels, motors and tyres that are believed in.
+
+        Raises:
+            ValueError: As for `law_for`.
+        """
+        law = self.learning_law(setting)
+        if setting.drivetrain is None or self.knows_drivetrains:
+            return law
+        return ArrivingLaw(law, setting.model, setting.drivetrain, setting.lead)
 
     @property
     def called(self) -> str:
@@ -152,6 +183,10 @@ class Controller(Model):
 
     def warnings(self, setting: Setting) -> list[str]:
         """What is legal but probably not meant."""
+        return []
+
+    def warnings_after(self, figures: Mapping[str, float]) -> list[str]:
+        """What the figures of the last iteration warn of."""
         return []
 
 

@@ -14,12 +14,14 @@ from hilc_cli.laws.gain_matrix import (
     GainHeading,
     GainMatrix,
     GainMatrixChoice,
+    GainsAlong,
     corrected_plan,
     gain_matrix,
     matrix_misfits,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
-from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
+from hilc_cli.laws.parameters import Setting, SpeedLimit, default_length, length_misfits
+from hilc_cli.laws.safety_net import WithSafetyNet
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.yaml_input.model import Located, Model, valid
@@ -206,10 +208,8 @@ class PidLaw:
         ]
         if smoothed is not None:
             left, right, *past = smoothed(np.stack([left, right, *past]))
-        coefficients = self.matrix.coefficients
-        return corrected_plan(
-            coefficients, (left, right), past, self.gain_heading, previous, reference
-        )
+        gains = GainsAlong.same(self.matrix, reference.samples)
+        return corrected_plan(gains, (left, right), past, self.gain_heading, previous, reference)
 
     def _remembered(self, learned: Floats, initial: Floats) -> Floats:
         if self.forgetting == 0:
@@ -225,7 +225,7 @@ class PidGains(Model):
     kd: Duration = Field(0.0, description="of its change by d_t, from sample k to k+1 [s]")
 
 
-class PidController(Controller):
+class PidController(WithSafetyNet):
     """PID-type iterative learning with a forgetting factor and a Q-filter."""
 
     tied_to_trajectory: ClassVar[tuple[str, ...]] = ("h", "cutoff")

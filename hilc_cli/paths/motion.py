@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.plants.kinematic import Robot, step_gains
+from hilc_cli.plants.kinematic import Robot, step_gains, wheel_speeds_from_twist
+from hilc_cli.reference.profiled import Profile
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.theory.feasibility.demand import Demand
 
-_ROUNDING = 16 * float(np.finfo(np.float64).eps)  # of the difference of two positions
 _ON_THE_SPOT = 1e-3  # of the path's size: an arc of a smaller radius is a way to turn in place
 _STRAIGHT = 1e-9  # curvature by that of a circle of the path's size: what bends less does not
-_CONTINUOUS = 2.0  # times the change from step to step beside it, a curvature may change by
-_SAME = 1e-6  # of the largest curvature; a smaller change is none
+_CONTINUOUS = 2.0  # times the change from step to step beside it, a speed may change by
+_EXACT = 1e-6  # relative, of speeds and places
+_ON_SAMPLE = 1e-6  # of a sample: so near, a place is passed at it
 
 Truths = NDArray[np.bool_]
 
@@ -65,9 +67,8 @@ def motion_of(reference: Reference, demand: Demand, robot: Robot) -> Motion:
     """
     _, turn_gain = step_gains(robot.wheel_radius, robot.signed_half_track, reference.sample_time)
     left, right = demand.wheels
-    chord, turn = reference.steps, turn_gain * (left - right) + 0.0  # of zeros none is negative
-    farthest = float(max(np.abs(reference.x).max(), np.abs(reference.y).max()))
-    chord = np.where(np.abs(chord) > _ROUNDING * farthest, chord, 0.0)
+    turn = turn_gain * (left - right) + 0.0  # of zeros none is negative
+    chord = np.where(reference.directions != 0, reference.steps, 0.0)
     # A chord is shorter than its arc by the sine of half the turn; beyond half a turn it is no arc.
     arc = chord / np.where(np.abs(turn) < np.pi, np.sinc(turn / (2 * np.pi)), 1.0)
     moves = np.abs(arc) > _ON_THE_SPOT * reference.size * np.abs(turn)
@@ -86,33 +87,39 @@ def motion_of(reference: Reference, demand: Demand, robot: Robot) -> Motion:
 
 
 @dataclass(frozen=True, slots=True)
-class CurvatureJump:
-    """Where the curvature jumps from one segment to the next, such as from an arc to a line.
+class PassedJump:
+    """A place where the curvature jumps, such as from an arc to a line, as it is passed.
 
     The wheel speeds jump with it, by half track times speed times change of curvature at the rim,
     in opposite directions; where the speed jumps, too, by that as well.
 
     Attributes:
-        name: Of the segment that starts there.
-        sample: Its first sample.
+        name: Of the segment that it is in, or that starts there.
+        inside: Whether it is within that segment, as at a rounded corner.
+        sample: When it is passed, in samples.
         distance: Driven until there [m].
-        before: Curvature of the last step before [1/m].
-        after: Curvature of the first step behind [1/m].
+        before: Curvature before it [1/m].
+        after: Curvature behind it [1/m].
+        speed: With which it is passed [m/s]; behind it, where the speed jumps.
         speed_jump: Change of the speed [m/s].
         yaw_jump: Change of the yaw rate [rad/s].
         left_jump: Change of the left wheel's speed [rad/s].
         right_jump: Change of the right wheel's speed [rad/s].
+        time_lost: What a profile loses by slowing down for the wheels [s]; None if it does not.
     """
 
     name: str
-    sample: int
+    inside: bool
+    sample: float
     distance: float
     before: float
     after: float
+    speed: float
     speed_jump: float
     yaw_jump: float
     left_jump: float
     right_jump: float
+    time_lost: float | None = None
 
     @property
     def size(self) -> float:
@@ -120,43 +127,67 @@ class CurvatureJump:
         return abs(self.after - self.before)
 
 
-def curvature_jumps(motion: Motion, demand: Demand) -> tuple[CurvatureJump, ...]:
-    """Returns the joints at which the curvature jumps, in the order of the path.
+def passed_jumps(
+    reference: Reference,
+    motion: Motion,
+    names: Sequence[str],
+    robot: Robot,
+    profile: Profile | None = None,
+) -> tuple[PassedJump, ...]:
+    """Returns the places at which the curvature jumps, in the order of the path.
 
-    Where it changes by no more than it does from step to step beside the joint, it does not jump.
+    Args:
+        reference: The trajectory.
+        motion: How the robot moves along it.
+        names: Of its segments.
+        robot: Whose wheels jump.
+        profile: The trajectory's, if it has one.
     """
-    curvature = motion.curvature
-    least = _SAME * float(np.abs(curvature[np.isfinite(curvature)]).max(initial=0.0))
-    least_speed = _SAME * float(np.abs(motion.speed).max())
-    ends = [segment.first + segment.samples for segment in demand.segments]
-    starts = [0, *ends]
+    slow = () if profile is None else profile.jumps
+    slow_at = np.array([each.position for each in slow])
+    near = _EXACT * float(motion.distance[-1])
     found = []
-    for index, joint in enumerate(demand.joints[1:], 1):
-        at = joint.sample
-        change = float(curvature[at] - curvature[at - 1])
-        beside = max(
-            _step_to_step(curvature[starts[index - 1] : at][-2:]),
-            _step_to_step(curvature[at : ends[index]][:2]),
+    for jump in reference.jumps:
+        before, speed = _speeds_at(jump.sample, motion)
+        time_lost = None
+        here = np.flatnonzero(np.abs(slow_at - jump.position) <= near)
+        if len(here):
+            passed = slow[int(here[0])]
+            before = speed = math.copysign(passed.speed, speed)
+            time_lost = passed.time_lost
+        if before == 0 or speed == 0:
+            continue  # the robot stands there
+        yaw = speed * jump.after - before * jump.before
+        wheels = wheel_speeds_from_twist(
+            speed - before, yaw, robot.wheel_radius, robot.signed_half_track
         )
-        if abs(change) > max(least, _CONTINUOUS * beside):  # not where it is no number
-            speed, yaw, left, right = (
-                float(values[at] - values[at - 1])
-                for values in (motion.speed, motion.yaw_rate, *demand.wheels)
+        found.append(
+            PassedJump(
+                *(names[jump.segment], jump.inside, jump.sample, jump.position),
+                *(jump.before, jump.after, speed, speed - before, yaw, *wheels),
+                time_lost=time_lost,
             )
-            found.append(
-                CurvatureJump(
-                    *(joint.name, at, float(motion.distance[at])),
-                    *(float(curvature[at - 1]), float(curvature[at])),
-                    *(speed if abs(speed) > least_speed else 0.0, yaw, left, right),
-                )
-            )
+        )
     return tuple(found)
 
 
-def _step_to_step(two: Floats) -> float:
-    """Returns the change between the curvatures of two steps; 0 if one is missing or no number."""
-    change = float(np.abs(np.diff(two)).max(initial=0.0))
-    return change if change == change else 0.0
+def _speeds_at(sample: float, motion: Motion) -> tuple[float, float]:
+    """Returns the speeds before and behind a place that is passed at a sample or between two.
+
+    Where it changes by no more than it does from step to step beside the place, it does not jump.
+    """
+    speed, n = motion.speed, len(motion.speed)
+    at = round(sample)
+    if abs(sample - at) > _ON_SAMPLE:
+        here = float(speed[min(int(sample), n - 1)])
+        return here, here
+    before, after = float(speed[at - 1]), float(speed[at % n])  # the end of a lap is its start
+    beside = np.abs(np.diff(np.concatenate([speed[max(at - 2, 0) : at], speed[at % n :][:2]])))
+    change = abs(after - before)
+    steady = _CONTINUOUS * float(np.delete(beside, min(at, 2) - 1).max(initial=0.0))
+    if change > max(_EXACT * float(np.abs(speed).max()), steady):
+        return before, after
+    return after, after
 
 
 def stretches(here: Truths) -> Sequence[tuple[int, int]]:

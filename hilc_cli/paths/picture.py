@@ -52,16 +52,18 @@ _LIMIT_IN_VIEW = 10.0  # a limit farther out, in largest speeds, would squash th
 def path_figure(path: ShownPath, look: Look = USUAL) -> Figure:
     """Draws a path, and beside it its curvature over the distance and speeds over time.
 
-    The speeds are those of the wheels against their limit; of a path whose robot is not known,
-    those of the robot. Segments are numbered as they are in reports.
+    On the spot there is no distance: the heading over time takes the curvature's place. The speeds
+    are those of the wheels against their limit; of a path whose robot is not known, those of the
+    robot. Segments are numbered as they are in reports.
 
     Args:
         path: The path.
         look: What the user asks for; on a narrow sheet the panels stand below each other.
     """
-    draws: list[_Draw] = [draw_curvature, draw_wheel_speeds]
+    first = draw_curvature if path.motion.distance[-1] else draw_heading
+    draws: list[_Draw] = [first, draw_wheel_speeds]
     if path.feasibility is None:
-        draws[1:] = [_draw_speed, _draw_yaw_rate]
+        draws[1:] = [_draw_speed, _draw_yaw_rate] if path.motion.distance[-1] else [_draw_yaw_rate]
     with style.applied(look):
         sheet = layout.room_on(look, _BESIDE + _PATH[0] + _WIDTH)
         if sheet < _BESIDE + 2 * _LEAST:
@@ -74,7 +76,7 @@ def _side_by_side(path: ShownPath, draws: Sequence[_Draw], look: Look, sheet: fl
     share = (sheet - _BESIDE) / (_PATH[0] + _WIDTH)  # of the usual widths
     width, height = share * _PATH[0], max(_LOWEST, share * _PATH[1])
     top = layout.HEADING + _TITLE
-    name = labels.shortened(path.name)
+    name = labels.shortened(path.title)
     figure = layout.new_sheet(sheet, top + height + layout.BOTTOM, name, look)
     plane = layout.add_panel(figure, layout.LEFT, top, width, height)
     draw_path(plane, path)
@@ -100,7 +102,7 @@ def _side_by_side(path: ShownPath, draws: Sequence[_Draw], look: Look, sheet: fl
 
 def _below_each_other(path: ShownPath, draws: Sequence[_Draw], look: Look, sheet: float) -> Figure:
     """The path above the other panels, on a narrow sheet."""
-    figure = layout.new_sheet(sheet, layout.HEADING, labels.shortened(path.name), look)
+    figure = layout.new_sheet(sheet, layout.HEADING, labels.shortened(path.title), look)
     beside = BAR_ROOM - layout.RIGHT
     across = sheet - layout.LEFT - BAR_ROOM
     high = across * view.shape_of(view.view_of([path.reference], []))
@@ -146,6 +148,17 @@ def draw_curvature(axes: Axes, path: ShownPath) -> None:
     axes.set_ylabel("Curvature [1/m]", labelpad=2)
     _mark_segments(axes, path, motion.distance)
     labels.set_title(axes, "Curvature, left positive")
+
+
+def draw_heading(axes: Axes, path: ShownPath) -> None:
+    """Draws the heading over time of a path that stays on the spot."""
+    times, heading = path.reference.times, path.reference.heading
+    axes.plot(times, heading, color=style.BLUE, linewidth=style.PATH_WIDTH, label="_heading")
+    _scale(axes, heading, float(times[-1]))
+    axes.set_xlabel("Time [s]")
+    axes.set_ylabel("Heading [rad]", labelpad=2)
+    _mark_segments(axes, path, times)
+    labels.set_title(axes, "Heading, left positive")
 
 
 def draw_wheel_speeds(axes: Axes, path: ShownPath) -> None:

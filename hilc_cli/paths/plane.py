@@ -15,6 +15,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.markers import MarkerStyle
+from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
 from hilc_cli.drawing import labels, layout, style, view
@@ -33,11 +34,13 @@ NUMBER = "value"  # stands in a panel on purpose
 _BAR_WIDTH, _BAR_GAP = 0.12, 0.1  # [inch]
 _LINE = 2.2  # of the path [pt]
 _MOST_PIECES = 1500  # of a path whose speed changes
-_EVEN = 1e-3  # relative: speeds that differ by less are one
+_EVEN = 1e-3  # relative: speeds that differ by less have one colour
+_ONE_SPEED = 0.01  # relative: with less between them, as whole samples make of one, there is no bar
 _ARROWS = 8
 _ARROW = np.array([(-0.6, -0.55), (0.6, 0.0), (-0.6, 0.55), (-0.6, -0.55)])
 _ARROW_SIZE = 7.0  # [pt]
 _NUMBER_OFF = 9.0  # of a segment's number, from the path [pt]
+_TEXT = 5.0  # width of a character of such a number [pt]
 _NUMBERS_APART = 13.0  # those of short segments are left out where they would meet [pt]
 
 
@@ -77,7 +80,11 @@ def draw_path(axes: Axes, path: ShownPath) -> None:
     _draw_joints(axes, path)
     _draw_stops(axes, path)
     view.draw_start(axes, reference)
-    view.name_poses(axes, end=False)
+    on_the_spot = motion.distance[-1] == 0
+    if on_the_spot:  # where nothing else shows how it turns
+        title = "Path, on the spot"
+        view.draw_end(axes, reference)
+    view.name_poses(axes, end=bool(on_the_spot))
     labels.set_title(axes, title)
 
 
@@ -85,7 +92,7 @@ def _speed_scale(path: ShownPath) -> Normalize | None:
     """The range of the speeds; None of a path of one speed, which needs no colours."""
     speed = np.abs(path.motion.speed)
     moving = speed[speed > 0]
-    if len(moving) == 0 or np.ptp(moving) <= _EVEN * moving.max():
+    if len(moving) == 0 or np.ptp(moving) <= _ONE_SPEED * moving.max():
         return None
     return Normalize(0.0, float(moving.max()))
 
@@ -122,7 +129,10 @@ def add_speed_colors(axes: Axes, path: ShownPath) -> None:
         label="Speed [m/s]",
     )
     bar.ax.yaxis.labelpad = 2
-    labels.plain_ticks(bar.ax)
+    bar.ax.tick_params(pad=2)
+    bar.locator = MaxNLocator(nbins=6, steps=[1, 2, 5, 10])
+    bar.formatter = labels.PlainFormatter()
+    bar.update_ticks()
     assert bar.solids is not None
     bar.solids.set_edgecolor("face")  # or PDF viewers show seams between the colours
 
@@ -188,23 +198,34 @@ def _draw_joints(axes: Axes, path: ShownPath) -> None:
     center_x, center_y = map(float, middle)
     dots = 72 / layout.root_figure(axes).dpi  # to points
     placed: list[tuple[float, float]] = []
+    in_place: dict[int, list[str]] = {}  # by the step from which on it stands or turns
+    distance, last = path.motion.distance, path.demand.samples - 1
+    driven: list[tuple[str, int]] = []
     for number, segment in enumerate(segments):
-        start, end = path.motion.distance[[segment.first, segment.first + segment.samples]]
+        start, end = distance[[segment.first, segment.first + segment.samples]]
         if end == start:
-            continue
-        step = int(np.searchsorted(path.motion.distance, (start + end) / 2, side="right")) - 1
+            step = min(int(np.searchsorted(distance, start)), last)
+            in_place.setdefault(step, []).append(f"{number}")
+        else:
+            step = int(np.searchsorted(distance, (start + end) / 2, side="right")) - 1
+            driven.append((f"{number}", step))
+    texts = [*((", ".join(numbers), step) for step, numbers in in_place.items()), *driven]
+    for text, step in texts:
         aside = float(reference.heading[step]) + math.pi / 2
+        if step in in_place:
+            aside += math.pi / 4  # beside the line that leads to it, and the one that leads away
         inward = math.atan2(center_y - reference.y[step], center_x - reference.x[step])
         if math.cos(aside - inward) < 0:  # where there is room within the panel
             aside += math.pi
-        off = (_NUMBER_OFF * math.cos(aside), _NUMBER_OFF * math.sin(aside))
+        far = _NUMBER_OFF + (_TEXT * (len(text) - 1) / 2 if len(text) > 1 else 0.0)
+        off = (far * math.cos(aside), _NUMBER_OFF * math.sin(aside))
         x, y = dots * axes.transData.transform((reference.x[step], reference.y[step]))
         place = (float(x) + off[0], float(y) + off[1])
         if any(math.dist(place, other) < _NUMBERS_APART for other in placed):
             continue
         placed.append(place)
         axes.annotate(
-            f"{number}",
+            text,
             xy=(reference.x[step], reference.y[step]),
             xytext=off,
             textcoords="offset points",
@@ -212,7 +233,7 @@ def _draw_joints(axes: Axes, path: ShownPath) -> None:
             va="center",
             fontsize=style.SMALL_SIZE,
             color=style.LIMIT_COLOR,
-            zorder=6,
+            zorder=8,
             gid=NUMBER,
         )
 

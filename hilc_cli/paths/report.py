@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hilc_cli.paths.motion import CurvatureJump, Motion, stretches
-from hilc_cli.reference.profiled import CurvatureJump as SlowJump, Profile
+from hilc_cli.paths.motion import Motion, PassedJump, stretches
 from hilc_cli.reference.speed_limits import BOUNDS
 from hilc_cli.reporting.demands import demand_rows, path_rows, segment_document
 from hilc_cli.reporting.terminal import (
@@ -28,7 +27,8 @@ if TYPE_CHECKING:
     from hilc_cli.paths.showing import ShownPath
     from hilc_cli.theory.feasibility.demand import SegmentDemand
 
-_MOST_JUMPS = 24  # of those that cost time
+_MOST_JUMPS = 24  # in the table
+_BOUND = {"joint": "jumps of the curvature"}  # where a limit is called otherwise than its key
 _CLOSED = 1e-9  # [m] between the ends of a closed path, beside the size of its coordinates
 
 
@@ -43,11 +43,6 @@ def print_report(path: ShownPath) -> None:
         print_table(title("Where the curvature jumps"))
         print_text("")
         print_grid(_jumps(path))
-    if path.profile is not None and path.profile.jumps:
-        print_text("")
-        print_table(title("Where wheels slow down for it"))
-        print_text("")
-        print_grid(_slow_jumps(path.profile.jumps))
 
 
 def document(path: ShownPath, files: Sequence[Path] = ()) -> dict[str, object]:
@@ -86,7 +81,7 @@ def document(path: ShownPath, files: Sequence[Path] = ()) -> dict[str, object]:
         },
         "segments": [_segment_document(path, segment) for segment in demand.segments],
         "curvature_jumps": [_jump_document(path, jump) for jump in path.jumps],
-        "profile": None if path.profile is None else _profile_document(path.profile),
+        "profile": _profile_document(path),
         "corners": [
             {"name": joint.name, "sample": joint.sample, "corner_rad": joint.corner}
             for joint in demand.corners
@@ -96,40 +91,33 @@ def document(path: ShownPath, files: Sequence[Path] = ()) -> dict[str, object]:
     }
 
 
-def _profile_document(profile: Profile) -> dict[str, object]:
+def _profile_document(path: ShownPath) -> dict[str, object] | None:
+    if path.profile is None:
+        return None
+    names = [segment.name for segment in path.demand.segments]
     return {
-        "fastest_s": profile.fastest,
-        "bound": _bound(profile),
+        "fastest_s": path.profile.fastest,
+        "bound": _bound(path),
         "slow_jumps": [
             {
                 "segment": jump.segment,
+                "name": names[jump.segment],
                 "distance_m": jump.position,
                 "curvature_jump_1_m": jump.jump,
                 "speed_m_s": jump.speed,
                 "time_lost_s": jump.time_lost,
             }
-            for jump in profile.jumps
+            for jump in path.profile.jumps
         ],
     }
 
 
-def _bound(profile: Profile) -> dict[str, float]:
-    """Returns the share of the time in which each limit binds, those that do."""
-    shares = np.bincount(profile.bound[:-1], minlength=len(BOUNDS)) / (len(profile.bound) - 1)
+def _bound(path: ShownPath) -> dict[str, float]:
+    """Returns the share of the time without stops in which each limit binds, those that do."""
+    assert path.profile is not None
+    bound = path.profile.bound[:-1][~path.motion.stands]
+    shares = np.bincount(bound, minlength=len(BOUNDS)) / max(1, len(bound))
     return {name: share for name, share in zip(BOUNDS, shares.tolist(), strict=True) if share}
-
-
-def _slow_jumps(jumps: Sequence[SlowJump]) -> Grid:
-    """Returns what each jump costs, the dearest first; a clothoid gains that at most."""
-    dearest = sorted(jumps, key=lambda jump: -round(jump.time_lost, 9))[:_MOST_JUMPS]
-    values = [(jump.position, jump.jump, jump.speed, jump.time_lost) for jump in dearest]
-    rows = [
-        [str(jump.segment), *(f"{value:.4g}" for value in row)]
-        for jump, row in zip(dearest, values, strict=True)
-    ]
-    names = [("At", "m"), ("Jump", "1/m"), ("Speed", "m/s"), ("Time lost", "s")]
-    left = len(jumps) - len(dearest)
-    return Grid([("Segment", ""), *names], rows, f"and {left} cheaper ones" if left else "")
 
 
 def _of_robot(path: ShownPath, figures: dict[str, object]) -> dict[str, object]:
@@ -148,15 +136,17 @@ def _segment_document(path: ShownPath, segment: SegmentDemand) -> dict[str, obje
     }
 
 
-def _jump_document(path: ShownPath, jump: CurvatureJump) -> dict[str, object]:
+def _jump_document(path: ShownPath, jump: PassedJump) -> dict[str, object]:
     return _of_robot(
         path,
         {
             "name": jump.name,
+            "inside": jump.inside,
             "sample": jump.sample,
             "distance_m": jump.distance,
             "curvature_before_1_m": jump.before,
             "curvature_after_1_m": jump.after,
+            "speed_m_s": jump.speed,
             "speed_jump_m_s": jump.speed_jump,
             "yaw_rate_jump_rad_s": jump.yaw_jump,
             "left_wheel_jump_rad_s": jump.left_jump,
@@ -201,8 +191,11 @@ def _rows(path: ShownPath) -> list[tuple[str, str]]:
     closed = gap <= _CLOSED * max(1.0, size)
     end = "ends where it starts" if closed else f"ends {gap:.4g} m from its start"
     width, height = (float(np.ptp(values)) for values in (reference.x, reference.y))
+    place = f"{_extent(width)} by {_extent(height)} m, {end}"
+    if not motion.distance[-1]:
+        place = f"on the spot, at ({reference.x[0]:.6g}, {reference.y[0]:.6g})"
     rows = [
-        ("Path", f"{_extent(width)} by {_extent(height)} m, {end}"),
+        ("Path", place),
         ("Samples", f"{demand.samples} of {demand.sample_time:g} s"),
     ]
     if path.feasibility is not None:
@@ -212,14 +205,16 @@ def _rows(path: ShownPath) -> list[tuple[str, str]]:
     rows.append(("Turn", _turn_text(_turn(path))))
     fastest = _most(demand.segments, lambda segment: segment.speed)
     mean = demand.length / demand.duration
-    rows.append(
-        ("Speed", f"up to {fastest.speed:.4g} m/s in {fastest.name}, {mean:.4g} on average")
-    )
+    if fastest.speed:
+        most = f"up to {fastest.speed:.4g} m/s in {fastest.name}"
+        rows.append(("Speed", f"{most}, {mean:.4g} on average"))
     if path.profile is not None:
         bound = ", ".join(
-            f"{name.replace('_', ' ')} {share:.0%}" for name, share in _bound(path.profile).items()
+            f"{_BOUND.get(name, name.replace('_', ' '))} {share:.0%}"
+            for name, share in _bound(path).items()
         )
-        rows.append(("Profile", f"{path.profile.fastest:.4g} s at least; bound by {bound}"))
+        least = f"{path.profile.fastest:.4g} s at least"
+        rows.append(("Profile", f"{least}; bound by {bound}" if bound else least))
     rows += _other_ways(path)
     turning = _most(demand.segments, lambda segment: abs(segment.yaw_rate))
     if turning.yaw_rate:
@@ -242,6 +237,11 @@ def _rows(path: ShownPath) -> list[tuple[str, str]]:
 def _extent(length: float) -> str:
     """Returns a length without what rounding leaves of none."""
     return f"{round(length, 9):.4g}"
+
+
+def _angle(angle: float) -> str:
+    """Returns an angle without what rounding leaves of none."""
+    return f"{round(angle, 9) + 0.0:.4g}"
 
 
 def _turn_text(turn: float) -> str:
@@ -291,7 +291,7 @@ def _segments(path: ShownPath) -> Grid:
         ("Samples", "", lambda s: f"{s.samples}", f"{demand.samples}"),
         ("Time", "s", lambda s: f"{s.duration:.4g}", f"{demand.duration:.4g}"),
         ("Length", "m", lambda s: f"{s.length:.4g}", f"{demand.length:.4g}"),
-        ("Turn", "rad", lambda s: f"{s.turn:.4g}", f"{round(_turn(path), 9):.4g}"),
+        ("Turn", "rad", lambda s: _angle(s.turn), _angle(_turn(path))),
         ("Speed", "m/s", lambda s: f"{sign(s)}{s.speed:.4g}", most(lambda s: s.speed)),
         ("Yaw", "rad/s", lambda s: f"{s.yaw_rate:.4g}", most(lambda s: abs(s.yaw_rate))),
         (
@@ -334,19 +334,43 @@ def _radius_text(radius: float) -> str:
 
 def _jumps(path: ShownPath) -> Grid:
     """Returns a row for each jump of the curvature, and what of the wheels it means."""
-    columns: list[tuple[str, str, Callable[[CurvatureJump], float]]] = [
+    shown = sorted(path.jumps, key=_weight)[:_MOST_JUMPS]
+    shown.sort(key=lambda jump: jump.distance)
+    columns: list[tuple[str, str, Callable[[PassedJump], float | None]]] = [
         ("At", "m", lambda jump: jump.distance),
         ("Before", "1/m", lambda jump: jump.before),
         ("After", "1/m", lambda jump: jump.after),
+        ("Speed", "m/s", lambda jump: jump.speed),
     ]
-    if any(jump.speed_jump for jump in path.jumps):
+    if any(jump.speed_jump for jump in shown):
         columns.append(("Speed jump", "m/s", lambda jump: jump.speed_jump))
     columns.append(("Yaw jump", "rad/s", lambda jump: jump.yaw_jump))
     if path.feasibility is not None:
         columns.append(("Left jump", "rad/s", lambda jump: jump.left_jump))
         columns.append(("Right jump", "rad/s", lambda jump: jump.right_jump))
-    rows = [
-        [_short(jump.name), *(f"{value(jump):.4g}" for _, _, value in columns)]
-        for jump in path.jumps
-    ]
-    return Grid([("Start of", ""), *((name, unit) for name, unit, _ in columns)], rows)
+    if any(jump.time_lost is not None for jump in shown):
+        columns.append(("Time lost", "s", lambda jump: jump.time_lost))
+    rows = [[_where(jump), *(_cell(value(jump)) for _, _, value in columns)] for jump in shown]
+    left = len(path.jumps) - len(shown)
+    return Grid(
+        [("Where", ""), *((name, unit) for name, unit, _ in columns)],
+        rows,
+        f"and {counted(left, 'smaller one')}" if left else "",
+    )
+
+
+def _weight(jump: PassedJump) -> tuple[float, float]:
+    """What sorts the jumps that matter most first; apart from rounding, in the order of the path.
+
+    What costs time, then what asks most of the wheels.
+    """
+    lost = 0.0 if jump.time_lost is None else jump.time_lost
+    return -round(lost, 9), -float(f"{abs(jump.yaw_jump) + abs(jump.speed_jump):.6g}")
+
+
+def _where(jump: PassedJump) -> str:
+    return f"{'in' if jump.inside else 'start of'} {_short(jump.name)}"
+
+
+def _cell(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4g}"

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from hilc_cli.files import merge_folder, write_file
-from hilc_cli.paths.motion import CurvatureJump, Motion, curvature_jumps, motion_of
+from hilc_cli.paths.motion import Motion, PassedJump, motion_of, passed_jumps
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.profiled import Profile
 from hilc_cli.reference.sampled import Reference
@@ -59,7 +59,7 @@ class ShownPath:
     reference: Reference
     demand: Demand
     motion: Motion
-    jumps: tuple[CurvatureJump, ...]
+    jumps: tuple[PassedJump, ...]
     feasibility: Feasibility | None
     warnings: tuple[str, ...]
     profile: Profile | None = None
@@ -71,11 +71,16 @@ class ShownPath:
         return wrapped(self.headline, *told, *([f"and {more} more"] if more else []))
 
     @property
+    def title(self) -> str:
+        """The name of the scenario, and of its trajectory if that is another one."""
+        names = dict.fromkeys([self.name, self.reference.name])
+        return ": ".join(names)
+
+    @property
     def headline(self) -> str:
         """What it is, in a few words."""
         demand = self.demand
-        size = f"{demand.length:.4g} m in {demand.duration:.4g} s"
-        return f"{self.name}: {size}, {counted(len(demand.segments), 'segment')}"
+        return f"{self.title}: {demand.in_short}, {counted(len(demand.segments), 'segment')}"
 
     def csv(self) -> str:
         """The sampled path as CSV, a row per sample.
@@ -165,14 +170,15 @@ def show(
         loaded, notes = load_path(source, overrides, trust=trust)
         return replace(show(loaded), notes=notes)
     if isinstance(source, TrajectorySpec):
-        shown = show_reference(source.name, source.reference(), source.segment_names)
-        warnings = [*shown.warnings, *_without_wheels(source)]
-        return replace(shown, warnings=tuple(warnings), profile=source.profile())
+        reference, profile = source.reference(), source.profile()
+        shown = show_reference(source.name, reference, source.segment_names, profile)
+        warnings = [*source.warnings(), *shown.warnings, *_without_wheels(source)]
+        return replace(shown, warnings=tuple(warnings))
     feasibility, spec = source.feasibility(), source.spec
     reference = spec.reference
     model = spec.model.model(feasibility.robot)
-    shown = _shown(source.name, reference, feasibility.demand, feasibility, model)
-    return replace(shown, profile=spec.profile)
+    shown = _shown(source.name, reference, feasibility.demand, feasibility, model, spec.profile)
+    return replace(shown, warnings=(*spec.trajectory.warnings(), *shown.warnings))
 
 
 def _without_wheels(spec: TrajectorySpec) -> list[str]:
@@ -184,13 +190,19 @@ def _without_wheels(spec: TrajectorySpec) -> list[str]:
     return [f"no robot is known, so that {keys} cannot count; show a scenario"]
 
 
-def show_reference(name: str, reference: Reference, segments: Sequence[str] = ()) -> ShownPath:
+def show_reference(
+    name: str,
+    reference: Reference,
+    segments: Sequence[str] = (),
+    profile: Profile | None = None,
+) -> ShownPath:
     """Shows a reference, of which no robot is known.
 
     Args:
         name: What to call it.
         reference: The sampled path. Without segments it counts as one.
         segments: Names of its segments.
+        profile: When it is where by its timing.
     """
     if not reference.segment_ends:
         length = float(np.abs(reference.steps).sum())
@@ -199,7 +211,7 @@ def show_reference(name: str, reference: Reference, segments: Sequence[str] = ()
         segments = segments or ("path",)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         demand = demand_of(reference, _ANY, segments)
-    return _shown(name, reference, demand, None, None)
+    return _shown(name, reference, demand, None, None, profile)
 
 
 def _shown(
@@ -208,6 +220,7 @@ def _shown(
     demand: Demand,
     feasibility: Feasibility | None,
     model: Robot | None,
+    profile: Profile | None,
 ) -> ShownPath:
     robot = None if feasibility is None else feasibility.robot
     heading = {"trajectory.start.heading": float(reference.heading[0])}
@@ -219,5 +232,6 @@ def _shown(
         else:
             findings = feasibility_findings(feasibility)
             warnings = [*findings.failures, *warnings, *findings.warnings]
-    jumps = curvature_jumps(motion, demand)
-    return ShownPath(name, reference, demand, motion, jumps, feasibility, tuple(warnings))
+    names = [segment.name for segment in demand.segments]
+    jumps = passed_jumps(reference, motion, names, robot or _ANY, profile)
+    return ShownPath(name, reference, demand, motion, jumps, feasibility, tuple(warnings), profile)

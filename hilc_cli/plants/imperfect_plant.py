@@ -5,22 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import Robot, drifting_step
-from hilc_cli.plants.motor import Motor
 from hilc_cli.plants.plant import Plant, Pose, Step
-
-
-@dataclass(frozen=True, slots=True)
-class Slip:
-    """What the tyres lose.
-
-    Attributes:
-        longitudinal: Share of each wheel's way that is lost, from 0 to below 1.
-        lateral: Drift to the outside of a bend, by forward speed and yaw rate [s], >= 0.
-    """
-
-    longitudinal: float = 0.0
-    lateral: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -32,28 +19,24 @@ class ImperfectPlant(Plant):
 
     Attributes:
         robot: The platform; its wheel radius is not used here.
-        left_radius: Of the left wheel [m].
-        right_radius: Of the right wheel [m].
-        motor: That of either wheel.
-        slip: What the tyres lose.
+        drivetrain: Its wheels, motors and tyres.
         exact: Whether the platform moves on the arc between two samples, instead of straight ahead
             and then turning (Eq. 8).
     """
 
     robot: Robot
-    left_radius: float
-    right_radius: float
-    motor: Motor
-    slip: Slip
+    drivetrain: Drivetrain
     exact: bool
 
     def start(self, pose: Pose, sample_time: float) -> Step:
         """Starts a pass with both wheels at rest and no input under way."""
-        left_wheel, right_wheel = self.motor.wheel(sample_time), self.motor.wheel(sample_time)
-        half = (1 - self.slip.longitudinal) / 2
-        left_gain, right_gain = half * self.left_radius, half * self.right_radius
+        drivetrain = self.drivetrain
+        motor, slip = drivetrain.motor, drivetrain.slip
+        left_wheel, right_wheel = motor.wheel(sample_time), motor.wheel(sample_time)
+        half = (1 - slip.longitudinal) / 2
+        left_gain, right_gain = half * drivetrain.left_radius, half * drivetrain.right_radius
         half_track, exact = self.robot.signed_half_track, self.exact
-        drift_gain = self.slip.lateral / sample_time
+        drift_gain = slip.lateral / sample_time
 
         def step(pose: Pose, left: float, right: float) -> Pose:
             x, y, heading = pose

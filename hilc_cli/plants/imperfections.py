@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field, WrapValidator
 
-from hilc_cli.plants.imperfect_plant import Slip
+from hilc_cli.plants.drivetrain import Slip
 from hilc_cli.plants.motor import Motor
 from hilc_cli.yaml_input.model import Model
 from hilc_cli.yaml_input.quantities import (
@@ -70,13 +70,43 @@ class WheelRadii(Model):
     right: RobotLength = Field(description="R_c of the right wheel [m]")
 
 
+class BelievedRadii(Model):
+    """The radius that the controller believes of each wheel."""
+
+    left: RobotLength | None = Field(None, description="R_rs of the left wheel [m]")
+    right: RobotLength | None = Field(None, description="R_rs of the right wheel [m]")
+
+
 (_RADIUS,) = RobotLength.__metadata__  # type: ignore[attr-defined]
 
 
-def _one_or_both(value: object, handler: object) -> Any:
+def _one_or(radii: type[Model]) -> WrapValidator:
     """Validates a radius against what it seems to be, so that only that is told of."""
-    is_both = isinstance(value, Mapping | WheelRadii)
-    return WheelRadii.model_validate(value) if is_both else _RADIUS(value)
+
+    def validated(value: object, handler: object) -> Any:
+        is_both = isinstance(value, Mapping | radii)
+        return radii.model_validate(value) if is_both else _RADIUS(value)
+
+    return WrapValidator(validated)
 
 
-WheelRadius = Annotated[RobotLength | WheelRadii, WrapValidator(_one_or_both)]
+WheelRadius = Annotated[RobotLength | WheelRadii, _one_or(WheelRadii)]
+BelievedRadius = Annotated[RobotLength | BelievedRadii, _one_or(BelievedRadii)]
+
+MOTOR, SLIP = MotorSpec(), SlipSpec()
+"""What is left out: the very defaults, which makes the cases of a large sweep fast."""
+
+
+def imperfections_of(
+    radii: tuple[float, float], motor: MotorSpec, slip: SlipSpec
+) -> dict[str, float | str]:
+    """Returns by dotted key what of wheels [m], motors and tyres the paper's robot has not."""
+    found: dict[str, float | str] = {}
+    left, right = radii
+    if left != right:
+        found |= {"wheel_radius.left": left, "wheel_radius.right": right}
+    for name, section, ideal in (("motor", motor, MOTOR), ("slip", slip, SLIP)):
+        if section is not ideal:
+            given = section.model_dump(exclude_defaults=True)
+            found |= {f"{name}.{key}": value for key, value in given.items()}
+    return found

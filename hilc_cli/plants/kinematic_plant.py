@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
-from hilc_cli.plants.imperfections import MotorSpec, SlipSpec, WheelRadii, WheelRadius
+from hilc_cli.plants.imperfections import SLIP, SlipSpec, imperfections_of
 from hilc_cli.plants.kinematic import (
     Linearisation,
     Robot,
@@ -19,8 +19,8 @@ from hilc_cli.plants.kinematic import (
     euler_step,
     step_gains,
 )
-from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.plant import Plant, Pose, Step
+from hilc_cli.plants.wheeled import WheeledSpec
 from hilc_cli.reference.sampled import Floats
 
 
@@ -70,18 +70,13 @@ class KinematicPlant(Plant):
         return step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
 
 
-_MOTOR, _SLIP = MotorSpec(), SlipSpec()
-
-
-class KinematicSpec(RobotSpec):
+class KinematicSpec(WheeledSpec):
     """The plant as it really is: the paper's, unless something of a real robot is given."""
 
     only_if_given: ClassVar[tuple[str, ...]] = ("plant", "motor", "slip", "integration")
 
-    wheel_radius: WheelRadius = Field(description="R_c [m]")  # type: ignore[assignment]  # or two
     plant: Literal["kinematic"] = "kinematic"
-    motor: MotorSpec = Field(_MOTOR, description="what the motors make of their inputs")
-    slip: SlipSpec = Field(_SLIP, description="what the tyres lose")
+    slip: SlipSpec = Field(SLIP, description="what the tyres lose")
     integration: Literal["euler", "exact"] = Field(
         "euler", description="euler: Eq. 8; exact: the arc between two samples"
     )
@@ -90,55 +85,26 @@ class KinematicSpec(RobotSpec):
         """Returns the plant for the engines: the paper's, if nothing keeps it from being that."""
         if not self.imperfections():
             return KinematicPlant(self.robot())
-        left, right = self._radii
-        exact = self.integration == "exact"
-        motor, slip = self.motor.motor(), self.slip.slip()
-        return ImperfectPlant(self.robot(), left, right, motor, slip, exact)
+        drivetrain = Drivetrain(*self.wheel_radii, self.motor.motor(), self.slip.slip())
+        return ImperfectPlant(self.robot(), drivetrain, self.integration == "exact")
 
     def imperfections(self) -> dict[str, float | str]:
         """Returns what the paper's plant has not."""
-        found: dict[str, float | str] = {}
-        left, right = self._radii
-        if left != right:
-            found |= {"wheel_radius.left": left, "wheel_radius.right": right}
-        # What is left out is the very default, which makes the plants of a large sweep fast.
-        for name, section, ideal in (("motor", self.motor, _MOTOR), ("slip", self.slip, _SLIP)):
-            if section is not ideal:
-                given = section.model_dump(exclude_defaults=True)
-                found |= {f"{name}.{key}": value for key, value in given.items()}
+        found = imperfections_of(self.wheel_radii, self.motor, self.slip)
         if self.integration != "euler":
             found["integration"] = self.integration
         return found
 
     def figures(self) -> dict[str, float]:
         """Returns what wheels and motors are like."""
-        left, right = self._radii
         motor = self.motor
-        return {
-            "left_per_right_radius": left / right,
+        return super().figures() | {
             "delay_s": motor.delay,
             "lag_s": motor.lag,
             "friction_rad_s": motor.dead_zone,
         }
 
-    def with_keys(self, keys: Iterable[str]) -> KinematicSpec:
-        """Returns the same robot, with a radius for each wheel if a key leads to one."""
-        if not any(key.startswith("wheel_radius.") for key in keys):
-            return self
-        left, right = self._radii
-        return self.model_copy(update={"wheel_radius": WheelRadii(left=left, right=right)})
-
-    @property
-    def _radii(self) -> tuple[float, float]:
-        radius: float | WheelRadii = self.wheel_radius
-        return (radius.left, radius.right) if isinstance(radius, WheelRadii) else (radius, radius)
-
     @property
     def lead(self) -> float:
         """Share of a sample's turn after which its way is gone."""
         return 0.0 if self.integration == "euler" else 0.5
-
-    @property
-    def mean_wheel_radius(self) -> float:
-        """The radius [m] of equal wheels that drive as far."""
-        return sum(self._radii) / 2

@@ -25,7 +25,7 @@ from hilc_cli.reference.plans import (
     TurnPlan,
 )
 from hilc_cli.reference.profiled import PathTiming, Profile, Share, profile_of
-from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.reference.segments import (
     Arc,
     Backward,
@@ -37,6 +37,7 @@ from hilc_cli.reference.segments import (
     nearest_equivalent_angle,
     turn_sign,
 )
+from hilc_cli.reference.smooth_parts import curvature_jumps
 from hilc_cli.reference.splines import CurveError
 from hilc_cli.reference.through_points import Curve, curve_through
 
@@ -61,6 +62,8 @@ HEADING_TOLERANCE = 1e-9  # [rad]
 MOST_TURNING = 10_000.0
 """By which a clothoid may turn [rad]."""
 _SAME_HEADING = 0.01  # [rad]: with less of a corner in between, a lap begins as it ends
+_BACK = math.radians(135)
+"""A corner beyond which a segment is probably meant to be driven the other way."""
 _LAST_PLACES = 8  # so many units in the last place coordinates may be off in any case
 
 Pose = tuple[float, float, float]
@@ -81,6 +84,8 @@ class PathBuilder:
     Attributes:
         samples: Number of sampling intervals so far; of a path with a profile those of its stops.
         curves: Curves through points, by the number of their segment.
+        moved: How far a given centre, end or start was moved within the tolerance [m], with the
+            number of its segment and what was moved.
     """
 
     def __init__(
@@ -105,6 +110,7 @@ class PathBuilder:
         self._counts: list[int] = []
         self.samples = 0
         self.curves: dict[int, Curve] = {}
+        self.moved: list[tuple[int, str, float]] = []
 
     @property
     def start(self) -> Pose:
@@ -138,20 +144,35 @@ class PathBuilder:
         if abs(jump) > HEADING_TOLERANCE:
             placed, before = self._with_corner(placed, before, jump)
         self._start, self._pose = start, (x, y, heading)
-        self._is_backward = isinstance(segment, Backward)
-        if not isinstance(plan, StopPlan):
+        if not isinstance(plan, StopPlan):  # in one the wheels stay as they are
             self._curvature = curvature
+            self._is_backward = isinstance(segment, Backward)
         if before is not None and before is not self._placed[-1]:  # its corner has been rounded
             self._placed.pop()
             self.samples -= self._counts.pop()
             self._take(before)
         self._take(placed)
 
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Lengths of the segments [m]."""
+        return tuple(placed.segment.length for placed in self._placed)
+
     def gap(self) -> float:
         """Distance of the running point from the start [m]."""
         if self._pose is None:
             return 0.0
         return math.dist(self._pose[:2], self.start[:2])
+
+    def off_the_start(self, index: int) -> float:
+        """How far the first points of a curve lead off the direction in which it starts [rad].
+
+        Args:
+            index: Number of its segment.
+        """
+        segment = self._placed[index].segment
+        heading = segment.start_heading - (math.pi if isinstance(segment, Backward) else 0.0)
+        return math.remainder(self.curves[index].first_heading - heading, 2 * math.pi)
 
     @property
     def slack(self) -> float:
@@ -181,12 +202,18 @@ class PathBuilder:
         shares, ends = (
             self._by_segments() if profile is None else (profile.shares, list(profile.ends))
         )
-        x, y, heading = (np.empty(ends[-1] + 1) for _ in range(3))
-        for placed, share in zip(self._placed, shares, strict=True):
+        segments = [placed.segment for placed in self._placed]
+        x, y, heading, positions = (np.empty(ends[-1] + 1) for _ in range(4))
+        begin = 0.0
+        for segment, length, share in zip(segments, self.lengths, shares, strict=True):
+            part = slice(share.first, share.first + len(share.fractions))
             if len(share.fractions):  # of a short segment there may be none
-                part = slice(share.first, share.first + len(share.fractions))
-                x[part], y[part], heading[part], _ = placed.segment.at(share.fractions)
+                x[part], y[part], heading[part], _ = segment.at(share.fractions)
+            positions[part] = begin + length * share.fractions
+            begin += length
+            positions[part.stop :] = begin
         x[0], y[0], heading[0] = self.start
+        moves = profile is not None and min(profile.speeds[0], profile.speeds[-1]) > 0
         return Reference(
             name,
             self._sample_time,
@@ -194,8 +221,10 @@ class PathBuilder:
             y,
             heading,
             segment_ends=tuple(ends),
-            lengths=tuple(placed.segment.length for placed in self._placed),
+            lengths=self.lengths,
             corners=tuple(placed.corner for placed in self._placed),
+            turns=tuple(end_of(segment)[2] - segment.start_heading for segment in segments),
+            jumps=curvature_jumps(segments, positions, is_lap=moves and self._is_lap()),
         )
 
     def _by_segments(self) -> tuple[Sequence[Share], list[int]]:
@@ -231,15 +260,15 @@ class PathBuilder:
             return Placed(turn, plan.duration, plan.rate, "rate", abs(plan.angle))
         if isinstance(plan, StopPlan):
             return Placed(TurnInPlace((x, y), running), plan.duration)
+        pose = (x, y, running - math.pi) if plan.reverse else self._pose
         segment: Segment
-        if isinstance(plan, ClothoidPlan):
-            segment = self._clothoid(plan, self._pose)
+        if isinstance(plan, LinePlan):
+            segment = self._line(plan, pose)
+        elif isinstance(plan, ArcPlan):
+            segment = self._arc(plan, pose)
         else:
-            pose = (x, y, running - math.pi) if plan.reverse else self._pose
-            segment = (
-                self._line(plan, pose) if isinstance(plan, LinePlan) else self._arc(plan, pose)
-            )
-            segment = Backward(segment) if plan.reverse else segment
+            segment = self._clothoid(plan, pose)
+        segment = Backward(segment) if plan.reverse else segment
         return Placed(segment, plan.duration, plan.speed)
 
     def _with_corner(
@@ -250,10 +279,13 @@ class PathBuilder:
             return replace(placed, corner=jump), before
         if self._corner_radius is None or before is None:
             remedy = "make them equal or set 'corners: allow'"
+            back = abs(math.remainder(jump, 2 * math.pi)) > _BACK and placed.segment.length > 0
             if self._profiled:
                 remedy = "make them equal, turn in place, or set 'corners: {radius: 20 cm}'"
             if self._corner_radius is not None:
                 remedy = "make start.heading the first one, since there is nothing to round"
+            if back:
+                remedy = f"{_other_way(placed.segment)}, {remedy}"
             start = placed.segment.start_heading
             raise PathError(
                 f"starts with a heading of {start:.9g} rad where the path arrives with "
@@ -275,6 +307,7 @@ class PathBuilder:
             if turned > HEADING_TOLERANCE and length * turned <= self._slack(x, y, *end):
                 heading = running  # the end may be off by so little: no corner is meant
                 end = (x + length * math.cos(heading), y + length * math.sin(heading))
+                self._move("end", end, plan.to)
         elif plan.length is not None:
             length, heading = plan.length, running
             end = (x + length * math.cos(heading), y + length * math.sin(heading))
@@ -318,13 +351,15 @@ class PathBuilder:
             # The centre may be off by so little: neither a gap nor a corner is meant.
             tangent = _tangent_arc(plan, pose, radius)
             if math.dist(tangent.center, center) <= slack:
+                self._move("centre", tangent.center, center)
                 return tangent
             radius = distance if abs(distance - radius) > POSITION_TOLERANCE else radius
         return Arc(center, radius, start_angle, plan.sweep, plan.turn, heading)
 
     def _clothoid(self, plan: ClothoidPlan, pose: Pose) -> Clothoid:
         # Where the robot begins to drive the other way, its wheels steer on as they did.
-        arrives = -self._curvature if self._is_backward else self._curvature
+        turns_round = plan.reverse != self._is_backward
+        arrives = -self._curvature if turns_round else self._curvature
         start = arrives if plan.start_curvature is None else plan.start_curvature
         clothoid = Clothoid(pose[:2], pose[2], plan.length, start, plan.end_curvature)
         if clothoid.turning > MOST_TURNING:
@@ -348,6 +383,7 @@ class PathBuilder:
                     f"starts at ({first}), {gap:.3g} m from ({x:.9g}, {y:.9g}), where the path "
                     "stands; make its first point the one where the segment before ends"
                 )
+            self._move("first point", (x, y), points[0])
             points = np.concatenate([[[x, y]], points[1:]])
         try:
             curve = curve_through(
@@ -376,6 +412,10 @@ class PathBuilder:
         segment = Backward(curve.segment) if plan.reverse else curve.segment
         return Placed(segment, plan.duration, plan.speed, clock=clock)
 
+    def _move(self, what: str, new: Sequence[float], given: Sequence[float] | Floats) -> None:
+        """Notes that something given stands for a point beside it."""
+        self.moved.append((len(self._placed), what, math.dist(new, given)))
+
     def _take(self, placed: Placed) -> None:
         """Takes a segment in, even if what is said of its time is told to be wrong.
 
@@ -393,6 +433,13 @@ class PathBuilder:
                 f"brings the path to {total} samples; the longest path has {MAX_SAMPLES}"
             )
         self._counts[-1], self.samples = samples, total
+
+
+def _other_way(segment: Segment) -> str:
+    """What to do with a segment that leads where the robot comes from."""
+    if isinstance(segment, Backward):
+        return "leave out its 'reverse: true'"
+    return "set 'reverse: true' to drive it backward"
 
 
 def _slack(tolerance: float, *coordinates: float) -> float:

@@ -14,10 +14,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.reference.corners import Part
+from hilc_cli.reference.lap_ends import fastest_lap_ends
 from hilc_cli.reference.placed import MAX_SAMPLES, Placed
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.reference.segments import Backward, Chain, Segment, TurnInPlace
+from hilc_cli.reference.segments import Backward, Segment, TurnInPlace, end_of
+from hilc_cli.reference.smooth_parts import SmoothPart, smooth_parts
 from hilc_cli.reference.speed_limits import NOTHING, Limits, Stretch, Wheels
 from hilc_cli.reference.splines import Spline
 from hilc_cli.reference.timing import (
@@ -30,6 +31,7 @@ from hilc_cli.reference.timing import (
 )
 
 _NOTHING_LEFT = 1e-12  # of a segment's length
+_ALIKE = 1e-6  # relative, of curvatures
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +60,7 @@ class PathTiming:
 
 
 @dataclass(frozen=True, slots=True)
-class CurvatureJump:
+class SlowJump:
     """A place at which the curvature jumps, so that the wheels can follow only if it is slow.
 
     Attributes:
@@ -93,7 +95,7 @@ class Profile:
         timing: What it is made of.
         shares: Which samples lie in each segment; of two that meet at a sample the later one has
             it.
-        ends: Sample nearest to the end of each segment.
+        ends: Sample at the end of each segment, or next to it.
         speeds: Speed at each sample [m/s], 0 in turns in place, shape (n + 1,).
         bound: Which limit binds from each sample on, an index into `speed_limits.BOUNDS`, shape
             (n + 1,).
@@ -108,7 +110,7 @@ class Profile:
     speeds: Floats
     bound: NDArray[np.int8]
     fastest: float
-    jumps: tuple[CurvatureJump, ...]
+    jumps: tuple[SlowJump, ...]
 
     @property
     def time_lost(self) -> float:
@@ -125,8 +127,8 @@ def profile_of(
         placed: The segments, of which only stops say what time they take; without corners.
         timing: How it is driven.
         sample_time: d_t [s].
-        is_lap: Whether it ends where and as it starts. If it also moves at both ends and nowhere
-            stands still, it is as fast at its end as at its start.
+        is_lap: Whether it ends where and as it starts. If it also moves at both ends, it is as
+            fast at its end as at its start, at rest if it has to stand still there.
 
     Raises:
         TimingError: The limits do not bound it, or it takes too many samples; its stretch is the
@@ -135,7 +137,7 @@ def profile_of(
     ways = _ways([each.segment for each in placed])
     shares: list[Share] = []
     ends: list[int] = []
-    jumps: list[CurvatureJump] = []
+    jumps: list[SlowJump] = []
     speeds, bounds = [], []
     first, passed = 0, 0.0
     profiles = _profiles(placed, ways, timing, sample_time, is_lap=is_lap)
@@ -147,7 +149,8 @@ def profile_of(
             speeds.append(np.zeros(found.samples + 1))
         else:
             shares += _shares(found.positions, borders, first)
-            ends += [first + nearest for nearest in _nearest(found.positions, borders[1:])]
+            its = [placed[number].segment for number in way]
+            ends += [first + sample for sample in _ends(its, found.positions, borders[1:])]
             jumps += (_on_path(joint, way, borders, passed) for joint in found.joints)
             speeds.append(found.speeds)
         bounds.append(found.bound)
@@ -169,8 +172,7 @@ def _ways(segments: Sequence[Segment]) -> list[list[int]]:
     """Numbers of the segments between each two standstills; those in place are alone."""
     ways: list[list[int]] = [[0]]
     for number, (before, segment) in enumerate(pairwise(segments), 1):
-        turns_around = isinstance(before, Backward) != isinstance(segment, Backward)
-        if turns_around or before.length == 0 or segment.length == 0:
+        if not _goes_on(before, segment):
             ways.append([])
         ways[-1].append(number)
     return ways
@@ -193,10 +195,14 @@ def _profiles(
     driven = [number for number in range(len(ways)) if number not in stops]
     stretches = [_stretch([placed[each].segment for each in ways[number]]) for number in driven]
     left = MAX_SAMPLES - sum(stop.samples for stop in stops.values())
-    periodic = is_lap and len(ways) == 1 and (timing.start, timing.end) == ("moving", "moving")
     limits, wheels = timing.limits, timing.wheels
+    begin = timing.start if driven[:1] == [0] else "rest"
+    end = timing.end if driven[-1:] == [len(ways) - 1] else "rest"
+    moves = is_lap and (begin, end) == ("moving", "moving")
+    if moves and len(ways) > 1:
+        begin = end = "rest"  # unless the last way goes on as the first
     try:
-        if periodic and stretches:
+        if moves and len(ways) == 1:
             found = [
                 fastest_profile(
                     stretches[0], limits, wheels, sample_time, max_samples=left, periodic=True
@@ -204,19 +210,24 @@ def _profiles(
             ]
         else:
             found = fastest_profiles(
-                stretches,
-                limits,
-                wheels,
-                sample_time,
-                max_samples=left,
-                start="rest" if 0 in stops else timing.start,
-                end="rest" if len(ways) - 1 in stops else timing.end,
+                stretches, limits, wheels, sample_time, max_samples=left, start=begin, end=end
             )
+            if moves and _goes_on(placed[-1].segment, placed[0].segment):
+                left -= sum(each.samples for each in found[1:-1])
+                found[-1], found[0] = fastest_lap_ends(
+                    stretches[-1], stretches[0], limits, wheels, sample_time, max_samples=left
+                )
     except TimingError as error:
         error.stretch = ways[driven[error.stretch]][0]
         raise
     by_number = stops | dict(zip(driven, found, strict=True))
     return [by_number[number] for number in range(len(ways))]
+
+
+def _goes_on(before: Segment, after: Segment) -> bool:
+    """Whether a robot that drives the one segment can go on to the other without a standstill."""
+    same_way = isinstance(before, Backward) == isinstance(after, Backward)
+    return same_way and before.length > 0 and after.length > 0
 
 
 def _is_stop(segment: Segment) -> bool:
@@ -236,25 +247,12 @@ def _stretch(segments: Sequence[Segment]) -> Stretch:
     first = segments[0]
     if isinstance(first, TurnInPlace):
         return Stretch.turn_in_place(first.angle)
-    return Stretch.joined([piece for segment in segments for piece in _pieces(segment)])
+    return Stretch.joined([_piece(part) for segment in segments for part in smooth_parts(segment)])
 
 
-def _pieces(segment: Segment, begin: float = 0.0, end: float = 1.0) -> list[Stretch]:
-    """The smooth pieces of a segment between two fractions of its length."""
-    if isinstance(segment, Backward):
-        return _pieces(segment.segment, begin, end)
-    if isinstance(segment, Part):
-        width = segment.end - segment.begin
-        return _pieces(segment.segment, segment.begin + begin * width, segment.begin + end * width)
-    if isinstance(segment, Chain):
-        ends = np.cumsum([0.0, *(part.length for part in segment.parts)]) / segment.length
-        found: list[Stretch] = []
-        for part, low, high in zip(segment.parts, ends[:-1], ends[1:], strict=True):
-            inside = np.clip((np.array([begin, end]) - low) / (high - low), 0.0, 1.0)
-            if inside[1] - inside[0] > _NOTHING_LEFT:
-                found += _pieces(part, float(inside[0]), float(inside[1]))
-        return found
-    length = segment.length * (end - begin)
+def _piece(part: SmoothPart) -> Stretch:
+    """A smooth part of a segment as a stretch."""
+    segment, begin, end = part
     if isinstance(segment, Spline):
         knots = segment.knot_fractions
         inner = knots[(knots > begin + _NOTHING_LEFT) & (knots < end - _NOTHING_LEFT)]
@@ -263,9 +261,8 @@ def _pieces(segment: Segment, begin: float = 0.0, end: float = 1.0) -> list[Stre
         def curvature(s: Floats) -> Floats:
             return segment.at((begin + s / segment.length).clip(0.0, 1.0)).curvature
 
-        return [Stretch.curved(curvature, borders)]
-    ends = segment.at(np.array([begin, end])).curvature
-    return [Stretch(np.array([0.0, length]), ends[np.newaxis])]
+        return Stretch.curved(curvature, borders)
+    return Stretch(np.array([0.0, part.length]), np.array([part.bends]))
 
 
 def _shares(positions: Floats, borders: Floats, first: int) -> list[Share]:
@@ -278,19 +275,34 @@ def _shares(positions: Floats, borders: Floats, first: int) -> list[Share]:
     ]
 
 
-def _nearest(positions: Floats, borders: Floats) -> list[int]:
-    """Numbers of the samples nearest to the end of each segment: the last one's is the last."""
+def _ends(segments: Sequence[Segment], positions: Floats, borders: Floats) -> list[int]:
+    """Numbers of the samples at which the segments of a way end: the last one's is the last.
+
+    A step with a joint in it is counted to the segment that is bent more there, so that a straight
+    line stays straight; of two that are bent alike to the one that has more of it.
+    """
     last = len(positions) - 1
-    found = np.searchsorted((positions[1:] + positions[:-1]) / 2, borders[:-1])
-    return [*found.clip(max=last - 1).tolist(), last]  # so that each starts before the last
+    behind = np.searchsorted(positions, borders[:-1]).clip(1, last)
+    ends = []
+    for (before, after), sample, border in zip(
+        pairwise(segments), behind.tolist(), borders[:-1].tolist(), strict=True
+    ):
+        bends = abs(end_of(before)[3]), abs(float(after.at(np.array([0.0])).curvature[0]))
+        begin, end = positions[sample - 1 : sample + 1]
+        if math.isclose(*bends, rel_tol=_ALIKE) or border in (begin, end):
+            ends.append(sample if 2 * border > begin + end else sample - 1)
+        else:
+            ends.append(sample if bends[0] > bends[1] else sample - 1)
+    # Each starts before the last sample, and none before the one before.
+    return [*np.maximum.accumulate([0, *ends])[1:].clip(max=last - 1).tolist(), last]
 
 
-def _on_path(joint: Joint, way: Sequence[int], borders: Floats, passed: float) -> CurvatureJump:
+def _on_path(joint: Joint, way: Sequence[int], borders: Floats, passed: float) -> SlowJump:
     """A joint of a way as one of the path, which has come so far before [m]."""
     # Its place and the border where it is are sums of the same lengths, apart from rounding.
     rounding = _NOTHING_LEFT * borders[-1]
     inside = np.searchsorted(borders[1:-1], joint.position + rounding, side="right")
-    return CurvatureJump(
+    return SlowJump(
         way[int(inside)],
         passed + joint.position,
         joint.curvature_jump,

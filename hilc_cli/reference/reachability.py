@@ -41,13 +41,13 @@ class Cells:
 
 
 def fastest_squares(
-    cells: Cells, at_rest: tuple[bool, bool] = (True, True), periodic: bool = False
+    cells: Cells, ends: tuple[float, float] = (0.0, 0.0), periodic: bool = False
 ) -> Floats:
     """Returns x of each node where each is as high as the one before allows, shape (n + 1,).
 
     Args:
         cells: The limits; from rest some row must bind u in the first cell.
-        at_rest: Whether x is 0 at the start and at the end.
+        ends: Highest x at the start and at the end: 0 at rest, infinity where it moves.
         periodic: Whether it is to be the same at both, as high as can be.
 
     Returns:
@@ -56,7 +56,7 @@ def fastest_squares(
     steps = 2 * cells.lengths
     ceilings = cells.ceilings.copy()
     ceilings[:-1] = np.minimum(ceilings[:-1], _row_ceilings(cells, steps))
-    ceilings[[0, -1]] = np.where(at_rest, 0.0, ceilings[[0, -1]])
+    ceilings[[0, -1]] = np.minimum(ends, ceilings[[0, -1]])
     shares = 1 - steps * cells.slopes
     offsets = steps * cells.bounds
     with np.errstate(divide="ignore"):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.reference.corners import rounded
 from hilc_cli.reference.sampled import Floats
@@ -18,6 +19,8 @@ Through = Literal["spline", "polyline"]
 
 _SHARPEST = 1e-9  # [rad]: less is no corner
 _LEAST_LEFT = 0.01  # of the way from point to point, after smoothing
+_TURNS_BACK = math.radians(150)  # from leg to leg: more hardly is a bend
+_NOISY = 0.05  # of the points: where more of them turn back, that is noise
 _LAST_PLACES = 8  # so many units in the last place of a length are nothing
 
 
@@ -51,6 +54,8 @@ class Curve:
         closed: Whether it ends where it starts.
         dropped: How many points stand where their neighbour does.
         adds_leg: Whether it goes on from the last point to the first.
+        points: Those that are apart, as it goes through them, shape (n, 2) [m].
+        numbers: Of these among the points that were given, shape (n,).
     """
 
     segment: Segment
@@ -59,6 +64,33 @@ class Curve:
     closed: bool
     dropped: int
     adds_leg: bool
+    points: Floats
+    numbers: NDArray[np.intp]
+
+    @property
+    def first_heading(self) -> float:
+        """Direction from the first point to the second [rad]."""
+        x, y = self.points[1] - self.points[0]
+        return math.atan2(y, x)
+
+    @property
+    def turns(self) -> Floats:
+        """Angle between the legs that meet at each point but the ends [rad], shape (n - 2,)."""
+        x, y = np.diff(self.points, axis=0).T
+        turns: Floats = np.abs(np.angle(np.exp(1j * np.diff(np.arctan2(y, x)))))
+        return turns
+
+    @property
+    def turns_back(self) -> list[tuple[int, float]]:
+        """Numbers of the points at which it goes back the way that it came, and the turns [rad].
+
+        None if there are so many that they are noise.
+        """
+        turns = self.turns
+        sharp = np.flatnonzero(turns > _TURNS_BACK)
+        if len(sharp) > max(1.0, _NOISY * len(turns)):
+            return []
+        return [(int(self.numbers[at + 1]), float(turns[at])) for at in sharp]
 
     def clock_of_times(self, times: Floats) -> Clock:
         """Times at the points; between them the speed goes on without jumps.
@@ -175,6 +207,8 @@ def curve_through(
         is_closed,
         dropped,
         adds_leg=is_closed and not ends_at_start,
+        points=through_these,
+        numbers=np.flatnonzero(apart),
     )
 
 

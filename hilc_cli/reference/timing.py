@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -21,6 +21,7 @@ _MOST_NODES = 25_000  # that are still refined
 _PARTS = 8  # into which a cell with a switch is split
 _MOST_SPLITS = 2000  # cells in one refinement
 _SWITCH_TIME = 0.02  # of a sample, that a cell with a switch may take
+_ROUNDING = 1e-9  # of a number of samples
 
 
 class TimingError(ValueError):
@@ -111,13 +112,116 @@ def fastest_profile(
         Pham and Pham, A New Approach to Time-Optimal Path Parameterization Based on Reachability
         Analysis, IEEE Transactions on Robotics 34 (2018).
     """
-    at_rest = (start == "rest" and not periodic, end == "rest" and not periodic)
-    _check(stretch, limits, any(at_rest))
+    ends = (math.inf, math.inf) if periodic else (_END[start], _END[end])
+    found = fastest_motion(stretch, limits, wheels, sample_time, ends=ends, periodic=periodic)
+    samples = found.least_samples(sample_time, max_samples)
+    return found.sampled(samples, sample_time, found.joints(ends, periodic))
+
+
+_END: dict[End, float] = {"rest": 0.0, "moving": math.inf}
+"""Highest square of the speed at an end."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FastestMotion:
+    """The fastest motion along a stretch, on a grid, whatever time is sampled.
+
+    Attributes:
+        nodes: Of the grid [m], of a turn in place [rad], shape (n + 1,).
+        squares: Of the speed at each node, shape (n + 1,).
+        bound: Which limit binds in each cell, an index into `BOUNDS`, shape (n,).
+        limits: Those of the stretch.
+    """
+
+    nodes: Floats
+    squares: Floats
+    bound: NDArray[np.int8]
+    limits: SpeedLimits
+
+    @property
+    def duration(self) -> float:
+        """How long it takes [s]."""
+        return float(_durations(self.nodes, self.squares).sum())
+
+    def part(self, first: int, last: int) -> FastestMotion:
+        """What of it lies between two nodes; positions are those from the first one on."""
+        nodes = self.nodes[first : last + 1] - self.nodes[first]
+        squares, bound = self.squares[first : last + 1], self.bound[first:last]
+        return replace(self, nodes=nodes, squares=squares, bound=bound)
+
+    def least_samples(self, sample_time: float, max_samples: int) -> int:
+        """How many sampling intervals it takes at least.
+
+        Raises:
+            TimingError: More than it may take.
+        """
+        exact = self.duration / sample_time
+        if not exact <= max_samples:
+            raise TimingError(
+                f"takes {exact:.4g} samples, of which it may take {max_samples}; raise the limits, "
+                "or sample_time"
+            )
+        return max(1, math.ceil(exact * (1 - _ROUNDING)))  # Rounding does not cost a sample.
+
+    def sampled(self, samples: int, sample_time: float, joints: tuple[Joint, ...]) -> SpeedProfile:
+        """The motion in so many sampling intervals, all of it slower by one factor."""
+        times = np.append(0.0, np.cumsum(_durations(self.nodes, self.squares)))
+        fastest = float(times[-1])
+        moments = np.linspace(0.0, fastest, samples + 1)
+        positions, speeds, cell = _motion(self.nodes, self.squares, times, moments)
+        slower = fastest / (samples * sample_time)
+        return SpeedProfile(positions, speeds * slower, self.bound[cell], fastest, joints)
+
+    def joints(self, ends: tuple[float, float], periodic: bool = False) -> tuple[Joint, ...]:
+        """What each joint costs: the time it takes longer between the middles of its neighbours.
+
+        The two ends of a lap are one joint, told at its end.
+        """
+        places, nodes, squares = self.limits.joints, self.nodes, self.squares
+        if len(places) == 0:
+            return ()
+        free = fastest_squares(self.limits.cells(nodes, joints=False).cells, ends, periodic)
+        nearest = np.searchsorted((places[1:] + places[:-1]) / 2, nodes[:-1], "right")
+        lost = np.bincount(
+            nearest, _durations(nodes, squares) - _durations(nodes, free), minlength=len(places)
+        )
+        first = 0
+        if places[0] == 0:
+            lost[-1] += lost[0]
+            first = 1
+        speeds = np.sqrt(squares[np.searchsorted(nodes, places)])
+        found = zip(places, self.limits.jumps, speeds, np.maximum(lost, 0.0), strict=True)
+        return tuple(Joint(*map(float, joint)) for joint in list(found)[first:])
+
+
+def fastest_motion(
+    stretch: Stretch,
+    limits: Limits,
+    wheels: Wheels,
+    sample_time: float,
+    *,
+    ends: tuple[float, float],
+    periodic: bool = False,
+) -> FastestMotion:
+    """Returns the fastest motion along a stretch, in however many samples.
+
+    Args:
+        stretch: What is to be driven.
+        limits: What is to be kept.
+        wheels: The robot's measures.
+        sample_time: d_t [s], > 0.
+        ends: Highest square of the speed at its start and at its end.
+        periodic: As for `fastest_profile`.
+
+    Raises:
+        TimingError: The limits do not bound it.
+    """
+    _check(stretch, limits, 0.0 in ends)
     speed_limits = SpeedLimits(stretch, limits, wheels, sample_time, periodic)
     nodes = speed_limits.first_nodes()
     for refinements in range(_MOST_REFINEMENTS + 1):
         limited = speed_limits.cells(nodes)
-        squares = fastest_squares(limited.cells, at_rest, periodic)
+        squares = fastest_squares(limited.cells, ends, periodic)
         if not np.isfinite(squares).all():
             where = nodes[np.flatnonzero(~np.isfinite(squares))[0]]
             raise TimingError(
@@ -129,23 +233,7 @@ def fastest_profile(
         if refinements == _MOST_REFINEMENTS or len(nodes) > _MOST_NODES or not split.any():
             break
         nodes = _split(nodes, durations * split)
-    times = np.append(0.0, np.cumsum(durations))
-    fastest = float(times[-1])
-    exact = fastest / sample_time
-    if not exact <= max_samples:
-        raise TimingError(
-            f"takes {exact:.4g} samples, of which it may take {max_samples}; raise the limits, or "
-            "sample_time"
-        )
-    n = max(1, math.ceil(exact * (1 - 1e-9)))  # Rounding does not cost a sample.
-    positions, speeds, cell = _motion(nodes, squares, times, np.linspace(0.0, fastest, n + 1))
-    return SpeedProfile(
-        positions,
-        speeds * (exact / n),
-        bound[cell],
-        fastest,
-        _joints(speed_limits, nodes, squares, at_rest, periodic),
-    )
+    return FastestMotion(nodes, squares, bound, speed_limits)
 
 
 def fastest_profiles(
@@ -243,31 +331,3 @@ def _motion(
     positions = np.clip(positions, nodes[cell], nodes[cell + 1])
     positions[-1], speeds[-1] = nodes[-1], np.sqrt(squares[-1])
     return positions, np.maximum(speeds, 0.0), cell
-
-
-def _joints(
-    speed_limits: SpeedLimits,
-    nodes: Floats,
-    squares: Floats,
-    at_rest: tuple[bool, bool],
-    periodic: bool,
-) -> tuple[Joint, ...]:
-    """What each joint costs: the time that it takes longer between the middles of its neighbours.
-
-    The two ends of a lap are one joint, told at its end.
-    """
-    places = speed_limits.joints
-    if len(places) == 0:
-        return ()
-    free = fastest_squares(speed_limits.cells(nodes, joints=False).cells, at_rest, periodic)
-    nearest = np.searchsorted((places[1:] + places[:-1]) / 2, nodes[:-1], "right")
-    lost = np.bincount(
-        nearest, _durations(nodes, squares) - _durations(nodes, free), minlength=len(places)
-    )
-    first = 0
-    if places[0] == 0:
-        lost[-1] += lost[0]
-        first = 1
-    speeds = np.sqrt(squares[np.searchsorted(nodes, places)])
-    found = zip(places, speed_limits.jumps, speeds, np.maximum(lost, 0.0), strict=True)
-    return tuple(Joint(*map(float, joint)) for joint in list(found)[first:])

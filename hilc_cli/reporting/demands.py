@@ -28,8 +28,9 @@ def demand_rows(feasibility: Feasibility) -> list[tuple[str, str]]:
     rows += path_rows(demand, limits)
     rows.append(("From rest", _jump(demand.from_rest, feasibility)))
     if demand.largest_jump is not None:
-        at = "the corner at " if demand.largest_jump.at_corner else ""
-        text = f"{_jump(demand.largest_jump, feasibility)} at {at}{demand.largest_jump.name}"
+        jump = demand.largest_jump
+        at = "in" if jump.inside else "at the corner at" if jump.at_corner else "at"
+        text = f"{_jump(jump, feasibility)} {at} {jump.name}"
         rows.append(("Largest jump", text))
     return rows
 

@@ -44,7 +44,7 @@ from hilc_cli.runs.run_folder import (
 from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
-from hilc_cli.theory.feasibility.feasibility import beyond_wheels
+from hilc_cli.theory.feasibility.feasibility import beyond_tyres, beyond_wheels
 from hilc_cli.theory.noise import seen_in, seen_warnings
 from hilc_cli.wording import printable
 
@@ -165,7 +165,7 @@ class Run(RunData):
             "diverged_at": self.diverged_at,
             "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
-            **origin(self.started, DRAWN_WITH, self.scenario.plug_ins),
+            **origin(self.started, (*DRAWN_WITH, *spec.robot.libraries), self.scenario.plug_ins),
             "command": list(command),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
@@ -222,7 +222,7 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         plan=_finite(learner.plan()) if measured.diverged_at is None else None,
         timings={"simulation": time.perf_counter() - clock},
     )
-    warnings = (*warnings_before(scenario), *warnings_after(result, experiment))
+    warnings = (*warnings_before(scenario), *warnings_after(result, scenario, experiment))
     return replace(result, warnings=warnings)
 
 
@@ -320,9 +320,12 @@ def _check(folder: Path, scenario: Scenario, text: str, *, force: bool) -> None:
 def warnings_before(scenario: ScenarioSource) -> list[str]:
     """Says what is probably not meant, and what no law can do, before anything is simulated."""
     scenario = as_scenario(scenario)
-    return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
+    feasibility = scenario.feasibility()
+    return [*scenario.warnings(), *beyond_wheels(feasibility), *beyond_tyres(feasibility)]
 
 
-def warnings_after(run: RunData, experiment: Experiment) -> list[str]:
+def warnings_after(run: RunData, scenario: Scenario, experiment: Experiment) -> list[str]:
     """Says what was probably not meant and only a simulation shows, by its last iteration."""
-    return seen_warnings(seen_in(run.last, experiment))
+    figures = run.learning.last() if run.learning.names else {}
+    told = scenario.spec.controller.warnings_after(figures)
+    return [*told, *seen_warnings(seen_in(run.last, experiment))]

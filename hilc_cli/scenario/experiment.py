@@ -16,20 +16,21 @@ from hilc_cli.laws.norm_optimal.law import IDEAL_MOTORS, RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
 from hilc_cli.plants.kinematic import feedforward
-from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import OWN as PLANTS
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import BELIEVED, MODEL, TRUE
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
-from hilc_cli.theory.feasibility.demand import demand_of
+from hilc_cli.theory.feasibility.demand import Demand, demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
+from hilc_cli.theory.feasibility.motors import acceleration_warnings, start_warnings
 from hilc_cli.theory.feasibility.plausibility import implausible, is_plain
 from hilc_cli.wording import in_short
 from hilc_cli.yaml_input.nodes import Place
 from hilc_cli.yaml_input.tree import to_yaml
 
 NAMED_INPUTS = ("zero", "feedforward")
+_FAR = 10.0  # times the size of the path, from which no robot comes to it
 _MUCH = 0.1  # of a path's duration, for jumps of its curvature
 INITIAL_INPUT_FILE = "initial-input.csv"
 
@@ -82,11 +83,14 @@ class Scenario:
         return self.spec.controller.in_words(self.setting)
 
     @property
-    def plug_ins(self) -> dict[str, dict[str, str | None]]:
-        """Package and version of what is not hilc's own in it, as manifests note them."""
-        law, plant = self.spec.controller.law, self.spec.robot.plant
-        of_law = plug_ins.packages_of("law", [law], LAWS)
-        return of_law | plug_ins.packages_of("plant", [plant], PLANTS)
+    def plug_ins(self) -> dict[str, dict[str, Any]]:
+        """What is not hilc's own in it, as manifests note it: package and version, or command."""
+        law, robot = self.spec.controller.law, self.spec.robot
+        found: dict[str, dict[str, Any]] = dict(plug_ins.packages_of("law", [law], LAWS))
+        program = robot.program
+        if program is None:
+            return found | plug_ins.packages_of("plant", [robot.plant_name], PLANTS)
+        return found | {robot.plant_name: program}
 
     @property
     def speed_limit(self) -> float | None:
@@ -95,13 +99,13 @@ class Scenario:
 
     def experiment(self) -> Experiment:
         """The scenario with every number resolved."""
-        spec = self.spec
-        reference = spec.reference
-        left, right = self._first_input(reference)
+        spec, setting = self.spec, self.setting
+        reference = setting.reference
+        left, right = self._first_input(setting)
         return Experiment(
             reference=reference,
             plant=spec.robot.as_plant(),
-            law=spec.controller.law_for(self.setting),
+            law=spec.controller.law_on(setting),
             initial_pose=spec.start_pose,
             initial_left=left,
             initial_right=right,
@@ -118,27 +122,34 @@ class Scenario:
     @property
     def setting(self) -> Setting:
         """What the law may depend on beside its own parameters."""
-        spec = self.spec
+        spec, robot = self.spec, self.spec.robot.robot()
         return Setting(
             spec.reference,
-            spec.model.model(spec.robot.robot()),
+            spec.model.model(robot),
             spec.initial_error,
             spec.disturbance.initial_pose.bound,
             spec.robot.lead,
+            spec.model.drivetrain(robot),
         )
 
-    def _first_input(self, reference: Reference) -> tuple[Floats, Floats]:
+    def _first_input(self, setting: Setting) -> tuple[Floats, Floats]:
+        reference, model, drivetrain = setting.reference, setting.model, setting.drivetrain
         if self.initial_input is not None:
             return self.initial_input
         if self.spec.initial_input == "feedforward":
-            return feedforward(reference, self.spec.model.model(self.spec.robot.robot()))
+            wheels = feedforward(reference, model)
+            if drivetrain is None:
+                return wheels
+            return drivetrain.sent_for(*wheels, model.wheel_radius, reference.sample_time)
         nothing = _nothing(reference.samples)
         return nothing, nothing
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        found = [*self._implausible(), *self.spec.controller.warnings(self.setting)]
-        found += [*self._without_learning(), *self._slow_joints()]
+        demand = self.feasibility().demand
+        found = [*self._implausible(demand), *self.spec.trajectory.warnings()]
+        found += [*self._far_away(demand), *self.spec.controller.warnings(self.setting)]
+        found += [*self._without_learning(), *self._slow_joints(), *self._of_motors(demand)]
         if abs(self.spec.initial_error[2]) > math.pi:
             heading = self.spec.start_pose[2]
             meant = f"; {heading:g} deg?" if is_plain(heading) else ""
@@ -148,7 +159,7 @@ class Scenario:
             )
         return found
 
-    def _implausible(self) -> list[str]:
+    def _implausible(self, demand: Demand) -> list[str]:
         """Numbers that hardly anybody means."""
         spec, robot = self.spec, self.spec.robot.robot()
         headings = {"trajectory.start.heading": spec.trajectory.start_pose[2]}
@@ -157,7 +168,31 @@ class Scenario:
                 headings[f"trajectory.segments.{index}.spline.heading"] = segment.spline.heading
         if spec.initial_pose.heading is not None:
             headings["initial_pose.heading"] = spec.initial_pose.heading
-        return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)
+        return implausible(demand, robot, spec.model.model(robot), headings)
+
+    def _far_away(self, demand: Demand) -> list[str]:
+        """A start that lies where the path does not, such as at 0 beside points in UTM."""
+        x, y, _ = self.spec.trajectory.start_pose
+        distance = math.hypot(*self.spec.initial_error[:2])
+        size = max(demand.extent, 2 * self.spec.robot.robot().half_track)
+        if distance <= _FAR * size:
+            return []
+        return [
+            f"initial_pose is {distance:.4g} m from the trajectory's start at ({x:.9g}, {y:.9g}), "
+            f"{distance / size:.2g} times the size of the path; give it in the path's coordinates"
+        ]
+
+    def _of_motors(self, demand: Demand) -> list[str]:
+        """What motors, real or believed ones, cannot follow."""
+        spec, drivetrain = self.spec, self.setting.drivetrain
+        limits = {"robot.motor.acceleration": spec.robot.wheel_acceleration}
+        if drivetrain is not None:
+            limits["model.motor.acceleration"] = drivetrain.motor.acceleration
+        key = min(limits, key=lambda key: limits[key])
+        if drivetrain is None and limits[key] == math.inf:
+            return []
+        found = acceleration_warnings(demand, spec.robot.mean_wheel_radius, key, limits[key])
+        return found if drivetrain is None else [*found, *start_warnings(demand, drivetrain.motor)]
 
     def _slow_joints(self) -> list[str]:
         """Jumps of the curvature that wheels can follow only nearly at rest."""
@@ -201,7 +236,7 @@ class Scenario:
         limit = math.inf if self.speed_limit is None else self.speed_limit
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             demand = demand_of(spec.reference, robot, spec.trajectory.segment_names)
-        limits = Limits(limit, spec.robot.friction)
+        limits = Limits(limit, spec.robot.friction, spec.robot.wheel_load)
         return Feasibility(demand, robot, limits, profiled=spec.trajectory.timing is not None)
 
     def resolved(self) -> dict[str, Any]:
@@ -215,13 +250,16 @@ class Scenario:
         if timing is not None and timing.wheel_speed is None:
             limited = timing.model_copy(update={"wheel_speed": self.speed_limit})
             data["trajectory"]["timing"] = limited.model_dump(mode="json", exclude_none=True)
-        for key, platform in (("robot", robot), ("model", model)):
-            data[key]["half_track"] = platform.half_track
-            del data[key]["wheel_separation"]
-        if spec.robot.friction is None:
-            del data["robot"]["friction"]
-        _without_usual_plant(data, spec.robot)
-        data["model"]["wheel_radius"] = model.wheel_radius
+        data["robot"] = spec.robot.resolved()
+        data["model"]["half_track"] = model.half_track
+        del data["model"]["wheel_separation"]
+        _without_usual(data, spec)
+        drivetrain = spec.model.drivetrain(robot)
+        data["model"]["wheel_radius"] = (
+            model.wheel_radius
+            if drivetrain is None or drivetrain.left_radius == drivetrain.right_radius
+            else {"left": drivetrain.left_radius, "right": drivetrain.right_radius}
+        )
         del data["model"][FROM]  # its numbers are in its place
         data["initial_pose"] = dict(zip(("x", "y", "heading"), spec.start_pose, strict=True))
         if self.initial_input is not None:
@@ -245,7 +283,7 @@ class Scenario:
         data = self.spec.model_dump(mode="json", exclude={"sweep"}, exclude_none=True)
         if self.initial_input is not None:
             data["initial_input"] = INITIAL_INPUT_FILE
-        _without_usual_plant(data, self.spec.robot)
+        _without_usual(data, self.spec)
         return data
 
     def resolved_yaml(self) -> str:
@@ -253,11 +291,12 @@ class Scenario:
         return to_yaml(self.resolved())
 
 
-def _without_usual_plant(data: dict[str, Any], robot: RobotSpec) -> None:
-    """Leaves out of a scenario what its plant has as every scenario's plant has it."""
-    for key in robot.only_if_given:
-        if getattr(robot, key) == type(robot).model_fields[key].default:
-            del data["robot"][key]
+def _without_usual(data: dict[str, Any], spec: ScenarioSpec) -> None:
+    """Leaves out of a scenario what its robot and its model have as those of every scenario."""
+    for section, part in (("robot", spec.robot), ("model", spec.model)):
+        for key in part.only_if_given:
+            if getattr(part, key) == type(part).model_fields[key].default:
+                data[section].pop(key, None)
 
 
 # Shown elsewhere: the speed limit is a figure of its own, the switch has a text of its own.

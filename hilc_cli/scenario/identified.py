@@ -22,7 +22,13 @@ from hilc_cli.yaml_input.nodes import (
 FROM = "from"
 _COLUMNS = {"wheel_radius": "model_wheel_radius_m", "half_track": "model_half_track_m"}
 """Keys of a model, and the columns of ``learning.csv`` that tell them."""
-_EXCLUDED = (*_COLUMNS, "wheel_separation")
+_RATIO = "model_left_per_right_radius"
+_MOTOR = {
+    "delay": "model_delay_s",
+    "lag": "model_lag_s",
+    "dead_zone": "model_friction_rad_s",
+}
+"""Keys of a model's motor, and likewise."""
 _NOTHING = Scalar(Place(Source("", Path())), None, "")
 _REMEDY = "name the folder of a run whose law identifies, such as norm-optimal"
 
@@ -50,13 +56,13 @@ def with_identified(tree: MapNode, read: Callable[[Path, int], bytes]) -> MapNod
     try:
         if not isinstance(node, Scalar) or not isinstance(node.value, str) or not node.value:
             raise UsageError(f"must be the folder of a run, got {describe(node)}; {_REMEDY}")
-        for key in _EXCLUDED:
+        known = _identified(node.place.source.folder / node.value, read)
+        for key in (*known, "wheel_separation"):
             if to_data(model.entries.get(key, _NOTHING)) is not None:
                 raise UsageError(
                     f"tells {key}, which the model has, too; give one of them, such as "
                     f"'model: {{from: {node.value}}}' alone"
                 )
-        known = _identified(node.place.source.folder / node.value, read)
     except HilcError as error:
         raise InvalidInputError([Problem(str(node.place), f"model.{FROM}", str(error))]) from None
     entries = {key: value for key, value in model.entries.items() if key != FROM}
@@ -66,8 +72,10 @@ def with_identified(tree: MapNode, read: Callable[[Path, int], bytes]) -> MapNod
     return with_entry(tree, "model", found, tree.key_places.get("model", model.place))
 
 
-def _identified(folder: Path, read: Callable[[Path, int], bytes]) -> dict[str, float]:
+def _identified(folder: Path, read: Callable[[Path, int], bytes]) -> dict[str, object]:
     """Returns what the model of a run was at its end, by key of a scenario's model.
+
+    Of a run that has identified motors, each wheel's radius and the motor are among it.
 
     Raises:
         HilcError: There is no such table, it is damaged, or nothing of it was identified.
@@ -79,4 +87,10 @@ def _identified(folder: Path, read: Callable[[Path, int], bytes]) -> dict[str, f
     table = read_learning(path)
     if not set(_COLUMNS.values()) <= set(table.names):
         raise UsageError(f"{path}: tells no wheel radius and half track; {_REMEDY}")
-    return {key: float(table[column][-1]) for key, column in _COLUMNS.items()}
+    found: dict[str, object] = {key: float(table[name][-1]) for key, name in _COLUMNS.items()}
+    if {_RATIO, *_MOTOR.values()} <= set(table.names):
+        mean, ratio = float(table[_COLUMNS["wheel_radius"]][-1]), float(table[_RATIO][-1])
+        right = 2 * mean / (1 + ratio)
+        found["wheel_radius"] = {"left": ratio * right, "right": right}
+        found["motor"] = {key: float(table[column][-1]) for key, column in _MOTOR.items()}
+    return found

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Collection, Iterable, Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -20,14 +20,25 @@ from pydantic_core import PydanticCustomError
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
 from hilc_cli.laws.parameters import Controller
 from hilc_cli.laws.registry import ControllerSpec, controller_model
+from hilc_cli.plants.drivetrain import Drivetrain
+from hilc_cli.plants.imperfections import (
+    MOTOR,
+    SLIP,
+    BelievedRadii,
+    BelievedRadius,
+    MotorSpec,
+    SlipSpec,
+    imperfections_of,
+)
 from hilc_cli.plants.kinematic import Robot
-from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, half_track_of
+from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, TurnConventionName, half_track_of
 from hilc_cli.plants.registry import RobotSection
 from hilc_cli.reference.profiled import Profile, WheelLimits
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.speed_limits import Wheels
 from hilc_cli.reference.timing import TimingError
 from hilc_cli.scenario.identified import FROM
+from hilc_cli.scenario.other_words import OF_POSE
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.yaml_input.expressions import PLAIN
@@ -205,15 +216,26 @@ _WithFrom = create_model("_WithFrom", __base__=Model, **_FROM)
 
 
 class ModelSpec(_WithFrom):
-    """What the controller believes; what is left out is as the robot really is."""
+    """What the controller believes.
+
+    What is left out is as the robot really is; motors and tyres are then ideal.
+    """
 
     other_names = OTHER_KEYS
 
-    wheel_radius: RobotLength | None = Field(None, description="R_rs [m]")
+    only_if_given: ClassVar[tuple[str, ...]] = ("turn_convention", "motor", "slip")
+    """Keys that a resolved scenario has only where they are not as in every model."""
+
+    wheel_radius: BelievedRadius | None = Field(None, description="R_rs [m]")
     half_track: RobotLength | None = Field(None, description="B_rs [m]")
     wheel_separation: WheelSeparation | None = Field(
         None, description="distance between the wheels [m], instead of half_track"
     )
+    turn_convention: TurnConventionName | None = Field(
+        None, description="another than the robot's: left and right wheel are believed swapped"
+    )
+    motor: MotorSpec = Field(MOTOR, description="what motors make of their inputs")
+    slip: SlipSpec = Field(SLIP, description="what tyres lose")
 
     @model_validator(mode="after")
     def _one_track(self) -> Self:
@@ -225,10 +247,43 @@ class ModelSpec(_WithFrom):
         """The platform as the controller believes it to be."""
         half_track = half_track_of(self.half_track, self.wheel_separation)
         return Robot(
-            robot.wheel_radius if self.wheel_radius is None else self.wheel_radius,
+            sum(self._radii(robot)) / 2,
             robot.half_track if half_track is None else half_track,
-            robot.turn_convention,
+            self.turn_convention or robot.turn_convention,
         )
+
+    def drivetrain(self, robot: Robot) -> Drivetrain | None:
+        """The wheels, motors and tyres that the controller believes in; None for the paper's."""
+        left, right = self._radii(robot)
+        # What is left out is the very default, which makes the cases of a large sweep fast.
+        if left == right and self.motor is MOTOR and self.slip is SLIP:
+            return None
+        found = Drivetrain(left, right, self.motor.motor(), self.slip.slip())
+        return None if found.is_ideal else found
+
+    def imperfections(self, robot: Robot) -> dict[str, float | str]:
+        """What is believed beyond the paper's robot, by dotted key."""
+        return imperfections_of(self._radii(robot), self.motor, self.slip)
+
+    def with_keys(self, keys: Iterable[str]) -> ModelSpec:
+        """Returns the same model, with a radius for each wheel if a key leads to one."""
+        if not any(key.startswith("wheel_radius.") for key in keys):
+            return self
+        radius: float | BelievedRadii | None = self.wheel_radius
+        if not isinstance(radius, BelievedRadii):
+            radius = BelievedRadii(left=radius, right=radius)
+        return self.model_copy(update={"wheel_radius": radius})
+
+    def _radii(self, robot: Robot) -> tuple[float, float]:
+        """The radius [m] of the left and of the right wheel."""
+        radius: float | BelievedRadii | None = self.wheel_radius
+        if radius is None:
+            radius = robot.wheel_radius
+        if not isinstance(radius, BelievedRadii):
+            return radius, radius
+        left = robot.wheel_radius if radius.left is None else radius.left
+        right = robot.wheel_radius if radius.right is None else radius.right
+        return left, right
 
 
 DEFAULT_ITERATIONS = 100
@@ -323,6 +378,8 @@ _OTHER_KEYS = {
 class InitialPoseSpec(Model):
     """Where each iteration starts; what is left out is as in the trajectory's start."""
 
+    other_names = OF_POSE
+
     x: Coordinate | None = Field(None, description="m")
     y: Coordinate | None = Field(None, description="m")
     heading: Angle | None = Field(None, description="rad")
@@ -362,6 +419,12 @@ class ScenarioSpec(Model):
         """What does not fit together, whatever else is wrong."""
         own = super().misfits(data)
         return [*own, *_misfits_of_path(data), *_misfits_of_record(data)]
+
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine can run it."""
+        is_ideal = self.model.drivetrain(self.robot.robot()) is None
+        return self.robot.in_lanes and self.controller.in_lanes and is_ideal
 
     @property
     def wheel_limits(self) -> WheelLimits:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, WrapValidator, model_validator
 
 from hilc_cli.reference.path import (
@@ -20,7 +21,9 @@ from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.speed_limits import Limits, Wheels
 from hilc_cli.reference.through_points import Curve
 from hilc_cli.reference.timing import End, TimingError
+from hilc_cli.scenario import other_words
 from hilc_cli.scenario.segments import SegmentSpec
+from hilc_cli.theory.feasibility.plausibility import in_degrees_a_second
 from hilc_cli.wording import near_name
 from hilc_cli.yaml_input.model import Flag, Located, Model, Name, Text, together, wrong, wrong_at
 from hilc_cli.yaml_input.quantities import (
@@ -35,8 +38,14 @@ from hilc_cli.yaml_input.quantities import (
     such_as,
 )
 
+_MUCH_MOVED = 0.01
+"""By so much of a segment's length no coordinate is off that was merely rounded."""
 _MOST_DEGREES = 3600
 """Larger numbers are hardly meant to be degrees."""
+_AWAY = math.radians(100)
+"""From the direction in which a curve starts to that of its first points: more is hardly meant."""
+_CORNER = math.radians(5)
+"""From leg to leg of a polyline: less are the points of a bend."""
 MOST_POINTS = 10_000
 """Points of all segments together, which a resolved scenario holds."""
 MOST_KEPT = 1_000_000
@@ -45,6 +54,8 @@ MOST_KEPT = 1_000_000
 
 class PoseSpec(Model):
     """A position and a heading."""
+
+    other_names = other_words.OF_POSE
 
     x: Coordinate = Field(description="m")
     y: Coordinate = Field(description="m")
@@ -70,19 +81,10 @@ def _word_or_radius(value: object, handler: object) -> object:
     raise wrong("is not one of the choices", remedy)
 
 
-_OTHER_LIMITS = {
-    **dict.fromkeys(("velocity", "maxvelocity", "vmax", "maxspeed"), "it is speed"),
-    **dict.fromkeys(("accel", "amax", "maxaccel", "maxacceleration"), "it is acceleration"),
-    **dict.fromkeys(
-        ("alat", "lateralaccel", "maxlateralacceleration"), "it is lateral_acceleration"
-    ),
-}
-
-
 class TimingSpec(Model):
     """Limits within which the path is driven as fast as can be."""
 
-    other_names = _OTHER_LIMITS
+    other_names = other_words.OF_TIMING
 
     speed: PositiveSpeed | None = Field(None, description="m/s")
     acceleration: PositiveAcceleration | None = Field(
@@ -127,6 +129,8 @@ class TimingSpec(Model):
 
 class TrajectorySpec(Model):
     """A reference trajectory: where it starts and the segments that it is made of."""
+
+    other_names = other_words.IN_TRAJECTORY
 
     name: Name
     description: Text = ""
@@ -195,6 +199,61 @@ class TrajectorySpec(Model):
     def curves(self) -> Mapping[int, Curve]:
         """Curves through points, by the number of their segment."""
         return self._path.curves
+
+    def warnings(self) -> list[str]:
+        """What of it is legal but probably not meant."""
+        return [*self._odd_rates(), *self._moved_points(), *self._odd_curves()]
+
+    def _odd_rates(self) -> list[str]:
+        """Turns in place whose rate was hardly meant in rad/s."""
+        return in_degrees_a_second(
+            {
+                f"trajectory.segments.{index}.turn.rate": segment.turn.rate
+                for index, segment in enumerate(self.segments)
+                if segment.turn is not None and segment.turn.rate is not None
+            }
+        )
+
+    def _moved_points(self) -> list[str]:
+        """What a tolerance moves by more than somebody rounds."""
+        lengths, names = self._path.lengths, self.segment_names
+        moved = [
+            (f"{names[index]}: its {what}", distance, lengths[index])
+            for index, what, distance in self._path.moved
+        ]
+        if self.closed:
+            moved.append((f"{names[-1]}: its end", self._path.gap(), sum(lengths)))
+        return [
+            f"trajectory.{what} is {distance:.3g} m off, {distance / length:.2g} of the length, "
+            "which 'tolerance' allows; give a smaller one to see what does not fit"
+            for what, distance, length in moved
+            if distance > _MUCH_MOVED * length
+        ]
+
+    def _odd_curves(self) -> list[str]:
+        """Points of curves that no robot would be sent through."""
+        found = []
+        for index, curve in self.curves.items():
+            key = f"trajectory.{self.segment_names[index]}"
+            off = self._path.off_the_start(index)
+            if abs(off) > _AWAY:
+                shape = self.segments[index].spline or self.segments[index].path
+                reverse = shape is not None and bool(shape.reverse)
+                found.append(f"{key} {_leads_away(off, reverse=reverse)}")
+            back, path = curve.turns_back, self.segments[index].path
+            if path is not None and path.through == "polyline" and self.corners == "allow":
+                found += (f"{key} {text}" for text in _corners_within(curve))
+            elif back:
+                point, turn = back[0]
+                x, y = curve.points[int(np.searchsorted(curve.numbers, point))]
+                among = f", and at {len(back) - 1} more" if len(back) > 1 else ""
+                found.append(
+                    f"{key} turns back by {math.degrees(turn):.3g} deg at its point {point}, "
+                    f"({x:.6g}, {y:.6g}){among}: no robot drives such a loop; end it there, and "
+                    "give the way back as a path of its own, with 'reverse: true' or after a turn "
+                    "in place"
+                )
+        return found
 
     def reference(self, robot: WheelLimits | None = None) -> Reference:
         """The sampled trajectory.
@@ -305,6 +364,36 @@ class TrajectorySpec(Model):
                 f"{remedy}{self._degrees_meant(last)}",
             )
         return path
+
+
+def _corners_within(curve: Curve) -> list[str]:
+    """What is to be said of a polyline whose corners are left as they are."""
+    corners = np.flatnonzero(curve.turns > _CORNER)
+    if not len(corners):
+        return []
+    sharpest = int(curve.turns.argmax())
+    angle, point = math.degrees(curve.turns[sharpest]), int(curve.numbers[sharpest + 1])
+    many = f"{len(corners)} corners, the sharpest" if len(corners) > 1 else "a corner"
+    return [
+        f"has {many} of {angle:.3g} deg at its point {point}, which no robot turns in a sample, "
+        "however long the path takes; set 'corners: {radius: 20 cm}', or take 'through: spline'"
+    ]
+
+
+def _leads_away(off: float, *, reverse: bool) -> str:
+    """What is to be said of points that lead away from the direction in which it is driven."""
+    degrees = f"{math.degrees(abs(off)):.3g} deg"
+    if reverse:
+        return (
+            f"is driven backward, and its first points lead {degrees} off that way, to where the "
+            "robot looks: it bends round on the spot; leave out 'reverse: true', or give its "
+            "points in the other order"
+        )
+    return (
+        f"has first points that lead {degrees} off the heading with which it starts: it bends "
+        "round on the spot; set 'reverse: true' to drive it backward, give its points in the "
+        "other order, or correct the heading"
+    )
 
 
 def _has_own_start(segment: object) -> bool:

@@ -22,10 +22,10 @@ from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec, read_a
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.plan import (
     TRAJECTORY,
-    WITHOUT_EFFECT,
     Change,
     Plan,
     changes_path,
+    keys_without_effect,
     parts,
     root,
     scenario_of,
@@ -49,7 +49,8 @@ from hilc_cli.yaml_input.problems import problems_of
 from hilc_cli.yaml_input.quantities import MOST_CASES
 from hilc_cli.yaml_input.reading import Inputs, parts_of_key
 
-_LAW = "controller.law"
+_CHOICES = {"controller.law": "law", "robot.plant": "plant"}
+"""Keys that choose which others there are, and what they choose."""
 _MOST_CORNERS = 64
 _MOST_TRIED = 10_000
 """Cases of a search: the time that it takes to think of the next one grows with their number."""
@@ -102,10 +103,11 @@ def plan_sweep(
         loaded, _nodes(vary), {k: value for k, value in options.items() if value is not None}
     )
     # Which samples a run records has no effect on a sweep, and is not to limit its iterations.
-    robot = loaded.spec.robot.with_keys(
-        key.removeprefix("robot.") for key in _axis_nodes(tree) if root(key) == "robot"
-    )
-    spec = loaded.spec.model_copy(update={"record": RecordSpec(), "sweep": None, "robot": robot})
+    updates: dict[str, Any] = {"record": RecordSpec(), "sweep": None}
+    for section in ("robot", "model"):
+        below = [key.partition(".")[2] for key in _axis_nodes(tree) if root(key) == section]
+        updates[section] = getattr(loaded.spec, section).with_keys(below)
+    spec = loaded.spec.model_copy(update=updates)
     base = replace(loaded, spec=spec)
     try:
         asked = CompleteSweepSpec.model_validate(to_data(tree))
@@ -287,12 +289,14 @@ class _Checked:
     def _add(self, key: str, axis: Axis) -> None:
         place = self.places[key]
         try:
-            if any(key == other or key.startswith(f"{other}.") for other in WITHOUT_EFFECT):
+            without = keys_without_effect(self.spec)
+            if any(key == other or key.startswith(f"{other}.") for other in without):
                 message = "has no effect on the results; vary another key"
                 raise InvalidInputError.of(place, key, message)
-            if key == _LAW:
-                message = "cannot be varied, since each law has parameters of its own; "
-                message += "make a scenario for each law"
+            if key in _CHOICES:
+                what = _CHOICES[key]
+                message = f"cannot be varied, since each {what} has parameters of its own; "
+                message += f"make a scenario for each {what}"
                 raise InvalidInputError.of(place, key, message)
             if key == TRAJECTORY:
                 self.axes[key] = self._trajectories(axis, place)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix
+from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix, GainsAlong
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.matrices import GainParts, known_plant, knows_plant
@@ -32,7 +32,8 @@ class LinearLaw(ABC):
     What is worded is part of sentences that name the law's keys.
 
     Attributes:
-        matrix: The gain matrix.
+        matrix: The gain matrix, without a lateral gain, which no wheel speed answers at once.
+        along: The gain matrix at each sample, with it.
         gain_heading: The heading at which it is taken.
         next_gain: What e(k+1) is multiplied by before G_k; none of w(k) depends on later errors.
         forgotten: gamma: how much of u(k) - u_0(k) the law takes away.
@@ -59,11 +60,16 @@ class LinearLaw(ABC):
     for_the_start = ""
 
     def __init__(
-        self, experiment: Experiment, matrix: GainMatrix, gain_heading: GainHeading
+        self,
+        experiment: Experiment,
+        matrix: GainMatrix,
+        gain_heading: GainHeading,
+        along: GainsAlong | None = None,
     ) -> None:
-        self._experiment = experiment
-        self._sample_time = experiment.reference.sample_time
+        reference = experiment.reference
+        self._experiment, self._sample_time = experiment, reference.sample_time
         self.matrix, self.gain_heading = matrix, gain_heading
+        self.along = along or GainsAlong.same(matrix, reference.samples)
 
     @property
     def kept(self) -> float:
@@ -74,7 +80,10 @@ class LinearLaw(ABC):
     def gains(self) -> Floats:
         """G_k, the gain matrix along the reference, shape (n, 2, 3)."""
         headings = self._experiment.reference.heading[:-1]
-        return np.asfortranarray(GainParts.of(self.matrix).at(headings))
+        gains = np.empty((len(headings), 2, 3), order="F")
+        for matrix, here in self.along.parts():
+            gains[here] = GainParts.of(matrix).at(headings[here])
+        return gains
 
     @abstractmethod
     def learned(self, inputs: Floats, errors: Floats) -> Floats:

@@ -233,6 +233,10 @@ class Inputs:
         return with_entry(tree, "trajectory", trajectory, trajectory.place)
 
     def _of_file(self, path: Path, kinds: Sequence[str]) -> Node:
+        for kind in kinds if path.is_dir() else ():
+            inside = path / f"{_ONE[kind]}.yaml"  # as result folders have it
+            if inside.is_file():
+                raise UsageError(f"{path}: is a folder; give the {_ONE[kind]} in it, {inside}")
         return self._parsed(self.file(path, MAX_BYTES), Source(str(path), path.parent), kinds)
 
     def _parsed(self, content: bytes, source: Source, kinds: Sequence[str]) -> Node:

@@ -55,26 +55,23 @@ def off(run: Run, iteration: int = -1) -> Floats:
     return np.hypot(reference.x - trial.x, reference.y - trial.y)
 
 
-def manoeuvre(left: str, right: str, sign: int, *, back: bool) -> list[dict[str, Any]]:
-    reverse = {"reverse": True} if back else {}
+def manoeuvre(left: str, right: str, sign: int) -> list[dict[str, Any]]:
     return [
         {"line": {"length": 0.3, "speed": 0.1}},
         {"clothoid": {"length": 0.3, "end_radius": 0.4, "turn": left, "speed": 0.1}},
         {"stop": {"duration": 0.5}},
-        {"arc": {"radius": 0.4, "sweep": 1, "turn": right, "speed": 0.1, **reverse}},
+        {"arc": {"radius": 0.4, "sweep": 1, "turn": right, "speed": 0.1, "reverse": True}},
         {"turn": {"angle": sign * 1.2, "rate": 0.8}},
-        {"line": {"length": 0.3, "speed": 0.1, **reverse}},
+        {"line": {"length": 0.3, "speed": 0.1, "reverse": True}},
     ]
 
 
 @pytest.mark.parametrize("law", LAWS)
 def test_mirrored_path_gives_the_mirrored_run(law: str) -> None:
-    # A lateral gain is refused where a path is driven back.
-    back = "lateral" not in LAWS[law].get("gains", {})
     own = {**LAWS[law], **({"cutoff": "4 Hz"} if "cutoff" in LAWS[law] else {})}
     runs = [
         driven(
-            manoeuvre(left, right, sign, back=back),
+            manoeuvre(left, right, sign),
             own,
             heading=sign * 0.4,
             initial_pose={"x": 0.01, "y": sign * 0.02},

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from hilc_cli.plants.imperfect_plant import ImperfectPlant, Slip
+from hilc_cli.plants.drivetrain import Drivetrain, Slip
+from hilc_cli.plants.imperfect_plant import ImperfectPlant
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.plants.motor import Motor
@@ -33,7 +34,7 @@ def plant_of(
     exact: bool = True,
     robot: Robot = ROBOT,
 ) -> ImperfectPlant:
-    return ImperfectPlant(robot, left, right, motor, slip, exact)
+    return ImperfectPlant(robot, Drivetrain(left, right, motor, slip), exact)
 
 
 def driven(plant: Plant, wheels: Wheels, start: Pose = ORIGIN) -> Floats:
@@ -205,12 +206,13 @@ def transcribed(
     plant: ImperfectPlant, start: Pose, wheels: Sequence[tuple[float, float]]
 ) -> Floats:
     """The plant written down once more: all wheels first, then the plane as complex numbers."""
-    ways = np.array([turned(one, plant.motor) for one in zip(*wheels, strict=True)])
-    left, right = np.array([[plant.left_radius], [plant.right_radius]]) * ways
-    left, right = left - plant.slip.longitudinal * left, right - plant.slip.longitudinal * right
+    drive = plant.drivetrain
+    ways = np.array([turned(one, drive.motor) for one in zip(*wheels, strict=True)])
+    left, right = np.array([[drive.left_radius], [drive.right_radius]]) * ways
+    left, right = left - drive.slip.longitudinal * left, right - drive.slip.longitudinal * right
     ahead, turn = (left + right) / 2, (left - right) / (2 * plant.robot.half_track)
     turn = turn if plant.robot.turn_convention == "paper" else -turn
-    move = ahead - 1j * plant.slip.lateral * (ahead / STEP) * (turn / STEP) * STEP
+    move = ahead - 1j * drive.slip.lateral * (ahead / STEP) * (turn / STEP) * STEP
     if plant.exact:  # the integral of exp(i turn t) for t from 0 to 1
         some = turn != 0
         move[some] *= np.expm1(1j * turn[some]) / (1j * turn[some])
@@ -233,9 +235,8 @@ def test_whole_plant_is_its_independent_transcription() -> None:
         slip = Slip(some[4] * random.uniform(0, 0.3), some[5] * random.uniform(0, 0.1))
         plant = ImperfectPlant(
             Robot(0.1, TRACK, "paper" if some[6] else "rep103"),
-            random.uniform(0.08, 0.12),
-            random.uniform(0.08, 0.12),
-            motor, slip, bool(some[7]),
+            Drivetrain(random.uniform(0.08, 0.12), random.uniform(0.08, 0.12), motor, slip),
+            bool(some[7]),
         )  # fmt: skip
         wheels = np.cumsum(random.normal(0, 2, (60, 2)), axis=0).tolist()
         start: Pose = tuple(random.uniform(-1, 1, 3).tolist())

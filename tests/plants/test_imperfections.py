@@ -13,7 +13,8 @@ import pytest
 
 import hilc_cli as hilc_api
 from hilc_cli.errors import InvalidInputError
-from hilc_cli.plants.imperfect_plant import ImperfectPlant, Slip
+from hilc_cli.plants.drivetrain import Drivetrain, Slip
+from hilc_cli.plants.imperfect_plant import ImperfectPlant
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.kinematic_plant import KinematicPlant, KinematicSpec
 from hilc_cli.plants.motor import Motor
@@ -52,7 +53,7 @@ def test_keys_are_what_the_plant_is_made_of() -> None:
     made = hilc_api.load_scenario(scenario(**ALL))
     motor = Motor(0.13, 0.05, 60.0, 0.2)
     robot = Robot((0.101 + 0.0995) / 2, 0.25, "rep103")
-    expected = ImperfectPlant(robot, 0.101, 0.0995, motor, Slip(0.03, 0.02), True)
+    expected = ImperfectPlant(robot, Drivetrain(0.101, 0.0995, motor, Slip(0.03, 0.02)), True)
     assert made.experiment().plant == expected
     # What is believed is the mean of the wheels, and a robot without the rest.
     assert made.setting.model == robot
@@ -158,7 +159,7 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"motor": {"lag": "5 sec"}}, "motor.lag: has the unknown unit 'sec', got '5 sec'; did you mean '5 s'?"),
     ({"motor": {"lag": [1]}}, f"motor.lag: must be a number, got a list of 1; {NUMBER} 0.05 or 50 ms"),
     ({"motor": {"acceleration": 0}}, "motor.acceleration: must be above 0, got 0; give a number above 0, such as 30 or 30 rad/s^2"),
-    ({"motor": {"acceleration": "30 rad/s"}}, "motor.acceleration: has the wrong unit, got '30 rad/s'; give a number above 0, such as 30 or 30 rad/s^2"),
+    ({"motor": {"acceleration": "30 rad/s"}}, "motor.acceleration: has the wrong unit, got '30 rad/s'; did you mean '30 rad/s^2'?"),
     ({"motor": {"dead_zone": -1}}, f"motor.dead_zone: must be at least 0, got -1; {NUMBER} 0.2 or 2 rpm"),
     ({"motor": {"latency": 0.1}}, "motor.latency: is an unknown key; it is delay"),
     ({"motor": {"lagg": 0.1}}, "motor.lagg: is an unknown key; did you mean 'lag'?"),
@@ -184,14 +185,14 @@ def test_wrong_robots_are_told(robot: dict[str, Any], said: str) -> None:
 @pytest.mark.parametrize(
     ("key", "said"),
     [
-        ("model.wheel_radius.left", "cannot be set, since model.wheel_radius is a single value"),
+        ("model.half_track.left", "cannot be set, since model.half_track is a single value"),
         ("robot.wheel_radius.middle", "is an unknown key; known: left, right"),
         ("robot.latency", "is an unknown key; in 'robot.motor', it is delay"),
-        ("delay", "is an unknown key; did you mean 'robot.motor.delay'?"),
+        ("delay", "is an unknown key; did you mean 'robot.motor.delay' or 'model.motor.delay'?"),
     ],
 )
 def test_wrong_keys_of_options_are_told(key: str, said: str) -> None:
-    made = {**scenario(), "model": {"wheel_radius": 0.1}}
+    made = {**scenario(), "model": {"half_track": 0.1}}
     loaded: Callable[[], object]
     for loaded in (
         lambda: hilc_api.load_scenario(made, [f"{key}=0.1"]),

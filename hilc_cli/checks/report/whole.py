@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hilc_cli.checks.report.feasibility import feasibility_section
-from hilc_cli.checks.report.learning import errors_grid, learning_section
+from hilc_cli.checks.report.learning import errors_grid, in_words, learning_section
 from hilc_cli.checks.report.theory import theory_section
 from hilc_cli.reporting.terminal import (
     finding_lines,
@@ -86,15 +86,18 @@ def _rows(check: Check) -> list[tuple[str, str]]:
     demand, robot = check.feasibility.demand, spec.robot.robot()
     model = spec.model.model(robot)
     path = (
-        f"{spec.trajectory.name}: {demand.length:.4g} m in {demand.duration:.4g} s, "
+        f"{spec.trajectory.name}: {demand.in_short}, "
         f"{demand.samples} samples of {demand.sample_time:g} s"
     )
     rows = [
         ("Path", path),
         ("Robot", f"{_platform(robot)}; convention: {robot.turn_convention}"),
     ]
-    if _platform(model) != _platform(robot):
-        rows.append(("Model", _platform(model)))
+    believed = in_words(spec.model.imperfections(robot))
+    if model.turn_convention != robot.turn_convention:
+        believed.append(f"convention: {model.turn_convention}")
+    if believed or _platform(model) != _platform(robot):
+        rows.append(("Model", "; ".join([_platform(model), *believed])))
     return [
         *rows,
         ("Law", scenario.law_in_words),

@@ -149,6 +149,7 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
         pack.diverged_at,
         *pack.desired,
         pack.decay,
+        pack.directions,
         kind.derivative or None,
         kind.full_matrix or None,
         (kind.disturbed or heading != "measured") or None,

@@ -181,6 +181,7 @@ def _run_iterations(
     y_desired: Floats,
     heading_desired: Floats,
     decay: Floats | None,
+    directions: Floats | None,
     derivative: bool | None,
     full_matrix: bool | None,
     own_heading: bool | None,
@@ -210,14 +211,14 @@ def _run_iterations(
         if ends:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                decay, derivative, full_matrix, own_heading, reference_heading,
-                previous_heading, disturbed, True, state_kind, output_kind,
+                decay, directions, derivative, full_matrix, own_heading,
+                reference_heading, previous_heading, disturbed, True, state_kind, output_kind,
             )  # fmt: skip
         else:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                decay, derivative, full_matrix, own_heading, reference_heading,
-                previous_heading, disturbed, None, state_kind, output_kind,
+                decay, directions, derivative, full_matrix, own_heading,
+                reference_heading, previous_heading, disturbed, None, state_kind, output_kind,
             )  # fmt: skip
         goes_on = _compiled_note(
             lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], n, iteration

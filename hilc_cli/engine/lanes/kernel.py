@@ -18,6 +18,7 @@ from hilc_cli.laws.hybrid import (
     compensated_error,
     compensation_weight,
     learned_error,
+    steered,
     with_derivative,
 )
 from hilc_cli.plants.kinematic import advance, limit_wheel_means
@@ -33,6 +34,7 @@ FORMULAS = (
     with_derivative,
     advance,
     limit_wheel_means,
+    steered,
     wheel_correction,
 )
 (
@@ -45,6 +47,7 @@ FORMULAS = (
     _with_derivative,
     _advance,
     _limit_wheel_means,
+    _steered,
 ) = [formula(function) for function in FORMULAS[:-1]]
 # May take it that nothing is not-a-number, so that products with a constant 0 vanish: a lane in
 # which that is not so has been noted as diverged before.
@@ -56,7 +59,7 @@ LIMIT, TOLERATED = int(Field.SPEED_LIMIT) * W, int(Field.TOLERATED) * W
 DISTANCE, TURN = int(Field.DISTANCE_GAIN) * W, int(Field.TURN_GAIN) * W
 H, PEAK, SLOPE = int(Field.H) * W, int(Field.PEAK) * W, int(Field.SLOPE) * W
 RATE = int(Field.RATE) * W
-M = int(Field.MATRIX) * W
+M, LATERAL = int(Field.MATRIX) * W, int(Field.LATERAL) * W
 GAINS, HEADING_GAINS = int(Field.POSITION_GAINS) * W, int(Field.HEADING_GAINS) * W
 X, Y, HEADING = int(Field.X) * W, int(Field.Y) * W, int(Field.HEADING) * W
 INITIAL, PAST_ERROR = int(Field.INITIAL_ERROR) * W, int(Field.PAST_ERROR) * W
@@ -85,6 +88,7 @@ def _follow(
     y_desired: Floats,
     heading_desired: Floats,
     decay: Floats | None,
+    directions: Floats | None,
     derivative: bool | None,
     full_matrix: bool | None,
     own_heading: bool | None,
@@ -107,6 +111,8 @@ def _follow(
         y_desired: Reference [m], likewise.
         heading_desired: Reference [rad], likewise.
         decay: exp(-k d_t), n numbers: the lanes run Eq. 21; None: they run Eq. 17.
+        directions: 1, 0 or -1 by which way each step is driven, n numbers: a lateral gain comes to
+            the gain matrix with that sign; None: there is none, or it is in the matrix.
         derivative: Anything: l1 acts on the derivative of the error as well, see `HybridLaw`.
         full_matrix: Anything: the gain matrix has any entries; None: those of Eq. 45, which then
             are in the gains.
@@ -195,6 +201,12 @@ def _follow(
                     lanes[M + 12 * W + j], lanes[M + 13 * W + j], lanes[M + 14 * W + j],
                     lanes[M + 15 * W + j], lanes[M + 16 * W + j], lanes[M + 17 * W + j],
                 )  # fmt: skip
+            if directions is not None:
+                matrix = _steered(
+                    matrix,
+                    directions[k] * lanes[LATERAL + j],
+                    directions[k] * lanes[LATERAL + W + j],
+                )
             mean_correction, difference_correction = _wheel_correction(
                 matrix, cos, sin, weighted_x, weighted_y, weighted_heading
             )

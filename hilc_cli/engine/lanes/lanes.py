@@ -27,37 +27,38 @@ class Field(IntEnum):
     RATE = 10  # tau / d_t of the derivative
     POSE_X = 11  # then y, heading: without its disturbance
     MATRIX = 14  # 18 rows: the row of the mean, then that of half the difference
+    LATERAL = 32  # what an error of 1 m to the left adds to the mean, then half the difference
     # Parameters of the disturbances, see `NoiseField`.
-    STATE = 32
-    OUTPUT = 44
-    POSE = 56
+    STATE = 34
+    OUTPUT = 46
+    POSE = 58
     # Gains of the running iteration, times the entries of Eq. 45 if the matrix has that form.
-    POSITION_GAINS = 68  # of the three errors of Eq. 17
-    HEADING_GAINS = 71
+    POSITION_GAINS = 70  # of the three errors of Eq. 17
+    HEADING_GAINS = 73
     # Running state.
-    X = 74
-    Y = 75
-    HEADING = 76
-    INITIAL_ERROR = 77  # e_i(0): x, y, heading
-    PAST_ERROR = 80  # e_i(k): likewise, of the iteration before
-    COS = 83
-    SIN = 84
-    PAST_MEAN = 85  # (left + right) / 2 in the iteration before
-    PAST_HALF_DIFFERENCE = 86  # (left - right) / 2, likewise
+    X = 76
+    Y = 77
+    HEADING = 78
+    INITIAL_ERROR = 79  # e_i(0): x, y, heading
+    PAST_ERROR = 82  # e_i(k): likewise, of the iteration before
+    COS = 85
+    SIN = 86
+    PAST_MEAN = 87  # (left + right) / 2 in the iteration before
+    PAST_HALF_DIFFERENCE = 88  # (left - right) / 2, likewise
     # What metrics of the running iteration are made of, in the order of `Sums`.
-    LARGEST_SQUARE = 87
-    ERROR_SUM = 88
-    SQUARE_SUM = 89
-    LARGEST_ERRORS = 90  # x, y, heading
-    FASTEST_WHEEL = 93
-    SATURATED = 94
-    CHANGE_SQUARES = 95
-    LATER_LARGEST_SQUARE = 96  # of the second half
-    LATER_ERROR_SUM = 97
-    FINAL_ERROR = 98
+    LARGEST_SQUARE = 89
+    ERROR_SUM = 90
+    SQUARE_SUM = 91
+    LARGEST_ERRORS = 92  # x, y, heading
+    FASTEST_WHEEL = 95
+    SATURATED = 96
+    CHANGE_SQUARES = 97
+    LATER_LARGEST_SQUARE = 98  # of the second half
+    LATER_ERROR_SUM = 99
+    FINAL_ERROR = 100
     # The heading, reduced for the cosine; second rows: that of the gain matrix.
-    REST = 99
-    SHIFTED = 101
+    REST = 101
+    SHIFTED = 103
 
 
 FIELDS = Field.SHIFTED + 2

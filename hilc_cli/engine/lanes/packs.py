@@ -24,14 +24,18 @@ from hilc_cli.engine.lanes.lanes import (
 from hilc_cli.engine.lanes.noise import NONE, NORMAL, UNIFORM
 from hilc_cli.errors import UsageError
 from hilc_cli.laws.gain_matrix import GainHeading, LaneParameters
+from hilc_cli.laws.hybrid import with_lateral_gain
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.reference.sampled import Floats, Reference
 
 NEVER = -1
 _ROUNDING = 2.0**-50
 """What the absolute values of a mean and half a difference may add to what they are made of."""
-_LEFT = slice(Field.MATRIX, Field.MATRIX + 9)  # of the matrix; in the lanes the mean
-_RIGHT = slice(Field.MATRIX + 9, Field.MATRIX + 18)  # likewise; in the lanes half the difference
+_BY_WHEELS = [
+    (slice(row, row + rows), slice(row + rows, row + 2 * rows))
+    for row, rows in ((Field.MATRIX, 9), (Field.LATERAL, 1))
+]
+"""Parameters of the left wheel and of the right; in the lanes of the mean and half difference."""
 _LINE = 64  # bytes; vectors that lie across two cache lines take twice as long
 
 
@@ -42,6 +46,7 @@ class Kind(NamedTuple):
         compensation: Whether they run Eq. 21, not Eq. 17.
         derivative: Whether they learn from the derivative of the error as well.
         gain_heading: As in `LaneParameters`.
+        lateral: Whether an error aside turns the wheels as well.
         full_matrix: Whether the gain matrix has another form than that of Eq. 45.
         learn_in_first: As in `Experiment`.
         state: NONE, UNIFORM or NORMAL: the distribution of the state's disturbance.
@@ -52,6 +57,7 @@ class Kind(NamedTuple):
     compensation: bool
     derivative: bool
     gain_heading: GainHeading
+    lateral: bool
     full_matrix: bool
     learn_in_first: bool
     state: int
@@ -70,7 +76,8 @@ class Kind(NamedTuple):
             law.compensation is not None,
             law.derivative != 0,
             law.gain_heading,
-            not law.matrix.is_kinematic,
+            law.lateral != 0,
+            law.lateral != 0 or not law.matrix.is_kinematic,
             experiment.learn_in_first,
             _distribution(disturbance.state),
             _distribution(disturbance.output),
@@ -127,6 +134,8 @@ class Pack:
         sample_time: d_t [s] of the reference.
         desired: x [m], y [m] and heading [rad] of the reference, shape (n + 1,) each.
         decay: exp(-k d_t), shape (n,); None with Eq. 17.
+        directions: Those of the reference, shape (n,), where a lateral gain follows them; None
+            without one, and where they are all the same, so that the gain matrix has it.
         lanes: See `Field`, shape (FIELDS * LANES,); the other arrays are flat likewise.
         words: See `Words`.
         noise: See `lanes.Noise`.
@@ -148,6 +157,14 @@ class Pack:
         self.last = np.empty(LANES, dtype=np.int64)
         self.diverged_at = np.empty(LANES, dtype=np.int64)
         self.decay = np.exp(-reference.times[:-1]) if kind.compensation else None
+        self.directions: Floats | None = None
+        self._direction = 0.0  # with which a lateral gain is in the matrix already
+        if kind.lateral:
+            directions = reference.directions
+            if (directions == directions[0]).all():
+                self._direction = float(directions[0])
+            else:
+                self.directions = directions
 
     def fill(self, experiments: Sequence[Experiment]) -> None:
         """Puts experiments into the lanes; empty lanes repeat the last of them."""
@@ -156,8 +173,9 @@ class Pack:
         self.last[:cases], self.last[cases:] = last, NEVER
         rows = np.array([self._parameters(experiment) for experiment in experiments])
         lanes = self.lanes.reshape(FIELDS, LANES)
-        left, right = rows[:, _LEFT].copy(), rows[:, _RIGHT]
-        rows[:, _LEFT], rows[:, _RIGHT] = (left + right) / 2, (left - right) / 2
+        for by_left, by_right in _BY_WHEELS:
+            left, right = rows[:, by_left].copy(), rows[:, by_right]
+            rows[:, by_left], rows[:, by_right] = (left + right) / 2, (left - right) / 2
         lanes[: rows.shape[1], :cases] = rows.T
         lanes[: rows.shape[1], cases:] = rows[-1][:, np.newaxis]
         if self.kind.drawn:
@@ -198,7 +216,9 @@ class Pack:
             *law.gains, limit, limit * (1 + _ROUNDING),
             2 * distance_gain, 2 * turn_gain, length, peak, peak / length,
             law.derivative / sample_time,
-            *experiment.initial_pose, *law.matrix.coefficients,
+            *experiment.initial_pose,
+            *with_lateral_gain(law.matrix, self._direction * law.lateral).coefficients,
+            law.lateral * law.matrix.left[2].constant, law.lateral * law.matrix.right[2].constant,
         ]  # fmt: skip
         if self.kind.drawn:
             disturbance = experiment.disturbance

@@ -15,6 +15,7 @@ from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MAX_ERROR_SECOND_HALF
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
+from hilc_cli.runs.pictures.on_the_spot import stays_on_the_spot
 
 LineStyle = str | tuple[int, tuple[float, ...]]
 
@@ -69,8 +70,8 @@ def draw_error(
     """Draws the position error against the iteration.
 
     Of a single run the maximum, RMS and mean; of several the maximum, and the mean as a thin line;
-    of more than ``MOST_DETAILED`` the maximum alone. Of a single run on the spot, whose position
-    tells nothing, the heading's error. Where a start beside the path decides the maximum of a run,
+    of more than ``MOST_DETAILED`` the maximum alone. Of runs on the spot, whose positions tell
+    nothing, the heading's error. Where a start beside the path decides the maximum of a run,
     the maximum of the second half is drawn as well: of a single run as one more line, of several in
     the place of the mean.
 
@@ -82,8 +83,8 @@ def draw_error(
         strip: Height of the strip of a single run's share at the limit, of the panel's.
     """
     several, detailed = len(runs) > 1, len(runs) <= MOST_DETAILED
-    off = metrics is None and any(run.start_decides for run in runs)
-    turns = not several and runs[0].reference.size == 0
+    turns = stays_on_the_spot(runs)
+    off = metrics is None and not turns and any(run.start_decides for run in runs)
     single = _ON_THE_SPOT if turns else (*_SINGLE, *((_SECOND_HALF,) if off else ()))
     what = "Heading error" if turns else "Position error"
     thin, thin_label, thin_style = (
@@ -101,9 +102,9 @@ def draw_error(
         color = style.run_color(index)
         columns = (
             (
-                (_SINGLE[0][0], name, color, "-"),
+                ((_ON_THE_SPOT if turns else _SINGLE)[0][0], name, color, "-"),
                 (thin, "_second half" if off else "_mean", color, thin_style),
-            )[: 2 if detailed else 1]
+            )[: 2 if detailed and not turns else 1]
             if several
             else tuple(column for column in single if metrics is None or column[0] in metrics)
         )
@@ -137,7 +138,7 @@ def draw_error(
                 linewidth=1.0,
                 label="_diverged",
             )
-    shared = {MAXIMUM: "-"} | ({thin_label: thin_style} if detailed else {})
+    shared = {MAXIMUM: "-"} | ({thin_label: thin_style} if detailed and not turns else {})
     _legend_proxies(axes, shared if several else {}, zeros=zeros)
     scale_iterations(axes, runs)
     _scale_errors(axes, lines, strips)

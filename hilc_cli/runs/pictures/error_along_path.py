@@ -22,6 +22,7 @@ from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.pictures.catalogue import RunPicture
+from hilc_cli.runs.pictures.on_the_spot import Line, draw_headings, stays_on_the_spot
 
 LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"))
 ANGLES = ((1.0, "rad"), (1e-3, "mrad"), (1e-6, "µrad"))
@@ -217,7 +218,8 @@ def error_along_path_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figu
         names = labels.run_labels(runs)
         places = _side_by_side(look) if len(runs) == 1 else None
         places = _below_each_other(look, len(runs)) if places is None else places
-        heading = layout.heading_of(names, places.end, "Error along the path")
+        what = "Error over time" if stays_on_the_spot(runs) else "Error along the path"
+        heading = layout.heading_of(names, places.end, what)
         figure = layout.new_sheet(places.end + _BAR_ROOM, places.bottom, heading, look)
         top = layout.HEADING + layout.TOP
         panels = layout.stack(figure, layout.LEFT, top, places.width, [places.height] * 3)
@@ -322,11 +324,20 @@ def _draw_paths(paths: Sequence[Axes], runs: Sequence[RunData], beside: Axes) ->
     several = len(runs) > 1
     trials = [run.last for run in runs if run.trials]
     common = view.common_view([run.reference for run in runs], trials) if several else None
+    turns = stays_on_the_spot(runs)
     for axes, run, name in zip(paths, runs, labels.run_labels(runs), strict=True):
         width, _ = layout.panel_size(axes)
         title = labels.wrapped(name, width) if several else "Path, coloured by the error"
-        notes = draw_colored_path(axes, run, norm, size, common)
-        labels.set_title(axes, title, notes, tells_apart=several)
+        if turns:  # without an error of its position there is nothing to colour
+            title = title if several else f"Heading, {labels.last_iteration_text(runs)}"
+            last = [Line(run.last, style.FINAL_PATH_COLOR, "_heading")] if run.trials else []
+            draw_headings(axes, [run.reference], last)
+            labels.set_title(axes, title, [], tells_apart=several)
+        else:
+            notes = draw_colored_path(axes, run, norm, size, common)
+            labels.set_title(axes, title, notes, tells_apart=several)
+    if turns:
+        return
     figure = layout.root_figure(beside)
     sheet_width, _ = figure.get_size_inches()
     box = beside.get_position(original=True)

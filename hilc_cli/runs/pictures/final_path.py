@@ -13,6 +13,7 @@ from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.pictures.catalogue import RunPicture
+from hilc_cli.runs.pictures.on_the_spot import SHAPE, Line, draw_headings, stays_on_the_spot
 
 _WIDTH = 5.4  # of the panel [inch]
 
@@ -34,6 +35,8 @@ def draw_final_path(
 ) -> None:
     """Draws the last recorded path of each run and the dashed reference.
 
+    Of runs that all stay on the spot, the headings over time.
+
     Args:
         axes: Where to draw.
         runs: At least one; all with one reference if they share it, with one each if not.
@@ -47,6 +50,20 @@ def draw_final_path(
     names = labels.run_labels(runs)
     references = [run.reference for run in runs]
     trials = [run.last for run in runs if run.trials]
+    if stays_on_the_spot(runs):
+        lines = [
+            Line(
+                run.last,
+                style.run_color(index) if several else style.FINAL_PATH_COLOR,
+                name if several else f"Iteration {run.last.iteration}",
+            )
+            for index, run, name in zip(places, runs, names, strict=True)
+            if run.trials
+        ]
+        draw_headings(axes, references, lines)
+        title = f"Final heading, {labels.last_iteration_text(runs)}"
+        entitle(axes, title, labels.divergence_notes(runs))
+        return
     shown = view.show(axes, view.view_of(references, trials))
     shared = same_path(references)
     notes: list[str] = []
@@ -89,6 +106,8 @@ def final_path_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
     """The last recorded paths of one or several runs against the reference."""
     trials = [run.last for run in runs if run.trials]
     shape = view.shape_of(view.view_of([run.reference for run in runs], trials))
+    if stays_on_the_spot(runs):
+        shape = SHAPE
     heading = layout.heading_of(labels.run_labels(runs), layout.panel_width(look, _WIDTH))
     height = max(2.4, _WIDTH * shape)
     return layout.panel_figure(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,6 +18,7 @@ from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.pictures.catalogue import RunPicture
+from hilc_cli.runs.pictures.on_the_spot import SHAPE, Line, draw_headings, stays_on_the_spot
 
 MOST_COLUMNS = 5
 """The most panels side by side, where several runs are compared."""
@@ -71,19 +73,20 @@ def draw_paths(
         What the reader must be told: that paths leave the view.
     """
     shown = view.show(axes, view.view_of([reference], trials) if part is None else part)
-    colors = style.iteration_colors()
     for trial in trials:
-        axes.plot(
-            *(trial.x, trial.y),
-            color=style.BLUE if scale is None else colors(float(scale(trial.iteration))),
-            linewidth=style.PATH_WIDTH,
-            label=f"Iteration {trial.iteration}" if len(trials) == 1 else "_path",
-        )
+        color, label = _look(trial, trials, scale)
+        axes.plot(trial.x, trial.y, color=color, linewidth=style.PATH_WIDTH, label=label)
     view.draw_reference(axes, reference)
     if trials:
         view.draw_start(axes, trials[-1])
         view.name_poses(axes, end=False)
     return view.leaving_note(shown, reference, trials)
+
+
+def _look(trial: Trial, trials: Sequence[Trial], scale: Normalize | None) -> tuple[Any, str]:
+    """Colour and name of one of some iterations."""
+    color = style.iteration_colors()(float(scale(trial.iteration))) if scale else style.BLUE
+    return color, f"Iteration {trial.iteration}" if len(trials) == 1 else "_path"
 
 
 def draw_path_change(
@@ -95,7 +98,7 @@ def draw_path_change(
     entitle: labels.Entitle = labels.set_title,
     part: view.View | None = None,
 ) -> None:
-    """Draws the recorded paths of one run.
+    """Draws the recorded paths of one run; of one on the spot, headings over time.
 
     Args:
         axes: Where to draw.
@@ -109,7 +112,12 @@ def draw_path_change(
     trials = chosen_trials(run, iterations)
     if scale is None:
         scale = iteration_scale([run], iterations)
-    notes = draw_paths(axes, run.reference, trials, scale, part)
+    if stays_on_the_spot([run]):
+        title, notes = title.replace("Path", "Heading", 1), []
+        lines = [Line(trial, *_look(trial, trials, scale)) for trial in trials]
+        draw_headings(axes, [run.reference], lines)
+    else:
+        notes = draw_paths(axes, run.reference, trials, scale, part)
     if not trials:
         notes.append("no path of these iterations")
     entitle(axes, title, [*notes, *labels.divergence_notes([run])])
@@ -161,7 +169,8 @@ def path_change_figure(
         columns = _columns(count)
         grid, sheet = grid_on(look, columns, panel_side(count), layout.HEADING, BAR_ROOM)
         names = labels.run_labels(runs)
-        heading = layout.heading_of(names, grid.width, "Path over the iterations")
+        what = "Heading" if stays_on_the_spot(runs) else "Path"
+        heading = layout.heading_of(names, grid.width, f"{what} over the iterations")
         figure = layout.new_sheet(sheet, grid.end(count), heading, look)
         panels = draw_grid(figure, runs, iterations, grid)
         if count % grid.columns:  # the legend has a cell of its own
@@ -186,6 +195,8 @@ def _columns(runs: int) -> int:
 def _single_figure(run: RunData, iterations: Collection[int] | None, look: Look) -> Figure:
     trials = chosen_trials(run, iterations)
     shape = view.shape_of(view.view_of([run.reference], trials))
+    if stays_on_the_spot([run]):
+        shape = SHAPE
     scale = iteration_scale([run], iterations)
     width, height = 5.0, max(2.4, 5.0 * shape)
     figure, axes = layout.single_panel(

@@ -14,6 +14,8 @@ from hilc_cli.reference.sampled import Floats, Reference
 
 _ROUNDING = 16 * float(np.finfo(np.float64).eps)  # of a sine, a product and two differences
 _ALIKE = 1e-9  # relative: so near, two values are the same
+_ON_SAMPLE = 1e-6  # of a sample: so near, a place is passed at it
+_CONTINUOUS = 2.0  # times the change from step to step beside it, a wheel's speed may change by
 _UNEVEN = 1e-6  # relative: by so much a peak is off what constant speed and curvature need
 _Item = TypeVar("_Item")
 
@@ -103,14 +105,16 @@ class Jump:
     Attributes:
         left: Change of the left wheel's speed [rad/s]; 0 where the samples' rounding hides it.
         right: The same of the right wheel.
-        name: Of the segment that starts there, or of the one that starts with the corner.
+        name: Of the segment that it is in, that starts there, or that starts with the corner.
         at_corner: Whether it goes into or out of a corner.
+        inside: Whether it is within the segment, as where a rounded corner starts.
     """
 
     left: float
     right: float
     name: str
     at_corner: bool
+    inside: bool = False
 
     @property
     def size(self) -> float:
@@ -129,8 +133,8 @@ class Demand:
         fastest: The fastest wheel [rad/s].
         lateral: The largest lateral acceleration [m/s^2].
         from_rest: The jump at sample 0.
-        largest_jump: The largest one on the way, into and out of corners and where segments meet;
-            None if the wheel speeds jump nowhere.
+        largest_jump: The largest one on the way, into and out of corners, where segments meet and
+            where the curvature jumps; None if the wheel speeds jump nowhere.
         extent: Longer side of the path's bounding box [m].
         wheels: Speeds of the left and the right wheel along the segments [rad/s], corners left out,
             shape (n,) each.
@@ -160,6 +164,12 @@ class Demand:
     def length(self) -> float:
         """Length of the path [m]."""
         return sum(segment.length for segment in self.segments)
+
+    @property
+    def in_short(self) -> str:
+        """Length and duration in words."""
+        where = f"{self.length:.4g} m in" if self.length else "on the spot for"
+        return f"{where} {self.duration:.4g} s"
 
     @property
     def corners(self) -> tuple[Joint, ...]:
@@ -195,9 +205,11 @@ def demand_of(reference: Reference, robot: Robot, names: Sequence[str]) -> Deman
     without = _Motion(reference, _without_corners(reference), robot)
     starts = (0, *reference.segment_ends[:-1])
     segments = [
-        _segment(name, start, end, length, without)
-        for name, start, end, length in zip(
-            names, starts, reference.segment_ends, reference.lengths, strict=True
+        _segment(name, start, end, length, turn, without)
+        for name, start, end, length, turn in zip(
+            *(names, starts, reference.segment_ends, reference.lengths),
+            reference.turns or [None] * len(names),
+            strict=True,
         )
     ]
     joints = [
@@ -220,6 +232,13 @@ def demand_of(reference: Reference, robot: Robot, names: Sequence[str]) -> Deman
         whole.jump(interval, joint.name, at_corner=at_corner)
         for joint in joints
         for interval, at_corner in _jumps_at(joint)
+        if 0 < interval < reference.samples and (at_corner or whole.breaks(interval))
+    ]
+    # One that is passed within a sampling interval changes the wheels before and behind it.
+    jumps += [
+        whole.jump(interval, names[jump.segment], at_corner=False, inside=jump.inside)
+        for jump in reference.jumps
+        for interval in {math.floor(jump.sample + _ON_SAMPLE), math.ceil(jump.sample - _ON_SAMPLE)}
         if 0 < interval < reference.samples
     ]
     return Demand(
@@ -286,14 +305,26 @@ class _Motion:
         """Largest absolute product of forward speed and yaw rate in that part [m/s^2]."""
         return float((self.speed[part] * np.abs(self.yaw_rate[part])).max())
 
-    def jump(self, interval: int, name: str, *, at_corner: bool) -> Jump:
+    def breaks(self, interval: int) -> bool:
+        """Whether a wheel's speed changes more before an interval than from step to step beside it.
+
+        Where it does not, it goes on as with a speed profile that accelerates.
+        """
+        for wheel in (self.left, self.right):
+            changes = np.abs(np.diff(wheel[max(interval - 2, 0) : interval + 2]))
+            at = min(interval, 2) - 1
+            if changes[at] > _CONTINUOUS * float(np.delete(changes, at).max(initial=0.0)):
+                return True
+        return False
+
+    def jump(self, interval: int, name: str, *, at_corner: bool, inside: bool = False) -> Jump:
         """Returns the change of wheel speeds before an interval, at the first one from rest."""
         changes = (
             float(wheel[interval] - (wheel[interval - 1] if interval else 0.0))
             for wheel in (self.left, self.right)
         )
         left, right = (_cleared(change, self.rounding) for change in changes)
-        return Jump(left, right, name, at_corner)
+        return Jump(left, right, name, at_corner, inside)
 
 
 def _without_corners(reference: Reference) -> Floats:
@@ -306,11 +337,14 @@ def _without_corners(reference: Reference) -> Floats:
     return heading
 
 
-def _segment(name: str, start: int, end: int, length: float, motion: _Motion) -> SegmentDemand:
+def _segment(
+    name: str, start: int, end: int, length: float, turn: float | None, motion: _Motion
+) -> SegmentDemand:
     end = max(end, start + 1)
     part = slice(start, end)
     yaw_rate = motion.yaw_rate[part]
-    turn, fastest = float(yaw_rate.sum()) * motion.sample_time, motion.fastest(part)
+    turn = float(yaw_rate.sum()) * motion.sample_time if turn is None else turn
+    fastest = motion.fastest(part)
     even, _ = needs_at_constant_speed(length, turn, end - start, motion.sample_time, motion.robot)
     changes = [np.abs(np.diff(wheel[part])) for wheel in (motion.left, motion.right)]
     change = float(max(wheel.max(initial=0.0) for wheel in changes))

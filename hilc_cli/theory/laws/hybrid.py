@@ -39,7 +39,8 @@ class HybridLearning(LinearLaw):
     def __init__(self, experiment: Experiment) -> None:
         """Takes an experiment of the law."""
         law = cast("HybridLaw", experiment.law)
-        super().__init__(experiment, law.matrix, law.gain_heading)
+        along = law.gains_along(experiment.reference)
+        super().__init__(experiment, law.matrix, law.gain_heading, along)
         self._law, self._rate = law, law.derivative / self._sample_time
         self.paper = law
         self.next_gain = law.l1 * (1 + self._rate)
@@ -149,7 +150,7 @@ class HybridLearning(LinearLaw):
         # l1 z^2 + l2 z + l3 has a root outside the unit circle (Jury)
         if not law.compensation and (law.l3 > law.l1 or law.l2 > law.l1 + law.l3):
             return "its feedback makes errors grow from sample to sample; lower l2 and l3"
-        return unseen(law.matrix)
+        return unseen(self.along.matrices[-1])
 
     def advice(self) -> list[str]:
         """What is legal but unwise."""

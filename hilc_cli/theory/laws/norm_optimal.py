@@ -113,8 +113,7 @@ class NormOptimalTheory(LawTheory):
             if found.earliest is not None and math.isfinite(found.speed_limit):
                 text += f"; any law from {found.earliest} on"
             told.insert(0, ("Merges", text))
-        last = self.experiment.iterations
-        return [*told, *expected_rows(self.expected, last), *wheel_rows(self.wheels)]
+        return [*told, *expected_rows(self.expected, self.experiment), *wheel_rows(self.wheels)]
 
     @property
     def document(self) -> dict[str, object]:

@@ -96,13 +96,13 @@ def fixed_point(experiment: Experiment) -> FixedPoint | None:
     if weighed is None:
         return None
     first = np.column_stack([experiment.initial_left, experiment.initial_right]).tolist()
-    gain = law.next_gain
+    gain, coefficients = law.next_gain, law.along.coefficients
     for k in range(steps):
         past = weighed(k, _less(desired[k + 1], pose), now)  # were the wheels at rest
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
         gain_heading = desired[k][2] if law.gain_heading == "reference" else pose[2]
         speeds = _speeds_at_rest(
-            law.matrix.coefficients,
+            coefficients[k],
             math.cos(gain_heading),
             math.sin(gain_heading),
             past,

@@ -34,7 +34,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.plants.kinematic import control_matrices, limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.linear_law import linear_law, paper_law
-from hilc_cli.theory.matrices import Desired, GainParts, desired_motion
+from hilc_cli.theory.matrices import Desired, desired_motion
 from hilc_cli.theory.proof.norms import (
     WheelNorm,
     control_slope,
@@ -114,9 +114,8 @@ def contraction(experiment: Experiment, gain: float, wheels: WheelNorm = "euclid
         gain: Scalar before the product, with the sample time or without, and with tau.
         wheels: Norm of wheel speeds.
     """
-    headings = experiment.reference.heading[:-1]
-    control = control_matrices(experiment.robot, headings)  # Eq. 9
-    product = GainParts.of(paper_law(experiment).matrix).at(headings) @ control
+    control = control_matrices(experiment.robot, experiment.reference.heading[:-1])  # Eq. 9
+    product = linear_law(experiment).gains @ control
     return float(wheel_map_norm(np.eye(2) - gain * product, wheels).max())
 
 
@@ -229,6 +228,10 @@ def constants(
 ) -> Constants:
     """Returns the constants of an experiment.
 
+    A lateral gain, which the paper has not, is in L1, L2 and L3. Its sign is that of the
+    reference's direction of travel, so that they depend on the sample as well as on the pose; the
+    proofs ask for bounds at every sample, which are the largest over the directions that occur.
+
     Args:
         experiment: The experiment.
         corrections: What of the print is corrected: none of it as printed, all of it for bounds
@@ -253,7 +256,8 @@ def constants(
     limited = Correction.SPEED_LIMIT in corrections and math.isfinite(experiment.speed_limit)
     wheels: WheelNorm = "sum" if limited else "euclidean"
     desired = desired_motion(experiment)
-    l2, l3 = linear_law(experiment).feedback
+    linear = linear_law(experiment)
+    (l2, l3), matrices = linear.feedback, linear.along.matrices
 
     scale = sample_time if Correction.SAMPLE_TIME in corrections else 1.0
     C_B = sample_time * control_slope(robot, wheels)  # Eq. 16
@@ -261,11 +265,13 @@ def constants(
     learning = law.l1 if Correction.LEARNING_GAIN in corrections else law.l1 + l2 + l3
     if Correction.HEADINGS in corrections:
         angle = _sure_mismatch(experiment) if heading_mismatch is None else heading_mismatch
-        gain = largest_gain(law.matrix, wheels)
+        gain = max(largest_gain(matrix, wheels) for matrix in matrices)
         strength = learning * scale + law.l1 * law.derivative
-        rho = largest_contraction(strength, law.matrix, robot, wheels, angle)
+        rho = max(
+            largest_contraction(strength, matrix, robot, wheels, angle) for matrix in matrices
+        )
     else:
-        gain = float(gain_norm(GainParts.of(law.matrix).at(reference.heading[:-1]), wheels).max())
+        gain = float(gain_norm(linear.gains, wheels).max())
         rho = contraction(experiment, learning * scale, wheels)  # Eq. 19 or 23
     b_L1, b_L2, b_L3 = law.l1 * gain, l2 * gain, l3 * gain  # Eq. 18
     mismatch = desired.mismatch if Correction.REACHABILITY in corrections else np.zeros(3)
@@ -322,7 +328,8 @@ def constants_within_limit(experiment: Experiment) -> Constants:
     h1, h3, b_1 = c.b_L1 * (1 + (1 + rate) * c.C_B * b_ud), c.h3, c.b_1  # Eq. 32
     if law.gain_heading != "reference":
         # ||(L1(a) - L1(b)) w|| <= turning |a - b|, b the reference's heading, w what L1 acts on.
-        slope = law.l1 * largest_gain_slope(law.matrix, c.wheels)
+        matrices = linear_law(experiment).along.matrices
+        slope = law.l1 * max(largest_gain_slope(matrix, c.wheels) for matrix in matrices)
         largest = _largest_state_error(experiment) + c.b_alpha
         turning = slope * (largest + rate * (_largest_change(experiment) + 2 * c.b_alpha))
         b_1 += turning * experiment.disturbance.output.bound[2]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.motor_identification import Pass
-from hilc_cli.plants.imperfect_plant import ImperfectPlant, Slip
+from hilc_cli.plants.drivetrain import Drivetrain
+from hilc_cli.plants.imperfect_plant import ImperfectPlant
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.motor import Motor as RealMotor
 from hilc_cli.reference.sampled import Floats
@@ -24,7 +25,7 @@ def real_robot(
 ) -> ImperfectPlant:
     """A small robot in the convention of ROS."""
     robot = Robot((left + right) / 2, half_track, "rep103")
-    return ImperfectPlant(robot, left, right, motor, Slip(), exact)
+    return ImperfectPlant(robot, Drivetrain(left, right, motor), exact)
 
 
 def wandering(samples: int, sample_time: float = STEP) -> Floats:
