@@ -189,7 +189,7 @@ def test_points_are_read_from_what_people_have(kind: str) -> None:
     for name in ("times", "speeds", "headings"):
         values = getattr(found, name)
         if name in others:
-            np.testing.assert_allclose(values, others[name], rtol=1e-12)
+            np.testing.assert_allclose(values, np.array(others[name], float), rtol=1e-12)
         else:
             assert values is None
     assert found.iteration == (7 if kind == "samples.csv" else None)
