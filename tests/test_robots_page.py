@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -87,3 +88,14 @@ def test_figures_of_motors_that_are_identified() -> None:
 
     found, without = left("identify"), left("ideal")
     assert f"within {found:.2g} mm after ten passes, in the place of {without:.3g} mm" in PAGE
+
+
+@pytest.mark.parametrize("name", ["left wheel 2 % larger", "delay of 0.15 s"])
+def test_figures_of_the_robot_in_mujoco(name: str) -> None:
+    # Pass 3 is as good as those from 10 to 30, which benchmarks/mujoco_robot.py runs.
+    robots = runpy.run_path(str(ROOT / "benchmarks" / "mujoco_robot.py"))
+    errors = robots["errors"](robots["ROBOTS"][name], robots["BELIEFS"][0], 3)
+    first, median, worst = re.findall(rf"\| {name} \|" + r" ([0-9.]+) \|" * 3, PAGE)[0]
+    assert f"{errors[0]:.3g}" == first
+    assert f"{errors[3]:.2f}" == median
+    assert float(worst) <= 10

@@ -149,7 +149,7 @@ NoTitle = Annotated[
 Trust = Annotated[
     bool,
     typer.Option(
-        "--trust", help="Import the code that the file names as package.module:Class, and run it."
+        "--trust", help="Run code that the file names: package.module:Class, or a plant's command."
     ),
 ]
 

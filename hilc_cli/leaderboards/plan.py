@@ -142,10 +142,13 @@ class Leaderboard:
         return data
 
     @property
-    def plug_ins(self) -> dict[str, dict[str, str | None]]:
-        """Package and version of each law that is not one of hilc's own, as manifests note them."""
+    def plug_ins(self) -> dict[str, dict[str, Any]]:
+        """What is not hilc's own in its laws and cases, as manifests note it."""
         laws = [controller.law for controller in self.spec.laws.values()]
-        return packages_of("law", laws, OWN)
+        found: dict[str, dict[str, Any]] = dict(packages_of("law", laws, OWN))
+        for case in self.cases.values():
+            found |= case.plug_ins
+        return found
 
     def checksum(self) -> str:
         """SHA-256 of what tells this leaderboard from others."""

@@ -44,7 +44,7 @@ from hilc_cli.runs.run_folder import (
 from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
-from hilc_cli.theory.feasibility.feasibility import beyond_wheels
+from hilc_cli.theory.feasibility.feasibility import beyond_tyres, beyond_wheels
 from hilc_cli.theory.noise import seen_in, seen_warnings
 from hilc_cli.wording import printable
 
@@ -165,7 +165,7 @@ class Run(RunData):
             "diverged_at": self.diverged_at,
             "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
-            **origin(self.started, DRAWN_WITH, self.scenario.plug_ins),
+            **origin(self.started, (*DRAWN_WITH, *spec.robot.libraries), self.scenario.plug_ins),
             "command": list(command),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
@@ -320,7 +320,8 @@ def _check(folder: Path, scenario: Scenario, text: str, *, force: bool) -> None:
 def warnings_before(scenario: ScenarioSource) -> list[str]:
     """Says what is probably not meant, and what no law can do, before anything is simulated."""
     scenario = as_scenario(scenario)
-    return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
+    feasibility = scenario.feasibility()
+    return [*scenario.warnings(), *beyond_wheels(feasibility), *beyond_tyres(feasibility)]
 
 
 def warnings_after(run: RunData, scenario: Scenario, experiment: Experiment) -> list[str]:

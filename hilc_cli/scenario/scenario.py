@@ -38,6 +38,7 @@ from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.speed_limits import Wheels
 from hilc_cli.reference.timing import TimingError
 from hilc_cli.scenario.identified import FROM
+from hilc_cli.scenario.other_words import OF_POSE
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.yaml_input.expressions import PLAIN
@@ -376,6 +377,8 @@ _OTHER_KEYS = {
 
 class InitialPoseSpec(Model):
     """Where each iteration starts; what is left out is as in the trajectory's start."""
+
+    other_names = OF_POSE
 
     x: Coordinate | None = Field(None, description="m")
     y: Coordinate | None = Field(None, description="m")

@@ -75,7 +75,7 @@ CASES = [
     (
         "pid-cutoff-unit",
         law("  law: pid\n  gains: {kp: 1}\n  cutoff: 2 s\n"),
-        "scenario.yaml:8:11: controller.cutoff: has the wrong unit, got '2 s'; give a number above 0, such as 20 or 20 Hz",
+        "scenario.yaml:8:11: controller.cutoff: has the wrong unit, got '2 s'; did you mean '1/(2 s)'?",
     ),
     (
         "pid-h",
