@@ -161,23 +161,31 @@ def _answer_on_arrival(
     soon = replace(motor, delay=fraction * sample_time)
     wheels = _Wheels(soon, sample_time, shares, task.speed_limit)
     without = _Wheels(soon, sample_time, shares, task.speed_limit)
-    under_way = deque([(0.0, 0.0)] * min(whole, steps))
+    # Where the believed robot gets by itself, from the running sample to the answer's arrival.
+    reckoned = deque([(0.0, 0.0, 0.0)] * (min(whole, steps) + 1))
 
     def told(left: float, right: float) -> tuple[float, float]:
         return motor.told_for(left), motor.told_for(right)
 
     def moved(pose: Pose, left_way: float, right_way: float) -> Pose:
         turn = turn_gain * (left_way - right_way)
-        along = pose[2] + law.lead * turn
-        if not math.isfinite(along):  # the run has diverged, which shows in what comes of it
-            return pose[0], pose[1], math.nan
         distance = distance_gain * (left_way + right_way)
-        return advance(*pose, math.cos(along), math.sin(along), distance, turn)
+        return advance(*pose, *_cos_sin(pose[2] + law.lead * turn), distance, turn)
+
+    def on_arrival(pose: Pose) -> Pose:
+        (x, y, heading), (later_x, later_y, later_heading) = reckoned[0], reckoned[-1]
+        cos, sin = _cos_sin(pose[2] - heading)
+        ahead, aside = later_x - x, later_y - y
+        return (
+            pose[0] + (cos * ahead - sin * aside),
+            pose[1] + (sin * ahead + cos * aside),
+            pose[2] + (later_heading - heading),
+        )
 
     def answer(k: int, pose: Pose) -> tuple[float, float]:
         x, y, heading = pose
         error = xs[k] - x, ys[k] - y, headings[k] - heading
-        return controller(k, math.cos(heading), math.sin(heading), *error)
+        return controller(k, *_cos_sin(heading), *error)
 
     def wheel_speeds(
         k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
@@ -186,8 +194,7 @@ def _answer_on_arrival(
         if k == 0:
             for before in range(min(whole, steps)):  # nothing that is sent arrives so early
                 answer(before, pose)
-        for ways in under_way:
-            pose = moved(pose, *ways)
+        pose = on_arrival(pose)
         left, right = sent[k]
         without_answer = told(left, right)
         if k + whole < steps:
@@ -197,9 +204,14 @@ def _answer_on_arrival(
             left += (wanted[0] - as_planned[0]) / left_share
             right += (wanted[1] - as_planned[1]) / right_share
         asked = wheels.within_reach(*told(left, right))
-        under_way.append(wheels.turn(*asked))
-        under_way.popleft()
+        reckoned.append(moved(reckoned[-1], *wheels.turn(*asked)))
+        reckoned.popleft()
         without.turn(*without_answer)
         return asked
 
     return wheel_speeds
+
+
+def _cos_sin(angle: float) -> tuple[float, float]:
+    """Cosine and sine; not-a-number where a run has diverged, which shows in what comes of it."""
+    return (math.cos(angle), math.sin(angle)) if math.isfinite(angle) else (math.nan, math.nan)

@@ -18,9 +18,10 @@ from hilc_cli.laws.registry import OWN, ControllerSpec
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plug_ins import packages_of, trusting
 from hilc_cli.reference.timing import TimingError
+from hilc_cli.scenario.believed import ModelSpec
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec, ScenarioSpec
+from hilc_cli.scenario.scenario import DisturbanceSpec, RecordSpec, ScenarioSpec
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
 from hilc_cli.wording import in_short, listed
 from hilc_cli.yaml_input.model import Located, Model, Name, Text
