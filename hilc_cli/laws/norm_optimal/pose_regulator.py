@@ -19,9 +19,9 @@ from hilc_cli.reference.sampled import Floats, Reference
 
 _IN_HAND = 0.7
 """Bandwidth times dead time: some 40 ms more delay than is known are borne at 0.1 s."""
-_UNKNOWN, _BORNE = 0.04, 1.5
-"""Delay [s] that is borne beside all that is known, even where that is next to nothing; and
-bandwidth times dead time with it, of which pi / 2 is the limit."""
+_UNKNOWN, _UNKNOWN_SAMPLES, _BORNE = 0.04, 4, 1.5
+"""Delay [s] that is borne beside all that is known, even where that is next to nothing, or so many
+samples if that is less; and bandwidth times dead time with it, of which pi / 2 is the limit."""
 _FASTEST, _FASTEST_ASIDE = 0.6, 0.3
 """Share of an error ahead that one sample takes away at most; and of one sideways, which is steered
 against by way of the heading."""
@@ -58,7 +58,8 @@ def bandwidths(
 def fastest(motor: Motor, sample_time: float) -> float:
     """Returns how fast errors may fall [1/s] on a robot that is so late, however noise is."""
     dead = motor.delay + motor.lag + sample_time
-    return min(_IN_HAND / dead, _BORNE / (dead + _UNKNOWN), _FASTEST / sample_time)
+    unknown = min(_UNKNOWN, _UNKNOWN_SAMPLES * sample_time)
+    return min(_IN_HAND / dead, _BORNE / (dead + unknown), _FASTEST / sample_time)
 
 
 def _trust(motion: float, reading: float) -> float:
