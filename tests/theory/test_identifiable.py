@@ -111,7 +111,7 @@ def test_errors_are_those_that_runs_make() -> None:
         run = hilc.run(data)
         assert run.learning is not None
         made.append([run.learning[name][-1] for name in names])
-    off = np.array(made) / [ROBOT["wheel_radius"], ROBOT["half_track"]] - 1  # type: ignore[operator]
+    off = np.array(made) / [ROBOT["wheel_radius"], ROBOT["half_track"]] - 1
     foretold = Identifiable(
         experiment(LINE, ARC, BEND, disturbance={"seed": 1, **disturbance})
     ).of_a_pass.errors[:2]
