@@ -134,3 +134,15 @@ class DivergedError(HilcError):
     def __init__(self, iteration: int) -> None:
         self.iteration = iteration
         super().__init__(f"the simulation diverged to non-finite values in iteration {iteration}")
+
+
+class PlantError(HilcError):
+    """A robot that is simulated cannot go on.
+
+    Args:
+        plant: What the scenario calls it.
+        problem: What has happened, and what to do about it.
+    """
+
+    def __init__(self, plant: str, problem: str) -> None:
+        super().__init__(printable(f"plant {shortened(plant, 60)}: {problem}"))

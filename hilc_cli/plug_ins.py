@@ -71,6 +71,7 @@ class _Trust:
 
 _TRUST: ContextVar[_Trust | None] = ContextVar("trust", default=None)
 _FOUND: dict[tuple[Kind, str], PlugIn] = {}
+_TRUSTED_PROGRAMS: set[tuple[str, ...]] = set()
 
 
 @contextmanager
@@ -113,6 +114,20 @@ def find(kind: Kind, name: str, *, trust: bool | None = None, own: Iterable[str]
         raise
     _FOUND[kind, name] = found
     return found
+
+
+def may_run(command: Iterable[str], folder: str) -> bool:
+    """Returns whether a program that a file names may be run: what was trusted once stays so.
+
+    Args:
+        command: The program and its arguments.
+        folder: Its working folder.
+    """
+    program = (folder, *command)
+    said = _TRUST.get()
+    if said is not None and said.given:
+        _TRUSTED_PROGRAMS.add(program)
+    return program in _TRUSTED_PROGRAMS
 
 
 def installed(kind: Kind) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import re
 import subprocess
 import sys
@@ -49,10 +50,11 @@ def test_examples_of_the_page_run_one_after_the_other(
 ) -> None:
     # Sweeps then start no processes of their own, each of which would import everything anew.
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0}, raising=False)
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
     names: dict[str, object] = {"__name__": "__main__"}  # of all Python blocks of the page
     for block in filter(lambda block: block.is_run, blocks(page)):
         keep(block)
-        if block.language == "python":
+        if block.language == "python" and not block.mark:  # one with a name is a program
             exec(compile(block.text, page, "exec"), names)
         for command in commands(block) if block.language == "sh" else ():
             code, said = run(command, hilc)

@@ -12,6 +12,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from hilc_cli.cli.app import app
+from hilc_cli.plants.kinematic_plant import KinematicSpec
+from hilc_cli.plants.mujoco_plant import MujocoSpec
 from hilc_cli.results.metrics import METRICS
 from hilc_cli.results.tables import INPUT_HEADER, SAMPLES_HEADER
 from hilc_cli.scenario.scenario import ScenarioSpec
@@ -115,6 +117,22 @@ def test_each_key_is_on_its_page_with_its_default_and_range(
             assert rows[key][1] == range_cell(quantity), key
 
 
+def test_each_key_of_the_robot_in_mujoco_is_on_its_page() -> None:
+    rows, usual = table_rows("robots.md"), KinematicSpec.model_fields
+    own = {
+        key: field
+        for key, field in keys(MujocoSpec, "robot.")
+        if (name := key.split(".")[1]) not in usual or name in MujocoSpec.__annotations__
+    }
+    del own["robot.plant"]
+    assert "robot.body.mass" in own and "robot.friction" in own
+    for key, field in own.items():
+        assert rows[key][0] == default_cell(field), key
+        quantity = quantity_of(field)
+        if quantity is not None:
+            assert rows[key][1] == range_cell(quantity), key
+
+
 def test_each_command_is_on_its_page() -> None:
     table = (DOCS / "commands.md").read_text(encoding="utf-8").partition("\n\n`SCENARIO`")[0]
     told = re.findall(r"^\| `hilc (\w+)", table, re.MULTILINE)
@@ -122,6 +140,7 @@ def test_each_command_is_on_its_page() -> None:
         command.name or getattr(command.callback, "__name__", "")
         for command in app.registered_commands
     ]
+    names += [str(group.name) for group in app.registered_groups]
     assert sorted(told) == sorted(names)
 
 

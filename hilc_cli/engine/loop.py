@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
@@ -12,11 +13,12 @@ from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import WheelController
 from hilc_cli.plants.kinematic import limit_wheel_speeds
+from hilc_cli.plants.plant import Plant
 from hilc_cli.results.metrics import measure
 from hilc_cli.results.trial import Trial, is_finite
 
 
-def simulate(experiment: Experiment, learning: Learning | None = None) -> Iterator[Trial]:
+def simulate(experiment: Experiment, learning: Learning | None = None) -> Generator[Trial]:
     """Runs iterations 0..N, one at a time: what is not kept by the caller is forgotten.
 
     Args:
@@ -29,17 +31,19 @@ def simulate(experiment: Experiment, learning: Learning | None = None) -> Iterat
 
     Raises:
         DivergedError: An iteration left the finite numbers; it is not yielded.
+        PlantError: The plant cannot go on.
     """
     learning = Learning(experiment) if learning is None else learning
-    for iteration in range(experiment.iterations + 1):
-        controller = learning.unlimited_plan().controller(experiment.reference)
-        trial, measured = _run_iteration(experiment, iteration, controller)
-        figures = learning.take_in(measured)
-        yield replace(trial, figures=figures) if figures else trial
+    with experiment.plant.session() as plant:
+        for iteration in range(experiment.iterations + 1):
+            controller = learning.unlimited_plan().controller(experiment.reference)
+            trial, measured = _run_iteration(experiment, plant, iteration, controller)
+            figures = learning.take_in(measured)
+            yield replace(trial, figures=figures) if figures else trial
 
 
 def _run_iteration(
-    experiment: Experiment, iteration: int, controller: WheelController
+    experiment: Experiment, plant: Plant, iteration: int, controller: WheelController
 ) -> tuple[Trial, Trial]:
     """Runs one pass over the trajectory.
 
@@ -62,7 +66,7 @@ def _run_iteration(
 
     offset = experiment.disturbance.of_initial_pose(iteration)
     x, y, heading = (p + o for p, o in zip(experiment.initial_pose, offset, strict=True))
-    step = experiment.plant.start((x, y, heading), reference.sample_time)
+    step = plant.start((x, y, heading), reference.sample_time)
     xs, ys, headings = [x], [y], [heading]
     lefts: list[float] = []
     rights: list[float] = []
@@ -139,9 +143,11 @@ class MeasuredTrials:
 
     def __iter__(self) -> Iterator[tuple[Trial, dict[str, float]]]:
         try:
-            for trial in simulate(self._experiment, self._learning):
-                metrics = measure(trial, self._experiment.reference, self.last)
-                self.last = trial
-                yield trial, metrics
+            # Closed as soon as nobody goes on, so that a plant's program ends with it.
+            with closing(simulate(self._experiment, self._learning)) as trials:
+                for trial in trials:
+                    metrics = measure(trial, self._experiment.reference, self.last)
+                    self.last = trial
+                    yield trial, metrics
         except DivergedError as error:
             self.diverged_at = error.iteration

@@ -21,9 +21,9 @@ from hilc_cli.reference.sampled import Reference
 from hilc_cli.wording import counted
 from hilc_cli.yaml_input.model import Flag
 
-STEP_SHARE, RETURNS = "step_share", "returns_to_best"
-"""Columns of ``learning.csv``: share of the law's step that the next pass takes, and how often it
-has gone back so far."""
+STEP_SHARE, WENT_BACK = "step_share", "went_back"
+"""Columns of ``learning.csv``: the share of the law's step that the next pass takes, and whether it
+starts from the best pass (1) or from the last (0)."""
 
 SMALLER = 0.5
 """What a step is multiplied by with each return."""
@@ -117,7 +117,7 @@ class _WatchedLearner:
         self._from = task.initial_left, task.initial_right
         self._best: Iteration | None = None
         self._least = math.inf
-        self._share, self._returns = 1.0, 0
+        self._share = 1.0
 
     def plan(self) -> Plan:
         """Returns the law's plan, or one that goes a part of the way there."""
@@ -139,14 +139,14 @@ class _WatchedLearner:
         error = wheel_error(iteration, self._half_track)
         if self._best is None or error < self._least:
             self._best, self._least = iteration, error
-        if self._judge.is_worse(error):
+        worse = self._judge.is_worse(error)
+        if worse:
             iteration = self._best
             self._share *= SMALLER
-            self._returns += 1
             self._judge.start_anew()
         self._from = iteration.left, iteration.right
         figures = self._inner.learn(iteration)
-        return {**figures, STEP_SHARE: self._share, RETURNS: float(self._returns)}
+        return {**figures, STEP_SHARE: self._share, WENT_BACK: float(worse)}
 
 
 def _part_of_the_way(
@@ -164,16 +164,14 @@ def _part_of_the_way(
     return wheel_speeds
 
 
-def caught(figures: Figures) -> list[str]:
-    """Returns what to warn of, by the figures of the last iteration, where a net has caught it."""
-    times = int(figures.get(RETURNS, 0))
-    if not times:
-        return []
-    return [
-        "learning became worse, and the safety net went back to the best pass "
-        f"{counted(times, 'time')}; steps are now {figures[STEP_SHARE]:g} of what the gains say: "
-        "give smaller gains"
-    ]
+def returns_in_words(figures: Figures) -> str:
+    """Returns how often learning has gone back, and what is left of its steps."""
+    share = figures[STEP_SHARE]
+    times = counted(round(math.log(share, SMALLER)), "time")
+    return (
+        f"learning made passes clearly worse and went back to the best one {times}: steps are "
+        f"now {share:g}"
+    )
 
 
 class WithSafetyNet(Controller):
@@ -182,10 +180,6 @@ class WithSafetyNet(Controller):
     safety_net: Flag = Field(
         False, description="go back to the best pass, and take smaller steps, where it gets worse"
     )
-
-    def warnings_after(self, figures: Mapping[str, float]) -> list[str]:
-        """That a net has caught it."""
-        return caught(figures)
 
     def learning_law(self, setting: Setting) -> Law:
         """The law, with the net below it if there is one."""
@@ -201,9 +195,15 @@ class WithSafetyNet(Controller):
 
     def figures(self) -> tuple[str, ...]:
         """What the net has done."""
-        return (STEP_SHARE, RETURNS) if self.safety_net else ()
+        return (STEP_SHARE, WENT_BACK) if self.safety_net else ()
 
     @property
     def called(self) -> str:
         """The law as messages name it; with the net it is another one."""
         return f"law {self.law}" + (" with safety_net: true" if self.safety_net else "")
+
+    def warnings_after(self, figures: Mapping[str, float]) -> list[str]:
+        """That the net has caught the law."""
+        if figures.get(STEP_SHARE, 1.0) == 1:
+            return []
+        return [f"{returns_in_words(figures)} of what the gains say; give smaller gains"]

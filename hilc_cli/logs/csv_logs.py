@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.logs.cleaning import clean_poses, halfway, in_order
 from hilc_cli.logs.log import Log, Poses, Twists, WheelSpeeds
 from hilc_cli.logs.log_columns import (
+    CLOCK,
     COMMAND_TIME,
     LEFT,
     MEASURED_LEFT,
@@ -23,31 +26,34 @@ from hilc_cli.logs.log_columns import (
     USUAL,
     YAW_RATE,
     columns_of,
+    name_poses,
 )
 from hilc_cli.logs.options import ReadOptions
-from hilc_cli.reference.point_tables import (
-    COMMENTS,
+from hilc_cli.reference.cells import is_number
+from hilc_cli.reference.columns import (
     HEADING,
+    ITERATION,
+    NANOSECONDS,
     TIME,
-    TUM,
+    Column,
+    HeaderError,
     X,
     Y,
-    cells_of,
-    comment_text,
-    decimal_commas,
-    has_role,
+    counted_since_1970,
+    whole_clock,
+)
+from hilc_cli.reference.point_tables import (
+    TUM,
+    PointTable,
+    check_place,
+    check_times,
     headings_of,
-    is_number,
     not_unit,
     number_in,
-    plain_name,
-    row_of,
-    separator_of,
-    text_lines,
     wrong,
 )
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.wording import counted
+from hilc_cli.wording import counted, listed
 
 _EMPTY = ("", "nan", "na", "none", "null")
 
@@ -64,114 +70,98 @@ def parse_table(path: Path, content: bytes, checksum: str, options: ReadOptions)
     Raises:
         UsageError: It is no such file; names the line.
     """
-    header: tuple[int, Sequence[str]] | None = None
-    table: _Table | None = None
-    for line, text in text_lines(path, content, "cut out the pass"):
-        if text.startswith(COMMENTS):
-            if table is None:
-                told = comment_text(text)
-                names = cells_of(told, separator_of(told))
-                header = (line, names) if _names_poses(names) else header
-            continue
-        if table is None:
-            if decimal_commas(text):
-                raise wrong(path, line, "has decimal commas; write decimal points")
-            cells = cells_of(text)
-            if header is not None and len(header[1]) != len(cells):
-                header = None  # a comment that has these words in it
-            if header is None and not all(map(_is_cell, cells)):
-                table = _Table.headed(path, line, cells, options.columns)
-                continue
-            if header is not None:
-                table = _Table.headed(path, *header, options.columns)
-            else:
-                table = _Table.of_tum(path, line, cells, options.columns)
-        table.add(line, text)
-    if table is None or not table.lines:
+    table = PointTable.read(
+        path,
+        content,
+        are_columns=partial(name_poses, asked=options.columns),
+        is_cell=_is_cell,
+        too_long="cut out the pass",
+    )
+    if table.first is None:
         raise UsageError(f"{path}: has no rows; give a log with the columns {USUAL}")
-    return table.log(checksum)
+    return _Rows.of(table, options.columns).log(checksum)
 
 
 def _is_cell(cell: str) -> bool:
     return cell.lower() in _EMPTY or is_number(cell)
 
 
-def _names_poses(names: Sequence[str]) -> bool:
-    plain = [plain_name(name) for name in names]
-    return any(has_role(X, name) for name in plain) and any(has_role(Y, name) for name in plain)
+def _columns_of(table: PointTable, asked: Mapping[str, str]) -> tuple[list[Column], Sequence[str]]:
+    """The columns that are needed of a table, and the names of all."""
+    if table.header is not None:
+        try:
+            return columns_of(table.header.names, asked), table.header.names
+        except HeaderError as error:
+            raise wrong(table.path, table.header.line, str(error)) from None
+    line = table.first[0] if table.first else 1
+    if asked:
+        raise wrong(table.path, line, "has no header; --columns needs one to find the columns")
+    if table.width != len(TUM):
+        told = f"has {counted(table.width, 'column')} and no header that tells what they are"
+        raise wrong(table.path, line, f"{told}; put a header in front: {USUAL}")
+    roles = [CLOCK if role == TIME else role for role in TUM]
+    return [Column(role, at) for at, role in enumerate(roles) if role != "z"], TUM
 
 
 @dataclass(slots=True)
-class _Table:
-    """The numbers of the columns that are needed, not-a-number where a cell is empty."""
+class _Rows:
+    """The numbers of the columns that are needed, not-a-number where a cell is empty.
+
+    Attributes:
+        path: The file, for messages.
+        columns: What they are, in the units that stand in the file.
+        names: What they are called there.
+        lines: Where each row stands.
+        values: Of one row behind the other.
+        iteration: The last one, of which the rows are, if the file has several.
+    """
 
     path: Path
-    columns: Mapping[str, int]
-    factors: Mapping[str, float]
+    columns: Sequence[Column]
     names: Sequence[str]
-    width: int
     lines: array[int] = field(default_factory=lambda: array("q"))
     values: array[float] = field(default_factory=lambda: array("d"))
-    separator: str | None = None
+    iteration: float | None = None
 
     @classmethod
-    def headed(
-        cls, path: Path, line: int, names: Sequence[str], asked: Mapping[str, str]
-    ) -> _Table:
-        """An empty table under a header."""
-        columns, factors = columns_of(path, line, names, asked)
-        return cls(path, columns, factors, [names[at] for at in columns.values()], len(names))
+    def of(cls, table: PointTable, asked: Mapping[str, str]) -> _Rows:
+        """Reads all rows of a table.
 
-    @classmethod
-    def of_tum(
-        cls, path: Path, line: int, cells: Sequence[str], asked: Mapping[str, str]
-    ) -> _Table:
-        """An empty table for the rows of a TUM file, which has no header."""
-        if asked:
-            raise wrong(path, line, "has no header; --columns needs one to find the columns")
-        if len(cells) != len(TUM):
-            raise wrong(
-                path,
-                line,
-                f"has {counted(len(cells), 'column')} and no header that tells what they are; put "
-                f"a header in front: {USUAL}",
-            )
-        columns = {
-            "t" if name == TIME else name: index for index, name in enumerate(TUM) if name != "z"
-        }
-        return cls(path, columns, {}, TUM, len(TUM))
+        Raises:
+            UsageError: Columns are missing, or a cell holds something else; names the line.
+        """
+        columns, names = _columns_of(table, asked)
+        found = cls(table.path, columns, [names[column.index] for column in columns])
+        for line, text in table.rows:
+            cells = table.cells(line, text)
+            row = {column.role: found.number(line, column, cells) for column in columns}
+            iteration = row.get(ITERATION)
+            if iteration != found.iteration:
+                del found.lines[:], found.values[:]
+                found.iteration = iteration
+            found.lines.append(line)
+            found.values.extend(row.values())
+        return found
 
-    def add(self, line: int, text: str) -> None:
-        """Takes in a row."""
-        if not self.lines:
-            self.separator = separator_of(text)
-        cells = row_of(self.path, line, text, self.separator, self.width)
-        row = []
-        for role, index in self.columns.items():
-            cell = cells[index]
-            if cell.lower() in _EMPTY:
-                row.append(np.nan)
-            elif role in self.factors:
-                row.append(self.factors[role] * number_in(self.path, line, "a number", cell))
-            else:
-                name = TIME if role in ("t", COMMAND_TIME) else role
-                row.append(number_in(self.path, line, name, cell))
-        self.lines.append(line)
-        self.values.extend(row)
+    def number(self, line: int, column: Column, cells: Sequence[str]) -> float:
+        """The number of a column in a row, not-a-number where its cell is empty."""
+        cell = cells[column.index]
+        if cell.lower() in _EMPTY and column.role != ITERATION:
+            return math.nan
+        return number_in(self.path, line, column.role, cell)
 
     def log(self, checksum: str) -> Log:
         """Returns the log that the rows are."""
-        numbers = np.array(self.values).reshape(-1, len(self.columns)).T
-        table = dict(zip(self.columns, numbers, strict=True))
-        source = f"columns {', '.join(dict.fromkeys(self.names))}"
+        table, notes = self._table()
         self._check_times(table)
-        poses, notes = self._poses(table)
+        poses, more = self._poses(table)
+        notes += more
         commands, more = self._commands(table)
         notes += more
         wheels = None
         if MEASURED_LEFT in table:
             pair = (MEASURED_LEFT, MEASURED_RIGHT)
-            (times, left, right), more = self._series(table, "t", pair, "reading")
+            (times, left, right), more = self._series(table, CLOCK, pair, "reading")
             if len(times):
                 wheels = WheelSpeeds(halfway(times), left, right, "the table's measured speeds")
             notes += more
@@ -182,14 +172,42 @@ class _Table:
             commands,
             wheels,
             one_clock=COMMAND_TIME not in table,
-            notes=(f"{counted(len(self.lines), 'row')} with the {source}", *notes),
+            notes=tuple(notes),
         )
+
+    def _table(self) -> tuple[dict[str, Floats], list[str]]:
+        """The columns in hilc's units, by what they are, and notes about them."""
+        numbers = np.array(self.values).reshape(-1, len(self.columns)).T
+        table, told = {}, {}
+        for column, given in zip(self.columns, numbers, strict=True):
+            there = given[~np.isnan(given)]
+            if column.role in (CLOCK, COMMAND_TIME) and len(there):
+                column = counted_since_1970(column, float(there[0]))
+            table[column.role] = column.converted(given)
+            told[column.role] = column.in_words
+        rest = table.pop(NANOSECONDS, None)
+        whole = None if rest is None else whole_clock(table[CLOCK], rest)
+        if whole is not None:
+            table[CLOCK] = whole
+            told[CLOCK] = f"{CLOCK} from s and ns"
+        told.pop(NANOSECONDS, None)
+        table.pop(ITERATION, None)
+        for role in (X, Y):
+            check_place(self.path, self.lines, role, table[role])
+        for role in (CLOCK, COMMAND_TIME):
+            if role in table:
+                check_times(self.path, self.lines, table[role])
+        columns = listed(dict.fromkeys(self.names), len(self.names))
+        last = "" if self.iteration is None else f" of iteration {self.iteration:g}"
+        notes = [f"{counted(len(self.lines), 'row')}{last} with the columns {columns}"]
+        converted = [text for role, text in told.items() if text != role]
+        return table, [*notes, *([f"read {listed(converted)}"] if converted else [])]
 
     def _check_times(self, table: Mapping[str, Floats]) -> None:
         """Makes sure that each row that tells something has the time of it."""
         other = COMMAND_TIME in table
         for name, column in table.items():
-            clock = COMMAND_TIME if other and name in (LEFT, RIGHT, SPEED, YAW_RATE) else "t"
+            clock = COMMAND_TIME if other and name in (LEFT, RIGHT, SPEED, YAW_RATE) else CLOCK
             without = np.flatnonzero(np.isnan(table[clock]) & ~np.isnan(column))
             if len(without) and name != COMMAND_TIME:
                 raise wrong(self.path, self.lines[int(without[0])], f"has {name} but no time of it")
@@ -204,7 +222,7 @@ class _Table:
         if len(partly):
             line = self.lines[int(partly[0])]
             raise wrong(self.path, line, f"has not all of {', '.join(names)}; fill or empty them")
-        times, x, y = (table[name][whole] for name in ("t", X, Y))
+        times, x, y = (table[name][whole] for name in (CLOCK, X, Y))
         heading = table[HEADING][whole] if HEADING in table else None
         if heading is None and has_quaternion:
             quaternions = np.stack([table[name][whole] for name in QUATERNION], axis=1)
@@ -218,7 +236,7 @@ class _Table:
     def _commands(
         self, table: Mapping[str, Floats]
     ) -> tuple[WheelSpeeds | Twists | None, list[str]]:
-        clock = COMMAND_TIME if COMMAND_TIME in table else "t"
+        clock = COMMAND_TIME if COMMAND_TIME in table else CLOCK
         for pair, kind in (((LEFT, RIGHT), WheelSpeeds), ((SPEED, YAW_RATE), Twists)):
             if pair[0] in table:
                 series, notes = self._series(table, clock, pair, "command")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -12,15 +11,7 @@ from pydantic import Field
 
 from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
-from hilc_cli.plants.imperfections import (
-    MOTOR,
-    SLIP,
-    MotorSpec,
-    SlipSpec,
-    WheelRadii,
-    WheelRadius,
-    imperfections_of,
-)
+from hilc_cli.plants.imperfections import SLIP, SlipSpec, imperfections_of
 from hilc_cli.plants.kinematic import (
     Linearisation,
     Robot,
@@ -28,8 +19,8 @@ from hilc_cli.plants.kinematic import (
     euler_step,
     step_gains,
 )
-from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.plant import Plant, Pose, Step
+from hilc_cli.plants.wheeled import WheeledSpec
 from hilc_cli.reference.sampled import Floats
 
 
@@ -79,14 +70,12 @@ class KinematicPlant(Plant):
         return step_gains(robot.wheel_radius, robot.signed_half_track, sample_time)
 
 
-class KinematicSpec(RobotSpec):
+class KinematicSpec(WheeledSpec):
     """The plant as it really is: the paper's, unless something of a real robot is given."""
 
     only_if_given: ClassVar[tuple[str, ...]] = ("plant", "motor", "slip", "integration")
 
-    wheel_radius: WheelRadius = Field(description="R_c [m]")  # type: ignore[assignment]  # or two
     plant: Literal["kinematic"] = "kinematic"
-    motor: MotorSpec = Field(MOTOR, description="what the motors make of their inputs")
     slip: SlipSpec = Field(SLIP, description="what the tyres lose")
     integration: Literal["euler", "exact"] = Field(
         "euler", description="euler: Eq. 8; exact: the arc between two samples"
@@ -96,43 +85,21 @@ class KinematicSpec(RobotSpec):
         """Returns the plant for the engines: the paper's, if nothing keeps it from being that."""
         if not self.imperfections():
             return KinematicPlant(self.robot())
-        drivetrain = Drivetrain(*self._radii, self.motor.motor(), self.slip.slip())
+        drivetrain = Drivetrain(*self.wheel_radii, self.motor.motor(), self.slip.slip())
         return ImperfectPlant(self.robot(), drivetrain, self.integration == "exact")
 
     def imperfections(self) -> dict[str, float | str]:
         """Returns what the paper's plant has not."""
-        found = imperfections_of(self._radii, self.motor, self.slip)
+        found = imperfections_of(self.wheel_radii, self.motor, self.slip)
         if self.integration != "euler":
             found["integration"] = self.integration
         return found
 
     def figures(self) -> dict[str, float]:
         """Returns what wheels and motors are like."""
-        return Drivetrain(*self._radii, self.motor.motor()).figures
-
-    def with_keys(self, keys: Iterable[str]) -> KinematicSpec:
-        """Returns the same robot, with a radius for each wheel if a key leads to one."""
-        if not any(key.startswith("wheel_radius.") for key in keys):
-            return self
-        left, right = self._radii
-        return self.model_copy(update={"wheel_radius": WheelRadii(left=left, right=right)})
-
-    @property
-    def _radii(self) -> tuple[float, float]:
-        radius: float | WheelRadii = self.wheel_radius
-        return (radius.left, radius.right) if isinstance(radius, WheelRadii) else (radius, radius)
-
-    @property
-    def wheel_acceleration(self) -> float:
-        """The most that the speed of a wheel changes [rad/s^2]."""
-        return self.motor.motor().acceleration
+        return Drivetrain(*self.wheel_radii, self.motor.motor()).figures
 
     @property
     def lead(self) -> float:
         """Share of a sample's turn after which its way is gone."""
         return 0.0 if self.integration == "euler" else 0.5
-
-    @property
-    def mean_wheel_radius(self) -> float:
-        """The radius [m] of equal wheels that drive as far."""
-        return sum(self._radii) / 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
-from typing import Annotated, ClassVar, get_args
+from typing import Annotated, Any, ClassVar, get_args
 
 from pydantic import BeforeValidator, Field, WithJsonSchema
 
@@ -60,6 +60,12 @@ class RobotSpec(Model):
     only_if_given: ClassVar[tuple[str, ...]] = ("plant",)
     """Keys that a resolved scenario has only where they are not as in every robot."""
 
+    without_effect: ClassVar[tuple[str, ...]] = ("gravity_center", "friction")
+    """Keys on which the plant's motion does not depend."""
+
+    libraries: ClassVar[tuple[str, ...]] = ()
+    """Packages that compute the motion, whose versions manifests note."""
+
     wheel_radius: RobotLength = Field(description="R_c [m]")
     half_track: RobotLength | None = Field(
         None, description="B_c [m] as Eq. 2 uses it: half the distance between the wheels"
@@ -83,7 +89,10 @@ class RobotSpec(Model):
 
     @classmethod
     def chosen_by(cls, data: object = None) -> tuple[str, str] | None:
-        """Returns ``plant`` and the name of a plant other than the usual one."""
+        """Returns ``plant`` and the name of this plant; of one that data has, if not the usual."""
+        if data is None:
+            names = get_args(cls.model_fields["plant"].annotation)
+            return ("plant", names[0]) if names else None
         name = plant_named(data)
         return None if name == DEFAULT_PLANT else ("plant", str(name))
 
@@ -95,6 +104,16 @@ class RobotSpec(Model):
     @abstractmethod
     def as_plant(self) -> Plant:
         """Returns the plant for the engines."""
+
+    @property
+    def plant_name(self) -> str:
+        """What messages and manifests call the plant."""
+        return self.plant
+
+    @property
+    def program(self) -> dict[str, Any] | None:
+        """The program that is the plant, as manifests note it; None if it is none."""
+        return None
 
     def imperfections(self) -> dict[str, float | str]:
         """Returns by dotted key what the plant has of which neither theory nor its path knows."""
@@ -124,9 +143,22 @@ class RobotSpec(Model):
         return 0.5
 
     @property
+    def wheel_load(self) -> float | None:
+        """Share of the weight on the wheels, where the plant slides; None where it never does."""
+        return None
+
+    @property
     def in_lanes(self) -> bool:
         """Whether the batch engine can move the plant."""
         return self.as_plant().lane_gains(1.0) is not None
+
+    def resolved(self) -> dict[str, Any]:
+        """Returns the parameters as plain data with every default and relation filled in."""
+        data = self.model_dump(mode="json", exclude={"wheel_separation"})
+        data["half_track"] = self.robot().half_track
+        if self.friction is None:
+            del data["friction"]
+        return data
 
     def robot(self) -> Robot:
         """Returns the platform."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 
 from hilc_cli.plants.kinematic import Linearisation, Robot
 from hilc_cli.reference.sampled import Floats
@@ -42,6 +43,13 @@ class Plant(ABC):
             pose: Where the platform stands.
             sample_time: d_t [s].
         """
+
+    def session(self) -> AbstractContextManager[Plant]:
+        """Returns the plant for the passes of one run, one after the other.
+
+        What it needs for all of them, such as a program, it ends with the context.
+        """
+        return nullcontext(self)
 
     def linearisation(
         self, headings: Floats, left: Floats, right: Floats, sample_time: float

@@ -16,13 +16,17 @@ from pydantic import (
 from pydantic_core import core_schema
 
 from hilc_cli import plug_ins
+from hilc_cli.plants.command_plant import ProgramRobotSpec, is_program
 from hilc_cli.plants.kinematic_plant import KinematicSpec
+from hilc_cli.plants.mujoco_plant import MujocoSpec
 from hilc_cli.plants.parameters import RobotSpec, plant_named
 from hilc_cli.plug_ins import PlugInError
 from hilc_cli.yaml_input.model import of_named_model
 
-OWN: Mapping[str, type[RobotSpec]] = {"kinematic": KinematicSpec}
+OWN: Mapping[str, type[RobotSpec]] = {"kinematic": KinematicSpec, "mujoco": MujocoSpec}
 """The parameters of each of hilc's own plants; all else about plants follows from here."""
+
+_OWN = (*OWN.values(), ProgramRobotSpec)
 
 
 class InstalledRobot(RobotSpec):
@@ -37,7 +41,7 @@ class InstalledRobot(RobotSpec):
             model = _named(plant_named(data))
         except PlugInError:
             return None
-        return None if model in OWN.values() else model
+        return None if model in _OWN else model
 
     @classmethod
     def __get_pydantic_json_schema__(
@@ -49,6 +53,8 @@ class InstalledRobot(RobotSpec):
 
 def _named(plant: object) -> type[RobotSpec]:
     """Returns the model of a plant; raises PlugInError as for laws."""
+    if is_program(plant):
+        return ProgramRobotSpec
     name = plant if isinstance(plant, str) else ""
     if name in OWN:
         return OWN[name]
@@ -70,7 +76,7 @@ if TYPE_CHECKING:
     RobotSection = RobotSpec
 else:
     RobotSection = Annotated[
-        reduce(or_, (*OWN.values(), InstalledRobot)),
+        reduce(or_, (*_OWN, InstalledRobot)),
         WrapValidator(_of_its_plant),
         SerializeAsAny(),
     ]

@@ -25,7 +25,7 @@ from hilc_cli.reference.plans import (
     TurnPlan,
 )
 from hilc_cli.reference.profiled import PathTiming, Profile, Share, profile_of
-from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.reference.segments import (
     Arc,
     Backward,
@@ -84,6 +84,8 @@ class PathBuilder:
     Attributes:
         samples: Number of sampling intervals so far; of a path with a profile those of its stops.
         curves: Curves through points, by the number of their segment.
+        moved: How far a given centre, end or start was moved within the tolerance [m], with the
+            number of its segment and what was moved.
     """
 
     def __init__(
@@ -108,6 +110,7 @@ class PathBuilder:
         self._counts: list[int] = []
         self.samples = 0
         self.curves: dict[int, Curve] = {}
+        self.moved: list[tuple[int, str, float]] = []
 
     @property
     def start(self) -> Pose:
@@ -141,14 +144,19 @@ class PathBuilder:
         if abs(jump) > HEADING_TOLERANCE:
             placed, before = self._with_corner(placed, before, jump)
         self._start, self._pose = start, (x, y, heading)
-        self._is_backward = isinstance(segment, Backward)
-        if not isinstance(plan, StopPlan):
+        if not isinstance(plan, StopPlan):  # in one the wheels stay as they are
             self._curvature = curvature
+            self._is_backward = isinstance(segment, Backward)
         if before is not None and before is not self._placed[-1]:  # its corner has been rounded
             self._placed.pop()
             self.samples -= self._counts.pop()
             self._take(before)
         self._take(placed)
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Lengths of the segments [m]."""
+        return tuple(placed.segment.length for placed in self._placed)
 
     def gap(self) -> float:
         """Distance of the running point from the start [m]."""
@@ -195,10 +203,9 @@ class PathBuilder:
             self._by_segments() if profile is None else (profile.shares, list(profile.ends))
         )
         segments = [placed.segment for placed in self._placed]
-        lengths = [segment.length for segment in segments]
         x, y, heading, positions = (np.empty(ends[-1] + 1) for _ in range(4))
         begin = 0.0
-        for segment, length, share in zip(segments, lengths, shares, strict=True):
+        for segment, length, share in zip(segments, self.lengths, shares, strict=True):
             part = slice(share.first, share.first + len(share.fractions))
             if len(share.fractions):  # of a short segment there may be none
                 x[part], y[part], heading[part], _ = segment.at(share.fractions)
@@ -214,7 +221,7 @@ class PathBuilder:
             y,
             heading,
             segment_ends=tuple(ends),
-            lengths=tuple(lengths),
+            lengths=self.lengths,
             corners=tuple(placed.corner for placed in self._placed),
             turns=tuple(end_of(segment)[2] - segment.start_heading for segment in segments),
             jumps=curvature_jumps(segments, positions, is_lap=moves and self._is_lap()),
@@ -253,15 +260,15 @@ class PathBuilder:
             return Placed(turn, plan.duration, plan.rate, "rate", abs(plan.angle))
         if isinstance(plan, StopPlan):
             return Placed(TurnInPlace((x, y), running), plan.duration)
+        pose = (x, y, running - math.pi) if plan.reverse else self._pose
         segment: Segment
-        if isinstance(plan, ClothoidPlan):
-            segment = self._clothoid(plan, self._pose)
+        if isinstance(plan, LinePlan):
+            segment = self._line(plan, pose)
+        elif isinstance(plan, ArcPlan):
+            segment = self._arc(plan, pose)
         else:
-            pose = (x, y, running - math.pi) if plan.reverse else self._pose
-            segment = (
-                self._line(plan, pose) if isinstance(plan, LinePlan) else self._arc(plan, pose)
-            )
-            segment = Backward(segment) if plan.reverse else segment
+            segment = self._clothoid(plan, pose)
+        segment = Backward(segment) if plan.reverse else segment
         return Placed(segment, plan.duration, plan.speed)
 
     def _with_corner(
@@ -300,6 +307,7 @@ class PathBuilder:
             if turned > HEADING_TOLERANCE and length * turned <= self._slack(x, y, *end):
                 heading = running  # the end may be off by so little: no corner is meant
                 end = (x + length * math.cos(heading), y + length * math.sin(heading))
+                self._move("end", end, plan.to)
         elif plan.length is not None:
             length, heading = plan.length, running
             end = (x + length * math.cos(heading), y + length * math.sin(heading))
@@ -343,13 +351,15 @@ class PathBuilder:
             # The centre may be off by so little: neither a gap nor a corner is meant.
             tangent = _tangent_arc(plan, pose, radius)
             if math.dist(tangent.center, center) <= slack:
+                self._move("centre", tangent.center, center)
                 return tangent
             radius = distance if abs(distance - radius) > POSITION_TOLERANCE else radius
         return Arc(center, radius, start_angle, plan.sweep, plan.turn, heading)
 
     def _clothoid(self, plan: ClothoidPlan, pose: Pose) -> Clothoid:
         # Where the robot begins to drive the other way, its wheels steer on as they did.
-        arrives = -self._curvature if self._is_backward else self._curvature
+        turns_round = plan.reverse != self._is_backward
+        arrives = -self._curvature if turns_round else self._curvature
         start = arrives if plan.start_curvature is None else plan.start_curvature
         clothoid = Clothoid(pose[:2], pose[2], plan.length, start, plan.end_curvature)
         if clothoid.turning > MOST_TURNING:
@@ -373,6 +383,7 @@ class PathBuilder:
                     f"starts at ({first}), {gap:.3g} m from ({x:.9g}, {y:.9g}), where the path "
                     "stands; make its first point the one where the segment before ends"
                 )
+            self._move("first point", (x, y), points[0])
             points = np.concatenate([[[x, y]], points[1:]])
         try:
             curve = curve_through(
@@ -400,6 +411,10 @@ class PathBuilder:
         self.curves[len(self._placed)] = curve
         segment = Backward(curve.segment) if plan.reverse else curve.segment
         return Placed(segment, plan.duration, plan.speed, clock=clock)
+
+    def _move(self, what: str, new: Sequence[float], given: Sequence[float] | Floats) -> None:
+        """Notes that something given stands for a point beside it."""
+        self.moved.append((len(self._placed), what, math.dist(new, given)))
 
     def _take(self, placed: Placed) -> None:
         """Takes a segment in, even if what is said of its time is told to be wrong.

@@ -74,6 +74,7 @@ class ClothoidPlan:
     start_curvature: float | None = None  # [rad/m]; None: with which the path arrives
     duration: float | None = None  # [s]
     speed: float | None = None  # [m/s]
+    reverse: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

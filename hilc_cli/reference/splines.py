@@ -151,8 +151,12 @@ class Spline:
         at = begin[:, np.newaxis] + half[:, np.newaxis] * (1 + _NODES)
         slopes = self._derivative(at)
         speed = np.hypot(slopes[..., 0], slopes[..., 1])
-        if legs is not None and speed.min() < _SLOWEST:
-            point = int(legs[speed.min(axis=1).argmin()])
+        if legs is not None:
+            # Of a way that goes back as it came, a knot alone is the cusp.
+            at_begin = np.hypot(*self._derivative(begin).T)
+            slowest = np.minimum(speed.min(axis=1), at_begin)
+        if legs is not None and slowest.min() < _SLOWEST:
+            point = int(legs[slowest.argmin()])
             raise CurveError(
                 f"turns back on the spot between its points {point} and {point + 1}; move them, "
                 "smooth a path's noise by 'smoothing', or drive the parts one after the other, one "

@@ -6,35 +6,42 @@ Such a file may come from anybody: what is wrong is told with its line, and noth
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from hilc_cli.errors import UsageError
-from hilc_cli.reference.point_tables import (
-    COMMENTS,
+from hilc_cli.reference.cells import cells_of, is_number
+from hilc_cli.reference.columns import (
     HEADING,
-    MAX_BYTES,
-    POSE_NAMES,
+    ITERATION,
+    NANOSECONDS,
     TIME,
-    TUM,
+    Column,
+    HeaderError,
     X,
     Y,
-    cells_of,
-    comment_text,
-    decimal_commas,
-    has_role,
+    counted_since_1970,
+    whole_clock,
+)
+from hilc_cli.reference.path_columns import (
+    HEADERS,
+    SPEED,
+    are_columns,
+    columns_of,
+)
+from hilc_cli.reference.point_tables import (
+    MAX_BYTES,
+    MEND,
+    TUM,
+    PointTable,
+    check_place,
+    check_times,
     headings_of,
-    is_number,
     not_unit,
     number_in,
-    plain_name,
-    row_of,
-    separator_of,
-    text_lines,
     wrong,
 )
 from hilc_cli.reference.sampled import Floats
@@ -44,17 +51,7 @@ __all__ = ["MAX_BYTES", "MOST_POINTS", "Waypoints", "parse_waypoints"]
 MOST_POINTS = 10_000
 """More are not needed for any curve, and a scenario that holds them all can still be read."""
 _FASTEST = 1e8  # [m/s]
-
-SPEED, ITERATION = "speed", "iteration"
-
-_NAMES: Mapping[str, frozenset[str]] = {
-    **POSE_NAMES,
-    SPEED: frozenset(("speed", "velocity", "vel", "v", "vx", "speed_mps", "v_mps", "vx_mps")),
-    ITERATION: frozenset((ITERATION,)),
-}
-_HEADERS = "x,y (beside them heading, speed and t_s if they are known)"
-_DEGREES = frozenset({"lat", "latitude", "lon", "long", "lng", "longitude"})
-_OTHER_UNIT = re.compile(r"[\[(](mm|cm|km|ft|in|deg)[\])]", re.IGNORECASE)
+_LONGEST = 1e6  # [s]: times of a longer path are counted in something else
 _FEWEST_NOISY = 50  # of fewer points nobody can tell noise from corners
 _ZIGZAG = -0.3  # correlation of neighbouring turns below which they are noise; of noise alone -2/3
 _SHARP = 0.05  # [rad]: turns from point to point that are smaller (RMS) do no harm
@@ -66,7 +63,10 @@ class Waypoints:
 
     Attributes:
         points: Shape (m, 2) [m].
-        columns: What was read, by hilc's own names.
+        columns: What was read, by hilc's own names and with other units.
+        of_columns: How many there are, if some are not read.
+        says_unit: Whether the header tells in which unit the points are.
+        says_clock: The same of the times.
         times: At the points [s], shape (m,), rising; None if the file has none.
         speeds: At the points [m/s], shape (m,); None if the file has none.
         headings: At the points [rad], shape (m,); None if the file has none.
@@ -76,6 +76,9 @@ class Waypoints:
 
     points: Floats
     columns: tuple[str, ...]
+    of_columns: int | None = None
+    says_unit: bool = False
+    says_clock: bool = False
     times: Floats | None = None
     speeds: Floats | None = None
     headings: Floats | None = None
@@ -98,6 +101,18 @@ class Waypoints:
         if squares <= _SHARP**2 * len(turns) or turns[:-1] @ turns[1:] > _ZIGZAG * squares:
             return None
         return float(np.sqrt(np.square(np.diff(points, 2, axis=0)).mean() / 6))
+
+    @property
+    def counts_in_whole_units(self) -> bool:
+        """Whether all times are whole numbers of a unit that the file does not tell."""
+        if self.times is None or self.says_clock:
+            return False
+        return bool((self.times == np.round(self.times)).all())
+
+    @property
+    def extent(self) -> float:
+        """The longer side of the box around the points [m]."""
+        return float(np.ptp(self.points, axis=0).max())
 
     @property
     def look_back(self) -> bool:
@@ -123,61 +138,54 @@ def parse_waypoints(path: Path, content: bytes) -> Waypoints:
     Raises:
         UsageError: It is no such file; names the line.
     """
-    header: tuple[int, str] | None = None
-    rows: list[tuple[int, str]] = []
-    for number, line in text_lines(path, content, "take fewer points"):
-        if line.startswith(COMMENTS):
-            told = comment_text(line)
-            if not rows and _is_header(cells_of(told)):
-                header = number, told
-        else:
-            rows.append((number, line))
-    if not rows:
-        raise UsageError(f"{path}: has no points; give at least two lines with x and y")
-    if decimal_commas(rows[0][1]) or decimal_commas(rows[-1][1]):
-        raise wrong(path, rows[0][0], "has decimal commas; write decimal points")
-    cells = cells_of(rows[0][1])
-    if header is not None and len(cells_of(header[1], None)) != len(cells):
-        header = None  # a comment that has both words in it
-    if header is None and not all(map(is_number, cells)):
-        header = rows.pop(0)
-    separator = separator_of(rows[0][1]) if rows else None
-    if header is None:
-        columns = _without_header(path, rows, separator)
-        width = len(cells_of(rows[0][1], separator))
-    else:
-        names = cells_of(header[1], separator_of(header[1]))
-        found = _roles(names)
-        if found is None:
-            raise wrong(path, header[0], _no_columns(names))
-        columns, width = found, len(names)
-    return _table(path, rows, columns, separator, width)
+    table = PointTable.read(path, content, are_columns=are_columns, too_long="take fewer points")
+    if table.header is None:
+        if table.first is None:
+            raise UsageError(f"{path}: has no points; give at least two lines with x and y")
+        rows = list(table.rows)
+        return _waypoints(table, _numbers(table, rows, _without_header(table, rows)))
+    try:
+        columns = columns_of(table.header.names)
+    except HeaderError as error:
+        raise wrong(path, table.header.line, str(error)) from None
+    return _waypoints(table, _numbers(table, table.rows, columns))
 
 
-def _table(
-    path: Path,
-    rows: Sequence[tuple[int, str]],
-    columns: Mapping[str, int],
-    separator: str | None,
-    width: int,
-) -> Waypoints:
-    """The numbers of the columns that are needed."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Numbers:
+    """The numbers of the columns that are needed.
+
+    Attributes:
+        columns: What they are.
+        values: As they stand in the file, shape (m, number of columns).
+        lines: Where each row stands.
+        dropped: How many rows said the same as the one before.
+    """
+
+    columns: Sequence[Column]
+    values: Floats
+    lines: Sequence[int]
+    dropped: int
+
+
+def _numbers(
+    table: PointTable, rows: Iterable[tuple[int, str]], columns: Sequence[Column]
+) -> _Numbers:
+    """Reads them, those of the last iteration if there are several."""
+    path = table.path
     values: list[list[float]] = []
     lines: list[int] = []
     dropped = 0
     last: list[float] = []
+    has_iterations = columns[0].role == ITERATION
     for line, text in rows:
-        cells = row_of(path, line, text, separator, width)
-        row = [_number(path, line, name, cells[index]) for name, index in columns.items()]
-        if ITERATION in columns and last and row[0] != last[0]:
+        cells = table.cells(line, text)
+        row = [_number(path, line, column.role, cells[column.index]) for column in columns]
+        if has_iterations and last and row[0] != last[0]:
             values, lines, dropped, last = [], [], 0, []
         if row == last:
             dropped += 1
             continue
-        if TIME in columns and last:
-            at = list(columns).index(TIME)
-            if row[at] <= last[at]:
-                raise wrong(path, line, "has a time that is not after the one before")
         values.append(row)
         lines.append(line)
         last = row
@@ -185,51 +193,90 @@ def _table(
             raise UsageError(
                 f"{path}: has more than {MOST_POINTS} points; take fewer, such as every second one"
             )
-    table = dict(zip(columns, np.array(values).reshape(-1, len(columns)).T, strict=True))
-    if not values or len(values) < 2:
+    if len(values) < 2:
         raise UsageError(f"{path}: has fewer than two points; give at least two lines with x and y")
-    iteration = table.pop(ITERATION, None)
-    if "qw" in table:
-        quaternions = np.stack([table.pop(name) for name in ("qw", "qx", "qy", "qz")], axis=1)
+    return _Numbers(columns, np.array(values), lines, dropped)
+
+
+def _waypoints(table: PointTable, numbers: _Numbers) -> Waypoints:
+    """Points of the numbers that stand in a file."""
+    path, lines = table.path, numbers.lines
+    columns = [
+        counted_since_1970(column, float(first)) if column.role == TIME else column
+        for column, first in zip(numbers.columns, numbers.values[0], strict=True)
+    ]
+    found = {
+        column.role: column.converted(given)
+        for column, given in zip(columns, numbers.values.T, strict=True)
+    }
+    told = {column.role: column.in_words for column in columns}
+    of_columns = table.width if table.width > len(columns) else None
+    iteration = found.pop(ITERATION, None)
+    rest = found.pop(NANOSECONDS, None)
+    whole = None if rest is None else whole_clock(found[TIME], rest)
+    if whole is not None:
+        found[TIME] = whole
+        told[TIME] = f"{TIME} from s and ns"
+    if "qw" in found:
+        quaternions = np.stack([found.pop(name) for name in ("qw", "qx", "qy", "qz")], axis=1)
         off = not_unit(quaternions)
         if off is not None:
-            told = "has no unit quaternion at its end, as the lines of a TUM file have"
-            raise wrong(path, lines[off], f"{told}; put a header in front: {_HEADERS}")
-        table[HEADING] = headings_of(quaternions)
+            problem = "has no unit quaternion at its end, as the lines of a TUM file have"
+            raise wrong(path, lines[off], f"{problem}; put a header in front: {HEADERS}")
+        found[HEADING] = headings_of(quaternions)
+        of_columns = None
+    for role in (X, Y):
+        check_place(path, lines, role, found[role])
+    if TIME in found:
+        check_times(path, lines, found[TIME])
+        _check_order(path, lines, found[TIME])
     return Waypoints(
-        np.stack([table[X], table[Y]], axis=1),
-        tuple(table),
-        table.get(TIME),
-        # With times they are not needed.
-        table.get(SPEED) if TIME not in table else None,
-        table.get(HEADING),
-        dropped,
+        np.stack([found[X], found[Y]], axis=1),
+        tuple(told.get(role, role) for role in found),
+        of_columns,
+        any(column.unit for column in columns if column.role == X),
+        any(column.unit for column in columns if column.role == TIME),
+        found.get(TIME),
+        found.get(SPEED),
+        found.get(HEADING),
+        numbers.dropped,
         None if iteration is None else int(iteration[-1]),
     )
 
 
-def _without_header(
-    path: Path, rows: Sequence[tuple[int, str]], separator: str | None
-) -> dict[str, int]:
+def _check_order(path: Path, lines: Sequence[int], times: Floats) -> None:
+    """Makes sure that times [s] rise, and are those of a drive."""
+    back = np.flatnonzero(np.diff(times) <= 0)
+    if len(back):
+        problem = "has a time that is not after the one before"
+        remedy = "sort the lines by time and keep one of each, or take the times out"
+        raise wrong(path, lines[int(back[0]) + 1], f"{problem}; {remedy}")
+    duration = float(np.ptp(times))
+    if duration > _LONGEST:
+        problem = f"has times that are {duration:.3g} s apart"
+        raise wrong(path, lines[-1], f"{problem}; tell their unit in the header, such as t_ms")
+
+
+def _without_header(table: PointTable, rows: Sequence[tuple[int, str]]) -> list[Column]:
     """What the columns of a file without a header are, where there is no doubt."""
-    first = cells_of(rows[0][1], separator)
-    width = len(first)
-    if width == len(TUM):
-        return {name: index for index, name in enumerate(TUM) if name != "z"}
-    if width == 2:
-        return {X: 0, Y: 1}
-    if width == 3 and not _is_clock([cells_of(text, separator)[0] for _, text in rows[:100]]):
-        third = [cells_of(text, separator)[-1] for _, text in rows]
-        if any(is_number(cell) and float(cell) < 0 for cell in third):
+    if table.width == len(TUM):
+        return [Column(role, at) for at, role in enumerate(TUM) if role != "z"]
+    points = [Column(X, 0), Column(Y, 1)]
+    if table.width == 2:
+        return points
+    split = [cells_of(text, table.separator) for _, text in rows] if table.width == 3 else []
+    if split and not _is_clock([cells[0] for cells in split[:100]]):
+        third = [float(cells[-1]) for cells in split if is_number(cells[-1])]
+        if any(number < 0 for number in third):
             told = "has a third column with numbers below 0 and no header that tells what they are"
-            raise wrong(path, rows[0][0], f"{told}; put a header in front: {_HEADERS}")
-        is_height = all(is_number(cell) and float(cell) == 0 for cell in third)
-        return {X: 0, Y: 1} if is_height else {X: 0, Y: 1, SPEED: 2}
+            raise wrong(table.path, rows[0][0], f"{told}; put a header in front: {HEADERS}")
+        is_height = len(third) == len(split) and not any(third)
+        return points if is_height else [*points, Column(SPEED, 2)]
     raise wrong(
-        path,
+        table.path,
         rows[0][0],
-        f"has {width} columns and no header that tells what they are; put a header in front: "
-        f"{_HEADERS}",
+        f"has {table.width} columns and no header that tells what they are; put a header in "
+        f"front: {HEADERS}",
     )
 
 
@@ -241,47 +288,11 @@ def _is_clock(cells: Sequence[str]) -> bool:
     return bool(steps.min() > 0 and np.ptp(steps) <= 1e-3 * steps.max())
 
 
-def _is_header(cells: Sequence[str]) -> bool:
-    """Whether a comment tells what the columns are."""
-    return _roles(cells) is not None or sum(plain_name(cell) in _DEGREES for cell in cells) == 2
-
-
-def _no_columns(names: Sequence[str]) -> str:
-    """What is wrong with a header, or what stands in its place, that names no columns x and y."""
-    plain = [plain_name(name) for name in names]
-    if len(names) == 1 and any(sign in names[0] for sign in "|:/&"):
-        return "is parted neither by commas, semicolons nor white space; save it with commas"
-    if not _DEGREES.isdisjoint(plain):
-        return "names latitude and longitude; give x and y in metres, such as those of UTM"
-    if any(_OTHER_UNIT.search(name) for name in names):
-        return "names a unit that is not metres; give metres"
-    for role in (X, Y):
-        if sum(name in _NAMES[role] for name in plain) > 1:
-            return f"names several columns that may be {role}; keep one of them"
-    return f"names no columns x and y; call them {_HEADERS}"
-
-
-def _roles(names: Sequence[str]) -> dict[str, int] | None:
-    """Columns by what they are, the iteration first; None without x and y, or with one twice."""
-    plain = [plain_name(name) for name in names]
-    found: dict[str, int] = {}
-    for role, known in sorted(_NAMES.items(), key=lambda item: item[0] != ITERATION):
-        at = [
-            index
-            for index, name in enumerate(plain)
-            if (has_role(role, name) if role in POSE_NAMES else name in known)
-        ]
-        if len(at) > 1 and role in (X, Y):
-            return None
-        if at:
-            found[role] = at[0]
-    return found if X in found and Y in found else None
-
-
-def _number(path: Path, line: int, name: str, cell: str) -> float:
+def _number(path: Path, line: int, role: str, cell: str) -> float:
     """The number in a cell, which must be one of its column."""
-    number = number_in(path, line, name, cell)
-    if name == SPEED and not 0 <= number <= _FASTEST:
+    remedy = "give seconds, or take the times out" if role == TIME else MEND
+    number = number_in(path, line, role, cell, remedy)
+    if role == SPEED and not 0 <= number <= _FASTEST:
         told = "has a speed that is below 0 or too high; say that it drives backward"
         raise wrong(path, line, f"{told} by 'reverse: true'")
     return number

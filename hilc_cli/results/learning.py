@@ -87,6 +87,9 @@ MODEL = "model_"
 _TOLD_BY = {"wheel_radius_per_half_track": "model_half_track_standard_error_m"}
 """Quantities that say nothing new where another column has a number, by that column."""
 
+_EVENTS = {"went_back"}
+"""What happened in an iteration, which says nothing of the others."""
+
 TRUE, BELIEVED = "true", "believed"
 """Names of yardsticks: what a quantity really is, and what the law believed at first."""
 
@@ -149,7 +152,7 @@ def quantities(columns: Iterable[str]) -> list[Quantity]:
 
 def says_more(quantity: Quantity, known: Collection[str]) -> bool:
     """Whether a quantity says more than the columns that are known to have a number."""
-    return _TOLD_BY.get(quantity.column) not in known
+    return quantity.column not in _EVENTS and _TOLD_BY.get(quantity.column) not in known
 
 
 def _series(column: str, columns: list[str]) -> Series | None:

@@ -44,7 +44,7 @@ from hilc_cli.runs.run_folder import (
 from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
-from hilc_cli.theory.feasibility.feasibility import beyond_wheels
+from hilc_cli.theory.feasibility.feasibility import beyond_tyres, beyond_wheels
 from hilc_cli.theory.noise import seen_in, seen_warnings
 from hilc_cli.wording import printable
 
@@ -165,7 +165,7 @@ class Run(RunData):
             "diverged_at": self.diverged_at,
             "warnings": list(self.warnings),
             "seed": spec.disturbance.seed,
-            **origin(self.started, DRAWN_WITH, self.scenario.plug_ins),
+            **origin(self.started, (*DRAWN_WITH, *spec.robot.libraries), self.scenario.plug_ins),
             "command": list(command),
             "timings_s": {**self.timings, **writing},
             "inputs_sha256": dict(self.scenario.checksums),
@@ -219,16 +219,19 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         robot=experiment.robot,
         scenario=scenario,
         started=started,
-        plan=_finite(learner.plan()) if measured.diverged_at is None else None,
+        plan=_sendable(learner.plan(), scenario) if measured.diverged_at is None else None,
         timings={"simulation": time.perf_counter() - clock},
     )
     warnings = (*warnings_before(scenario), *warnings_after(result, scenario, experiment))
     return replace(result, warnings=warnings)
 
 
-def _finite(plan: Plan) -> Plan | None:
-    """Returns the plan if it can be sent to anybody."""
-    return plan if np.isfinite([*plan.left, *plan.right, *plan.poses.ravel()]).all() else None
+def _sendable(plan: Plan, scenario: Scenario) -> Plan | None:
+    """Returns the plan within the limits of every plan; None if it cannot be sent to anybody."""
+    if not np.isfinite([*plan.left, *plan.right, *plan.poses.ravel()]).all():
+        return None
+    limits = scenario.spec.safety_limits
+    return limits.applied(plan, scenario.spec.trajectory.sample_time)
 
 
 RunSource = RunData | str | Path
@@ -320,7 +323,8 @@ def _check(folder: Path, scenario: Scenario, text: str, *, force: bool) -> None:
 def warnings_before(scenario: ScenarioSource) -> list[str]:
     """Says what is probably not meant, and what no law can do, before anything is simulated."""
     scenario = as_scenario(scenario)
-    return [*scenario.warnings(), *beyond_wheels(scenario.feasibility())]
+    feasibility = scenario.feasibility()
+    return [*scenario.warnings(), *beyond_wheels(feasibility), *beyond_tyres(feasibility)]
 
 
 def warnings_after(run: RunData, scenario: Scenario, experiment: Experiment) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from hilc_cli import plug_ins
 from hilc_cli.engine.experiment import Experiment, Learning
+from hilc_cli.engine.robot_learning import RobotLearning, with_standstill
 from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
@@ -22,7 +23,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import BELIEVED, MODEL, TRUE
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
-from hilc_cli.theory.feasibility.demand import demand_of
+from hilc_cli.theory.feasibility.demand import Demand, demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
 from hilc_cli.theory.feasibility.motors import acceleration_warnings, start_warnings
 from hilc_cli.theory.feasibility.plausibility import implausible, is_plain
@@ -31,8 +32,13 @@ from hilc_cli.yaml_input.nodes import Place
 from hilc_cli.yaml_input.tree import to_yaml
 
 NAMED_INPUTS = ("zero", "feedforward")
+_FAR = 10.0  # times the size of the path, from which no robot comes to it
 _MUCH = 0.1  # of a path's duration, for jumps of its curvature
 INITIAL_INPUT_FILE = "initial-input.csv"
+_DELAY = "model_delay_s"
+"""What a law that finds out by itself how late inputs arrive tells."""
+_LONGEST_DELAY = 0.4  # [s] that such a law can make up for
+_ON_ARCS = 0.5  # lead of robots that drive, see `Setting.lead`
 
 
 @lru_cache(maxsize=16)
@@ -83,11 +89,14 @@ class Scenario:
         return self.spec.controller.in_words(self.setting)
 
     @property
-    def plug_ins(self) -> dict[str, dict[str, str | None]]:
-        """Package and version of what is not hilc's own in it, as manifests note them."""
-        law, plant = self.spec.controller.law, self.spec.robot.plant
-        of_law = plug_ins.packages_of("law", [law], LAWS)
-        return of_law | plug_ins.packages_of("plant", [plant], PLANTS)
+    def plug_ins(self) -> dict[str, dict[str, Any]]:
+        """What is not hilc's own in it, as manifests note it: package and version, or command."""
+        law, robot = self.spec.controller.law, self.spec.robot
+        found: dict[str, dict[str, Any]] = dict(plug_ins.packages_of("law", [law], LAWS))
+        program = robot.program
+        if program is None:
+            return found | plug_ins.packages_of("plant", [robot.plant_name], PLANTS)
+        return found | {robot.plant_name: program}
 
     @property
     def speed_limit(self) -> float | None:
@@ -116,6 +125,34 @@ class Scenario:
         """Returns the law at work, for trials that are driven elsewhere: nothing is simulated."""
         return Learning(self.experiment())
 
+    def robot_learning(self) -> RobotLearning:
+        """Returns the law at work on a real robot: its plans are within all limits."""
+        spec, lead_in = self.spec, self.lead_in
+        reference = with_standstill(spec.reference, lead_in)
+        setting = replace(self.setting, reference=reference, lead=_ON_ARCS)
+        left, right = (
+            np.concatenate([np.zeros(reference.samples - len(wheel)), wheel])
+            for wheel in self._first_input(setting)
+        )
+        limits = spec.safety_limits
+        experiment = replace(
+            self.experiment(),
+            reference=reference,
+            law=spec.controller.law_on(setting),
+            initial_left=left,
+            initial_right=right,
+            speed_limit=limits.wheel_speed,
+        )
+        return RobotLearning(experiment, limits, lead_in)
+
+    @property
+    def lead_in(self) -> int:
+        """Samples of standstill before a robot's trajectory, for inputs that arrive late."""
+        longest = self.spec.model.motor.delay
+        if _DELAY in self.spec.controller.figures():
+            longest = max(longest, _LONGEST_DELAY)
+        return math.ceil(longest / self.spec.trajectory.sample_time - 1e-9)
+
     @property
     def setting(self) -> Setting:
         """What the law may depend on beside its own parameters."""
@@ -143,13 +180,10 @@ class Scenario:
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""
-        trajectory = self.spec.trajectory
-        found = [
-            *self._implausible(),
-            *trajectory.warnings(),
-            *self.spec.controller.warnings(self.setting),
-        ]
-        found += [*self._without_learning(), *self._slow_joints(), *self._of_motors()]
+        demand = self.feasibility().demand
+        found = [*self._implausible(demand), *self.spec.trajectory.warnings()]
+        found += [*self._far_away(demand), *self.spec.controller.warnings(self.setting)]
+        found += [*self._without_learning(), *self._slow_joints(), *self._of_motors(demand)]
         if abs(self.spec.initial_error[2]) > math.pi:
             heading = self.spec.start_pose[2]
             meant = f"; {heading:g} deg?" if is_plain(heading) else ""
@@ -159,7 +193,7 @@ class Scenario:
             )
         return found
 
-    def _implausible(self) -> list[str]:
+    def _implausible(self, demand: Demand) -> list[str]:
         """Numbers that hardly anybody means."""
         spec, robot = self.spec, self.spec.robot.robot()
         headings = {"trajectory.start.heading": spec.trajectory.start_pose[2]}
@@ -168,9 +202,21 @@ class Scenario:
                 headings[f"trajectory.segments.{index}.spline.heading"] = segment.spline.heading
         if spec.initial_pose.heading is not None:
             headings["initial_pose.heading"] = spec.initial_pose.heading
-        return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)
+        return implausible(demand, robot, spec.model.model(robot), headings)
 
-    def _of_motors(self) -> list[str]:
+    def _far_away(self, demand: Demand) -> list[str]:
+        """A start that lies where the path does not, such as at 0 beside points in UTM."""
+        x, y, _ = self.spec.trajectory.start_pose
+        distance = math.hypot(*self.spec.initial_error[:2])
+        size = max(demand.extent, 2 * self.spec.robot.robot().half_track)
+        if distance <= _FAR * size:
+            return []
+        return [
+            f"initial_pose is {distance:.4g} m from the trajectory's start at ({x:.9g}, {y:.9g}), "
+            f"{distance / size:.2g} times the size of the path; give it in the path's coordinates"
+        ]
+
+    def _of_motors(self, demand: Demand) -> list[str]:
         """What motors, real or believed ones, cannot follow."""
         spec, drivetrain = self.spec, self.setting.drivetrain
         limits = {"robot.motor.acceleration": spec.robot.wheel_acceleration}
@@ -179,7 +225,6 @@ class Scenario:
         key = min(limits, key=lambda key: limits[key])
         if drivetrain is None and limits[key] == math.inf:
             return []
-        demand = self.feasibility().demand
         found = acceleration_warnings(demand, spec.robot.mean_wheel_radius, key, limits[key])
         return found if drivetrain is None else [*found, *start_warnings(demand, drivetrain.motor)]
 
@@ -225,7 +270,7 @@ class Scenario:
         limit = math.inf if self.speed_limit is None else self.speed_limit
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             demand = demand_of(spec.reference, robot, spec.trajectory.segment_names)
-        limits = Limits(limit, spec.robot.friction)
+        limits = Limits(limit, spec.robot.friction, spec.robot.wheel_load)
         return Feasibility(demand, robot, limits, profiled=spec.trajectory.timing is not None)
 
     def resolved(self) -> dict[str, Any]:
@@ -236,14 +281,24 @@ class Scenario:
         model = spec.model.model(robot)
         data["trajectory"] = spec.trajectory.model_dump(mode="json", exclude_none=True)
         timing = spec.trajectory.timing
-        if timing is not None and timing.wheel_speed is None:
-            limited = timing.model_copy(update={"wheel_speed": self.speed_limit})
+        if timing is not None:
+            limits = spec.wheel_limits
+            own = {
+                "wheel_speed": limits.wheel_speed,
+                "wheel_acceleration": limits.wheel_acceleration,
+            }
+            left_out = {
+                key: limit
+                for key, limit in own.items()
+                if getattr(timing, key) is None and math.isfinite(limit)
+            }
+            limited = timing.model_copy(update=left_out)
             data["trajectory"]["timing"] = limited.model_dump(mode="json", exclude_none=True)
-        for key, platform in (("robot", robot), ("model", model)):
-            data[key]["half_track"] = platform.half_track
-            del data[key]["wheel_separation"]
-        if spec.robot.friction is None:
-            del data["robot"]["friction"]
+        if spec.safety is None:
+            del data["safety"]
+        data["robot"] = spec.robot.resolved()
+        data["model"]["half_track"] = model.half_track
+        del data["model"]["wheel_separation"]
         _without_usual(data, spec)
         drivetrain = spec.model.drivetrain(robot)
         data["model"]["wheel_radius"] = (

@@ -60,13 +60,13 @@ def with_identified(tree: MapNode, read: Callable[[Path, int], bytes]) -> MapNod
     try:
         if not isinstance(node, Scalar) or not isinstance(node.value, str) or not node.value:
             raise UsageError(f"must be the folder of a run, got {describe(node)}; {_REMEDY}")
-        for key in _EXCLUDED:
+        known = _identified(node.place.source.folder / node.value, read)
+        for key in (*known, "wheel_separation"):
             if to_data(model.entries.get(key, _NOTHING)) is not None:
                 raise UsageError(
                     f"tells {key}, which the model has, too; give one of them, such as "
                     f"'model: {{from: {node.value}}}' alone"
                 )
-        known = _identified(node.place.source.folder / node.value, read)
     except HilcError as error:
         raise InvalidInputError([Problem(str(node.place), f"model.{FROM}", str(error))]) from None
     entries = {key: value for key, value in model.entries.items() if key != FROM}

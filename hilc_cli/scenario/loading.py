@@ -21,7 +21,17 @@ from hilc_cli.scenario.scenario import ScenarioSpec, misfit_of_timing
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.shipped_files import SCENARIOS, TRAJECTORIES
 from hilc_cli.yaml_input.model import Model, model_in, together
-from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, Place, Scalar, nearest, to_data
+from hilc_cli.yaml_input.nodes import (
+    MapNode,
+    Node,
+    PathKeys,
+    Place,
+    Scalar,
+    from_data,
+    nearest,
+    to_data,
+    with_entry,
+)
 from hilc_cli.yaml_input.problems import problems_of
 from hilc_cli.yaml_input.reading import (
     Inputs,
@@ -34,7 +44,7 @@ from hilc_cli.yaml_input.reading import (
 
 Overrides = Mapping[str, object] | Sequence[str]
 _RADII = (("robot", "wheel_radius"), ("model", "wheel_radius"))
-_PATH = "trajectory"
+_PATH, _PLANT = "trajectory", ("robot", "plant")
 _KINDS = (SCENARIOS, TRAJECTORIES)
 
 ScenarioSource = Scenario | str | Path | Mapping[str, object]
@@ -67,7 +77,7 @@ def load_scenario(
         FileAccessError: A file cannot be read.
     """
     inputs = Inputs()
-    return _scenario(inputs.tree(source), _changes(overrides), inputs, trust=trust)
+    return _scenario(inputs.tree(source), changes_of(overrides), inputs, trust=trust)
 
 
 def load_path(
@@ -93,7 +103,7 @@ def load_path(
     """
     inputs = Inputs()
     tree = inputs.tree(source, *_KINDS)
-    changes = _changes(overrides)
+    changes = changes_of(overrides)
     assert isinstance(tree, MapNode)  # anything else has been refused
     if kind_of(tree.entries, _KINDS) == SCENARIOS:
         scenario = _scenario(tree, changes, inputs, trust=trust)
@@ -158,7 +168,7 @@ def _scenario(
         tree, files = with_path_files(inputs.with_trajectory(tree), inputs)
     except InvalidInputError as error:
         problems = list(error.problems)
-    tree = with_identified(tree, inputs.file)
+    tree = _with_program_folder(with_identified(tree, inputs.file))
     with trusting(trust):
         spec = _validated(tree, problems, inputs.problems)
     return Scenario(
@@ -166,7 +176,7 @@ def _scenario(
         _initial_input(spec, tree, inputs),
         dict(inputs.checksums),
         _sweep_places(spec, tree),
-        tuple(path_notes(files, spec.trajectory)),
+        tuple(path_notes(files, spec.trajectory, 2 * spec.robot.robot().half_track)),
     )
 
 
@@ -196,7 +206,29 @@ def _with_both_radii(tree: MapNode, keys: Sequence[str]) -> MapNode:
     return apply_override(tree, radius, both, lambda same: same)
 
 
-def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
+def _with_program_folder(tree: MapNode) -> MapNode:
+    """The scenario, with the folder of the file that names its plant's program as that of it."""
+    robot, plant = tree.entries.get("robot"), nearest(tree, _PLANT)[0]
+    command = plant.entries.get("command") if isinstance(plant, MapNode) else None
+    if not isinstance(robot, MapNode) or not isinstance(plant, MapNode) or command is None:
+        return tree
+    given = plant.entries.get("folder")
+    below = "" if given is None else to_data(given) or ""
+    if not isinstance(below, str):
+        return tree  # which is told when it is validated
+    place = command.place if given is None else given.place
+    folder = from_data(str((place.source.folder / below).resolve()), place)
+    plant = with_entry(plant, "folder", folder, place)
+    robot = with_entry(robot, "plant", plant, robot.key_places["plant"])
+    return with_entry(tree, "robot", robot, tree.key_places["robot"])
+
+
+def changes_of(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
+    """Keys and values of overrides.
+
+    Raises:
+        InvalidInputError: Texts are not like ``KEY=VALUE``; names every problem.
+    """
     if isinstance(overrides, str):
         overrides = [overrides]
     if isinstance(overrides, Mapping):

@@ -23,6 +23,7 @@ from hilc_cli.reference.plans import (
 )
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.segments import Turn, turn_sign
+from hilc_cli.scenario import other_words
 from hilc_cli.yaml_input.model import Flag, Located, Model, Text, listed, model_in, wrong, wrong_at
 from hilc_cli.yaml_input.quantities import (
     Angle,
@@ -82,6 +83,8 @@ class _Shape(Model):
 
 
 class _Timed(_Shape):
+    other_names = other_words.OF_TIMED
+
     duration: PositiveTime | None = Field(None, description="s, a whole number of samples")
     speed: PositiveSpeed | None = Field(
         None, description="m/s, instead of duration; rounded so that the samples are whole"
@@ -89,6 +92,8 @@ class _Timed(_Shape):
 
 
 class _Reversible(_Timed):
+    other_names = other_words.OF_REVERSIBLE
+
     speed: Annotated[float, such_as(PositiveSpeed, _BACKWARD)] | None = Field(
         None, description="m/s, instead of duration; rounded so that the samples are whole"
     )
@@ -99,6 +104,8 @@ class _Reversible(_Timed):
 
 class SemicircleSpec(_Reversible):
     """An arc of 180 degrees."""
+
+    other_names = other_words.OF_ARC
 
     center: Point | None = Field(None, description="m, in the world frame")
     radius: Length | None = Field(
@@ -141,6 +148,7 @@ class ArcSpec(SemicircleSpec):
 class LineSpec(_Reversible):
     """A straight line."""
 
+    other_names = other_words.OF_LINE
     exactly_one = (("to", "length"),)
 
     to: Point | None = Field(None, description="m, in the world frame")
@@ -155,6 +163,7 @@ class TurnSpec(_Shape):
     """A turn in place."""
 
     timed_by = ("duration", "rate")
+    other_names = other_words.OF_TURN
 
     angle: TurnAngle = Field(description="rad, positive to the left, not 0")
     duration: PositiveTime | None = Field(None, description="s, a whole number of samples")
@@ -178,6 +187,7 @@ class StopSpec(_Shape):
 
     timed_by = ()
     least_timed = 0
+    other_names = other_words.OF_STOP
 
     duration: PositiveTime = Field(description="s, a whole number of samples")
 
@@ -186,9 +196,10 @@ class StopSpec(_Shape):
         return StopPlan(self.duration)
 
 
-class ClothoidSpec(_Timed):
+class ClothoidSpec(_Reversible):
     """A curve whose curvature changes linearly with its length, along the running heading."""
 
+    other_names = other_words.OF_CLOTHOID
     exactly_one = (("end_curvature", "end_radius"),)
 
     length: Length = Field(description="m")
@@ -221,7 +232,9 @@ class ClothoidSpec(_Timed):
         end = self._curvature(self.end_curvature, self.end_radius)
         assert end is not None  # exactly one is given
         start = self._curvature(self.start_curvature, self.start_radius)
-        return ClothoidPlan(self.length, end, start, self.duration, self.speed)
+        return ClothoidPlan(
+            self.length, end, start, self.duration, self.speed, reverse=bool(self.reverse)
+        )
 
     def _curvature(self, curvature: float | None, radius: float | None) -> float | None:
         if radius is None or self.turn is None:
@@ -258,6 +271,7 @@ class SplineSpec(_Reversible):
 class PathSpec(_Reversible):
     """A curve through the points of a file; a resolved scenario holds the points themselves."""
 
+    other_names = other_words.OF_PATH
     exactly_one = (("file", "points"),)
     least_timed = 0  # the file may have them
 
@@ -337,6 +351,7 @@ def _no_name(value: object) -> object:
 class SegmentSpec(Model):
     """One piece of the path: its kind, and below that its shape."""
 
+    other_names = other_words.OF_SEGMENT
     exactly_one = (("arc", "semicircle", "line", "turn", "stop", "clothoid", "spline", "path"),)
 
     arc: ArcSpec | None = None

@@ -21,7 +21,9 @@ from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.speed_limits import Limits, Wheels
 from hilc_cli.reference.through_points import Curve
 from hilc_cli.reference.timing import End, TimingError
+from hilc_cli.scenario import other_words
 from hilc_cli.scenario.segments import SegmentSpec
+from hilc_cli.theory.feasibility.plausibility import in_degrees_a_second
 from hilc_cli.wording import near_name
 from hilc_cli.yaml_input.model import Flag, Located, Model, Name, Text, together, wrong, wrong_at
 from hilc_cli.yaml_input.quantities import (
@@ -36,6 +38,8 @@ from hilc_cli.yaml_input.quantities import (
     such_as,
 )
 
+_MUCH_MOVED = 0.01
+"""By so much of a segment's length no coordinate is off that was merely rounded."""
 _MOST_DEGREES = 3600
 """Larger numbers are hardly meant to be degrees."""
 _AWAY = math.radians(100)
@@ -50,6 +54,8 @@ MOST_KEPT = 1_000_000
 
 class PoseSpec(Model):
     """A position and a heading."""
+
+    other_names = other_words.OF_POSE
 
     x: Coordinate = Field(description="m")
     y: Coordinate = Field(description="m")
@@ -75,19 +81,10 @@ def _word_or_radius(value: object, handler: object) -> object:
     raise wrong("is not one of the choices", remedy)
 
 
-_OTHER_LIMITS = {
-    **dict.fromkeys(("velocity", "maxvelocity", "vmax", "maxspeed"), "it is speed"),
-    **dict.fromkeys(("accel", "amax", "maxaccel", "maxacceleration"), "it is acceleration"),
-    **dict.fromkeys(
-        ("alat", "lateralaccel", "maxlateralacceleration"), "it is lateral_acceleration"
-    ),
-}
-
-
 class TimingSpec(Model):
     """Limits within which the path is driven as fast as can be."""
 
-    other_names = _OTHER_LIMITS
+    other_names = other_words.OF_TIMING
 
     speed: PositiveSpeed | None = Field(None, description="m/s")
     acceleration: PositiveAcceleration | None = Field(
@@ -97,9 +94,11 @@ class TimingSpec(Model):
         None, description="m/s^2, curvature times speed squared"
     )
     wheel_speed: PositiveWheelSpeed | None = Field(
-        None, description="rad/s, of each wheel; default: controller.b_w"
+        None, description="rad/s, of each wheel; default: controller.b_w, or less by safety"
     )
-    wheel_acceleration: WheelAcceleration | None = Field(None, description="rad/s^2, of each wheel")
+    wheel_acceleration: WheelAcceleration | None = Field(
+        None, description="rad/s^2, of each wheel; default: that of safety"
+    )
     start: End = Field("rest", description="whether it starts at rest, or as fast as can be")
     end: End = Field("rest", description="likewise its end")
 
@@ -122,7 +121,7 @@ class TimingSpec(Model):
         wheel_speed = wheel_acceleration = math.inf
         if robot is not None:
             wheel_speed = robot.wheel_speed if self.wheel_speed is None else self.wheel_speed
-            wheel_acceleration = self.wheel_acceleration or math.inf
+            wheel_acceleration = self.wheel_acceleration or robot.wheel_acceleration
         # Whatever robot it is, the profile is the same where no wheel is limited.
         limited = robot is not None and min(wheel_speed, wheel_acceleration) < math.inf
         wheels = robot.wheels if robot is not None and limited else Wheels(1.0, 0.0)
@@ -132,6 +131,8 @@ class TimingSpec(Model):
 
 class TrajectorySpec(Model):
     """A reference trajectory: where it starts and the segments that it is made of."""
+
+    other_names = other_words.IN_TRAJECTORY
 
     name: Name
     description: Text = ""
@@ -202,7 +203,37 @@ class TrajectorySpec(Model):
         return self._path.curves
 
     def warnings(self) -> list[str]:
-        """What of the points of its curves is legal, and hardly meant."""
+        """What of it is legal but probably not meant."""
+        return [*self._odd_rates(), *self._moved_points(), *self._odd_curves()]
+
+    def _odd_rates(self) -> list[str]:
+        """Turns in place whose rate was hardly meant in rad/s."""
+        return in_degrees_a_second(
+            {
+                f"trajectory.segments.{index}.turn.rate": segment.turn.rate
+                for index, segment in enumerate(self.segments)
+                if segment.turn is not None and segment.turn.rate is not None
+            }
+        )
+
+    def _moved_points(self) -> list[str]:
+        """What a tolerance moves by more than somebody rounds."""
+        lengths, names = self._path.lengths, self.segment_names
+        moved = [
+            (f"{names[index]}: its {what}", distance, lengths[index])
+            for index, what, distance in self._path.moved
+        ]
+        if self.closed:
+            moved.append((f"{names[-1]}: its end", self._path.gap(), sum(lengths)))
+        return [
+            f"trajectory.{what} is {distance:.3g} m off, {distance / length:.2g} of the length, "
+            "which 'tolerance' allows; give a smaller one to see what does not fit"
+            for what, distance, length in moved
+            if distance > _MUCH_MOVED * length
+        ]
+
+    def _odd_curves(self) -> list[str]:
+        """Points of curves that no robot would be sent through."""
         found = []
         for index, curve in self.curves.items():
             key = f"trajectory.{self.segment_names[index]}"

@@ -37,18 +37,15 @@ from hilc_cli.yaml_input.reading import apply_override
 from hilc_cli.yaml_input.tree import to_yaml
 
 TRAJECTORY = "trajectory"
-WITHOUT_EFFECT = (
+_WITHOUT_EFFECT = (
     "name",
     "description",
     "record",
     "sweep",
-    "robot.gravity_center",
-    "robot.friction",
     "trajectory.name",
     "trajectory.description",
     "trajectory.closed",
 )
-"""Keys on which the results of a case do not depend."""
 
 CANNOT_BE_MADE = (HilcError, ValueError, ArithmeticError)
 """What making the experiment of a case raises if its values do not fit together."""
@@ -253,7 +250,7 @@ class Plan:
     def checksum(self) -> str:
         """SHA-256 of all that the results depend on, the version of this program included."""
         data = self.resolved()
-        for key in WITHOUT_EFFECT:
+        for key in keys_without_effect(self.scenario.spec):
             *above, last = key.split(".")
             part = data
             for name in above:
@@ -263,6 +260,9 @@ class Plan:
         data["axes"] = [[key, axis_to_data(axis)] for key, axis in self.axes.items()]
         data["paths"] = [path.model_dump(mode="json") for path in self.trajectories.values()]
         data["bands"], data["tolerance"] = self.bands, self.spec.tolerance
+        libraries = self.scenario.spec.robot.libraries
+        if libraries:
+            data["libraries"] = {name: version(name) for name in libraries}
         if self.searches:
             data["searched"] = [self.spec.minimise, self.spec.cases, self.spec.seed]
             data["optuna"] = version("optuna")
@@ -272,6 +272,11 @@ class Plan:
         for wheel in self.scenario.initial_input or ():
             digest.update(wheel.tobytes())
         return digest.hexdigest()
+
+
+def keys_without_effect(spec: ScenarioSpec) -> tuple[str, ...]:
+    """Keys on which the results of a case do not depend."""
+    return (*_WITHOUT_EFFECT, *(f"robot.{key}" for key in spec.robot.without_effect))
 
 
 def _with_values(part: Any, tree: _KeyTree, values: Mapping[str, Value]) -> Any:

@@ -22,10 +22,10 @@ from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec, read_a
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.plan import (
     TRAJECTORY,
-    WITHOUT_EFFECT,
     Change,
     Plan,
     changes_path,
+    keys_without_effect,
     parts,
     root,
     scenario_of,
@@ -49,7 +49,8 @@ from hilc_cli.yaml_input.problems import problems_of
 from hilc_cli.yaml_input.quantities import MOST_CASES
 from hilc_cli.yaml_input.reading import Inputs, parts_of_key
 
-_LAW = "controller.law"
+_CHOICES = {"controller.law": "law", "robot.plant": "plant"}
+"""Keys that choose which others there are, and what they choose."""
 _MOST_CORNERS = 64
 _MOST_TRIED = 10_000
 """Cases of a search: the time that it takes to think of the next one grows with their number."""
@@ -288,12 +289,14 @@ class _Checked:
     def _add(self, key: str, axis: Axis) -> None:
         place = self.places[key]
         try:
-            if any(key == other or key.startswith(f"{other}.") for other in WITHOUT_EFFECT):
+            without = keys_without_effect(self.spec)
+            if any(key == other or key.startswith(f"{other}.") for other in without):
                 message = "has no effect on the results; vary another key"
                 raise InvalidInputError.of(place, key, message)
-            if key == _LAW:
-                message = "cannot be varied, since each law has parameters of its own; "
-                message += "make a scenario for each law"
+            if key in _CHOICES:
+                what = _CHOICES[key]
+                message = f"cannot be varied, since each {what} has parameters of its own; "
+                message += f"make a scenario for each {what}"
                 raise InvalidInputError.of(place, key, message)
             if key == TRAJECTORY:
                 self.axes[key] = self._trajectories(axis, place)

@@ -206,7 +206,7 @@ def sweep(
         scenario_yaml=plan.resolved_yaml(),
         initial_input=given and (scenario.spec.trajectory.sample_time, *given),
         how={
-            **origin(started, COMPILED_WITH, scenario.plug_ins),
+            **origin(started, (*COMPILED_WITH, *scenario.spec.robot.libraries), scenario.plug_ins),
             **({} if found is None else {"search": how_searched(plan)}),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(scenario.checksums),

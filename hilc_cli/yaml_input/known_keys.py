@@ -156,9 +156,11 @@ def _elsewhere(word: str, known: Sequence[KnownKey], there: Sequence[KnownKey]) 
 
     There are the known keys as `_with_entries` gives them.
     """
+    is_known = any(key.keys[-1] == word for key in known)  # which then is meant
     for key in known:
         other = key.model.other_names.get(_plain(word))
-        if other is not None:
+        # Words that mean something in the entries of a list may mean anything elsewhere.
+        if other is not None and not is_known and _ANY_ENTRY not in key.keys:
             above = key.keys[:-1]
             return f"{f'in {_section(above)}' if above else 'at the top level'}, {other}"
     of_entries = [key.keys for key in known if key.keys[-1] == word and _ANY_ENTRY in key.keys]
@@ -264,9 +266,17 @@ def _misplaced(tree: Node, keys: PathKeys, step: Step, known: Sequence[KnownKey]
     """Where a key of a file belongs that stands too far out, too far in, or elsewhere."""
     word, above = _plain(str(keys[-1])), tuple(map(_wild, keys[:-1]))
     places = [key.keys[:-1] for key in known if _plain(key.keys[-1]) == word]
-    deeper = [place for place in places if place[: len(above)] == above and place != above]
+    deeper = [
+        place
+        for place in places
+        if place[: len(above)] == above
+        and place != above
+        and _ANY_ENTRY not in place[len(above) : -1]
+    ]
     if deeper:
         section = _section_before(tree, keys, deeper) or (deeper[0] if len(deeper) == 1 else None)
+        if section is not None and section[-1] == _ANY_ENTRY:
+            return f"it is a key of entries of {_section(section)}: write it there behind '- '"
         if section is not None:
             return f"it is a key of {_section(section)}: indent it below '{section[-1]}:'"
     source = nearest(tree, keys)[1].source
@@ -284,8 +294,9 @@ def _misplaced(tree: Node, keys: PathKeys, step: Step, known: Sequence[KnownKey]
     others = beside or [place for place in places if not _has(tree, (*place, str(keys[-1])))]
     if len(others) == 1 and (beside or _ANY_ENTRY not in others[0]):
         return f"it is a key of {_section(others[0])}"
-    if others and _ANY_ENTRY not in others[0]:
-        return did_you_mean([".".join((*place, str(keys[-1]))) for place in others])
+    single = [place for place in others if _ANY_ENTRY not in place]
+    if single:
+        return did_you_mean([".".join((*place, str(keys[-1]))) for place in single])
     return None
 
 

@@ -62,6 +62,7 @@ _OTHER_UNITS: Mapping[str, str] = {
     **_names("*0.9144 m", "yd", "yard", "yards"),
     **_names("*0.44704 m/s", "mph"),
     **_names("*1000 Hz", "khz"),
+    **_names("*9.80665 m/s^2", "g", "gee"),
     **_names("*360 deg", "turn", "turns", "rev", "revs", "revolution", "revolutions"),
     **_names("*2*pi", "tau"),
     **_names("pi", "\N{GREEK SMALL LETTER PI}"),
@@ -112,6 +113,11 @@ def _word(found: re.Match[str], alone: Mapping[str, str]) -> str:
     if before and not gap and unit not in ("e", "E"):
         gap = " "
     return f"{before}{gap}{unit}{power}"
+
+
+def _is_in(text: str, unit: Unit) -> bool:
+    """Whether a text is an expression in a unit that is one."""
+    return unit != PLAIN and _has_unit(text, unit) and evaluate(text).unit == unit
 
 
 def _has_unit(text: str, fits: Unit) -> bool:
@@ -207,7 +213,9 @@ class Quantity:
                 raise self._no_expression(value, error) from None
             if result.unit not in (PLAIN, self.unit):
                 problem = "must have no unit" if self.unit == PLAIN else "has the wrong unit"
-                raise wrong(problem, self.remedy)
+                candidates = (f"{value}/s".replace("/s/s", "/s^2"), f"1/({value})")
+                near = next((each for each in candidates if _is_in(each, self.unit)), None)
+                raise wrong(problem, f"did you mean '{near}'?" if near else self.remedy)
             number = result.number.constant
         else:
             try:
@@ -302,6 +310,8 @@ _NAMES = {
     _SPEED: "m/s or km/h",
     _WHEEL_SPEED: "rad/s, deg/s or rpm",
     Unit(length=-1): "1/m",
+    Unit(length=1, time=-2): "m/s^2",
+    Unit(angle=1, time=-2): "rad/s^2",
 }
 
 Coordinate = Annotated[float, Quantity(_LENGTH, "1.5 or 20 cm", least=-1e8, most=1e8)]

@@ -53,6 +53,16 @@ CASES = [
         "scenario.yaml:8:3: controller.forgeting: is an unknown key of law pid; did you mean 'forgetting'?",
     ),
     (
+        "safety-net-no-choice",
+        law("  law: pid\n  gains: {kp: 1}\n  safety_net: on\n"),
+        "scenario.yaml:8:15: controller.safety_net: must be true or false, got 'on'; give true or false",
+    ),
+    (
+        "safety-net-of-another-law",
+        law("  law: feedback\n  safety_net: true\n"),
+        "scenario.yaml:7:3: controller.safety_net: is an unknown key of law feedback, but one of laws hybrid and pid; known: b_w, gains, law",
+    ),
+    (
         "pid-no-gains",
         law("  law: pid\n"),
         "scenario.yaml:5:1: controller.gains: is missing; give it",
@@ -65,7 +75,7 @@ CASES = [
     (
         "pid-cutoff-unit",
         law("  law: pid\n  gains: {kp: 1}\n  cutoff: 2 s\n"),
-        "scenario.yaml:8:11: controller.cutoff: has the wrong unit, got '2 s'; give a number above 0, such as 20 or 20 Hz",
+        "scenario.yaml:8:11: controller.cutoff: has the wrong unit, got '2 s'; did you mean '1/(2 s)'?",
     ),
     (
         "pid-h",

@@ -62,7 +62,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "turn-reverse": (
         added("turn: {angle: pi, duration: 1, reverse: true}"),
-        "path.yaml:6:36: trajectory.segments.1.turn.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+        "path.yaml:6:36: trajectory.segments.1.turn.reverse: is an unknown key; a turn in place goes neither way; give a negative angle to turn right",
     ),
     "stop-empty": (
         added("stop: {}"),
@@ -74,7 +74,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "stop-speed": (
         added("stop: {duration: 1, speed: 0}"),
-        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; did you mean 'trajectory.timing.speed'?",
+        "path.yaml:6:25: trajectory.segments.1.stop.speed: is an unknown key; a stop has none; leave it out",
     ),
     "clothoid-end": (
         added("clothoid: {length: 2, duration: 1}"),
@@ -100,7 +100,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "clothoid-unit": (
         added("clothoid: {length: 2, end_curvature: 1 m, duration: 1}"),
-        "path.yaml:6:42: trajectory.segments.1.clothoid.end_curvature: has the wrong unit, got '1 m'; give a number, such as 0.2, 0.2/m or 1/(5 m)",
+        "path.yaml:6:42: trajectory.segments.1.clothoid.end_curvature: has the wrong unit, got '1 m'; did you mean '1/(1 m)'?",
     ),
     "clothoid-winds": (
         added("clothoid: {length: 1000, end_curvature: 1000, duration: 1}"),
@@ -302,7 +302,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "path-kind": (
         added("waypoints: {file: track.csv, speed: 1}"),
-        "path.yaml:6:5: trajectory.segments.1.waypoints: is an unknown key; known: arc, clothoid, line, path, semicircle, spline, stop, turn",
+        "path.yaml:6:5: trajectory.segments.1.waypoints: is an unknown key; it is path, of a file, or spline, of points",
     ),
     "spline-file": (
         only("spline: {file: track.csv, speed: 1}"),
@@ -335,11 +335,109 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "stop-reverse": (
         added("stop: {duration: 1, reverse: true}"),
-        "path.yaml:6:25: trajectory.segments.1.stop.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+        "path.yaml:6:25: trajectory.segments.1.stop.reverse: is an unknown key; a stop goes neither way; leave it out",
     ),
     "clothoid-reverse": (
-        added("clothoid: {length: 1, end_curvature: 1, duration: 1, reverse: true}"),
-        "path.yaml:6:58: trajectory.segments.1.clothoid.reverse: is an unknown key; entries of 'trajectory.segments' may have it, and none has it here",
+        added("clothoid: {length: 1, end_curvature: 1, duration: 1, reverse: back}"),
+        "path.yaml:6:67: trajectory.segments.1.clothoid.reverse: must be true or false, got 'back'; give true or false",
+    ),
+    "timing-g": (
+        only("spline: {points: [[0, 0], [1, 0]]}", "timing: {speed: 1, acceleration: 0.1 g}\n"),
+        "path.yaml:5:34: trajectory.timing.acceleration: has the unknown unit 'g', got '0.1 g'; did you mean '0.1*9.80665 m/s^2'?",
+    ),
+    "timing-gravity": (
+        only("spline: {points: [[0, 0], [1, 0]]}", "timing: {speed: 1, acceleration: 3 Gal}\n"),
+        "path.yaml:5:34: trajectory.timing.acceleration: has the unknown unit 'Gal', got '3 Gal'; give it in m/s^2",
+    ),
+    "clothoid-sweep": (
+        added("clothoid: {length: 1, end_radius: 1, turn: left, sweep: 1, duration: 1}"),
+        "path.yaml:6:54: trajectory.segments.1.clothoid.sweep: is an unknown key; it turns by its length times the mean of its two curvatures",
+    ),
+    "turn-direction": (
+        added("turn: {angle: pi, rate: 1, direction: left}"),
+        "path.yaml:6:32: trajectory.segments.1.turn.direction: is an unknown key; it is angle, above 0 to the left",
+    ),
+    "turn-omega": (
+        added("turn: {angle: pi, omega: 1}"),
+        "path.yaml:6:23: trajectory.segments.1.turn.omega: is an unknown key; it is rate",
+    ),
+    "turn-rate-deg": (
+        added("turn: {angle: pi, rate: 45 deg}"),
+        "path.yaml:6:29: trajectory.segments.1.turn.rate: has the wrong unit, got '45 deg'; did you mean '45 deg/s'?",
+    ),
+    "arc-angle": (
+        added("arc: {radius: 1, turn: left, sweep: 1, angle: 1, duration: 1}"),
+        "path.yaml:6:44: trajectory.segments.1.arc.angle: is an unknown key; it is sweep",
+    ),
+    "arc-clockwise": (
+        added("arc: {radius: 1, turn: left, sweep: 1, clockwise: true, duration: 1}"),
+        "path.yaml:6:44: trajectory.segments.1.arc.clockwise: is an unknown key; it is turn: left or right",
+    ),
+    "line-velocity": (
+        added("line: {length: 1, velocity: 1}"),
+        "path.yaml:6:23: trajectory.segments.1.line.velocity: is an unknown key; it is speed",
+    ),
+    "line-word-backward": (
+        added("line: {length: 1, speed: 1, backward: true}"),
+        "path.yaml:6:33: trajectory.segments.1.line.backward: is an unknown key; it is 'reverse: true'",
+    ),
+    "line-xy": (
+        added("line: {length: 1, x: 1, speed: 1}"),
+        "path.yaml:6:23: trajectory.segments.1.line.x: is an unknown key; give the end as 'to: [x, y]'",
+    ),
+    "kind-pause": (
+        added("pause: {duration: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.pause: is an unknown key; it is stop",
+    ),
+    "kind-rotate": (
+        added("rotate: {angle: 1, rate: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.rotate: is an unknown key; it is turn",
+    ),
+    "kind-type": (
+        added("type: line"),
+        "path.yaml:6:5: trajectory.segments.1.type: is an unknown key; the kind is a key: '- line: {length: 1, speed: 0.5}'",
+    ),
+    "path-loop": (
+        only("path: {file: track.csv, loop: true, speed: 1}"),
+        "path.yaml:4:29: trajectory.segments.0.path.loop: is an unknown key; it is closed",
+    ),
+    "path-unit": (
+        only("path: {file: track.csv, unit: mm, speed: 1}"),
+        "path.yaml:4:29: trajectory.segments.0.path.unit: is an unknown key; units are told in the header of the file, such as x_mm,y_mm",
+    ),
+    "path-delimiter": (
+        only("path: {file: track.csv, delimiter: ';', speed: 1}"),
+        "path.yaml:4:29: trajectory.segments.0.path.delimiter: is an unknown key; leave it out: it is found in the file",
+    ),
+    "path-filename": (
+        only("path: {filename: track.csv, speed: 1}"),
+        "path.yaml:4:12: trajectory.segments.0.path.filename: is an unknown key; it is file",
+    ),
+    "spline-there-and-back": (
+        only("spline: {points: [[0, 0], [1, 0], [2, 0], [1, 0], [0, 0]], speed: 1}"),
+        "path.yaml:4:5: trajectory.segments.0.spline: turns back on the spot between its points 0 and 1; move them, smooth a path's noise by 'smoothing', or drive the parts one after the other, one of them with 'reverse: true'",
+    ),
+    "top-waypoints": (
+        only(
+            "line: {length: 1, duration: 1}",
+            "start: {x: 0, y: 0, heading: 0}\nwaypoints: [[0, 0], [1, 1]]\n",
+        ),
+        "path.yaml:6:1: trajectory.waypoints: is an unknown key; points go into an entry of segments: '- spline: {points: [[x, y], ...], speed: 0.5}'",
+    ),
+    "top-path": (
+        only(
+            "line: {length: 1, duration: 1}",
+            "start: {x: 0, y: 0, heading: 0}\npath: {file: track.csv}\n",
+        ),
+        "path.yaml:6:1: trajectory.path: is an unknown key; it is a key of entries of 'trajectory.segments': write it there behind '- '",
+    ),
+    "top-speed": (
+        only("line: {length: 1, duration: 1}", "start: {x: 0, y: 0, heading: 0}\nspeed: 1\n"),
+        "path.yaml:6:1: trajectory.speed: is an unknown key; it is a key of 'trajectory.timing': indent it below 'timing:'",
+    ),
+    "top-dt": (
+        only("line: {length: 1, duration: 1}", "start: {x: 0, y: 0, heading: 0}\ndt: 0.1\n"),
+        "path.yaml:6:1: trajectory.dt: is an unknown key; it is sample_time",
     ),
     "points-back": (
         only("path: {points: [[0, 0], [1, 0], [2, 0]], times: [0, 2, 1]}"),
@@ -373,19 +471,30 @@ def test_wrong_path_is_explained(write: Write, folder: Path, case: str) -> None:
 FILES: dict[str, tuple[str | bytes, str]] = {
     "degrees": (
         "lat,lon\n48.1,11.5\n48.2,11.5\n",
-        "track.csv:1: names latitude and longitude; give x and y in metres, such as those of UTM",
+        "track.csv:1: names latitude and longitude; project them to metres first, such as to UTM",
     ),
-    "millimetres": ("x [mm],y [mm]\n1,2\n3,4\n", "track.csv:1: names a unit that is not metres; give metres"),
-    "decimal commas": ("x;y\n1,5;2,5\n3,5;4,5\n", "track.csv:1: has decimal commas; write decimal points"),
+    "furlongs": (
+        "x [fur],y [fur]\n1,2\n3,4\n",
+        "track.csv:1: names a unit of x that is not known; give m, cm, mm, km, ft or in",
+    ),
+    "knots": (
+        "x;y;speed (kn)\n1;2;3\n3;4;5\n",
+        "track.csv:1: names a unit of speed that is not known; give m/s, cm/s, mm/s, km/h or mph",
+    ),
+    "jiffies": (
+        "# time [jiffies], x, y\n1,2,3\n3,4,5\n",
+        "track.csv:1: names a unit of t_s that is not known; give s, ms, us, ns, min or h",
+    ),
+    "decimal commas": ("x;y\n1,5;2,5\n3,5;4,5\n", "track.csv:2: has decimal commas; write decimal points"),
     "one point": ("x,y\n1,2\n", "track.csv: has fewer than two points; give at least two lines with x and y"),
     "the same point": ("1 2\n1 2\n", "track.csv: has fewer than two points; give at least two lines with x and y"),
-    "not a number": ("x,y\n0,0\nnan,1\n", "track.csv:3: has a number that is not finite where x should stand"),
+    "not a number": ("x,y\n0,0\nnan,1\n", "track.csv:3: has a number that is not finite where x should stand; mend the line, or leave it out"),
     "bars": (
         "x|y\n1|2\n3|4\n",
         "track.csv:1: is parted neither by commas, semicolons nor white space; save it with commas",
     ),
     "two x": ("x,y,x\n1,2,3\n", "track.csv:1: names several columns that may be x; keep one of them"),
-    "back in time": ("t,x,y\n0,0,0\n2,1,0\n1,2,0\n", "track.csv:4: has a time that is not after the one before"),
+    "back in time": ("t,x,y\n0,0,0\n2,1,0\n1,2,0\n", "track.csv:4: has a time that is not after the one before; sort the lines by time and keep one of each, or take the times out"),
     "backward": (
         "x,y,v\n0,0,-1\n1,0,-1\n",
         "track.csv:2: has a speed that is below 0 or too high; say that it drives backward by 'reverse: true'",
@@ -433,6 +542,10 @@ def test_points_in_the_place_of_the_scenario_are_told_where_they_belong(
     ("segment", "message"),
     [
         (
+            "turn: {angle: pi, rate: 45}",
+            "trajectory.segments.1.turn.rate is 45 rad/s, which is 7.16 turns a second; 45 deg/s?",
+        ),
+        (
             "turn: {angle: 90, duration: 1}",
             "trajectory.segments.1.turn.angle is 90 rad, which is 14.3 turns; 90 deg?",
         ),
@@ -445,6 +558,130 @@ def test_points_in_the_place_of_the_scenario_are_told_where_they_belong(
 def test_degrees_without_their_unit_are_warned_of(write: Write, segment: str, message: str) -> None:
     write({"path.yaml": added(segment)})
     assert load_scenario("scenario.yaml").warnings() == [message]
+
+
+def test_angle_of_a_clothoid_is_not_told_to_be_a_sweep(write: Write) -> None:
+    write({"path.yaml": added("clothoid: {length: 2, end_curvature: 10, duration: 20}")})
+    assert load_scenario("scenario.yaml").warnings() == []
+
+
+@pytest.mark.parametrize(
+    ("segment", "more", "message"),
+    [
+        (
+            "line: {to: [4, 1.5], duration: 3}",
+            "tolerance: 2 m\n",
+            "trajectory.segments.1.line: its end is 1.54 m off, 0.46 of the length, which "
+            "'tolerance' allows; give a smaller one to see what does not fit",
+        ),
+        (
+            "arc: {center: [1, 1.1], radius: 1, sweep: pi, turn: left, duration: 3}",
+            "tolerance: 20 cm\n",
+            "trajectory.segments.1.arc: its centre is 0.1 m off, 0.032 of the length, which "
+            "'tolerance' allows; give a smaller one to see what does not fit",
+        ),
+        (
+            "spline: {points: [[1.5, 0], [2, 0], [3, 1]], duration: 3}",
+            "tolerance: 1 m\n",
+            "trajectory.segments.1.spline: its first point is 0.5 m off, 0.2 of the length, which "
+            "'tolerance' allows; give a smaller one to see what does not fit",
+        ),
+        (
+            "arc: {radius: 1, sweep: pi, turn: left, duration: 3}",
+            "tolerance: 3 m\nclosed: true\n",
+            "trajectory.segments.1.arc: its end is 2.24 m off, 0.54 of the length, which "
+            "'tolerance' allows; give a smaller one to see what does not fit",
+        ),
+        ("line: {to: [2, 0.001], duration: 1}", "tolerance: 1 cm\n", ""),
+    ],
+)
+def test_points_that_a_tolerance_moves_far_are_told(
+    write: Write, segment: str, more: str, message: str
+) -> None:
+    write({"path.yaml": added(segment, more)})
+    told = [text for text in load_scenario("scenario.yaml").warnings() if "tolerance" in text]
+    assert told == ([message] if message else [])
+
+
+def test_start_beside_a_path_in_utm_is_told(write: Write) -> None:
+    points = "x;y\n500000;5400000\n500010;5400003\n500012;5400012\n"
+    at_zero = "iterations: 2\ninitial_pose: {x: 0, y: 5 cm}"
+    write(
+        {
+            "scenario.yaml": scenario("iterations: 2", at_zero),
+            "path.yaml": only("path: {file: track.csv, speed: 1}"),
+            "track.csv": points,
+        }
+    )
+    (told,) = [text for text in load_scenario("scenario.yaml").warnings() if "initial_pose" in text]
+    assert told == (
+        "initial_pose is 5.423e+06 m from the trajectory's start at (500000, 5400000), 4.5e+05 "
+        "times the size of the path; give it in the path's coordinates"
+    )
+
+
+UNITS: dict[str, tuple[str, str]] = {
+    "millimetres": (
+        "x,y\n0,0\n1500,200\n2800,900\n",
+        "3 points (x, y), no duplicates, not closed, spans 2800 m (millimetres or centimetres? "
+        "call them x_mm,y_mm or x_cm,y_cm)",
+    ),
+    "parts of millimetres": (
+        "x,y\n0,0\n1500.5,200\n2800,900\n",
+        "3 points (x, y), no duplicates, not closed, spans 2800 m (millimetres or centimetres? "
+        "call them x_mm,y_mm or x_cm,y_cm)",
+    ),
+    "metres that are told": (
+        "x_m,y_m\n0,0\n1500,200\n2800,900\n",
+        "3 points (x, y), no duplicates, not closed",
+    ),
+    "millimetres that are told": (
+        "x_mm,y_mm,z_mm\n0,0,1\n1500,200,1\n2800,900,1\n",
+        "3 points (x from mm, y from mm of 3 columns), no duplicates, not closed",
+    ),
+    "everything": (
+        "x;y;yaw_deg;v_kmh\n0;0;3;1\n1;0;4;1\n2;0.3;9;1\n",
+        "3 points (x, y, heading from deg, speed from km/h), no duplicates, not closed",
+    ),
+    "milliseconds": (
+        "t;x;y\n0;0;0\n100;1;0\n200;1.5;0.2\n",
+        "3 points (x, y, t_s), no duplicates, not closed, takes 200 s (milliseconds? call them t_ms)",
+    ),
+    "milliseconds that are told": (
+        "t_ms;x;y\n0;0;0\n100;1;0\n200;1.5;0.2\n",
+        "3 points (x, y, t_s from ms), no duplicates, not closed",
+    ),
+    "a clock in two": (
+        "sec,nanosec,x,y\n17,900000000,0,0\n18,400000000,1,0\n",
+        "2 points (x, y, t_s from s and ns), no duplicates, not closed",
+    ),
+}  # fmt: skip
+
+
+def test_lap_whose_last_point_nearly_is_its_first_is_told(write: Write) -> None:
+    points = "x,y\n0,0\n1,0\n1,1\n0,1\n0,0.003\n"
+    path = only("path: {file: track.csv, duration: 10, closed: true}")
+    write({"path.yaml": path, "track.csv": points})
+    (note,) = load_scenario("scenario.yaml").notes
+    assert note.endswith("closed, its last point is 0.003 m from its first (tolerance: 0.006 m?)")
+    write({"path.yaml": f"{path}tolerance: 0.006 m\n"})
+    (note,) = load_scenario("scenario.yaml").notes
+    assert note.endswith("5 points (x, y), no duplicates, closed")
+
+
+@pytest.mark.parametrize("case", UNITS)
+def test_units_are_told_or_asked_about(write: Write, case: str) -> None:
+    content, told = UNITS[case]
+    robot = "wheel_radius: 0.2, half_track: 0.4"
+    write(
+        {
+            "scenario.yaml": scenario("wheel_radius: 0.2, half_track: 0.5", robot),
+            "path.yaml": only("path: {file: track.csv, duration: 10}"),
+            "track.csv": content,
+        }
+    )
+    (note,) = load_scenario("scenario.yaml").notes
+    assert note == f"trajectory.segments.0.path: track.csv: {told}"
 
 
 def test_points_in_degrees_are_told_with_their_file(write: Write) -> None:
@@ -480,7 +717,7 @@ def test_wrong_path_file_is_told_with_the_rest_and_writes_nothing(
     before = listing(folder)
     message = (
         "path.yaml:4:18: trajectory.segments.0.path.file: track.csv:3: holds something that is no "
-        "number where y should stand\n"
+        "number where y should stand; mend the line, or leave it out\n"
         "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got -1; give a number above 0, "
         "such as 0.2 or 20 cm\n"
     )

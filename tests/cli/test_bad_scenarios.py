@@ -419,7 +419,7 @@ CASES = [
     (
         "bw-unit",
         scenario("b_w: 180", "b_w: 180 deg"),
-        "scenario.yaml:7:8: controller.b_w: has the wrong unit, got '180 deg'; give a number above 0, such as 180 or 1700 rpm",
+        "scenario.yaml:7:8: controller.b_w: has the wrong unit, got '180 deg'; did you mean '180 deg/s'?",
     ),
     (
         "bw-inf",
@@ -704,7 +704,7 @@ CASES = [
     (
         "initial-pose-theta",
         plus("initial_pose: {theta: 1}\n"),
-        "scenario.yaml:8:16: initial_pose.theta: is an unknown key; known: heading, x, y",
+        "scenario.yaml:8:16: initial_pose.theta: is an unknown key; it is heading",
     ),
     (
         "initial-pose-unit",
@@ -916,7 +916,7 @@ CASES = [
     (
         "traj-example-unknown-far",
         scenario("path.yaml", "example:qqq"),
-        "scenario.yaml:2:13: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, corridor, figure-eight, parking, rounded-square, slalom, spiral, square-lap, timed-lap, turn-in-place",
+        "scenario.yaml:2:13: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, circle-from-rest, corridor, figure-eight, parking, rounded-square, slalom, spiral, square-lap, timed-lap, turn-in-place",
     ),
     (
         "traj-number",

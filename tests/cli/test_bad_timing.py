@@ -41,7 +41,7 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "unit": (
         timing("{speed: 1, acceleration: 1, lateral_acceleration: 1 m/s}"),
-        "path.yaml:4:59: trajectory.timing.lateral_acceleration: has the wrong unit, got '1 m/s'; give a number above 0, such as 0.5 or 0.5 m/s^2",
+        "path.yaml:4:59: trajectory.timing.lateral_acceleration: has the wrong unit, got '1 m/s'; did you mean '1 m/s^2'?",
     ),
     "wheel-unit": (
         timing("{wheel_speed: 1 m/s, acceleration: 1}"),

@@ -59,7 +59,7 @@ CASES = [
     (
         "segment-circle",
         trajectory("- line:", "- circle:"),
-        "path.yaml:5:5: trajectory.segments.0.circle: is an unknown key; did you mean 'semicircle'?",
+        "path.yaml:5:5: trajectory.segments.0.circle: is an unknown key; it is arc, with 'sweep: 360 deg'",
     ),
     (
         "segment-two",
@@ -167,7 +167,7 @@ CASES = [
     (
         "sample-time-hz",
         trajectory("100 ms", "10 Hz"),
-        "path.yaml:2:14: trajectory.sample_time: has the wrong unit, got '10 Hz'; give a number above 0, such as 0.001 or 1 ms",
+        "path.yaml:2:14: trajectory.sample_time: has the wrong unit, got '10 Hz'; did you mean '1/(10 Hz)'?",
     ),
     (
         "corner",
@@ -254,7 +254,7 @@ CASES = [
         trajectory("heading: 0", "theta: 0"),
         (
             "path.yaml:3:1: trajectory.start.heading: is missing; give it (rad, counterclockwise from the x axis)\n"
-            "path.yaml:3:21: trajectory.start.theta: is an unknown key; known: heading, x, y"
+            "path.yaml:3:21: trajectory.start.theta: is an unknown key; it is heading"
         ),
     ),
     (

@@ -97,28 +97,32 @@ class Dialect(NamedTuple):
 TIMED = f"speed: {SPEED}, closed: true"
 DIALECTS = {
     "race track with widths": Dialect(
-        with_widths, TIMED, "450 points (x, y), no duplicates, closed", 1e-3
+        with_widths, TIMED, "450 points (x, y of 4 columns), no duplicates, closed", 1e-3
     ),
     "racing line": Dialect(
         racing_line,
         "closed: true",
-        "1000 points (x, y, heading, speed), no duplicates, closed",
+        "1000 points (x, y, heading, speed of 7 columns), no duplicates, closed",
         1e-3,
     ),
     "surveyed": Dialect(
-        surveyed, TIMED, "2286 points (x, y), 286 duplicates dropped, closed", 2e-3
+        surveyed, TIMED, "2286 points (x, y of 3 columns), 286 duplicates dropped, closed", 2e-3
     ),
     "recorded": Dialect(
         recorded,
         "smoothing: 10 cm",
-        "1500 points (x, y, t_s), no duplicates, smoothed by 0.1 m at most, not closed",
+        "1500 points (x, y, t_s of 8 columns), no duplicates, smoothed by 0.1 m at most, "
+        "not closed",
         0.08,  # at its ends, which stay where they are
     ),
     "planned": Dialect(
         planned, "closed: true", "800 points (x, y, speed), no duplicates, closed", 1e-3
     ),
     "lanes": Dialect(
-        lanes, "closed: true", "800 points (x, y, heading, speed), no duplicates, closed", 1e-3
+        lanes,
+        "closed: true",
+        "800 points (x, y, heading, speed of 6 columns), no duplicates, closed",
+        1e-3,
     ),
     "noisy": Dialect(
         lambda: written(noisy(5_000, 0.02), "x;y\n", ";"),

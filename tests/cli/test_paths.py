@@ -57,8 +57,8 @@ def test_resolved_scenario_of_a_path_file_gives_the_same_tables_without_it(
 ) -> None:
     first = hilc("run", "scenario.yaml", "--no-plots")
     note = (
-        "hilc: note: trajectory.segments.0.path: data/track.csv: 40 points (x, y), no duplicates, "
-        "smoothed by 0.01 m at most, closed\n"
+        "hilc: note: trajectory.segments.0.path: data/track.csv: 40 points (x, y of 4 columns), no "
+        "duplicates, smoothed by 0.01 m at most, closed\n"
     )
     assert (first.code, first.err) == (0, note)
     assert hilc("check", "scenario.yaml").err == note
@@ -110,7 +110,7 @@ def test_samples_of_a_run_are_a_path_at_the_times_that_they_had(hilc: Hilc, writ
     assert reference.samples == len(driven) - 1
     np.testing.assert_allclose(reference.x, driven["x_m"], atol=1e-9)
     np.testing.assert_allclose(reference.y, driven["y_m"], atol=1e-9)
-    assert "of iteration 2 (x, y, heading, t_s)" in found.notes[0]
+    assert "of iteration 2 (x, y, heading, t_s of 14 columns)" in found.notes[0]
 
 
 @pytest.mark.parametrize(

@@ -101,9 +101,9 @@ def test_it_goes_back_to_the_best_pass_and_takes_half_the_step() -> None:
     assert [left for left, _, _ in sent] == [1, 2, 3, 2.5, 3, 2.75]
     assert [right for _, right, _ in sent] == [-2, -4, -6, -5, -6, -5.5]
     assert [dict(figures) for _, _, figures in sent[2:5]] == [
-        {"step_share": 0.5, "returns_to_best": 1.0},
-        {"step_share": 0.5, "returns_to_best": 1.0},
-        {"step_share": 0.25, "returns_to_best": 2.0},
+        {"step_share": 0.5, "went_back": 1.0},
+        {"step_share": 0.5, "went_back": 0.0},
+        {"step_share": 0.25, "went_back": 1.0},
     ]
 
 
@@ -124,10 +124,12 @@ def test_gains_that_are_too_large_end_no_worse_than_their_best_pass(law: str) ->
     assert caught[-1] < 1.1 * caught.min() < 0.1 * without.min()
     assert fed[-1] < 1.1 * fed.min()
     last = runs[1].learning.last()
-    assert last["returns_to_best"] >= 1 and last["step_share"] == 0.5 ** last["returns_to_best"]
-    (warning,) = [text for text in runs[1].warnings if "safety net" in text]
+    returns = int(runs[1].learning["went_back"].sum())
+    assert returns >= 1 and last["step_share"] == 0.5**returns
+    (warning,) = [text for text in runs[1].warnings if "went back" in text]
+    assert f"went back to the best one {returns} times: " in warning
     assert warning.endswith(
-        f"steps are now {last['step_share']:g} of what the gains say: give smaller gains"
+        f"steps are now {last['step_share']:g} of what the gains say; give smaller gains"
     )
 
 
@@ -137,12 +139,12 @@ def test_gains_that_suit_are_left_alone(folder: Path) -> None:
     run = hilc.run(scenario({**law, "safety_net": True}, iterations=20))
     for column in ("rms_position_error_m", "max_wheel_speed_rad_s"):
         assert run.metrics[column].tolist() == without.metrics[column].tolist()
-    assert run.learning.last() == {"step_share": 1.0, "returns_to_best": 0.0}
+    assert run.learning.last() == {"step_share": 1.0, "went_back": 0.0}
     run.write("one", plots=False)
     assert (
         Path("one/learning.csv")
         .read_text()
-        .startswith("iteration,step_share,returns_to_best\n0,1.0,0.0\n")
+        .startswith("iteration,step_share,went_back\n0,1.0,0.0\n")
     )
     again = hilc.load_scenario("one/scenario.yaml")
     assert isinstance(again.experiment().law, SafetyNetLaw)

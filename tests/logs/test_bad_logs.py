@@ -14,7 +14,7 @@ from rosbags.rosbag2 import StoragePlugin
 from hilc_cli.cli.log_options import read_options
 from hilc_cli.errors import HilcError
 from hilc_cli.identification.believed import Believed, believed_of
-from hilc_cli.identification.identifying import identify
+from hilc_cli.identification.identifying import identified
 from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.logs.alignment import AlignOptions, align
 from hilc_cli.logs.log import RefusedTrialError
@@ -51,7 +51,7 @@ def told_by(path: str, options: dict[str, str]) -> str:
     """What is told of a log."""
     with pytest.raises(HilcError) as caught:
         how = read_options(*(options.get(name) for name in OPTIONS))
-        identify([read_log(Path(path), how)], Believed())
+        identified([read_log(Path(path), how)], Believed())
     return str(caught.value)
 
 
@@ -87,10 +87,10 @@ TABLES: dict[str, tuple[str | bytes, dict[str, str], str]] = {
         {},
         "log.csv:1: names no column y_m; call the columns t_s,x_m,y_m,heading_rad,left_wheel_rad_s,right_wheel_rad_s, or say what they are called with --columns 'y=NAME'",
     ),
-    "feet": (
-        table("t_s,x[ft],y[ft],heading_rad"),
+    "furlongs": (
+        table("t_s,x[furlong],y[furlong],heading_rad"),
         {},
-        "log.csv:1: names a unit of x that is not read; convert it",
+        "log.csv:1: names a unit of x that is not known; give m, cm, mm, km, ft or in",
     ),
     "two-x": (
         table("t_s,x,x_m,y_m"),
@@ -115,26 +115,34 @@ TABLES: dict[str, tuple[str | bytes, dict[str, str], str]] = {
     "word": (
         with_row("0.3,left,0,0"),
         {},
-        "log.csv:5: holds something that is no number where x should stand",
+        "log.csv:5: holds something that is no number where x should stand; mend the line, or leave it out",
     ),
     "underscore": (
         with_row("0.3,1_0,0,0"),
         {},
-        "log.csv:5: holds something that is no number where x should stand",
+        "log.csv:5: holds something that is no number where x should stand; mend the line, or leave it out",
     ),
     "infinite": (
         with_row("0.3,inf,0,0"),
         {},
-        "log.csv:5: has a number that is not finite where x should stand",
+        "log.csv:5: has a number that is not finite where x should stand; mend the line, or leave it out",
     ),
     "far": (with_row("0.3,2e9,0,0"), {}, "log.csv:5: has an x beyond 1e+08 m; give metres"),
     "nanoseconds": (
         with_row("1700000000000000000,0,0,0"),
         {},
-        "log.csv:5: has a time beyond 1e+11 s; give seconds",
+        "log.csv:5: has a time beyond 1e+11 s; give seconds, or tell its unit in the header, such as t_ms",
     ),
-    "cells": (with_row("0.3,0,0"), {}, "log.csv:5: has 3 cells where 4 should stand"),
-    "more-cells": (with_row("0.3,0,0,0,0,0"), {}, "log.csv:5: has 6 cells where 4 should stand"),
+    "cells": (
+        with_row("0.3,0,0"),
+        {},
+        "log.csv:5: has 3 cells where 4 should stand; mend the line, or leave it out",
+    ),
+    "more-cells": (
+        with_row("0.3,0,0,0,0,0"),
+        {},
+        "log.csv:5: has 6 cells where 4 should stand; mend the line, or leave it out",
+    ),
     "decimal-commas": (
         table("t_s;x_m;y_m;heading_rad", ["0,1;0,1;0,2;0,3"] * 12),
         {},
@@ -189,7 +197,7 @@ TABLES: dict[str, tuple[str | bytes, dict[str, str], str]] = {
     "no-such-role": (
         table(),
         {"columns": "xx=x_m"},
-        "--columns: there is no 'xx'; known: command_t, heading, left, measured_left, measured_right, omega, qw, qx, qy, qz, right, t, v, x, y",
+        "--columns: there is no 'xx'; known: command_t, heading, iteration, left, measured_left, measured_right, omega, qw, qx, qy, qz, right, t, v, x, y",
     ),
     "role-twice": (
         table(),

@@ -159,7 +159,7 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"motor": {"lag": "5 sec"}}, "motor.lag: has the unknown unit 'sec', got '5 sec'; did you mean '5 s'?"),
     ({"motor": {"lag": [1]}}, f"motor.lag: must be a number, got a list of 1; {NUMBER} 0.05 or 50 ms"),
     ({"motor": {"acceleration": 0}}, "motor.acceleration: must be above 0, got 0; give a number above 0, such as 30 or 30 rad/s^2"),
-    ({"motor": {"acceleration": "30 rad/s"}}, "motor.acceleration: has the wrong unit, got '30 rad/s'; give a number above 0, such as 30 or 30 rad/s^2"),
+    ({"motor": {"acceleration": "30 rad/s"}}, "motor.acceleration: has the wrong unit, got '30 rad/s'; did you mean '30 rad/s^2'?"),
     ({"motor": {"dead_zone": -1}}, f"motor.dead_zone: must be at least 0, got -1; {NUMBER} 0.2 or 2 rpm"),
     ({"motor": {"latency": 0.1}}, "motor.latency: is an unknown key; it is delay"),
     ({"motor": {"lagg": 0.1}}, "motor.lagg: is an unknown key; did you mean 'lag'?"),

@@ -8,15 +8,18 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from scipy.special import fresnel
 
 from hilc_cli.reference.path import (
     MAX_SAMPLES,
     ArcPlan,
+    ClothoidPlan,
     LinePlan,
     PathBuilder,
     PathError,
     SamplesError,
     SegmentPlan,
+    StopPlan,
     build_reference,
 )
 from hilc_cli.reference.sampled import Floats, Reference
@@ -377,3 +380,31 @@ def test_speed_is_constant_within_every_segment(start: Pose, path: list[Move]) -
 def test_first_sample_is_the_start_to_the_last_bit(start: Pose, path: list[Move]) -> None:
     reference = build_reference("path", start, relative_plans(path, DT), DT)
     assert tuple(rows(reference)[0].tolist()) == start
+
+
+def test_clothoid_backward_is_the_one_ahead_turned_around_its_start() -> None:
+    """Abramowitz and Stegun 1964, 7.3: the Fresnel integrals C and S."""
+    length, curvature = 2.0, 0.6
+    path = build_reference(
+        "back", (0, 0, 0), [ClothoidPlan(length, curvature, 0.0, 2.0, reverse=True)], 0.1
+    )
+    s = np.linspace(0, length, 21)
+    scale = math.sqrt(math.pi * length / curvature)
+    sines, cosines = fresnel(s / scale)
+    np.testing.assert_allclose(path.x, -scale * cosines, atol=1e-12)
+    np.testing.assert_allclose(path.y, -scale * sines, atol=1e-12)
+    np.testing.assert_allclose(path.heading, curvature * s**2 / (2 * length), atol=1e-12)
+
+
+@pytest.mark.parametrize("stop", [[], [StopPlan(1.0)]])
+@pytest.mark.parametrize("arc_back", [False, True])
+@pytest.mark.parametrize("back", [False, True])
+def test_clothoid_goes_on_with_the_wheels_as_they_are(
+    stop: list[StopPlan], arc_back: bool, back: bool
+) -> None:
+    # Where the robot turns round, wheels that are steered to the left turn it to the right.
+    arc = ArcPlan(1.0, "left", radius=2.0, duration=1.0, reverse=arc_back)
+    clothoid = ClothoidPlan(1.0, 0.0, duration=1.0, reverse=back)
+    path = build_reference("on", (0, 0, 0), [arc, *stop, clothoid], 0.1)
+    side = 1 if arc_back == back else -1
+    assert path.heading[-1] == pytest.approx(1.0 + side * 0.5 * 1.0 / 2, abs=1e-12)

@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 import hilc_cli as hilc
+from hilc_cli.plants.drivetrain import Drivetrain
+from hilc_cli.plants.motor import Motor
 
 HEADER = "iteration,model_wheel_radius_m,model_half_track_m\n"
 
@@ -125,3 +127,30 @@ def test_numbers_beside_it_are_refused(key: str) -> None:
         f"override model: model.from: tells {key}, which the model has, too; give one of them, "
         "such as 'model: {from: run}' alone"
     )
+
+
+def test_wheels_and_motors_come_with_it(here: Path) -> None:
+    columns = {
+        "model_wheel_radius_m": 0.03,
+        "model_half_track_m": 0.08,
+        "model_left_per_right_radius": 1.1,
+        "model_delay_s": 0.09,
+        "model_lag_s": 0.05,
+        "model_friction_rad_s": 0.2,
+    }
+    names, values = ",".join(columns), ",".join(map(repr, columns.values()))
+    (here / "run/learning.csv").write_text(f"iteration,{names}\n0,{values}\n")
+    setting = hilc.load_scenario("example:small-robot", {"model": {"from": "run"}}).setting
+    drivetrain = setting.drivetrain
+    assert drivetrain is not None
+    assert drivetrain.left_radius / drivetrain.right_radius == pytest.approx(1.1)
+    assert drivetrain.left_radius + drivetrain.right_radius == pytest.approx(0.06)
+    assert setting.model.wheel_radius == pytest.approx(0.03)
+    assert drivetrain.motor == Motor(0.09, 0.05, dead_zone=0.2)
+    told = {"model": {"from": "run", "motor": {"delay": 0.1}}}
+    with pytest.raises(hilc.HilcError, match=r"model\.from: tells motor, which the model has, too"):
+        hilc.load_scenario("example:small-robot", told)
+    # A run with ideal motors tells none.
+    (here / "run/learning.csv").write_text(f"{HEADER}0,0.03,0.09\n")
+    drivetrain = hilc.load_scenario("example:small-robot", told).setting.drivetrain
+    assert drivetrain == Drivetrain(0.03, 0.03, Motor(0.1))

@@ -199,7 +199,7 @@ def test_keys_of_another_law_are_told_with_it(write: Write, key: str, hint: str)
     assert str(error.value) == f"--vary {told}"
 
 
-@pytest.mark.parametrize("key", ["l5", "gains.l9", "qqq", "controller.gains.kp9", "robot.mass"])
+@pytest.mark.parametrize("key", ["l5", "gains.l9", "qqq", "controller.gains.kp9", "robot.hue"])
 def test_no_suggestion_is_better_than_a_wrong_one(write: Write, key: str) -> None:
     write()
     with pytest.raises(InvalidInputError, match="known: ") as error:

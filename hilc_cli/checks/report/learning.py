@@ -48,7 +48,7 @@ def _unknown(check: Check) -> str:
         believed = in_words(spec.model.imperfections(spec.robot.robot()))
         return spec.controller.called + (f" with a model of {', '.join(believed)}" * bool(believed))
     left_out = ", ".join(in_words(spec.robot.imperfections()))
-    return f"a robot with {left_out}" if left_out else f"plant {spec.robot.plant}"
+    return f"a robot with {left_out}" if left_out else f"plant {spec.robot.plant_name}"
 
 
 def in_words(imperfections: Mapping[str, float | str]) -> list[str]:

@@ -10,11 +10,10 @@ from pydantic import Field
 
 from hilc_cli.laws.law import Law, Learner, Task
 from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, SpeedLimit, length_misfits
-from hilc_cli.laws.safety_net import RETURNS, STEP_SHARE
+from hilc_cli.laws.safety_net import STEP_SHARE, WENT_BACK, returns_in_words
 from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.wording import counted
 from hilc_cli.yaml_input.model import Located, Model, valid
 from hilc_cli.yaml_input.quantities import PositiveAngle, PositiveLength, Samples, such_as
 
@@ -47,7 +46,7 @@ MISFITS = {
 }
 """Columns of what passes have in common beyond the model, with what it may come from."""
 
-_FIGURES = (*IDENTIFIED, *MISFITS, STEP_SHARE, RETURNS, MERGE_TIME, "search_settled")
+_FIGURES = (*IDENTIFIED, *MISFITS, STEP_SHARE, WENT_BACK, MERGE_TIME, "search_settled")
 
 _NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 
@@ -202,12 +201,8 @@ class NormOptimalController(Controller):
                 f"{'; '.join(ways)}. It is learned as far as it comes back, but stands in part in "
                 "what was identified, by more than standard errors tell"
             )
-        if figures.get(RETURNS, 0):
-            found.append(
-                "learning became worse, and went back to the best pass "
-                f"{counted(int(figures[RETURNS]), 'time')}; steps are now {figures[STEP_SHARE]:g} "
-                "of what passes tell"
-            )
+        if figures.get(STEP_SHARE, 1.0) != 1:
+            found.append(f"{returns_in_words(figures)} of what passes tell")
         return found
 
 

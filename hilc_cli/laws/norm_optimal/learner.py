@@ -21,7 +21,7 @@ from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
 from hilc_cli.laws.norm_optimal.rectified import MERGED, rectified_reference
 from hilc_cli.laws.norm_optimal.repeating import repeating
 from hilc_cli.laws.norm_optimal.safeguard import Learned, Safeguard
-from hilc_cli.laws.safety_net import RETURNS, STEP_SHARE
+from hilc_cli.laws.safety_net import STEP_SHARE, WENT_BACK
 from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats, Reference
 
@@ -108,6 +108,7 @@ class NormOptimalLearner:
         error = np.stack(iteration.errors, axis=1)
         latest = Pass(self._target - error, np.stack([iteration.left, iteration.right], axis=1))
         plan, self._plan = self._plan, None
+        returns = self._safeguard.returns
         misfit = np.full(len(MISFITS), np.nan)
         # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
         far = _FARTHEST * max(self._reference.size, 1.0)
@@ -121,7 +122,7 @@ class NormOptimalLearner:
             **self._identified(),
             **dict(zip(MISFITS, misfit.tolist(), strict=True)),
             STEP_SHARE: self._safeguard.share,
-            RETURNS: float(self._safeguard.returns),
+            WENT_BACK: float(self._safeguard.returns > returns),
             MERGE_TIME: merge_time,
             "search_settled": settled,
         }
@@ -159,7 +160,10 @@ class NormOptimalLearner:
         else:
             self._driven.append(self._smoothed(latest))
         self._starts = deque((poses[0] for poses, _ in self._driven), maxlen=MEMORY)
-        beside = repeating(np.array([beyond for _, beyond in self._driven]))
+        beside = repeating(
+            np.array([beyond for _, beyond in self._driven]),
+            np.array([each.sent for each in passes]),
+        )
         learned = Learned(self._belief.parameters, beside)
         error = self._error(self._driven[-1][0])
         self._learned = self._safeguard.next(error, learned)

@@ -44,9 +44,7 @@ def bandwidths(
         sample_time: d_t [s].
         speed_limit: Of the wheels [rad/s], or the fastest one that the plan needs.
     """
-    dead = motor.delay + motor.lag + sample_time
-    unknown = min(_UNKNOWN, _UNKNOWN_SAMPLES * sample_time)
-    most = min(_IN_HAND / dead, _BORNE / (dead + unknown), _FASTEST / sample_time)
+    most = fastest(motor, sample_time)
     ahead = min(most, _trust(noise.ahead, noise.position) / sample_time)
     aside = max(_trust(noise.turn, noise.heading), _trust(noise.left, noise.position))
     aside = min(most, _FASTEST_ASIDE / sample_time, aside / sample_time)
@@ -55,6 +53,13 @@ def bandwidths(
     moves = math.hypot(ahead * position, aside * heading * motor.half_track) / radius
     quiet = min(1.0, _QUIETEST * speed_limit / moves) if moves > 0 else 1.0
     return ahead * quiet, aside * quiet
+
+
+def fastest(motor: Motor, sample_time: float) -> float:
+    """Returns how fast errors may fall [1/s] on a robot that is so late, however noise is."""
+    dead = motor.delay + motor.lag + sample_time
+    unknown = min(_UNKNOWN, _UNKNOWN_SAMPLES * sample_time)
+    return min(_IN_HAND / dead, _BORNE / (dead + unknown), _FASTEST / sample_time)
 
 
 def _trust(motion: float, reading: float) -> float:

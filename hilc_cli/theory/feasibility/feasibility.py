@@ -44,15 +44,19 @@ class Limits:
     Attributes:
         wheel_speed: b_w [rad/s]; infinity for no limit.
         friction: Coefficient mu of the tyres; None if it is not known, which sets no limit.
+        wheel_load: Share of the weight on the wheels of a robot that slides when it is simulated;
+            None of one whose simulated tyres hold anything.
     """
 
     wheel_speed: float = math.inf
     friction: float | None = None
+    wheel_load: float | None = None
 
     @property
     def lateral(self) -> float:
-        """What the tyres hold, mu g: a lateral acceleration [m/s^2]."""
-        return math.inf if self.friction is None else self.friction * GRAVITY
+        """What the tyres hold, mu g times their load: a lateral acceleration [m/s^2]."""
+        load = 1.0 if self.wheel_load is None else self.wheel_load
+        return math.inf if self.friction is None else self.friction * load * GRAVITY
 
     def allow(self, fastest_wheel: float, lateral_acceleration: float) -> bool:
         """Returns whether a wheel speed [rad/s] and a lateral acceleration [m/s^2] are possible."""
@@ -206,6 +210,19 @@ def beyond_wheels(feasibility: Feasibility) -> list[str]:
     ]
 
 
+def beyond_tyres(feasibility: Feasibility) -> list[str]:
+    """Returns a line before a simulation in which the robot slides where tyres do not hold it."""
+    demand, limits = feasibility.demand, feasibility.limits
+    if limits.wheel_load is None or limits.allow_lateral(demand.lateral.value):
+        return []
+    most, there = _told_apart(demand.lateral.value, limits.lateral)
+    return [
+        f"the trajectory needs up to {most} m/s^2 of lateral acceleration, above the {there} m/s^2 "
+        f"that a friction of {limits.friction:g} holds{_under_load(limits)}: the robot slides, "
+        "whatever the law; see 'hilc check'"
+    ]
+
+
 def _segment_offence(feasibility: Feasibility, segment: SegmentDemand) -> str:
     excess = _excess(feasibility, *feasibility.needs(segment, segment.samples))
     return f"trajectory.{segment.name} needs {excess}; {_longer(feasibility, segment)}"
@@ -229,7 +246,7 @@ def _excess(feasibility: Feasibility, fastest_wheel: float, lateral: float) -> s
         needed, there = _told_apart(lateral, limits.lateral)
         found.append(
             f"{needed} m/s^2 of lateral acceleration, above the {there} m/s^2 that a friction of "
-            f"{limits.friction:g} holds"
+            f"{limits.friction:g} holds" + _under_load(limits)
         )
     return ", and ".join(found)
 
@@ -278,6 +295,12 @@ def in_degrees(angle: float) -> str:
     return f"{angle:.4g} rad ({math.degrees(angle):.3g} deg)"
 
 
+def _under_load(limits: Limits) -> str:
+    """Returns how much of the weight the tyres bear, if a caster bears the rest."""
+    load = limits.wheel_load
+    return "" if load is None else f" under the {load:.2g} of the weight that is on the wheels"
+
+
 def _too_sharp(demand: Demand) -> list[str]:
     """Tells of the segment that takes more than good tyres hold."""
     segment = demand.sharpest_segment
@@ -294,7 +317,7 @@ def _too_sharp(demand: Demand) -> list[str]:
 def _traction(feasibility: Feasibility) -> list[str]:
     """Tells of wheels that are to be fast at once, corners left out."""
     demand, limits = feasibility.demand, feasibility.limits
-    held = GRAVITY * (GOOD_FRICTION if limits.friction is None else limits.friction)
+    held = GRAVITY * GOOD_FRICTION if limits.friction is None else limits.lateral
     rims = [feasibility.robot.wheel_radius * wheel for wheel in demand.wheels]
     changes = np.maximum(*(np.abs(np.diff(rim, prepend=0.0)) for rim in rims))
     at, step = int(changes.argmax()), held * demand.sample_time

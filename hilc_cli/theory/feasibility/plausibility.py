@@ -15,10 +15,11 @@ _WHEEL_RADII = (1e-3, 2.0)  # [m]: from a toy to the largest lorries
 _HALF_TRACKS = (5e-3, 10.0)  # [m]
 _NARROWEST, _WIDEST = 1 / 3, 50.0  # half track by wheel radius
 ON_THE_SPOT = 0.05  # radius by half track: an arc below is a way to write a turn in place
-_WITHOUT_ANGLE = (".clothoid", ".spline", ".path")  # segments whose turn nobody writes
 _DECIMALS = 3  # of an angle that somebody wrote as a plain number
 _UNITS = {"mm": 1e-3, "cm": 1e-2}
 _ROUNDING = 1e-9  # relative
+_ANGLES = {"arc": "sweep", "turn": "angle"}
+"""Keys of segments that say how far they turn."""
 
 
 def implausible(
@@ -33,12 +34,9 @@ def implausible(
     """
     # Of arcs and turns, those of more than a turn whose angle is a plain number, no part of a turn.
     sweeps = [
-        (
-            f"trajectory.{part.name}.{'angle' if part.name.endswith('.turn') else 'sweep'}",
-            abs(part.turn),
-        )
+        (f"trajectory.{part.name}.{key}", abs(part.turn))
         for part in demand.segments
-        if not part.name.endswith(_WITHOUT_ANGLE)
+        if (key := _ANGLES.get(part.name.rpartition(".")[2])) is not None
     ]
     return [
         *(_sizes(robot) if robot else ()),
@@ -46,6 +44,16 @@ def implausible(
         *(_path_size(demand, robot) if robot else ()),
         *_sample_time(demand),
         *(_in_turns(*each) for each in (*sweeps, *headings.items()) if _is_in_degrees(each[1])),
+    ]
+
+
+def in_degrees_a_second(rates: Mapping[str, float]) -> list[str]:
+    """Returns what is to be told of rates [rad/s], by key, that look like degrees a second."""
+    return [
+        f"{key} is {rate:.9g} rad/s, which is {rate / (2 * math.pi):.3g} turns a second; "
+        f"{rate:.9g} deg/s?"
+        for key, rate in rates.items()
+        if _is_in_degrees(rate)
     ]
 
 
