@@ -3,10 +3,10 @@
 Usage: python benchmarks/real_robot.py ROBOT.py [ROW ...] [--passes 10] [--work FOLDER]
 
 ROBOT.py is a program that drives a plan and writes a log, ``ROBOT.py plan.csv log.csv``, with the
-options --delay, --unequal, --wheel-separation, --noise, --rate, --clock, --start-scatter, --seed. It
-shares no code with hilc, which learns by ``hilc learn`` alone. A plan is judged by driving it from
-the nominal start without noise. What a plan cannot take away, the scatter of starts, is told beside
-it: the largest error of five drives with it, the median.
+options --delay, --unequal, --wheel-separation, --noise, --rate, --clock, --start-scatter, --seed.
+It shares no code with hilc, which learns by ``hilc learn`` alone. A plan is judged by driving it
+from the nominal start without noise. What a plan cannot take away, the scatter of starts, is told
+beside it: the largest error of five drives with it, the median.
 """
 
 from __future__ import annotations

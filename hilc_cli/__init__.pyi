@@ -12,6 +12,10 @@ from hilc_cli.drawing.looks import picture_look as picture_look
 from hilc_cli.engine.experiment import Learning as Learning
 from hilc_cli.errors import HilcError as HilcError
 from hilc_cli.exports.exporting import export as export
+from hilc_cli.identification.identifying import (
+    Identification as Identification,
+    identify as identify,
+)
 from hilc_cli.labs.lab import Lab as Lab
 from hilc_cli.laws.law import Plan as Plan
 from hilc_cli.leaderboards.comparing import (
@@ -25,6 +29,9 @@ from hilc_cli.leaderboards.plan import (
     Leaderboard as Leaderboard,
     load_leaderboard as load_leaderboard,
 )
+from hilc_cli.logs.log import Log as Log
+from hilc_cli.logs.options import ReadOptions as ReadOptions
+from hilc_cli.logs.reading import read_log as read_log
 from hilc_cli.paper.plan import (
     ReproductionPlan as ReproductionPlan,
     plan_reproduction as plan_reproduction,

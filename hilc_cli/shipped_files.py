@@ -13,7 +13,8 @@ PREFIX = "example:"
 SCENARIOS, TRAJECTORIES, LEADERBOARDS = KINDS = ("scenarios", "trajectories", "leaderboards")
 PROGRAMS = "programs"
 
-_BESIDE_SCENARIOS = frozenset({"leaderboard", "small-robot-laws"})  # in their folder, none of them
+_BESIDE_SCENARIOS = frozenset({"leaderboard", "leaderboard-robots", "small-robot-laws"})
+"""Leaderboards, which stand in the scenarios' folder."""
 
 
 def examples_folder() -> Path:

@@ -58,14 +58,11 @@ def identify(
       hilc identify bag/ --pose /camera/pose --command /cmd_vel \\
           --set model.wheel_radius=0.033 --set model.wheel_separation=0.16
     """
-    from hilc_cli.identification.believed import believed_of
     from hilc_cli.identification.identifying import identify
     from hilc_cli.identification.report import document, print_report
-    from hilc_cli.logs.reading import read_log
 
-    believed = believed_of(set_ or [])
     how = log_options.read_options(columns, pose, command, wheels, frames, joints, marker)
-    found = identify([read_log(path, how) for path in logs], believed)
+    found = identify(logs, set_ or [], how)
     say_notes(found.notes, quiet=quiet)
     for warning in () if quiet else found.warnings:
         say(f"warning: {warning}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -14,11 +13,12 @@ from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.plants.imperfections import MotorSpec, WheelRadii, WheelRadius
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.parameters import OTHER_KEYS, TurnConventionName, half_track_of
+from hilc_cli.scenario.loading import Overrides, changes_of
 from hilc_cli.yaml_input.model import Model, wrong_at
 from hilc_cli.yaml_input.nodes import MapNode, Place, Source, to_data
 from hilc_cli.yaml_input.problems import problems_of
 from hilc_cli.yaml_input.quantities import RobotLength, WheelSeparation
-from hilc_cli.yaml_input.reading import apply_override, parse_override
+from hilc_cli.yaml_input.reading import apply_override
 
 _START_DELAY, _START_LAG = 0.05, 0.05  # [s], from where the search begins
 
@@ -100,16 +100,15 @@ class Believed:
         return Robot(mean, self.half_track, "paper" if convention == "paper" else "rep103")
 
 
-def believed_of(overrides: Sequence[str]) -> Believed:
-    """Returns what options ``--set model.KEY=VALUE`` say.
+def believed_of(overrides: Overrides) -> Believed:
+    """Returns what options ``--set model.KEY=VALUE`` say, or values by dotted key.
 
     Raises:
         InvalidInputError: One of them says something else, or nothing that a robot can be.
     """
     place = Place(Source("--set", Path(), has_lines=False))
     tree = MapNode(place)
-    for text in overrides:
-        keys, value = parse_override(text)
+    for keys, value in changes_of(overrides):
         tree = apply_override(tree, keys, value, lambda tree: tree)
     try:
         spec = _BeliefSpec.model_validate(to_data(tree)).model

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from hilc_cli.errors import UsageError
-from hilc_cli.identification.believed import Believed
+from hilc_cli.identification.believed import Believed, believed_of
 from hilc_cli.identification.search import SPREAD, found_robot
 from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.logs.fitting import (
@@ -28,11 +29,14 @@ from hilc_cli.logs.fitting import (
     run,
 )
 from hilc_cli.logs.log import Log, Twists, WheelSpeeds
+from hilc_cli.logs.options import ReadOptions
 from hilc_cli.logs.pose_filter import RollingNoise
+from hilc_cli.logs.reading import read_log
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.wording import counted
+from hilc_cli.scenario.loading import Overrides
+from hilc_cli.wording import counted, in_short
 
-_MOST_READINGS = 30_000
+_MOST_READINGS = 20_000
 _FEWEST_COMMANDS = 3
 _UNKNOWN = 0.5  # share of the spread beforehand above which nothing was learned
 _ALIKE = 0.25  # correlation of neighbouring innovations above which they are no noise
@@ -62,7 +66,7 @@ class Estimate:
     known: bool = True
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Identification:
     """What logs tell of a robot.
 
@@ -95,17 +99,35 @@ class Identification:
     notes: tuple[str, ...]
     warnings: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        lines = [f"{each.name}: {each.value:.6g} {each.unit}" for each in self.estimates.values()]
+        return in_short(f"Identification from {self.length:.3g} m", *lines)
 
-def identify(logs: Sequence[Log], believed: Believed) -> Identification:
+
+def identify(
+    logs: Sequence[Log | Path | str], overrides: Overrides = (), options: ReadOptions | None = None
+) -> Identification:
     """Returns what logs tell of the robot that they are of.
 
     Args:
-        logs: Of one robot.
-        believed: What is believed of it.
+        logs: Of one robot: files, folders of bags, or logs that were read.
+        overrides: What is believed of it: values by dotted key, such as ``model.wheel_radius``, or
+            texts ``KEY=VALUE`` as on the command line.
+        options: How files and bags are read.
 
     Raises:
-        UsageError: A log has no commands and no wheel speeds, or nothing moves.
+        InvalidInputError: What is believed is nothing that a robot can be.
+        UsageError: A log cannot be read, has no commands and no wheel speeds, or nothing moves.
     """
+    believed = believed_of(overrides)
+    read = [log if isinstance(log, Log) else read_log(Path(log), options) for log in logs]
+    return identified(read, believed)
+
+
+def identified(logs: Sequence[Log], believed: Believed) -> Identification:
+    """Returns what logs tell, as `identify` does, given what is believed."""
+    if not logs:
+        raise UsageError("there is no log; give at least one")
     notes: list[str] = []
     warnings = [f"{log.path}: {warning}" for log in logs for warning in log.warnings]
     drives, measured = [], False

@@ -38,7 +38,8 @@ def print_report(found: Identification) -> None:
         print_text("")
         print_text("To paste into the parameters of diff_drive_controller (ros2_control):")
         print_text("")
-        print_text(to_yaml(multipliers).rstrip("\n"))
+        for name, value in multipliers.items():
+            print_text(f"{name}: {value:.5f}")
 
 
 def _row(each: Estimate) -> list[str]:

@@ -22,6 +22,7 @@ from hilc_cli.logs.fitting import (
     Drive,
     Fitted,
     fit,
+    for_noise,
     likely_noise,
     likely_parameters,
     log_likelihood,
@@ -104,24 +105,26 @@ def found_robot(
         ]
     )
     motors = [rough] if believed is None else [believed, rough]
-    noise = rough_noise(drives, _belief(drives, rough, 0.0, 0.0, setting))
+    usual = _belief(drives, rough, 0.0, 0.0, setting)
+    noise = rough_noise(drives, usual)
     tolerant = noise._replace(
         ahead=_TOLERANT * noise.ahead, left=_TOLERANT * noise.left, turn=_TOLERANT * noise.turn
     )
     markers = (0.0, math.pi) if any(drive.has_headings for drive in drives) else (0.0,)
+    short = for_noise(usual, drives)
     starts = []
     for motor, delay, marker in product(motors, _DELAYS, markers):
         for factor, side in product(_TRACKS, (1.0, -1.0)):
             tried = motor._replace(half_track=motor.half_track * factor * side)
             belief = _belief(drives, tried, delay, marker, setting)
-            starts.append((log_likelihood(belief, drives, tolerant), belief))
+            starts.append((log_likelihood(belief, short, tolerant), belief))
     starts.sort(key=lambda each: -each[0])
     found = []
     for _, belief in starts[:_MOST]:
-        values, _ = likely_parameters(belief, drives, tolerant)
+        values, _ = likely_parameters(belief, short, tolerant)
         nearer = replace(belief, values=values)
-        own = likely_noise(nearer, drives, noise)
-        found.append((log_likelihood(nearer, drives, own), nearer, own))
+        own = likely_noise(nearer, short, noise)
+        found.append((log_likelihood(nearer, short, own), nearer, own))
     _, best, own = max(found, key=lambda each: each[0])
     return fit(best, drives, own)
 

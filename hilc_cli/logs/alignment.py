@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.motor import Motor
-from hilc_cli.logs.fitting import DELAY, HEADING, LAG, ROBOT, Drive, run
+from hilc_cli.logs.fitting import DELAY, HEADING, LAG, OFFSET, ROBOT, Drive, run
 from hilc_cli.logs.log import Log, RefusedTrialError, WheelSpeeds
 from hilc_cli.logs.planned import PlannedPass, held_means, start_in_commands
 from hilc_cli.logs.pose_filter import smooth_poses
@@ -206,13 +206,27 @@ def _found(
         error = fit.offset_error
         if given is None:
             report.append(
-                f"the plan began at {start:.3f} s (standard error {error:.1g} s), found from the "
-                "plan and the poses together"
+                f"the plan began at {start:.3f} s (standard error {error:.1g} s"
+                f"{_with_lag(fit)}), found from the plan and the poses together"
             )
+    if fit.others and given is None:
+        report.append(
+            f"the plan may have been driven {len(fit.others) + 1} times; the pass that it is most "
+            "like was taken; say another one with --start-time"
+        )
     if given is not None:
         report = [f"the plan began at {given:.3f} s, as it was said"]
         start, error = given, 0.0
     return _Found(start, error, clock, fit, [*log.notes, *report, *_told(fit, motor)])
+
+
+def _with_lag(fit: FittedPass) -> str:
+    """The standard error of start and lag together, where the lag was looked for."""
+    if not fit.fitted.belief.free[LAG]:
+        return ""
+    covariance, place = fit.fitted.covariance, len(ROBOT) + OFFSET
+    together = covariance[LAG, LAG] + covariance[place, place] + 2 * covariance[LAG, place]
+    return f"; together with the lag {math.sqrt(max(together, 0.0)):.1g} s"
 
 
 def _fit(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.errors import UsageError
 from hilc_cli.logs.log import Poses
@@ -12,6 +13,8 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.wording import counted
 
 FEWEST_POSES = 10
+_LONGEST_RUN = 5  # false poses in a row
+_FAR = 3.0  # times what is usual
 _LONG_GAP = 5.0  # times the usual step between poses
 _JUMP = 10.0  # times the usual speed at which no robot drives
 _TOLD_JUMP = 0.05  # [m]: what is shorter is noise
@@ -83,9 +86,39 @@ def clean_poses(
             f"{where}: has {counted(len(times), 'pose')} ({source}); at least {FEWEST_POSES} "
             "at different times are needed"
         )
+    false = _false_readings(x, y)
+    if false.any():
+        notes.append(
+            f"{counted(int(false.sum()), 'pose')} jumped away and back, the first at "
+            f"{times[false][0]:.3f} s; left out"
+        )
+        times, x, y, *rest = (each[~false] for each in (times, x, y, *rest))
     unwrapped = np.unwrap(rest[0]) if rest else None
     poses = Poses(times, x, y, unwrapped, source)
     return poses, [*notes, *_gaps(times), *_jumps(poses)]
+
+
+def _false_readings(x: Floats, y: Floats) -> NDArray[np.bool_]:
+    """Which positions are no robot's: up to five in a row that are far away, and it is back.
+
+    Far is several times as far as the robot has moved from the reading in front of them to that
+    behind them, and as it moves in the steps before and after.
+    """
+    points = np.stack([x, y], axis=1)
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    around = np.concatenate([[0.0], steps, [0.0]])
+    false = np.zeros(len(x), dtype=bool)
+    for run in range(1, min(_LONGEST_RUN, len(x) - 2) + 1):
+        before, behind = points[: -run - 1], points[run + 1 :]
+        moved = np.hypot(*(behind - before).T) + around[: len(before)] + around[run + 2 :]
+        limit = _TOLD_JUMP + _FAR * moved
+        far = np.ones(len(before), dtype=bool)
+        for place in range(1, run + 1):
+            away = points[place : len(points) - run - 1 + place] - before
+            far &= np.hypot(*away.T) > limit
+        for place in range(1, run + 1):
+            false[place : len(points) - run - 1 + place] |= far
+    return false
 
 
 def _gaps(times: Floats) -> list[str]:

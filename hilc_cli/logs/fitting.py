@@ -34,6 +34,8 @@ _LOWEST = np.array([-3.0, -1.0, -3.0, 0.0, 0.0, 0.0, -np.inf])
 _HIGHEST = np.array([3.0, 1.0, 3.0, 3.0, 3.0, 10.0, np.inf])
 _NEWTON_STEPS = 25
 _SETTLED = 1e-4  # gain of half the squared innovations at which the search ends
+_FOR_NOISE = 3_000  # readings tell the noise
+_AT_REST = 30  # of them before the motion
 _ROUNDS = 3  # of noise and parameters in turn
 _FINEST, _FINEST_HEADING = 1e-6, 1e-6  # [m], [rad]: readings are never better
 _SMALLEST = 1e-5  # [m], [rad]: noise of the motion in a metre, never less
@@ -69,6 +71,23 @@ class Drive:
     def between(self, start: float, end: float) -> Drive:
         """Returns the readings from a time to another, with all commands."""
         here = (self.times >= start) & (self.times <= end)
+        return replace(self, times=self.times[here], readings=self.readings[here])
+
+    def first_motion(self, most: int, offset: float) -> Drive:
+        """Returns so many readings at most, from a little before the wheels first move.
+
+        The heading there is that at the first reading of all.
+
+        Args:
+            most: Number of readings.
+            offset: What the readings' clock shows when that of the commands shows 0 [s].
+        """
+        moving = np.abs(self.commands).max(axis=1) > 0
+        if len(self.times) <= most or not moving.any():
+            return self
+        onset = float(self.command_times[np.argmax(moving)]) + offset
+        first = max(int(np.searchsorted(self.times, onset)) - _AT_REST, 0)
+        here = slice(first, first + most)
         return replace(self, times=self.times[here], readings=self.readings[here])
 
     @property
@@ -202,7 +221,7 @@ def fit(
     values, covariance = likely_parameters(belief, drives, noise)
     belief = replace(belief, values=values)
     for turn in range(rounds):
-        noise = likely_noise(belief, drives, noise, thoroughly=turn == 0)
+        noise = likely_noise(belief, for_noise(belief, drives), noise, thoroughly=turn == 0)
         before = belief.values
         values, covariance = likely_parameters(belief, drives, noise)
         belief = replace(belief, values=values)
@@ -210,6 +229,15 @@ def fit(
         if (moved <= 0.05 * np.sqrt(np.diag(covariance))[belief.free]).all():
             break
     return Fitted(belief, noise, covariance, log_likelihood(belief, drives, noise))
+
+
+def for_noise(belief: Belief, drives: Sequence[Drive]) -> list[Drive]:
+    """Returns the part of drives that tells their noise as well as the whole would."""
+    most = max(_FOR_NOISE // len(drives), 10)
+    return [
+        drive.first_motion(most, float(belief.of_drive(index)[OFFSET]))
+        for index, drive in enumerate(drives)
+    ]
 
 
 def likely_noise(

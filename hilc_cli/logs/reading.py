@@ -17,7 +17,7 @@ from hilc_cli.logs.options import ReadOptions
 from hilc_cli.reference.point_tables import MAX_BYTES
 
 
-def read_log(path: Path, options: ReadOptions | None = None) -> Log:
+def read_log(path: Path | str, options: ReadOptions | None = None) -> Log:
     """Returns what a log says, poses being those of the wheel midpoint.
 
     Args:
@@ -31,6 +31,7 @@ def read_log(path: Path, options: ReadOptions | None = None) -> Log:
     """
     options = options or ReadOptions()
     check_marker(options.marker)
+    path = Path(path)
     if _is_bag(path):
         if options.columns:
             raise UsageError(f"{path}: is a bag, which has topics; --columns is about tables")

@@ -7,7 +7,7 @@ taken, with wheels and lag of the robot found along with it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from hilc_cli.logs.fitting import (
     log_likelihood,
     rough_noise,
 )
+from hilc_cli.logs.pose_filter import RollingNoise
 from hilc_cli.reference.sampled import Floats
 
 _GRID = 0.02  # [s], on which speeds are compared
@@ -38,6 +39,8 @@ _SMOOTH = 0.3  # [s], over which measured speeds are means
 _NEAR, _FINE = 0.6, 0.02  # [s]: how far around the coarse start is looked, and in which steps
 _BEFORE, _AFTER = 3.0, 1.0  # [s] of standstill that count, before and after the plan
 _PEAKS = 4
+_APART = 0.8  # of the duration of the commands, between one pass and another
+_AS_LIKELY = 0.8  # share of the best likeness to speeds that another pass has
 _SLOW = 0.05  # share of the plan's largest speed below which a robot stands
 _SPREAD = np.array([0.3, 0.05, 0.5, 0.3, 0.2, 1.0, 1.0])
 """Standard deviations of what is believed of the robot, see `fitting.ROBOT`."""
@@ -50,10 +53,12 @@ class FittedPass:
     Attributes:
         fitted: All that was found.
         drive: The readings that count: from standstill to standstill.
+        others: Offsets under which other motion in the log is about as much like the commands [s].
     """
 
     fitted: Fitted
     drive: Drive
+    others: tuple[float, ...] = ()
 
     @property
     def offset(self) -> float:
@@ -97,7 +102,7 @@ def fit_pass(
         near = np.arange(-_NEAR, _NEAR + _FINE / 2, _FINE)
     else:
         shifts, near = [offset], np.arange(0.0, _LATEST + _FINE / 2, _FINE)
-    candidates = []
+    candidates: list[tuple[float, Belief, Drive, RollingNoise]] = []
     for shift in shifts:
         window = _window(drive, grid, speed, first + shift, end + shift, ahead)
         if len(window.times) < _FEWEST:
@@ -114,7 +119,10 @@ def fit_pass(
     if not candidates:
         return None
     _, belief, window, noise = max(candidates, key=lambda each: each[0])
-    return FittedPass(fit(belief, [window], noise), window)
+    found = FittedPass(fit(belief, [window], noise), window)
+    apart = _APART * (end - first)
+    others = tuple(shift for shift in shifts if abs(shift - found.offset) > apart)
+    return replace(found, others=others)
 
 
 def coarse_offset(drive: Drive, motor: Motor, sample_time: float, end: float) -> float | None:
@@ -213,7 +221,7 @@ def _coarse_shifts(
     inner = np.pad(score, 1)
     peaks = np.flatnonzero((inner[1:-1] >= inner[:-2]) & (inner[1:-1] > inner[2:]))
     peaks = peaks[np.argsort(-score[peaks])][:_PEAKS]
-    peaks = peaks[score[peaks] > 0.5 * score.max()]
+    peaks = peaks[score[peaks] > _AS_LIKELY * score.max()]
     # Smoothing begins half its width early.
     length = len(ahead) + width - 1
     shifts = (peaks - (length - 1)) * _GRID + _SMOOTH / 2

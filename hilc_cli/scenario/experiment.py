@@ -13,9 +13,10 @@ import numpy as np
 from hilc_cli import plug_ins
 from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.engine.robot_learning import RobotLearning, with_standstill
-from hilc_cli.laws.norm_optimal.law import IDEAL_MOTORS, RATIO
+from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats
@@ -401,6 +402,7 @@ def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
     """
     controller, setting = scenario.spec.controller, scenario.setting
     robot, model = scenario.spec.robot.robot(), setting.model
+    believed = setting.drivetrain or Drivetrain(model.wheel_radius, model.wheel_radius)
     known = {
         "wheel_radius_m": {TRUE: robot.wheel_radius, BELIEVED: model.wheel_radius},
         "half_track_m": {TRUE: robot.half_track, BELIEVED: model.half_track},
@@ -409,7 +411,7 @@ def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
             BELIEVED: model.wheel_radius / model.half_track,
         },
         **{
-            column: {TRUE: value, BELIEVED: IDEAL_MOTORS[column]}
+            column: {TRUE: value, BELIEVED: believed.figures[column]}
             for column, value in scenario.spec.robot.figures().items()
         },
         **controller.yardsticks(setting),

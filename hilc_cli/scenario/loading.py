@@ -77,7 +77,7 @@ def load_scenario(
         FileAccessError: A file cannot be read.
     """
     inputs = Inputs()
-    return _scenario(inputs.tree(source), _changes(overrides), inputs, trust=trust)
+    return _scenario(inputs.tree(source), changes_of(overrides), inputs, trust=trust)
 
 
 def load_path(
@@ -103,7 +103,7 @@ def load_path(
     """
     inputs = Inputs()
     tree = inputs.tree(source, *_KINDS)
-    changes = _changes(overrides)
+    changes = changes_of(overrides)
     assert isinstance(tree, MapNode)  # anything else has been refused
     if kind_of(tree.entries, _KINDS) == SCENARIOS:
         scenario = _scenario(tree, changes, inputs, trust=trust)
@@ -223,7 +223,12 @@ def _with_program_folder(tree: MapNode) -> MapNode:
     return with_entry(tree, "robot", robot, tree.key_places["robot"])
 
 
-def _changes(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
+def changes_of(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
+    """Keys and values of overrides.
+
+    Raises:
+        InvalidInputError: Texts are not like ``KEY=VALUE``; names every problem.
+    """
     if isinstance(overrides, str):
         overrides = [overrides]
     if isinstance(overrides, Mapping):

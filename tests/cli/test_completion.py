@@ -42,7 +42,10 @@ def complete(hilc: Hilc, monkeypatch: pytest.MonkeyPatch) -> Complete:
         ("hilc|run|example|:|fig6", [f"fig6{letter}" for letter in "abcdefghi"]),
         ("hilc|check|example|:|norm", ["norm-optimal-arc-and-line"]),
         ("hilc|run|exam", ["example:feedback-circle"]),
-        ("hilc|compare|--laws|example|:", ["leaderboard", "small-robot-laws"]),
+        (
+            "hilc|compare|--laws|example|:",
+            ["leaderboard", "leaderboard-robots", "small-robot-laws"],
+        ),
         ("hilc|run|example:fig7", [f"example:fig7{letter}" for letter in "abcd"]),
         ("hilc|sweep|example|:|fig8a|--set|controller.gains.k_t", ["controller.gains.k_theta="]),
         ("hilc|run|x|--set|robot.turn", ["robot.turn_convention="]),

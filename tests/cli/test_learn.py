@@ -132,7 +132,8 @@ MESSAGES = {
     ),
     ("drive", "lab"): (
         3,
-        "hilc: lab: the pass was over after 0 of SAMPLES samples: the input ended; nothing is added\n",
+        "hilc: lab: the pass was over after 0 of SAMPLES samples: the input ended; "
+        "nothing is added\n",
     ),
     ("export", "lab"): (2, "hilc: lab: has no trial yet; add the first with 'hilc learn add'\n"),
     ("plot", "lab"): (

@@ -9,7 +9,7 @@ import pytest
 
 from hilc_cli.errors import UsageError
 from hilc_cli.identification.believed import Believed, believed_of
-from hilc_cli.identification.identifying import Identification, identify
+from hilc_cli.identification.identifying import Identification, identified
 from hilc_cli.identification.report import model_block, ros2_control
 from hilc_cli.logs.log import Log, Poses, Twists, WheelSpeeds
 from hilc_cli.reference.sampled import Floats
@@ -54,7 +54,7 @@ TRUE = MadeUpRobot(left_radius=0.101, right_radius=0.099, half_track=0.27, delay
     "believed", [[], ["model.wheel_radius=0.11", "model.wheel_separation=0.5"]]
 )
 def test_a_robot_is_found(headings: bool, believed: list[str]) -> None:
-    found = identify([log_of(TRUE, wheels_of(), headings=headings)], believed_of(believed))
+    found = identified([log_of(TRUE, wheels_of(), headings=headings)], believed_of(believed))
     assert within(found, "left_wheel_radius_m", 0.101)
     assert within(found, "right_wheel_radius_m", 0.099)
     assert within(found, "wheel_separation_m", 0.54)
@@ -68,7 +68,7 @@ def test_a_robot_is_found(headings: bool, believed: list[str]) -> None:
 
 def test_several_logs_tell_more_than_one() -> None:
     logs = [log_of(TRUE, wheels_of(0.3 + 0.1 * k), seed=k, clock=10.0 * k) for k in range(3)]
-    one, all_of_them = (identify(logs[:count], Believed()) for count in (1, 3))
+    one, all_of_them = (identified(logs[:count], Believed()) for count in (1, 3))
     key = "wheel_separation_m"
     assert within(all_of_them, key, 0.54)
     assert all_of_them.estimates[key].error < one.estimates[key].error  # type: ignore[operator]
@@ -82,7 +82,7 @@ def test_swapped_wheels_are_told(headings: bool) -> None:
     # The robot turns left for a faster right wheel; in the log left and right are swapped.
     log = Log(log.path, "", log.poses, swapped)
     told = believed_of(["model.turn_convention=ros"])
-    found = identify([log], told)
+    found = identified([log], told)
     assert found.swapped
     assert found.turns_left == "left"
     assert within(found, "left_wheel_radius_m", 0.099)
@@ -94,7 +94,7 @@ def test_a_marker_that_looks_back_is_told() -> None:
     poses = log.poses
     assert poses.heading is not None
     turned = Poses(poses.times, poses.x, poses.y, poses.heading + np.pi - 0.02, "camera")
-    found = identify([Log(log.path, "", turned, log.commands)], Believed())
+    found = identified([Log(log.path, "", turned, log.commands)], Believed())
     assert found.backward
     assert within(found, "wheel_separation_m", 0.54)
     assert abs(found.estimates["marker_heading_rad"].value) == pytest.approx(np.pi - 0.02, abs=0.01)
@@ -103,14 +103,14 @@ def test_a_marker_that_looks_back_is_told() -> None:
 def test_what_a_straight_line_cannot_tell_is_named() -> None:
     t = np.arange(300) * SAMPLE
     speed = 5 * np.minimum(1, np.minimum(t, t[-1] - t))
-    found = identify([log_of(TRUE, np.stack([speed, speed], axis=1))], Believed())
+    found = identified([log_of(TRUE, np.stack([speed, speed], axis=1))], Believed())
     assert any("separation" in line for line in found.unknown)
     assert not found.estimates["wheel_separation_m"].known
     assert "wheel_separation" not in model_block(found)
 
 
 def test_a_constant_speed_does_not_tell_delay_and_lag_apart() -> None:
-    found = identify([log_of(TRUE, wheels_of(), headings=False)], Believed())
+    found = identified([log_of(TRUE, wheels_of(), headings=False)], Believed())
     assert any(line.startswith("delay and lag apart") for line in found.unknown)
     assert found.estimates["delay_s"].error > found.estimates["delay_and_lag_s"].error  # type: ignore[operator]
 
@@ -119,7 +119,7 @@ def test_two_clocks_leave_the_delay_unknown() -> None:
     log = log_of(TRUE, wheels_of())
     assert isinstance(log.commands, WheelSpeeds)
     other = WheelSpeeds(log.commands.times - 1000.0, log.commands.left, log.commands.right, "own")
-    found = identify([Log(log.path, "", log.poses, other, one_clock=False)], Believed())
+    found = identified([Log(log.path, "", log.poses, other, one_clock=False)], Believed())
     assert within(found, "wheel_separation_m", 0.54)
     assert within(found, "clock_offset_s", 1000.12, most=5)
     assert any(
@@ -131,7 +131,7 @@ def test_encoders_serve_where_there_are_no_commands() -> None:
     robot = MadeUpRobot(left_radius=0.101, right_radius=0.099, half_track=0.27, lag=0.0)
     log = log_of(robot, wheels_of())
     assert isinstance(log.commands, WheelSpeeds)
-    found = identify([Log(log.path, "", log.poses, None, log.commands)], Believed())
+    found = identified([Log(log.path, "", log.poses, None, log.commands)], Believed())
     assert within(found, "wheel_separation_m", 0.54)
     assert "delay_s" not in found.estimates
     assert any("encoders" in note for note in found.notes)
@@ -147,8 +147,10 @@ def test_twists_need_what_the_driver_is_configured_with() -> None:
     )
     told = Log(log.path, "", log.poses, twists)
     with pytest.raises(UsageError, match=r"model\.wheel_radius"):
-        identify([told], Believed())
-    found = identify([told], believed_of(["model.wheel_radius=0.1", "model.wheel_separation=0.5"]))
+        identified([told], Believed())
+    found = identified(
+        [told], believed_of(["model.wheel_radius=0.1", "model.wheel_separation=0.5"])
+    )
     assert within(found, "left_wheel_radius_m", 0.101)
     assert ros2_control(found)["wheel_separation_multiplier"] == pytest.approx(1.08, abs=0.01)
     assert ros2_control(found)["left_wheel_radius_multiplier"] == pytest.approx(1.01, abs=0.005)
@@ -158,7 +160,7 @@ def test_standard_errors_cover_what_they_should() -> None:
     deviations = []
     keys = {"left_wheel_radius_m": 0.101, "wheel_separation_m": 0.54, "delay_and_lag_s": 0.18}
     for seed in range(8):
-        found = identify([log_of(TRUE, wheels_of(), seed=seed)], Believed())
+        found = identified([log_of(TRUE, wheels_of(), seed=seed)], Believed())
         for key, value in keys.items():
             each = found.estimates[key]
             assert each.error is not None
@@ -172,5 +174,5 @@ def test_slip_that_changes_is_told_as_what_the_model_does_not_know() -> None:
     # The robot drifts aside like a slow pendulum, which no wheels explain.
     aside = 0.03 * np.sin(2 * np.pi * poses.times / 3.0)
     drifting = Poses(poses.times, poses.x, poses.y + aside, poses.heading, "camera")
-    found = identify([Log(log.path, "", drifting, log.commands)], Believed())
+    found = identified([Log(log.path, "", drifting, log.commands)], Believed())
     assert any("does something that the model does not know" in line for line in found.warnings)

@@ -14,7 +14,7 @@ from rosbags.rosbag2 import StoragePlugin
 from hilc_cli.cli.log_options import read_options
 from hilc_cli.errors import HilcError
 from hilc_cli.identification.believed import Believed, believed_of
-from hilc_cli.identification.identifying import identify
+from hilc_cli.identification.identifying import identified
 from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.logs.alignment import AlignOptions, align
 from hilc_cli.logs.log import RefusedTrialError
@@ -51,7 +51,7 @@ def told_by(path: str, options: dict[str, str]) -> str:
     """What is told of a log."""
     with pytest.raises(HilcError) as caught:
         how = read_options(*(options.get(name) for name in OPTIONS))
-        identify([read_log(Path(path), how)], Believed())
+        identified([read_log(Path(path), how)], Believed())
     return str(caught.value)
 
 
