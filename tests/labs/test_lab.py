@@ -80,7 +80,7 @@ def test_a_start_that_is_off_is_taken_out(tmp_path: Path) -> None:
     for name in ("x", "y", "heading"):
         one, other = (getattr(each.run.trials[0], name) for each in (on, off))
         np.testing.assert_allclose(one, other, atol=2e-5)
-    np.testing.assert_allclose(off.plan.left, on.plan.left, atol=2e-3)
+    np.testing.assert_allclose(off.state.plan.left, on.state.plan.left, atol=2e-3)
 
 
 def test_a_lab_that_is_read_again_goes_on_alike(lab: Lab, tmp_path: Path) -> None:
@@ -124,7 +124,7 @@ def test_a_log_file_is_added_like_its_numbers(lab: Lab, tmp_path: Path) -> None:
     # What is kept of the log is a log itself, which gives the same trial.
     again = Lab.start(scenario(), tmp_path / "again")
     again.add_log(lab.folder / "trials" / "000" / "log.csv", plots=False)
-    np.testing.assert_allclose(again.plan.left, lab.plan.left, atol=1e-9)
+    np.testing.assert_allclose(again.state.plan.left, lab.state.plan.left, atol=1e-9)
 
 
 def test_the_same_log_is_no_second_trial(lab: Lab, tmp_path: Path) -> None:
@@ -157,9 +157,10 @@ def test_what_is_no_trial_leaves_the_lab_as_it_is(lab: Lab) -> None:
 def test_changes_from_plan_to_plan_are_limited(tmp_path: Path) -> None:
     limits = {"wheel_speed": 6.67, "max_change": 0.05}
     lab = Lab.start(scenario(safety=limits), tmp_path / "lab")
-    first = lab.plan
+    first = lab.state.plan
     add_pass(lab)
-    change = np.abs([lab.plan.left - first.left, lab.plan.right - first.right]).max()
+    then = lab.state.plan
+    change = np.abs([then.left - first.left, then.right - first.right]).max()
     assert change == pytest.approx(0.05)
 
 

@@ -75,3 +75,47 @@ def test_noise_is_shrunk_on_average() -> None:
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_short_paths(n: int) -> None:
     assert repeating(np.ones((3, n, 3))) == pytest.approx(np.ones((n, 3)))
+
+
+def driven(*speeds: float) -> Floats:
+    """Inputs of passes that are driven evenly [rad/s]."""
+    return np.tile(np.array(speeds)[:, None, None], (1, N, 2))
+
+
+def test_passes_that_were_driven_alike_count_alike() -> None:
+    leftovers = np.random.default_rng(2).normal(size=(5, N, 3))
+    alike = repeating(leftovers, driven(*[3.0] * 5))
+    np.testing.assert_array_equal(alike, repeating(leftovers))
+
+
+def test_a_pass_that_was_driven_otherwise_does_not_mislead() -> None:
+    # A first pass far off leaves another motion beyond the model than all that come after it.
+    rest = np.tile(np.random.default_rng(3).normal(size=N)[:, None], (1, 3))
+    leftovers = np.array([-4 * rest, rest, rest, rest])
+    found = repeating(leftovers, driven(9.0, 3.0, 3.01, 3.0))
+    assert np.abs(found - rest).max() < 0.02 * np.abs(rest).max()
+    # The plain mean of all four is not even of its sign.
+    assert leftovers.mean(axis=0) == pytest.approx(-0.25 * rest)
+
+
+def test_noise_is_averaged_though_inputs_differ() -> None:
+    # What differs by chance alone tells nothing of the inputs: all passes are made use of.
+    random = np.random.default_rng(4)
+    common = np.tile(wave(5)[:, None] * 4, (1, 3))
+    off, off_last = [], []
+    for _ in range(40):
+        leftovers = common + random.normal(size=(8, N, 3))
+        found = repeating(leftovers, driven(*random.normal(3.0, 0.5, 8)))
+        off.append(np.square(found - common).sum())
+        off_last.append(np.square(leftovers[-1] - common).sum())
+    assert np.mean(off) < 0.25 * np.mean(off_last)
+
+
+def test_inputs_that_come_nearer_are_followed() -> None:
+    # The motion beyond the model goes with the input, which settles as learning does.
+    inputs = [3.0 + 2.0**-k for k in range(7)]
+    shape = np.tile(wave(2)[:, None], (1, 3))
+    leftovers = np.array([shape * speed for speed in inputs])
+    found = repeating(leftovers, driven(*inputs))
+    last, mean = shape * inputs[-1], leftovers.mean(axis=0)
+    assert np.abs(found - last).max() < 0.2 * np.abs(mean - last).max()
