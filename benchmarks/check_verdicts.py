@@ -328,7 +328,7 @@ class _Draw:
         return found
 
     def norm_optimal(self) -> Data:
-        found: Data = {"identify": self.chance(0.6), "feedback": self.one_of("lqr", "none")}
+        found: Data = {"feedback": self.one_of("regulator", "none")}
         if self.chance(0.5):
             found["h"] = max(1, int(self.samples * self.between(0.05, 0.6)))
         return found

@@ -1,6 +1,6 @@
 """What norm-optimal learning does on a rigid body in MuJoCo, of which it is told nothing.
 
-    python benchmarks/mujoco_robot.py [--passes 30] [--motors identify|ideal] [--robots NAME ...]
+    python benchmarks/mujoco_robot.py [--passes 30] [--robots NAME ...]
 
 The circle of the example ``mujoco-circle``, 1 m at 0.5 m/s from rest to rest, with wheels of 10 cm
 that are 50 cm apart and a body that follows from them. The table has the largest error of a pass,
@@ -54,16 +54,14 @@ def main() -> None:
     """Prints the table."""
     options = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     options.add_argument("--passes", type=int, default=30)
-    options.add_argument("--motors", choices=["identify", "ideal"], default="identify")
     options.add_argument("--robots", nargs="+", choices=list(ROBOTS), default=list(ROBOTS))
     given = options.parse_args()
     print("| robot | first | median | worst | R and B wrong: first | median | worst |")
     print("|---|---:|---:|---:|---:|---:|---:|")
     for name in given.robots:
-        robot = {**ROBOTS[name], "controller.motors": given.motors}
         cells = []
         for model in BELIEFS:
-            found = errors(robot, model, given.passes)
+            found = errors(ROBOTS[name], model, given.passes)
             later = np.array(found[FROM:])
             cells += [
                 f"{float(f'{found[0]:.3g}'):g}",

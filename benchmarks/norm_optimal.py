@@ -1,31 +1,24 @@
 """What norm-optimal learning reaches on the paper's trajectories, and what it costs.
 
-Usage: python benchmarks/norm_optimal.py [--iterations N] [--picture FILE]
+Usage: python benchmarks/norm_optimal.py [--iterations N] [--seeds N] [--picture FILE]
 
 Four trajectories, without and with the paper's initial errors, three beliefs of the platform, and
 the paper's speed limit. Errors are of the position: over the whole path without initial error, over
 its second half with one. The earliest sample is the first whose pose the platform can have at all.
 """
 
+from __future__ import annotations
+
 import argparse
-import math
-import time
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 
 import hilc_cli as hilc
-from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.law import Iteration
-from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner, OptimalPlan
-from hilc_cli.laws.norm_optimal.optimal_motion import Model
-from hilc_cli.laws.norm_optimal.rectified import trajectory_inputs
-from hilc_cli.plants.kinematic import Robot, euler_step, limit_wheel_speeds, step_gains
-from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.reach import earliest_merge
 
 LIMIT = 180.0
@@ -36,123 +29,91 @@ SCENARIOS = {
     "spiral": ("fig3-spiral", "fig5-spiral"),
 }
 BELIEFS = {"exact": (1.0, 1.0), "R x 0.7, B x 1.3": (0.7, 1.3), "R x 1.3, B x 0.7": (1.3, 0.7)}
-_BELIEVED = Robot(1.0, 1.0)  # in the place of each experiment's
-SETTINGS = {
-    "default": NormOptimalLaw(_BELIEVED),
-    "feedback: none": NormOptimalLaw(_BELIEVED, feedback="none"),
-    "identify: false": NormOptimalLaw(_BELIEVED, identify=False),
-    "identify: false, feedback: none": NormOptimalLaw(_BELIEVED, identify=False, feedback="none"),
-}
 NOISES = {
-    "output 10 mm, 10 mrad": (0.0, 1e-2),
-    "state 1 mm, 1 mrad": (1e-3, 0.0),
-    "both": (1e-3, 1e-2),
+    "output 10 mm, 10 mrad": {"output": {"bound": ["10 mm", "10 mm", 0.01]}},
+    "state 1 mm, 1 mrad": {"state": {"bound": ["1 mm", "1 mm", 1e-3]}},
+    "both": {
+        "output": {"bound": ["10 mm", "10 mm", 0.01]},
+        "state": {"bound": ["1 mm", "1 mm", 1e-3]},
+    },
 }
 
 
-@dataclass(frozen=True)
-class Result:
-    """Of one experiment.
-
-    Attributes:
-        errors: What the module's text says, of each iteration [m].
-        fastest: Fastest wheel of all iterations [rad/s].
-        seconds: What the law took in all iterations.
-        merged: Where the rectified reference met the trajectory in the last iteration.
-        poses: Of the last iteration, shape (n + 1, 3).
-    """
-
-    errors: list[float]
-    fastest: float
-    seconds: float
-    merged: int | None
-    poses: Floats
-
-
-def learn(
-    experiment: Experiment,
-    law: NormOptimalLaw,
-    shares: tuple[float, float],
-    disturbance: Disturbance,
-    iterations: int,
-) -> Result:
+def learned(scenario: str, belief: str, iterations: int, **changes: Any) -> hilc.Run:
     """Iteration 0 at rest, then so many learned ones."""
-    reference, robot = experiment.reference, experiment.robot
-    model = Robot(robot.wheel_radius * shares[0], robot.half_track * shares[1])
-    learner = NormOptimalLearner(replace(law, model=model), reference, LIMIT)
-    target = np.stack([reference.x, reference.y, reference.heading], axis=1)
-    off = np.abs(target[0] - experiment.initial_pose).max() > 0
-    first = reference.samples // 2 if off else 0
-    errors, fastest, seconds = [], 0.0, 0.0
-    plan: OptimalPlan | None = None
-    for iteration in range(iterations + 1):
-        poses, measured, applied = run(experiment, plan, disturbance, iteration)
-        errors.append(float(np.hypot(*(poses - target)[first:, :2].T).max()))
-        fastest = max(fastest, float(np.abs(applied).max()))
-        if iteration < iterations:
-            start = time.perf_counter()
-            learner.learn(Iteration(*applied.T, *(target - measured).T))
-            plan = learner.plan()
-            seconds += time.perf_counter() - start
-    return Result(errors, fastest, seconds, None if plan is None else plan.merge_sample, poses)
+    robot = hilc.load_scenario(f"example:{scenario}").experiment().robot
+    radius, half_track = BELIEFS[belief]
+    controller = {"law": "norm-optimal", "b_w": LIMIT, **changes.pop("controller", {})}
+    given: Mapping[str, Any] = {
+        "model": {
+            "wheel_radius": radius * robot.wheel_radius,
+            "half_track": half_track * robot.half_track,
+        },
+        "controller": controller,
+        "initial_input": "zero",
+        "initial_trial": "open-loop",
+        "iterations": iterations,
+        "record.iterations": [],
+        **changes,
+    }
+    return hilc.run(hilc.load_scenario(f"example:{scenario}", given))
 
 
-def run(
-    experiment: Experiment, plan: OptimalPlan | None, disturbance: Disturbance, iteration: int
-) -> tuple[Floats, Floats, Floats]:
-    """True poses, measured poses and wheel speeds of one iteration."""
-    n = experiment.reference.samples
-    gains = step_gains(
-        experiment.robot.wheel_radius,
-        experiment.robot.signed_half_track,
-        experiment.reference.sample_time,
-    )
-    drawn = disturbance.of_output(iteration, n + 1), disturbance.of_state(iteration, n)
-    alpha = np.zeros((n + 1, 3)) if drawn[0] is None else drawn[0]
-    beta = np.zeros((n, 3)) if drawn[1] is None else drawn[1]
-    poses, applied = np.empty((n + 1, 3)), np.zeros((n, 2))
-    poses[0] = experiment.initial_pose
-    for k in range(n):
-        x, y, heading = poses[k].tolist()
-        if plan is not None:
-            error = plan.poses[k] - poses[k] - alpha[k]
-            left, right = ([plan.left[k], plan.right[k]] + plan.feedback[k] @ error).tolist()
-            applied[k] = limit_wheel_speeds(left, right, LIMIT)
-        left, right = applied[k].tolist()
-        cos, sin = math.cos(heading), math.sin(heading)
-        poses[k + 1] = euler_step(x, y, heading, cos, sin, left, right, *gains) + beta[k]
-    return poses, poses + alpha, applied
+def earliest(experiment: Experiment) -> int | None:
+    """The first sample whose pose the platform can have."""
+    robot, reference = experiment.robot, experiment.reference
+    start = np.array(experiment.initial_pose)
+    reach = robot.wheel_radius * LIMIT
+    return earliest_merge(reference.poses, start, reach, robot.half_track, reference.sample_time)
 
 
-def cases(law: NormOptimalLaw, iterations: int) -> list[str]:
-    """A row of the table for each case."""
-    rows = []
+def cases(iterations: int, **changes: Any) -> None:
+    """Prints a row of the table for each case."""
     for name, scenarios in SCENARIOS.items():
-        for scenario, wrong in zip(scenarios, (False, True), strict=True):
-            experiment = hilc.load_scenario(f"example:{scenario}").experiment()
-            for belief, shares in BELIEFS.items():
-                result = learn(experiment, law, shares, Disturbance(), iterations)
-                shown = [result.errors[i] for i in (1, 2, 5, 10) if i <= iterations]
-                numbers = " | ".join(f"{1000 * error:.3g}" for error in shown)
-                rows.append(
-                    f"| {name} | {'wrong' if wrong else 'right'} | {belief} | {numbers} "
-                    f"| {result.merged} | {result.fastest:.1f} | {result.seconds:.2f} |"
+        for scenario, start in zip(scenarios, ("right", "wrong"), strict=True):
+            for belief in BELIEFS:
+                run = learned(scenario, belief, iterations, **changes)
+                errors = 1000 * np.array(run.telling_errors_m)
+                shown = [f"{errors[i]:.3g}" for i in (1, 2, 5, 10) if i <= iterations]
+                merge, fastest = (
+                    run.learning.last()["merge_time_s"],
+                    max(run.metrics["max_wheel_speed_rad_s"]),
                 )
-    return rows
+                print(
+                    f"| {name} | {start} | {belief} | {' | '.join(shown)} | {merge:g} "
+                    f"| {fastest:.1f} | {run.timings['simulation']:.1f} |",
+                    flush=True,
+                )
 
 
-def noisy(iterations: int = 100) -> list[str]:
-    """A row of the table for each trajectory and noise."""
-    rows = []
+def noisy(iterations: int, seeds: int) -> None:
+    """Prints what noise leaves, and how often R and B are within three standard errors."""
     for name, (_, scenario) in SCENARIOS.items():
-        experiment = hilc.load_scenario(f"example:{scenario}").experiment()
-        for noise, (state, output) in NOISES.items():
-            disturbance = Disturbance(1, Bounded((state,) * 3), Bounded((output,) * 3))
-            shares = BELIEFS["R x 0.7, B x 1.3"]
-            result = learn(experiment, SETTINGS["default"], shares, disturbance, iterations)
-            late = [1000 * error for error in result.errors[3:]]
-            rows.append(f"| {name} | {noise} | {np.mean(late):.1f} | {max(late):.1f} |")
-    return rows
+        for noise, disturbance in NOISES.items():
+            left, off = [], []
+            for seed in range(seeds):
+                given = {"seed": seed, **disturbance}
+                run = learned(scenario, "R x 0.7, B x 1.3", iterations, disturbance=given)
+                left += (1000 * np.array(run.telling_errors_m)[3:]).tolist()
+                told, robot = run.learning.last(), run.robot
+                assert robot is not None
+                off.append(
+                    [
+                        (told[f"model_{key}_m"] / true - 1)
+                        * true
+                        / told[f"model_{key}_standard_error_m"]
+                        for key, true in (
+                            ("wheel_radius", robot.wheel_radius),
+                            ("half_track", robot.half_track),
+                        )
+                    ]
+                )
+            within = (np.abs(off) < 3).mean(axis=0)
+            print(
+                f"| {name} | {noise} | {np.mean(left):.1f} | {max(left):.1f} "
+                f"| {within[0]:.0%}, {within[1]:.0%} |",
+                flush=True,
+            )
 
 
 def draw(path: Path) -> None:
@@ -167,19 +128,14 @@ def draw(path: Path) -> None:
         reference = experiment.reference
         axis.plot(reference.x[:260], reference.y[:260], color="0.6", lw=4, label="trajectory")
         for h, style in ((100, "--"), (200, "-")):
-            law = replace(SETTINGS["default"], h=h)
-            result = learn(experiment, law, (1.0, 1.0), Disturbance(), 1)
-            x, y, _ = result.poses[:260].T
+            run = learned(scenario, "exact", 3, controller={"h": h})
+            x, y = run.last.x[:260], run.last.y[:260]
             axis.plot(x, y, style, color={100: "#d55e00", 200: "#0072b2"}[h], label=f"h = {h}")
-        target = np.stack([reference.x, reference.y, reference.heading], axis=1)
-        start = np.array(experiment.initial_pose)
-        robot = experiment.robot
-        earliest = earliest_merge(
-            target, start, robot.wheel_radius * LIMIT, robot.half_track, reference.sample_time
-        )
-        assert earliest is not None
-        axis.plot(*target[earliest, :2], "k|", ms=14, mew=2, label="earliest that the limit allows")
-        axis.plot(*start[:2], "ko", ms=6, label="start")
+        sample = earliest(experiment)
+        assert sample is not None
+        there = reference.poses[sample, :2]
+        axis.plot(*there, "k|", ms=14, mew=2, label="earliest that the limit allows")
+        axis.plot(*experiment.initial_pose[:2], "ko", ms=6, label="start")
         axis.set(title=name, xlabel="x [m]", aspect="equal")
     axes[0].set_ylabel("y [m]")
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5)
@@ -192,37 +148,23 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--iterations", type=int, default=10)
+    parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--picture", type=Path)
-    arguments = parser.parse_args()
-    if arguments.picture is not None:
-        draw(arguments.picture)
+    given = parser.parse_args()
+    if given.picture is not None:
+        draw(given.picture)
         return
     for name, (_, scenario) in SCENARIOS.items():
-        experiment = hilc.load_scenario(f"example:{scenario}").experiment()
-        reference, robot = experiment.reference, experiment.robot
-        target = np.stack([reference.x, reference.y, reference.heading], axis=1)
-        earliest = earliest_merge(
-            target,
-            np.array(experiment.initial_pose),
-            robot.wheel_radius * LIMIT,
-            robot.half_track,
-            reference.sample_time,
-        )
-        gains = step_gains(robot.wheel_radius, robot.signed_half_track, reference.sample_time)
-        model = Model(*gains, np.zeros((reference.samples, 3)), LIMIT)
-        demand = np.abs(trajectory_inputs(target, model)).max()
-        print(
-            f"{name}: the trajectory asks for {demand:.1f} rad/s; the limit allows to be on it "
-            f"from sample {earliest} on"
-        )
-    for title, law in SETTINGS.items():
-        print(f"\n{title}: trajectory, start, belief, error [mm] after 1, 2, 5, 10 iterations,")
-        print("merge sample, fastest wheel [rad/s], time of the law [s]")
-        print("\n".join(cases(law, arguments.iterations)), flush=True)
+        found = earliest(hilc.load_scenario(f"example:{scenario}").experiment())
+        print(f"{name}: the limit allows to be on it from sample {found} on")
+    print("\ntrajectory, start, belief, error [mm] after 1, 2, 5, 10 iterations,")
+    print("merge [s], fastest wheel [rad/s], time of the run [s]")
+    cases(given.iterations)
     print(
-        "\nnoise, R x 0.7 and B x 1.3, wrong start: error [mm], mean and worst of iterations 3..100"
+        "\nnoise, R x 0.7 and B x 1.3, wrong start: error [mm], mean and worst of iterations from"
     )
-    print("\n".join(noisy()))
+    print("3 on; how often R and B are within three standard errors")
+    noisy(given.iterations, given.seeds)
 
 
 if __name__ == "__main__":

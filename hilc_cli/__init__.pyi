@@ -11,10 +11,12 @@ from hilc_cli.comparisons.comparing import (
 from hilc_cli.drawing.looks import picture_look as picture_look
 from hilc_cli.engine.experiment import Learning as Learning
 from hilc_cli.errors import HilcError as HilcError
+from hilc_cli.exports.exporting import export as export
 from hilc_cli.identification.identifying import (
     Identification as Identification,
     identify as identify,
 )
+from hilc_cli.labs.lab import Lab as Lab
 from hilc_cli.laws.law import Plan as Plan
 from hilc_cli.leaderboards.comparing import (
     LawComparison as LawComparison,

@@ -1,4 +1,4 @@
-"""The example trajectories, scenarios and leaderboards that travel with hilc."""
+"""The example trajectories, scenarios, leaderboards and programs that travel with hilc."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from hilc_cli.wording import suggestion
 
 PREFIX = "example:"
 SCENARIOS, TRAJECTORIES, LEADERBOARDS = KINDS = ("scenarios", "trajectories", "leaderboards")
+PROGRAMS = "programs"
 
-_BESIDE_SCENARIOS = frozenset({"leaderboard", "small-robot-laws"})  # in their folder, none of them
+_BESIDE_SCENARIOS = frozenset({"leaderboard", "leaderboard-robots", "small-robot-laws"})
+"""Leaderboards, which stand in the scenarios' folder."""
 
 
 def examples_folder() -> Path:
@@ -29,6 +31,11 @@ def examples(kind: str = SCENARIOS) -> Iterator[Path]:
     if kind == TRAJECTORIES:
         return iter(files)
     return (file for file in files if (file.stem in _BESIDE_SCENARIOS) == (kind == LEADERBOARDS))
+
+
+def programs() -> list[Path]:
+    """The example programs, by name: they stand beside hilc and a robot, and are to be copied."""
+    return sorted((examples_folder() / PROGRAMS).glob("*.py"))
 
 
 def is_example(text: str, kind: str) -> bool:
@@ -69,7 +76,7 @@ def copy_examples(folder: Path, *, force: bool = False) -> list[Path]:
     """Writes all examples below a folder, each file as a whole.
 
     Args:
-        folder: Where to put ``scenarios/`` and ``trajectories/``.
+        folder: Where to put ``scenarios/``, ``trajectories/`` and ``programs/``.
         force: Replace files of the same name that differ.
 
     Returns:
@@ -79,11 +86,8 @@ def copy_examples(folder: Path, *, force: bool = False) -> list[Path]:
         ExistingResultsError: A file of the same name differs; nothing has been written then.
         FileAccessError: The system refused.
     """
-    files = {
-        folder / path.parent.name / path.name: path.read_bytes()
-        for kind in KINDS
-        for path in examples(kind)
-    }
+    paths = [*(path for kind in KINDS for path in examples(kind)), *programs()]
+    files = {folder / path.parent.name / path.name: path.read_bytes() for path in paths}
     with writing(folder):
         link = next((path.parent for path in files if path.parent.is_symlink()), None)
         if link is not None:

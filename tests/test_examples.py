@@ -169,12 +169,9 @@ OTHER_LAWS = {
     "feedback": "  law: feedback\n  gains: {k_x: 1/3, k_y: 1/7 rad/m/m, k_theta: 1/9 rad/m}\n",
     "norm-optimal": """\
   law: norm-optimal
-  weights: {position: 1/3 cm, heading: 1/9, input_change: 100/7}
+  weights: {position: 1/3 cm, heading: 1/9}
   feedback: none
-  feedback_weights: {position: 1/7, heading: 1/11}
-  identify: false
   h: 2
-  memory: 3
   b_w: 600 rpm
 """,
     "norm-optimal-defaults": "  law: norm-optimal\n",

@@ -140,6 +140,7 @@ def test_each_command_is_on_its_page() -> None:
         command.name or getattr(command.callback, "__name__", "")
         for command in app.registered_commands
     ]
+    names += [str(group.name) for group in app.registered_groups]
     assert sorted(told) == sorted(names)
 
 

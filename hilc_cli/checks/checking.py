@@ -24,6 +24,8 @@ from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario
 from hilc_cli.theory.feasibility.feasibility import Feasibility
 from hilc_cli.theory.findings import RESOLUTION, ExpectedError, Findings, extent
+from hilc_cli.theory.identifiable import Identifiable
+from hilc_cli.theory.lateness import Lateness
 from hilc_cli.theory.law_theory import LawTheory, law_theory
 from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import CLEARLY, FAILED, NEAR, Outcome, seen_outcome
@@ -99,16 +101,21 @@ class Check:
         scenario: What was checked.
         feasibility: What its trajectory demands of wheels and tyres, beside what they can do.
         law: What theory says of its law.
+        lateness: What late wheels do to a pass, computed when it is asked for.
+        identifiable: What a pass tells of the robot, likewise.
         conditions: Those of the paper's theorems; None for a law of which it does not speak.
         theories: Bounds of the paper's theory, by name; None likewise.
         simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
-            ``start``, ``learning``, ``prediction``, ``simulation``, ``theory``, ``advice``.
+            ``start``, ``lateness``, ``learning``, ``prediction``, ``simulation``, ``theory``,
+            ``advice``.
     """
 
     scenario: Scenario
     feasibility: Feasibility
     law: LawTheory
+    lateness: Lateness
+    identifiable: Identifiable
     conditions: Conditions | None
     theories: Mapping[str, Bounds] | None
     simulated: Simulated | None
@@ -236,6 +243,7 @@ def check(
     """
     scenario = as_scenario(scenario)
     experiment = scenario.experiment()
+    lateness = Lateness(experiment)
     # Where numbers leave the range of floating point, they end as infinite: above any limit.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         feasibility = scenario.feasibility()
@@ -246,6 +254,7 @@ def check(
                 feasibility, experiment, scenario.setting.model, theory.expected
             ),
             "start": start_findings(theory),
+            "lateness": lateness.findings,
             "learning": theory.findings,
         }
         premises, bounds = None, None
@@ -263,7 +272,17 @@ def check(
             findings["learning"] = decided(theory.findings, seen, theory.expected, learns=learns)
         findings["theory"] = theory_findings(seen)
         findings["advice"] = Findings(warnings=tuple(advice(theory)))
-    return Check(scenario, feasibility, theory, premises, bounds, seen, findings)
+    return Check(
+        scenario,
+        feasibility,
+        theory,
+        lateness,
+        Identifiable(experiment),
+        premises,
+        bounds,
+        seen,
+        findings,
+    )
 
 
 def simulated(

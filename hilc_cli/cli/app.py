@@ -6,8 +6,11 @@ import typer
 
 from hilc_cli.cli.check import check
 from hilc_cli.cli.compare import compare
+from hilc_cli.cli.drive import drive
 from hilc_cli.cli.examples import examples
+from hilc_cli.cli.export import export
 from hilc_cli.cli.identify import identify
+from hilc_cli.cli.learn import learn
 from hilc_cli.cli.options import Version
 from hilc_cli.cli.plot import plot
 from hilc_cli.cli.reproduce import reproduce
@@ -47,7 +50,10 @@ app.command()(check)
 app.command()(plot)
 app.command()(compare)
 app.command()(sweep)
+app.add_typer(learn, name="learn")
+app.command()(drive)
 app.command()(identify)
+app.command()(export)
 app.command()(reproduce)
 app.command()(examples)
 app.command()(schema)

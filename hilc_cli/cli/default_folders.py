@@ -187,14 +187,14 @@ def check_shared_folder(folder: Path) -> None:
     """
     from hilc_cli.files import output_place, writing
     from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER
-    from hilc_cli.runs.run_folder import RUN_FOLDER
+    from hilc_cli.runs.run_folder import LAB_FOLDER, RUN_FOLDER
     from hilc_cli.sweeps.sweep_folder import SWEEP_FOLDER
 
     if folder.is_symlink():
         raise UsageError(f"--out {folder}: is a link; name the folder that it leads to")
     with writing(folder):
         output_place(folder)
-    for kind in (RUN_FOLDER, SWEEP_FOLDER, LEADERBOARD_FOLDER):
+    for kind in (RUN_FOLDER, LAB_FOLDER, SWEEP_FOLDER, LEADERBOARD_FOLDER):
         if kind.is_at(folder):
             raise UsageError(
                 f"--out {folder}: is the folder of one {kind.what}; name another for several"

@@ -34,8 +34,8 @@ def examples(
 ) -> None:
     """List or copy the examples that come with hilc.
 
-    They are scenarios, trajectories and leaderboards. Scenarios run as example:NAME; scenarios may
-    name trajectories so as well.
+    They are scenarios, trajectories and leaderboards, and programs for robots. Scenarios run as
+    example:NAME; scenarios may name trajectories so as well. Programs are to be copied.
 
     \b
     Examples:
@@ -43,7 +43,14 @@ def examples(
       hilc examples --copy my-experiments
     """
     from hilc_cli.reporting.terminal import print_json, print_table, print_text, two_columns
-    from hilc_cli.shipped_files import KINDS, copy_examples, examples, examples_folder
+    from hilc_cli.shipped_files import (
+        KINDS,
+        PROGRAMS,
+        copy_examples,
+        examples,
+        examples_folder,
+        programs,
+    )
 
     if where:
         folder = str(examples_folder())
@@ -60,6 +67,7 @@ def examples(
         kind: [(f"example:{path.stem}", description_of(path)) for path in examples(kind)]
         for kind in KINDS
     }
+    listed[PROGRAMS] = [(path.name, _first_line(path)) for path in programs()]
     if json:
         print_json(
             {
@@ -70,6 +78,12 @@ def examples(
     elif not quiet:
         for kind, rows in listed.items():
             print_table(two_columns(kind.capitalize(), rows, numbers=False))
+
+
+def _first_line(program: Path) -> str:
+    """What a program says of itself first."""
+    text = program.read_text(encoding="utf-8")
+    return text.partition('"""')[2].partition("\n")[0]
 
 
 def description_of(path: Path) -> str:

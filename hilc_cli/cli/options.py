@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Collection
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -174,6 +176,59 @@ def picture_look(
     return picture_look(
         width=width, font=font, font_size=font_size, style=style, title=not no_title
     )
+
+
+Iterations = Annotated[
+    str | None,
+    typer.Option(
+        metavar="LIST",
+        help="Recorded iterations, such as 0,1,20..100.",
+        show_default=False,
+    ),
+]
+
+
+def chosen_iterations(text: str | None, recorded: Collection[int]) -> set[int] | None:
+    """Returns the iterations that ``--iterations`` names; None if it is not given.
+
+    Args:
+        text: What was given.
+        recorded: Those that there are: of a range, they are meant.
+
+    Raises:
+        UsageError: It has another form.
+    """
+    if text is None:
+        return None
+    wanted = whole_numbers("--iterations", text)
+    ranges = [(first, last) for first, last in wanted if last is not None]
+    chosen = {first for first, last in wanted if last is None}
+    return chosen | {i for i in recorded for first, last in ranges if first <= i <= last}
+
+
+_PART = re.compile(r"\s*(\d{1,9})\s*(?:\.\.\s*(\d{1,9})\s*)?")
+
+
+def whole_numbers(option: str, text: str) -> list[tuple[int, int | None]]:
+    """Returns the numbers, and the first and last ones of ranges, that a list names.
+
+    Args:
+        option: The option that holds it, for the error message.
+        text: The list.
+
+    Raises:
+        UsageError: It has another form.
+    """
+    found: list[tuple[int, int | None]] = []
+    for part in text.split(","):
+        match = _PART.fullmatch(part)
+        if match is None:
+            raise UsageError(f"{option} {text}: must be whole numbers such as 0,1,5..10,100")
+        first, last = int(match[1]), None if match[2] is None else int(match[2])
+        if last is not None and last < first:
+            raise UsageError(f"{option} {text}: '{part.strip()}' is no range from low to high")
+        found.append((first, last))
+    return found
 
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -36,21 +35,13 @@ Kinds = Annotated[
         f"{', '.join(SWEEP_PICTURES)}; a leaderboard has one picture. [default: all there are]",
     ),
 ]
-Iterations = Annotated[
-    str | None,
-    typer.Option(
-        metavar="LIST",
-        help="Recorded iterations to draw, such as 0,1,20..100. [default: all]",
-        show_default=False,
-    ),
-]
 
 
 def plot(
     runs: Runs = None,
     kind: Kinds = None,
     formats: options.Formats = None,
-    iterations: Iterations = None,
+    iterations: options.Iterations = None,
     dpi: options.Dpi = 150,
     width: options.Width = None,
     font: options.Font = "",
@@ -129,7 +120,8 @@ def _plot_runs(
     from hilc_cli.runs.run_folder import ITERATIONS
     from hilc_cli.runs.running import as_runs, plot
 
-    wanted = None if iterations is None else _whole_numbers("--iterations", iterations)
+    if iterations is not None:
+        options.whole_numbers("--iterations", iterations)  # before anything is read
     if len(folders) > 1:
         folders = without_comparisons(folders) or folders
     elif not is_there(folders[0] / ITERATIONS):
@@ -138,40 +130,10 @@ def _plot_runs(
             "give a folder that hilc has written"
         )
     runs = as_runs(folders)
-    chosen: set[int] | None = None
-    if wanted is not None:
-        recorded = {iteration for run in runs for iteration in run.trials}
-        chosen = {first for first, last in wanted if last is None}
-        # Of a range, those that there are are meant.
-        ranges = [(first, last) for first, last in wanted if last is not None]
-        chosen |= {i for i in recorded for first, last in ranges if first <= i <= last}
+    recorded = {iteration for run in runs for iteration in run.trials}
+    chosen = options.chosen_iterations(iterations, recorded)
     folder = out or (folders[0] if len(folders) == 1 else shared_folder(folders))
     if len(folders) > 1:
         check_shared_folder(folder)
         drawing["may_replace"] = lambda file: force
     return folder, plot(runs, folder, kinds=kinds, iterations=chosen, **drawing)
-
-
-_PART = re.compile(r"\s*(\d{1,9})\s*(?:\.\.\s*(\d{1,9})\s*)?")
-
-
-def _whole_numbers(option: str, text: str) -> list[tuple[int, int | None]]:
-    """Returns the numbers, and the first and last ones of ranges, that a list names.
-
-    Args:
-        option: The option that holds it, for the error message.
-        text: The list.
-
-    Raises:
-        UsageError: It has another form.
-    """
-    found: list[tuple[int, int | None]] = []
-    for part in text.split(","):
-        match = _PART.fullmatch(part)
-        if match is None:
-            raise UsageError(f"{option} {text}: must be whole numbers such as 0,1,5..10,100")
-        first, last = int(match[1]), None if match[2] is None else int(match[2])
-        if last is not None and last < first:
-            raise UsageError(f"{option} {text}: '{part.strip()}' is no range from low to high")
-        found.append((first, last))
-    return found

@@ -50,6 +50,7 @@ class _ArrivingLearner:
         self._inner = law.law.learner(
             replace(task, initial_left=left, initial_right=right, speed_limit=limit)
         )
+        self._unanswered: Plan | None = None  # the plan that is driven, if it is answered to
 
     def plan(self) -> Plan:
         """Returns what the law plans, as it is to be sent."""
@@ -57,15 +58,43 @@ class _ArrivingLearner:
         radius, sample_time = law.model.wheel_radius, self._task.reference.sample_time
         left, right = law.drivetrain.inputs_for(plan.left, plan.right, radius, sample_time)
         add = law.drivetrain.motor.against_friction
-        feedback = None
-        if plan.feedback is not None:
-            feedback = _answer_on_arrival(law, self._task, plan, left, right)
-        return Plan(add(left), add(right), plan.poses, feedback)
+        sent = Plan(add(left), add(right), plan.poses)
+        if plan.feedback is None:
+            return sent
+        self._unanswered = sent.within(self._task.speed_limit)
+        return replace(sent, feedback=_answer_on_arrival(law, self._task, plan, left, right))
 
     def learn(self, iteration: Iteration) -> Figures:
         """Has the law learn from what has arrived."""
         left, right = self._arrived(iteration.left, iteration.right)
+        alone, self._unanswered = self._unanswered, None
+        if alone is not None and self._law.drivetrain.motor.lag:
+            left, right = self._with_answers_at_once(iteration, alone)
         return self._inner.learn(replace(iteration, left=left, right=right))
+
+    def _with_answers_at_once(self, iteration: Iteration, alone: Plan) -> tuple[Floats, Floats]:
+        """Returns what would have arrived, had wheels followed the feedback's answers at once.
+
+        Answers to errors come too late to lead by the lag, but in the next pass, where they are
+        planned, they lead. So that pass gets what they were to do. Learning from what the lag has
+        left of them would make errors grow from pass to pass that the feedback swings with.
+
+        Args:
+            iteration: The pass.
+            alone: What was planned for it without the answers.
+        """
+        law = self._law
+        motor = replace(law.drivetrain.motor, lag=0.0, acceleration=math.inf, dead_zone=0.0)
+        at_once = replace(law.drivetrain, motor=motor)
+        without = law.drivetrain.motor.without_friction
+        answers = at_once.effective(
+            without(iteration.left) - without(alone.left),
+            without(iteration.right) - without(alone.right),
+            law.model.wheel_radius,
+            self._task.reference.sample_time,
+        )
+        planned = self._arrived(alone.left, alone.right)
+        return planned[0] + answers[0], planned[1] + answers[1]
 
     def _arrived(self, left: Floats, right: Floats) -> tuple[Floats, Floats]:
         law = self._law
@@ -132,23 +161,31 @@ def _answer_on_arrival(
     soon = replace(motor, delay=fraction * sample_time)
     wheels = _Wheels(soon, sample_time, shares, task.speed_limit)
     without = _Wheels(soon, sample_time, shares, task.speed_limit)
-    under_way = deque([(0.0, 0.0)] * min(whole, steps))
+    # Where the believed robot gets by itself, from the running sample to the answer's arrival.
+    reckoned = deque([(0.0, 0.0, 0.0)] * (min(whole, steps) + 1))
 
     def told(left: float, right: float) -> tuple[float, float]:
         return motor.told_for(left), motor.told_for(right)
 
     def moved(pose: Pose, left_way: float, right_way: float) -> Pose:
         turn = turn_gain * (left_way - right_way)
-        along = pose[2] + law.lead * turn
-        if not math.isfinite(along):  # the run has diverged, which shows in what comes of it
-            return pose[0], pose[1], math.nan
         distance = distance_gain * (left_way + right_way)
-        return advance(*pose, math.cos(along), math.sin(along), distance, turn)
+        return advance(*pose, *_cos_sin(pose[2] + law.lead * turn), distance, turn)
+
+    def on_arrival(pose: Pose) -> Pose:
+        (x, y, heading), (later_x, later_y, later_heading) = reckoned[0], reckoned[-1]
+        cos, sin = _cos_sin(pose[2] - heading)
+        ahead, aside = later_x - x, later_y - y
+        return (
+            pose[0] + (cos * ahead - sin * aside),
+            pose[1] + (sin * ahead + cos * aside),
+            pose[2] + (later_heading - heading),
+        )
 
     def answer(k: int, pose: Pose) -> tuple[float, float]:
         x, y, heading = pose
         error = xs[k] - x, ys[k] - y, headings[k] - heading
-        return controller(k, math.cos(heading), math.sin(heading), *error)
+        return controller(k, *_cos_sin(heading), *error)
 
     def wheel_speeds(
         k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
@@ -157,8 +194,7 @@ def _answer_on_arrival(
         if k == 0:
             for before in range(min(whole, steps)):  # nothing that is sent arrives so early
                 answer(before, pose)
-        for ways in under_way:
-            pose = moved(pose, *ways)
+        pose = on_arrival(pose)
         left, right = sent[k]
         without_answer = told(left, right)
         if k + whole < steps:
@@ -168,9 +204,14 @@ def _answer_on_arrival(
             left += (wanted[0] - as_planned[0]) / left_share
             right += (wanted[1] - as_planned[1]) / right_share
         asked = wheels.within_reach(*told(left, right))
-        under_way.append(wheels.turn(*asked))
-        under_way.popleft()
+        reckoned.append(moved(reckoned[-1], *wheels.turn(*asked)))
+        reckoned.popleft()
         without.turn(*without_answer)
         return asked
 
     return wheel_speeds
+
+
+def _cos_sin(angle: float) -> tuple[float, float]:
+    """Cosine and sine; not-a-number where a run has diverged, which shows in what comes of it."""
+    return (math.cos(angle), math.sin(angle)) if math.isfinite(angle) else (math.nan, math.nan)

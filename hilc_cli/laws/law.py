@@ -8,7 +8,7 @@ or an estimate that grows with each. An engine applies the plan, or whoever driv
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -69,12 +69,15 @@ class Plan:
         feedback: What answers to the poses that are measured on the way; None if nothing does.
             Gains K, shape (n, 2, 3), add K(k) (poses(k) - measured(k)) to the feedforward; a
             function gives the wheel speeds themselves.
+        lead_in: Samples by which the plan begins before the trajectory does, as it has to where
+            inputs arrive late; they are among the n.
     """
 
     left: Floats
     right: Floats
     poses: Floats
     feedback: Floats | WheelController | None = None
+    lead_in: int = field(default=0, kw_only=True)
 
     def controller(self, reference: Reference) -> WheelController:
         """Returns the controller that runs the plan, given errors against a reference."""
@@ -105,6 +108,26 @@ class Plan:
         limited = [limit_wheel_speeds(left, right, speed_limit) for left, right in pairs]
         left, right = np.array(limited).T.copy()
         return replace(self, left=left, right=right)
+
+    def with_lead_in(self, samples: int) -> Plan:
+        """Returns the feedforward of the plan with another lead-in.
+
+        Where it gets longer, the wheels stand; where it gets shorter, they have to have stood.
+        """
+        more, less = max(samples - self.lead_in, 0), max(self.lead_in - samples, 0)
+        still = np.zeros(more)
+        return Plan(
+            np.concatenate([still, self.left[less:]]),
+            np.concatenate([still, self.right[less:]]),
+            np.concatenate([np.repeat(self.poses[:1], more, axis=0), self.poses[less:]]),
+            lead_in=samples,
+        )
+
+    @property
+    def shortest(self) -> Plan:
+        """The feedforward of the plan without a standstill at the start of its lead-in."""
+        moves = (self.left[: self.lead_in] != 0) | (self.right[: self.lead_in] != 0)
+        return self.with_lead_in(self.lead_in - int(np.argmax(moves)) if moves.any() else 0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

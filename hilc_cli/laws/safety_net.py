@@ -25,7 +25,7 @@ STEP_SHARE, WENT_BACK = "step_share", "went_back"
 """Columns of ``learning.csv``: the share of the law's step that the next pass takes, and whether it
 starts from the best pass (1) or from the last (0)."""
 
-_SMALLER = 0.5
+SMALLER = 0.5
 """What a step is multiplied by with each return."""
 _JUDGED, _LEVEL = 3, 7
 """Passes that are judged together, by their median, since one bad pass is bad luck; and passes of
@@ -142,7 +142,7 @@ class _WatchedLearner:
         worse = self._judge.is_worse(error)
         if worse:
             iteration = self._best
-            self._share *= _SMALLER
+            self._share *= SMALLER
             self._judge.start_anew()
         self._from = iteration.left, iteration.right
         figures = self._inner.learn(iteration)
@@ -162,6 +162,16 @@ def _part_of_the_way(
         return lefts[k] + share * (left - lefts[k]), rights[k] + share * (right - rights[k])
 
     return wheel_speeds
+
+
+def returns_in_words(figures: Figures) -> str:
+    """Returns how often learning has gone back, and what is left of its steps."""
+    share = figures[STEP_SHARE]
+    times = counted(round(math.log(share, SMALLER)), "time")
+    return (
+        f"learning made passes clearly worse and went back to the best one {times}: steps are "
+        f"now {share:g}"
+    )
 
 
 class WithSafetyNet(Controller):
@@ -194,11 +204,6 @@ class WithSafetyNet(Controller):
 
     def warnings_after(self, figures: Mapping[str, float]) -> list[str]:
         """That the net has caught the law."""
-        share = figures.get(STEP_SHARE, 1.0)
-        if share == 1:
+        if figures.get(STEP_SHARE, 1.0) == 1:
             return []
-        times = counted(round(math.log(share, _SMALLER)), "time")
-        return [
-            f"learning made passes clearly worse and went back to the best one {times}: steps are "
-            f"now {share:g} of what the gains say; give smaller gains"
-        ]
+        return [f"{returns_in_words(figures)} of what the gains say; give smaller gains"]

@@ -17,7 +17,13 @@ from hilc_cli.files import merge_folder
 from hilc_cli.leaderboards.contests import LeaderboardData, compete, compute_entries
 from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
-from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
+from hilc_cli.leaderboards.tables import (
+    cases_table,
+    entries_table,
+    laws_table,
+    settings_records,
+    settings_table,
+)
 from hilc_cli.results.folder import COMPILED_WITH, origin
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.wording import suggestion
@@ -52,6 +58,11 @@ class LawComparison:
         return settings_table(self.data)
 
     @property
+    def cases(self) -> ComparisonTable:
+        """The error of each law, case by case."""
+        return cases_table(self.data)
+
+    @property
     def settings_records(self) -> list[dict[str, Value]]:
         """The worst error of each law, a record for each belief and disturbance."""
         return settings_records(self.data)
@@ -63,7 +74,7 @@ class LawComparison:
 
     def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
         """The tables that are printed; with everything that of all runs, too."""
-        tables = [*self.laws.values(), self.settings]
+        tables = [*self.laws.values(), self.settings, self.cases]
         return [*tables, self.entries] if everything else tables
 
     def document(self) -> dict[str, Any]:
@@ -88,7 +99,7 @@ class LawComparison:
         if kind not in TABLES:
             raise UsageError(f"unknown kind of table '{kind}'; {suggestion(kind, TABLES)}")
         if kind == "latex":
-            labels = [*self.data.disturbances, "worst"]
+            labels = [*self.data.disturbances, "worst", "cases"]
             tables = zip(self.printed(), labels, strict=True)
             return "\n".join(
                 latex_text(each, f"{self.data.name}-{label}") for each, label in tables

@@ -10,7 +10,7 @@ from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError, WrapValidator
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
 from hilc_cli.laws.parameters import Controller
@@ -18,9 +18,10 @@ from hilc_cli.laws.registry import OWN, ControllerSpec
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plug_ins import packages_of, trusting
 from hilc_cli.reference.timing import TimingError
+from hilc_cli.scenario.believed import ModelSpec
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.scenario.scenario import DisturbanceSpec, ModelSpec, RecordSpec, ScenarioSpec
+from hilc_cli.scenario.scenario import DisturbanceSpec, RecordSpec, ScenarioSpec
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX
 from hilc_cli.wording import in_short, listed
 from hilc_cli.yaml_input.model import Located, Model, Name, Text
@@ -50,15 +51,33 @@ class BeliefSpec(Model):
         )
 
 
+class CaseSpec(Model):
+    """A case whose robot is another one than its scenario's."""
+
+    scenario: Text = Field(description="path of a file, or example:NAME")
+    robot: dict[str, Any] = Field(
+        {}, description="keys of the robot in the place of the scenario's, such as motor"
+    )
+
+
+def _one_case(value: object, handler: object) -> Any:
+    """Validates a case against what it seems to be, so that only that is told of."""
+    kind = CaseSpec if isinstance(value, Mapping | CaseSpec) else Text
+    return TypeAdapter(kind).validate_python(value)
+
+
+Case = Annotated[Text | CaseSpec, WrapValidator(_one_case)]
+
+
 class LeaderboardSpec(Model):
     """Laws, each to be run in every case with every belief and every disturbance."""
 
     name: Name
     description: Text = ""
-    cases: dict[Name, Text] = Field(
+    cases: dict[Name, Case] = Field(
         min_length=1,
         description="scenarios by name, of which trajectory, robot and start are taken: "
-        "paths of files, or example:NAME",
+        "paths of files, or example:NAME, or {scenario, robot} for another robot",
     )
     beliefs: dict[Name, BeliefSpec] = Field(
         {"exact": BeliefSpec()}, min_length=1, description="what the controller believes, by name"
@@ -228,11 +247,14 @@ def _cases(spec: LeaderboardSpec, tree: Node, trust: bool) -> dict[str, Scenario
     """The scenarios by name; what is wrong with one is told at the place where it is named."""
     cases: dict[str, Scenario] = {}
     problems: list[Problem] = []
-    for name, text in spec.cases.items():
+    for name, case in spec.cases.items():
         _, place, _ = nearest(tree, ("cases", name))
+        if isinstance(case, str):
+            case = CaseSpec(scenario=case)
+        text, robot = case.scenario, {f"robot.{key}": part for key, part in case.robot.items()}
         where = text if text.startswith(PREFIX) else place.source.folder / text
         try:
-            cases[name] = load_scenario(where, trust=trust)
+            cases[name] = load_scenario(where, robot, trust=trust)
         except InvalidInputError as error:
             problems += error.problems
         except HilcError as error:

@@ -174,6 +174,34 @@ def settings_table(data: LeaderboardData) -> ComparisonTable:
     return ComparisonTable(title, tuple(columns), tuple(rows), "", "the best law")
 
 
+def cases_table(data: LeaderboardData) -> ComparisonTable:
+    """The worst error after the last number of iterations, by law, disturbance and case."""
+    pairs = list(dict.fromkeys((entry.disturbance, entry.case) for entry in data.entries))
+    columns = [
+        Column("law", "Law", "Law"),
+        *(
+            Column(
+                f"{case}/{disturbance}", f"Case {case}, disturbance {disturbance}", case, "m",
+                digits=3, section=f"By case, disturbance {disturbance}", is_ranked=True,
+            )
+            for disturbance, case in pairs
+        ),
+    ]  # fmt: skip
+    rows = []
+    for law in data.laws:
+        worst = dict.fromkeys(pairs, 0.0)
+        for disturbance, case in pairs:
+            errors = [each.max_m[-1] for each in data.of(law, disturbance) if each.case == case]
+            worst[disturbance, case] = max(errors)
+        rows.append(Row((law, *worst.values())))
+    title = (
+        f"{data.name}, error of the second half after {counted(data.after[-1], 'iteration')}, case "
+        "by case"
+    )
+    note = "" if len(data.settings) == len(data.disturbances) else "The worst of all beliefs."
+    return ComparisonTable(title, tuple(columns), tuple(rows), note, "the best law")
+
+
 def settings_records(data: LeaderboardData) -> list[dict[str, Value]]:
     """The worst error of each law by belief and disturbance, a record each with the names apart."""
     name = f"worst_{error_name('max_m', data.after[-1])}"

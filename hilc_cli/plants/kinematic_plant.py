@@ -97,12 +97,7 @@ class KinematicSpec(WheeledSpec):
 
     def figures(self) -> dict[str, float]:
         """Returns what wheels and motors are like."""
-        motor = self.motor
-        return super().figures() | {
-            "delay_s": motor.delay,
-            "lag_s": motor.lag,
-            "friction_rad_s": motor.dead_zone,
-        }
+        return Drivetrain(*self.wheel_radii, self.motor.motor()).figures
 
     @property
     def lead(self) -> float:

@@ -44,6 +44,10 @@ class Motor:
         """Returns what to tell wheels [rad/s], so that friction leaves the wanted speeds."""
         return wanted + self.dead_zone * np.sign(wanted)
 
+    def without_friction(self, told: Floats) -> Floats:
+        """Returns what friction leaves of speeds that are told [rad/s]."""
+        return np.sign(told) * np.maximum(np.abs(told) - self.dead_zone, 0.0)
+
     def told_for(self, wanted: float) -> float:
         """Returns `against_friction` of one number."""
         return wanted + math.copysign(self.dead_zone, wanted) if wanted else 0.0

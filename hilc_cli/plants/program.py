@@ -25,6 +25,7 @@ from hilc_cli.wording import printable, shortened
 _LONGEST = 1000  # [bytes] of an answer
 _LAST_WORDS = 400  # [bytes] kept of what it says on standard error
 _AT_ONCE = 65_536  # [bytes]
+_LONGEST_WAIT = 3600.0  # [s] that the system is told to wait at once
 _GRACE = 1.0  # [s] to end after the end of its input, and again after it was told to
 _NUMBER = re.compile(rb"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 
@@ -172,11 +173,12 @@ class _Process:
             if len(self._heard) > _LONGEST:
                 self._fail(f"its answer is longer than {_LONGEST} bytes", self._heard)
             left_over = deadline - time.monotonic()
-            if left_over <= 0 or not self._listen(left_over):
+            if left_over <= 0:
                 self._fail(
                     f"has not answered within {self._timeout:g} s; does it write each answer out "
                     "at once (flush)? A slow one needs a larger robot.plant.timeout"
                 )
+            self._listen(min(left_over, _LONGEST_WAIT))
         line, _, self._heard = self._heard.partition(b"\n")
         self._samples += 1
         return self._pose(line)
@@ -200,10 +202,9 @@ class _Process:
         except OSError:
             self._fail_at_its_end()
 
-    def _listen(self, patience: float) -> bool:
-        """Takes in what it says; returns whether there was something within so many seconds."""
-        events = self._streams.poll(1000 * patience)
-        for stream, _ in events:
+    def _listen(self, patience: float) -> None:
+        """Takes in what it says; waits so many seconds if that is nothing."""
+        for stream, _ in self._streams.poll(1000 * patience):
             found = os.read(stream, _AT_ONCE)
             if not found:
                 self._streams.unregister(stream)
@@ -213,7 +214,6 @@ class _Process:
                 self._heard += found
             else:
                 self._fail_at_its_end()
-        return bool(events)
 
     def _fail_at_its_end(self) -> NoReturn:
         """Raises what there is to say of a program that takes or says nothing any more."""

@@ -225,8 +225,8 @@ def _brought_back(data: Any) -> tuple[float, float, float]:
     if 1 - 2 * (i * i + j * j) < _UPRIGHT:
         raise PlantError(
             "mujoco",
-            "the robot has tipped over; bring its gravity_center nearer to the axle or farther "
-            "from it, towards body.caster, or lower body.torque_limit",
+            "the robot has tipped over; lower robot.body.torque_limit, or move gravity_center "
+            "towards the caster",
         )
     turned = math.atan2(2 * (w * k + i * j), 1 - 2 * (j * j + k * k))
     half, cos, sin = turned / 2, math.cos(turned), math.sin(turned)

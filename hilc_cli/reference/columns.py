@@ -237,7 +237,8 @@ def clock(time: Column, others: Iterable[Column], names: Sequence[str]) -> list[
         names: Of all columns. With those of a message's fields, as rostopic writes them, it writes
             all times in nanoseconds.
     """
-    if not time.unit and any(name.startswith("field.") for name in names):
+    of_rostopic = names[time.index] == "%time" or any(name.startswith("field.") for name in names)
+    if not time.unit and of_rostopic:
         return [replace(time, unit="ns", per_unit=1e9)]
     of_clock = [column for column in others if column.stem == time.stem]
     seconds = next((column for column in of_clock if column.unit == "s"), None)

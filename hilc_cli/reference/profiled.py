@@ -40,6 +40,7 @@ class WheelLimits:
 
     wheels: Wheels
     wheel_speed: float = math.inf  # [rad/s]
+    wheel_acceleration: float = math.inf  # [rad/s^2]
 
 
 @dataclass(frozen=True, slots=True)

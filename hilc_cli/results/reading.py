@@ -324,12 +324,19 @@ def parse_numbers(
     return table
 
 
-def check_counted(path: Path, what: str, numbers: Floats) -> None:
-    """Makes sure that the first column of a table counts its rows from 0.
+def check_counted(path: Path, what: str, numbers: Floats, first: int = 0) -> None:
+    """Makes sure that the first column of a table counts its rows.
+
+    Args:
+        path: The file that the table comes from.
+        what: What is counted.
+        numbers: The column.
+        first: From where on.
 
     Raises:
         UsageError: It does not; names the line.
     """
-    wrong = np.flatnonzero(numbers != np.arange(len(numbers)))
+    wrong = np.flatnonzero(numbers != np.arange(first, first + len(numbers)))
     if len(wrong):
-        raise damaged(path, f"{what} {wrong[0]} should stand here", int(wrong[0]) + 2)
+        row = int(wrong[0])
+        raise damaged(path, f"{what} {first + row} should stand here", row + 2)

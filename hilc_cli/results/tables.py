@@ -101,15 +101,33 @@ def write_input(path: Path, sample_time: float, left: Floats, right: Floats) -> 
     _write(path, INPUT_HEADER, (f"{k},{t!r},{lw!r},{rw!r}" for k, (t, lw, rw) in enumerate(rows)))
 
 
-def write_plan(path: Path, sample_time: float, plan: Plan) -> None:
-    """Writes ``plan.csv``: what to send next, and the pose that it is to lead to."""
-    times = np.arange(len(plan.poses), dtype=np.float64) * sample_time
+def write_plan(path: Path, sample_time: float, plan: Plan, *, stops: bool = False) -> None:
+    """Writes ``plan.csv``: what to send next, and the pose that it is to lead to.
+
+    Args:
+        path: The file.
+        sample_time: d_t [s].
+        plan: What is to be sent; what it needs of its lead-in has negative times.
+        stops: Whether the last row tells the wheels to stop; else it has none of their speeds.
+    """
+    write_motion(path, sample_time, plan.shortest, "0.0,0.0" if stops else ",")
+
+
+def write_motion(path: Path, sample_time: float, plan: Plan, last: str = ",") -> None:
+    """Writes what was sent at each sample and the pose there: that of a plan, or of a trial.
+
+    Args:
+        path: The file.
+        sample_time: d_t [s].
+        plan: Wheel speeds and poses from the lead-in on.
+        last: The wheel speeds at the last sample.
+    """
     pairs = zip(*_lists(plan.left, plan.right), strict=True)
     wheels = [f"{left!r},{right!r}" for left, right in pairs]
-    rows = zip(*_lists(times), [*wheels, ","], plan.poses.tolist(), strict=True)
+    rows = zip([*wheels, last], plan.poses.tolist(), strict=True)
     lines = (
-        f"{k},{t!r},{speeds},{x!r},{y!r},{heading!r}"
-        for k, (t, speeds, (x, y, heading)) in enumerate(rows)
+        f"{k},{k * sample_time!r},{speeds},{x!r},{y!r},{heading!r}"
+        for k, (speeds, (x, y, heading)) in enumerate(rows, -plan.lead_in)
     )
     _write(path, PLAN_HEADER, lines)
 
@@ -271,7 +289,7 @@ def read_stored_input(path: Path) -> tuple[float, Floats, Floats]:
 
 
 _PLAN_COLUMNS = [
-    ("sample", _COUNT),
+    ("sample", Numbers(-1e9, 1e9, whole=True)),
     ("t_s", _FINITE),
     *((name, replace(_SPEED, empty=True)) for name in PLAN_HEADER[2:4]),
     *((name, _POSE) for name in PLAN_HEADER[4:]),
@@ -291,17 +309,33 @@ def read_plan(path: Path, reference: Reference) -> Plan | None:
     Raises:
         HilcError: It cannot be read, or it is damaged.
     """
-    if not path.exists():
-        return None
+    return read_motion(path, reference) if path.exists() else None
+
+
+def read_motion(path: Path, reference: Reference) -> Plan:
+    """Reads what `write_motion` has written.
+
+    Args:
+        path: The file.
+        reference: What the motion was to follow.
+
+    Raises:
+        HilcError: There is no such file, it cannot be read, or it is damaged.
+    """
     table = read_numbers(path, _PLAN_COLUMNS)
-    check_counted(path, "sample", table[:, 0])
-    if len(table) != reference.samples + 1:
-        raise damaged(path, f"it has {len(table)} rows, not {reference.samples + 1}")
-    if not np.allclose(table[:, 1], reference.times, rtol=1e-9, atol=0):
+    first = int(table[0, 0]) if len(table) else 0
+    lead_in, rows = max(-first, 0), reference.samples + 1
+    if len(table) != rows + lead_in:
+        raise damaged(path, f"it has {len(table)} rows, not {rows + lead_in}")
+    samples = table[:, 0]
+    check_counted(path, "sample", samples, -lead_in)
+    times = samples * reference.sample_time
+    if not np.allclose(table[:, 1], times, rtol=1e-9, atol=0):
         raise damaged(path, "its times are not those of samples")
-    if (np.isnan(table[:, 2:4]) != (table[:, :1] == reference.samples)).any():
+    if np.isnan(table[:-1, 2:4]).any():
         raise damaged(path, "wheel speeds must stand at all samples but the last")
-    return Plan(table[:-1, 2].copy(), table[:-1, 3].copy(), table[:, 4:].copy())
+    left, right = table[:-1, 2:4].T
+    return Plan(left.copy(), right.copy(), table[:, 4:].copy(), lead_in=lead_in)
 
 
 def text_cell(text: str) -> str:

@@ -77,11 +77,11 @@ def _table(summary: Summary, speed_limit: float | None) -> Table:
         ),
         ("Samples at the speed limit, all iterations", f"{summary.saturated_share:.1%}"),
     ]
-    rows += _learned(summary.learning)
+    rows += learned_rows(summary.learning)
     return two_columns("", rows)
 
 
-def _learned(figures: Mapping[str, float]) -> list[tuple[str, str]]:
+def learned_rows(figures: Mapping[str, float]) -> list[tuple[str, str]]:
     """What the law has learned by the last iteration, estimates with their standard errors."""
     rows, known = [], {column for column, value in figures.items() if not math.isnan(value)}
     for quantity in quantities(figures):

@@ -1,4 +1,7 @@
-"""The folder of a run: what is in it, when it may be replaced, and how it is read back."""
+"""The folder of a run: what is in it, when it may be replaced, and how it is read back.
+
+A lab, which is a run on a real robot that goes on from log to log, is read back in the same way.
+"""
 
 from __future__ import annotations
 
@@ -43,6 +46,14 @@ RUN_FOLDER = ResultFolder(
     pictures=tuple(RUN_PICTURES),
     files=frozenset({PLAN}),
 )
+LAB_TRIALS, LAB_NEXT = "trials", "next"
+LAB_FOLDER = ResultFolder(
+    what="lab",
+    kind="hilc lab",
+    other="another scenario, or trials",
+    pictures=tuple(RUN_PICTURES),
+    files=frozenset({SCENARIO, ITERATIONS, SAMPLES, INITIAL_INPUT, LEARNING, LAB_TRIALS, LAB_NEXT}),
+)
 _MAX_SCENARIO_BYTES = 10_000_000
 
 
@@ -64,7 +75,7 @@ def robot_to_data(robot: Robot) -> dict[str, Any]:
 
 
 class _Manifest(Document):
-    """What is read of the manifest of a run."""
+    """What is read of the manifest of a run, or of a lab."""
 
     kind: str
     name: Name
@@ -80,7 +91,7 @@ class _Manifest(Document):
 
 
 def read_run(folder: str | Path) -> RunData:
-    """The results in a run folder, from its tables.
+    """The results in a run folder or a lab, from its tables.
 
     The manifest adds the names, the speed limit, the noise, the settings and the yardsticks, if it
     is there.
@@ -89,9 +100,12 @@ def read_run(folder: str | Path) -> RunData:
         HilcError: There is no such folder, or a file is missing or damaged.
     """
     path = Path(folder)
+    kind = LAB_FOLDER if LAB_FOLDER.is_at(path) else RUN_FOLDER
     if not is_there(path) or not is_there(path / ITERATIONS):
+        if kind is LAB_FOLDER:
+            raise UsageError(f"{path}: has no trial yet; add the first with 'hilc learn add'")
         raise UsageError(f"{path}: is no run folder; give a folder that hilc run has written")
-    manifest = RUN_FOLDER.read(path, _Manifest) if is_there(path / MANIFEST) else None
+    manifest = kind.read(path, _Manifest) if is_there(path / MANIFEST) else None
     metrics = read_iterations(path / ITERATIONS)
     own_name = printable(folder_to_read(path).name)
     reference, trials = read_samples(
@@ -112,7 +126,7 @@ def read_run(folder: str | Path) -> RunData:
             for number, trial in trials.items()
         },
         learning=learning,
-        plan=read_plan(path / PLAN, reference),
+        plan=read_plan(path / (f"{LAB_NEXT}/{PLAN}" if kind is LAB_FOLDER else PLAN), reference),
     )
     if manifest is None:
         return data

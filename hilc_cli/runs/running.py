@@ -219,16 +219,19 @@ def run(scenario: ScenarioSource, *, on_iteration: OnIteration | None = None) ->
         robot=experiment.robot,
         scenario=scenario,
         started=started,
-        plan=_finite(learner.plan()) if measured.diverged_at is None else None,
+        plan=_sendable(learner.plan(), scenario) if measured.diverged_at is None else None,
         timings={"simulation": time.perf_counter() - clock},
     )
     warnings = (*warnings_before(scenario), *warnings_after(result, scenario, experiment))
     return replace(result, warnings=warnings)
 
 
-def _finite(plan: Plan) -> Plan | None:
-    """Returns the plan if it can be sent to anybody."""
-    return plan if np.isfinite([*plan.left, *plan.right, *plan.poses.ravel()]).all() else None
+def _sendable(plan: Plan, scenario: Scenario) -> Plan | None:
+    """Returns the plan within the limits of every plan; None if it cannot be sent to anybody."""
+    if not np.isfinite([*plan.left, *plan.right, *plan.poses.ravel()]).all():
+        return None
+    limits = scenario.spec.safety_limits
+    return limits.applied(plan, scenario.spec.trajectory.sample_time)
 
 
 RunSource = RunData | str | Path
@@ -328,4 +331,4 @@ def warnings_after(run: RunData, scenario: Scenario, experiment: Experiment) -> 
     """Says what was probably not meant and only a simulation shows, by its last iteration."""
     figures = run.learning.last() if run.learning.names else {}
     told = scenario.spec.controller.warnings_after(figures)
-    return [*told, *seen_warnings(seen_in(run.last, experiment))]
+    return [*seen_warnings(seen_in(run.last, experiment)), *told]

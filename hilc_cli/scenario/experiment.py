@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -12,9 +12,11 @@ import numpy as np
 
 from hilc_cli import plug_ins
 from hilc_cli.engine.experiment import Experiment, Learning
-from hilc_cli.laws.norm_optimal.law import IDEAL_MOTORS, RATIO
+from hilc_cli.engine.robot_learning import RobotLearning, with_standstill
+from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats
@@ -33,6 +35,10 @@ NAMED_INPUTS = ("zero", "feedforward")
 _FAR = 10.0  # times the size of the path, from which no robot comes to it
 _MUCH = 0.1  # of a path's duration, for jumps of its curvature
 INITIAL_INPUT_FILE = "initial-input.csv"
+_DELAY = "model_delay_s"
+"""What a law that finds out by itself how late inputs arrive tells."""
+_LONGEST_DELAY = 0.4  # [s] that such a law can make up for
+_ON_ARCS = 0.5  # lead of robots that drive, see `Setting.lead`
 
 
 @lru_cache(maxsize=16)
@@ -118,6 +124,34 @@ class Scenario:
     def learner(self) -> Learning:
         """Returns the law at work, for trials that are driven elsewhere: nothing is simulated."""
         return Learning(self.experiment())
+
+    def robot_learning(self) -> RobotLearning:
+        """Returns the law at work on a real robot: its plans are within all limits."""
+        spec, lead_in = self.spec, self.lead_in
+        reference = with_standstill(spec.reference, lead_in)
+        setting = replace(self.setting, reference=reference, lead=_ON_ARCS)
+        left, right = (
+            np.concatenate([np.zeros(reference.samples - len(wheel)), wheel])
+            for wheel in self._first_input(setting)
+        )
+        limits = spec.safety_limits
+        experiment = replace(
+            self.experiment(),
+            reference=reference,
+            law=spec.controller.law_on(setting),
+            initial_left=left,
+            initial_right=right,
+            speed_limit=limits.wheel_speed,
+        )
+        return RobotLearning(experiment, limits, lead_in)
+
+    @property
+    def lead_in(self) -> int:
+        """Samples of standstill before a robot's trajectory, for inputs that arrive late."""
+        longest = self.spec.model.motor.delay
+        if _DELAY in self.spec.controller.figures():
+            longest = max(longest, _LONGEST_DELAY)
+        return math.ceil(longest / self.spec.trajectory.sample_time - 1e-9)
 
     @property
     def setting(self) -> Setting:
@@ -247,9 +281,21 @@ class Scenario:
         model = spec.model.model(robot)
         data["trajectory"] = spec.trajectory.model_dump(mode="json", exclude_none=True)
         timing = spec.trajectory.timing
-        if timing is not None and timing.wheel_speed is None:
-            limited = timing.model_copy(update={"wheel_speed": self.speed_limit})
+        if timing is not None:
+            limits = spec.wheel_limits
+            own = {
+                "wheel_speed": limits.wheel_speed,
+                "wheel_acceleration": limits.wheel_acceleration,
+            }
+            left_out = {
+                key: limit
+                for key, limit in own.items()
+                if getattr(timing, key) is None and math.isfinite(limit)
+            }
+            limited = timing.model_copy(update=left_out)
             data["trajectory"]["timing"] = limited.model_dump(mode="json", exclude_none=True)
+        if spec.safety is None:
+            del data["safety"]
         data["robot"] = spec.robot.resolved()
         data["model"]["half_track"] = model.half_track
         del data["model"]["wheel_separation"]
@@ -356,6 +402,7 @@ def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
     """
     controller, setting = scenario.spec.controller, scenario.setting
     robot, model = scenario.spec.robot.robot(), setting.model
+    believed = setting.drivetrain or Drivetrain(model.wheel_radius, model.wheel_radius)
     known = {
         "wheel_radius_m": {TRUE: robot.wheel_radius, BELIEVED: model.wheel_radius},
         "half_track_m": {TRUE: robot.half_track, BELIEVED: model.half_track},
@@ -364,7 +411,7 @@ def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
             BELIEVED: model.wheel_radius / model.half_track,
         },
         **{
-            column: {TRUE: value, BELIEVED: IDEAL_MOTORS[column]}
+            column: {TRUE: value, BELIEVED: believed.figures[column]}
             for column, value in scenario.spec.robot.figures().items()
         },
         **controller.yardsticks(setting),

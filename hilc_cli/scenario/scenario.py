@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Collection, Iterable, Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from collections.abc import Collection, Mapping
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -12,33 +11,24 @@ from pydantic import (
     PlainSerializer,
     PlainValidator,
     WithJsonSchema,
-    create_model,
     model_validator,
 )
 from pydantic_core import PydanticCustomError
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance, Triple
+from hilc_cli.engine.safety import SafetyLimits
 from hilc_cli.laws.parameters import Controller
 from hilc_cli.laws.registry import ControllerSpec, controller_model
-from hilc_cli.plants.drivetrain import Drivetrain
-from hilc_cli.plants.imperfections import (
-    MOTOR,
-    SLIP,
-    BelievedRadii,
-    BelievedRadius,
-    MotorSpec,
-    SlipSpec,
-    imperfections_of,
-)
 from hilc_cli.plants.kinematic import Robot
-from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, TurnConventionName, half_track_of
+from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import RobotSection
 from hilc_cli.reference.profiled import Profile, WheelLimits
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.speed_limits import Wheels
 from hilc_cli.reference.timing import TimingError
-from hilc_cli.scenario.identified import FROM
+from hilc_cli.scenario.believed import ModelSpec
 from hilc_cli.scenario.other_words import OF_POSE
+from hilc_cli.scenario.safety import SafetySpec
 from hilc_cli.scenario.sweep_section import SweepSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.yaml_input.expressions import PLAIN
@@ -62,9 +52,7 @@ from hilc_cli.yaml_input.quantities import (
     LengthBound,
     PositiveWheelSpeed,
     Quantity,
-    RobotLength,
     Seed,
-    WheelSeparation,
 )
 
 Bounds = tuple[LengthBound, LengthBound, AngleBound]
@@ -205,87 +193,6 @@ class RecordSpec(Model):
     )
 
 
-# A key that Python has another use for.
-_FROM: dict[str, Any] = {
-    FROM: (
-        Text | None,
-        Field(None, description="folder of a run: what that identified, in place of the rest"),
-    )
-}
-_WithFrom = create_model("_WithFrom", __base__=Model, **_FROM)
-
-
-class ModelSpec(_WithFrom):
-    """What the controller believes.
-
-    What is left out is as the robot really is; motors and tyres are then ideal.
-    """
-
-    other_names = OTHER_KEYS
-
-    only_if_given: ClassVar[tuple[str, ...]] = ("turn_convention", "motor", "slip")
-    """Keys that a resolved scenario has only where they are not as in every model."""
-
-    wheel_radius: BelievedRadius | None = Field(None, description="R_rs [m]")
-    half_track: RobotLength | None = Field(None, description="B_rs [m]")
-    wheel_separation: WheelSeparation | None = Field(
-        None, description="distance between the wheels [m], instead of half_track"
-    )
-    turn_convention: TurnConventionName | None = Field(
-        None, description="another than the robot's: left and right wheel are believed swapped"
-    )
-    motor: MotorSpec = Field(MOTOR, description="what motors make of their inputs")
-    slip: SlipSpec = Field(SLIP, description="what tyres lose")
-
-    @model_validator(mode="after")
-    def _one_track(self) -> Self:
-        if self.half_track is not None and self.wheel_separation is not None:
-            raise wrong_at((), "has both half_track and wheel_separation", "give one of them")
-        return self
-
-    def model(self, robot: Robot) -> Robot:
-        """The platform as the controller believes it to be."""
-        half_track = half_track_of(self.half_track, self.wheel_separation)
-        return Robot(
-            sum(self._radii(robot)) / 2,
-            robot.half_track if half_track is None else half_track,
-            self.turn_convention or robot.turn_convention,
-        )
-
-    def drivetrain(self, robot: Robot) -> Drivetrain | None:
-        """The wheels, motors and tyres that the controller believes in; None for the paper's."""
-        left, right = self._radii(robot)
-        # What is left out is the very default, which makes the cases of a large sweep fast.
-        if left == right and self.motor is MOTOR and self.slip is SLIP:
-            return None
-        found = Drivetrain(left, right, self.motor.motor(), self.slip.slip())
-        return None if found.is_ideal else found
-
-    def imperfections(self, robot: Robot) -> dict[str, float | str]:
-        """What is believed beyond the paper's robot, by dotted key."""
-        return imperfections_of(self._radii(robot), self.motor, self.slip)
-
-    def with_keys(self, keys: Iterable[str]) -> ModelSpec:
-        """Returns the same model, with a radius for each wheel if a key leads to one."""
-        if not any(key.startswith("wheel_radius.") for key in keys):
-            return self
-        radius: float | BelievedRadii | None = self.wheel_radius
-        if not isinstance(radius, BelievedRadii):
-            radius = BelievedRadii(left=radius, right=radius)
-        return self.model_copy(update={"wheel_radius": radius})
-
-    def _radii(self, robot: Robot) -> tuple[float, float]:
-        """The radius [m] of the left and of the right wheel."""
-        radius: float | BelievedRadii | None = self.wheel_radius
-        if radius is None:
-            radius = robot.wheel_radius
-        if not isinstance(radius, BelievedRadii):
-            return radius, radius
-        left = robot.wheel_radius if radius.left is None else radius.left
-        right = robot.wheel_radius if radius.right is None else radius.right
-        return left, right
-
-
 DEFAULT_ITERATIONS = 100
 
 
@@ -311,12 +218,16 @@ def _wheel_limits(data: Mapping[str, Any]) -> WheelLimits | None:
         limit = valid(PositiveWheelSpeed, given)
         if limit is None:
             return None
-    return _limits_of(believed, limit)
+    safety = data.get("safety") or SafetySpec()
+    if not isinstance(safety, SafetySpec):
+        return None
+    model = data.get("model") or ModelSpec()
+    return _limits_of(believed, safety.limits([limit], [model.motor.acceleration]))
 
 
-def _limits_of(believed: Robot, speed_limit: float | None) -> WheelLimits:
+def _limits_of(believed: Robot, limits: SafetyLimits) -> WheelLimits:
     wheels = Wheels(believed.wheel_radius, believed.half_track)
-    return WheelLimits(wheels, math.inf if speed_limit is None else speed_limit)
+    return WheelLimits(wheels, limits.wheel_speed, limits.wheel_acceleration)
 
 
 def _reference_of(data: Mapping[str, Any]) -> tuple[Reference | None, list[Located]]:
@@ -410,9 +321,10 @@ class ScenarioSpec(Model):
     controller: ControllerSpec
     disturbance: DisturbanceSpec = DisturbanceSpec()
     record: RecordSpec = RecordSpec()
+    safety: SafetySpec | None = Field(None, description="limits of every plan for a robot")
     sweep: SweepSpec | None = Field(None, description="what 'hilc sweep' varies")
 
-    looked_at = ("trajectory", "robot", "model", "record")
+    looked_at = ("trajectory", "robot", "model", "record", "safety")
 
     @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
@@ -430,7 +342,13 @@ class ScenarioSpec(Model):
     def wheel_limits(self) -> WheelLimits:
         """What the trajectory's timing takes of the believed robot."""
         believed = self.model.model(self.robot.robot())
-        return _limits_of(believed, self.controller.b_w)
+        return _limits_of(believed, self.safety_limits)
+
+    @property
+    def safety_limits(self) -> SafetyLimits:
+        """Limits of every plan for a robot, of each the smallest that is given anywhere."""
+        safety, motor = self.safety or SafetySpec(), self.model.motor
+        return safety.limits([self.controller.b_w], [motor.acceleration])
 
     @property
     def reference(self) -> Reference:

@@ -94,9 +94,11 @@ class TimingSpec(Model):
         None, description="m/s^2, curvature times speed squared"
     )
     wheel_speed: PositiveWheelSpeed | None = Field(
-        None, description="rad/s, of each wheel; default: controller.b_w"
+        None, description="rad/s, of each wheel; default: controller.b_w, or less by safety"
     )
-    wheel_acceleration: WheelAcceleration | None = Field(None, description="rad/s^2, of each wheel")
+    wheel_acceleration: WheelAcceleration | None = Field(
+        None, description="rad/s^2, of each wheel; default: that of safety"
+    )
     start: End = Field("rest", description="whether it starts at rest, or as fast as can be")
     end: End = Field("rest", description="likewise its end")
 
@@ -119,7 +121,7 @@ class TimingSpec(Model):
         wheel_speed = wheel_acceleration = math.inf
         if robot is not None:
             wheel_speed = robot.wheel_speed if self.wheel_speed is None else self.wheel_speed
-            wheel_acceleration = self.wheel_acceleration or math.inf
+            wheel_acceleration = self.wheel_acceleration or robot.wheel_acceleration
         # Whatever robot it is, the profile is the same where no wheel is limited.
         limited = robot is not None and min(wheel_speed, wheel_acceleration) < math.inf
         wheels = robot.wheels if robot is not None and limited else Wheels(1.0, 0.0)

@@ -7,10 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.loop import simulate
+from hilc_cli.errors import DivergedError
 from hilc_cli.plants.kinematic import Robot, feedforward
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.feasibility.feasibility import Feasibility, feasibility_findings
+from hilc_cli.theory.feasibility.real_wheels import RealWheels, real_wheels
 from hilc_cli.theory.findings import ExpectedError, Findings, extent, joined
 from hilc_cli.theory.law_theory import LawTheory
 from hilc_cli.theory.learning.forecast import Forecast
@@ -142,7 +146,7 @@ def late_start(
             f"from initial_pose, {found.off:.3g} m off, {who} does not get onto the "
             f"trajectory before its end, where {found.left:.3g} m are left; {remedy}"
         )
-        return Findings.failure(text)
+        return Findings.failure(text) if hopeless else Findings.warning(text)
     if found.joins <= max(asked, (found.samples + 1) // 2):
         return Findings()
     text = (
@@ -221,9 +225,13 @@ def judged_feasibility(
     iteration 0 or of the feedforward of the believed platform, or if theory says that the law will
     not. Else what is too fast is a warning: a corner that takes some samples more than it should
     leaves a small error, and everything else can be learned. What the tyres do not hold stays a
-    failure, and so does everything of a plant that theory does not know.
+    failure, and so does everything of a plant that theory does not know. Of a robot as it is, which
+    can do no more than an ideal one but for the size of its wheels, iteration 0 is driven instead.
     """
     found = feasibility_findings(feasibility)
+    real = real_wheels(experiment)
+    if real is not None:
+        return _of_real_robot(found, real, feasibility, experiment)
     limits = replace(feasibility.limits, wheel_speed=math.inf)
     only_wheels = replace(feasibility, limits=limits).feasible
     if not found.failures or not only_wheels or not knows_plant(experiment):
@@ -246,6 +254,35 @@ def judged_feasibility(
         left = "how much of error is left is not known (--simulate)"
     softened = (f"{text}; as it is, {left}" for text in found.failures)
     return Findings(warnings=(*softened, *found.warnings))
+
+
+def _of_real_robot(
+    found: Findings, real: RealWheels, feasibility: Feasibility, experiment: Experiment
+) -> Findings:
+    """Returns the same of a robot with wheels, motors and tyres of its own."""
+    only_tyres = replace(feasibility.limits, wheel_speed=math.inf)
+    if not found.failures or not replace(feasibility, limits=only_tyres).feasible:
+        return joined(found, real.findings)
+    least, small = least_error(experiment), NEAR * extent(experiment)
+    if least > max(driven_error(replace(experiment, iterations=0)) / CLEARLY, small):
+        return joined(found, real.findings)
+    warnings = found.warnings
+    if not real.within_limit:  # what an ideal robot needs is less by what the wheels lose
+        warnings = (*found.failures, *warnings)
+    return joined(Findings(warnings=warnings), real.findings)
+
+
+def driven_error(experiment: Experiment) -> float:
+    """Returns the largest position error of an experiment's iteration 0 [m], undisturbed.
+
+    It is driven as the engine does it; infinite where it leaves the finite numbers.
+    """
+    try:
+        trial = next(simulate(replace(experiment, disturbance=Disturbance())))
+    except DivergedError:
+        return math.inf
+    reference = experiment.reference
+    return float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
 
 
 def _starts_on(experiment: Experiment) -> bool:

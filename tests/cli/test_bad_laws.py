@@ -109,36 +109,30 @@ CASES = [
     (
         "norm-optimal-gains",
         law("  law: norm-optimal\n  gains: {l1: 1}\n"),
-        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal, but one of laws hybrid, pid and feedback; known: b_w, feedback, feedback_weights, h, identify, law, memory, motors, weights",
+        "scenario.yaml:7:3: controller.gains: is an unknown key of law norm-optimal, but one of laws hybrid, pid and feedback; known: b_w, feedback, h, law, weights",
     ),
     (
         "norm-optimal-values",
         law(
-            "  law: norm-optimal\n  weights: {position: 1 s, hading: 1}\n"
-            "  feedback: pid\n  h: 4\n  memory: 0\n  motors: known\n"
+            "  law: norm-optimal\n  weights: {position: 1 s, hading: 1}\n  feedback: pid\n  h: 4\n"
         ),
         (
             "scenario.yaml:7:23: controller.weights.position: has the wrong unit, got '1 s'; give a number above 0, such as 0.001 or 1 mm\n"
             "scenario.yaml:7:28: controller.weights.hading: is an unknown key of law norm-optimal; did you mean 'heading'?\n"
-            "scenario.yaml:8:13: controller.feedback: is not one of the choices, got 'pid'; give lqr or none\n"
-            "scenario.yaml:9:6: controller.h: must be at most the trajectory's 3 samples, got 4; give a whole number from 1 to 3\n"
-            "scenario.yaml:10:11: controller.memory: must be at least 1, got 0; give a whole number from 1 up, such as 4\n"
-            "scenario.yaml:11:11: controller.motors: is not one of the choices, got 'known'; give ideal or identify"
+            "scenario.yaml:8:13: controller.feedback: is not one of the choices, got 'pid'; give regulator or none\n"
+            "scenario.yaml:9:6: controller.h: must be at most the trajectory's 3 samples, got 4; give a whole number from 1 to 3"
         ),
     ),
     (
         "norm-optimal-numbers",
         law(
-            "  law: norm-optimal\n  memory: 2 s\n"
-            "  weights: {input_change: 0, heading: 1 m}\n"
-            "  feedback_weights: {position: 0, heading: 0}\n"
+            "  law: norm-optimal\n  weights: {position: 0, heading: 1 m}\n  h: 2 s\n  identify: true\n"
         ),
         (
-            "scenario.yaml:7:11: controller.memory: must have no unit, got '2 s'; give a whole number from 1 up, such as 4\n"
-            "scenario.yaml:8:27: controller.weights.input_change: must be above 0, got 0; give a number above 0, such as 10 or 100 rpm\n"
-            "scenario.yaml:8:39: controller.weights.heading: has the wrong unit, got '1 m'; give a number above 0, such as 0.05 or 3 deg\n"
-            "scenario.yaml:9:32: controller.feedback_weights.position: must be above 0, got 0; give a number above 0, such as 0.01 or 1 cm\n"
-            "scenario.yaml:9:44: controller.feedback_weights.heading: must be above 0, got 0; give a number above 0, such as 0.1 or 6 deg"
+            "scenario.yaml:7:23: controller.weights.position: must be above 0, got 0; give a number above 0, such as 0.001 or 1 mm\n"
+            "scenario.yaml:7:35: controller.weights.heading: has the wrong unit, got '1 m'; give a number above 0, such as 0.05 or 3 deg\n"
+            "scenario.yaml:8:6: controller.h: must have no unit, got '2 s'; give a whole number from 1 up, such as 200\n"
+            "scenario.yaml:9:3: controller.identify: is an unknown key of law norm-optimal; known: b_w, feedback, h, law, weights"
         ),
     ),
     (

@@ -68,7 +68,7 @@ def test_message(hilc: Hilc, write: Write, content: str, message: str) -> None:
         (["--laws", "none.yaml"], "none.yaml: there is no such file; check the path"),
         (
             ["--laws", "example:qqq"],
-            "example:qqq: there is no such example; known: leaderboard, small-robot-laws",
+            "example:qqq: there is no such example; known: leaderboard, leaderboard-robots and small-robot-laws",
         ),
     ],
 )

@@ -563,7 +563,7 @@ CASES: list[tuple[list[str], int, str]] = [
     (
         ["--vary", "trajectory=example:qqq"],
         2,
-        "--vary trajectory=example:qqq: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, corridor, figure-eight, parking, rounded-square, slalom, spiral, square-lap, timed-lap, turn-in-place",
+        "--vary trajectory=example:qqq: trajectory: example:qqq: there is no such example; known: arc-and-line, cardioid, circle, circle-from-rest, corridor, figure-eight, parking, rounded-square, slalom, spiral, square-lap, timed-lap, turn-in-place",
     ),
     (
         ["--vary", "trajectory=input.csv"],

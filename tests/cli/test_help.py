@@ -15,12 +15,21 @@ from hilc_cli.shipped_files import examples
 from tests.cli.processes import environment, run_hilc
 from tests.conftest import Hilc, Outcome, Write
 
-COMMANDS = [str(command.callback.__name__) for command in app.registered_commands]  # type: ignore[union-attr]
+GROUPS = [str(group.name) for group in app.registered_groups]
+COMMANDS = [
+    *(str(command.callback.__name__) for command in app.registered_commands),  # type: ignore[union-attr]
+    *GROUPS,
+]
+PARTS = [
+    [str(group.name), str(command.callback.__name__)]  # type: ignore[union-attr]
+    for group in app.registered_groups
+    for command in group.typer_instance.registered_commands  # type: ignore[union-attr]
+]
 PROJECT = Path(__file__).resolve().parents[2] / "pyproject.toml"
 HEAVY = {"numpy", "matplotlib", "pydantic", "yaml"}
 
 
-@pytest.mark.parametrize("command", [[], *([command] for command in COMMANDS)])
+@pytest.mark.parametrize("command", [[], *([command] for command in COMMANDS), *PARTS])
 @pytest.mark.parametrize("option", ["--help", "-h"])
 def test_every_help_carries_an_example(
     hilc: Hilc, monkeypatch: pytest.MonkeyPatch, command: list[str], option: str
@@ -53,7 +62,7 @@ def test_help_names_every_command(hilc: Hilc) -> None:
         assert f"\n  {command} " in out
 
 
-@pytest.mark.parametrize("command", [[], *([command] for command in COMMANDS)])
+@pytest.mark.parametrize("command", [[], *([command] for command in COMMANDS), *PARTS])
 def test_version_is_told_everywhere(hilc: Hilc, command: list[str]) -> None:
     assert hilc(*command, "--version") == Outcome(0, f"hilc {__version__}\n", "")
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from hilc_cli.scenario.scenario import ModelSpec
+from hilc_cli.scenario.believed import ModelSpec
 from tests.conftest import Hilc
 from tests.logs.made_up_bags import pose_rows, twist_rows, write_bag
 from tests.logs.made_up_logs import MadeUpRobot, winding_plan, write_csv

@@ -109,6 +109,15 @@ def test_wheels_slip_and_friction_that_are_known_make_no_difference(law: str) ->
         assert after.left == pytest.approx(rolled + 0.3 * np.sign(rolled), abs=1e-7)
 
 
+def test_learning_takes_answers_over_as_they_were_meant() -> None:
+    """With a lag they arrive late, and errors that the feedback swings with do not add up."""
+    law = {"law": "hybrid", "gains": {"l1": 0.5, "l2": 3, "lateral": 2}, "compensation": "off"}
+    keys: dict[str, Any] = {"iterations": 40, "initial_pose": {"y": -0.02}}
+    ideal = hilc.run(scenario(law, **keys)).metrics["rms_position_error_m"]
+    late = hilc.run(scenario(law, {"motor": {"delay": 0.09, "lag": 0.1}}, **keys))
+    assert late.metrics["rms_position_error_m"][-1] < 1.1 * ideal[-1] < 0.02
+
+
 def test_a_law_that_plans_a_motion_gets_there_too() -> None:
     robot = {
         "wheel_radius": {"left": 0.0505, "right": 0.0495},

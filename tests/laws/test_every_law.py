@@ -22,7 +22,6 @@ LAWS: Mapping[str, Mapping[str, Any]] = {
     "pid": {"law": "pid", "gains": {"kp": 1, "ki": 0.1, "kd": 0.5}, "cutoff": "30 Hz"},
     "norm-optimal": {"law": "norm-optimal"},
     "learned-alone": {"law": "norm-optimal", "feedback": "none"},
-    "with-motors": {"law": "norm-optimal", "motors": "identify"},
     "feedback": {"law": "feedback"},
 }
 LEARNING = [name for name, law in LAWS.items() if law.get("law") != "feedback"]
@@ -87,7 +86,7 @@ def assert_tracks(path: Mapping[str, Any], law: str) -> None:
     assert found.metrics["max_wheel_speed_rad_s"].max() <= 180
     if law in LEARNING:
         assert errors[-1] < 0.2 * errors[0]
-    if law in ("norm-optimal", "learned-alone", "with-motors"):
+    if law in ("norm-optimal", "learned-alone"):
         assert errors[-1] < 1e-3
     if law in ("d-type", "feedback"):
         # With the right model the first makes each step right in one iteration, and the second

@@ -93,9 +93,9 @@ THREE_POINT: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("feedback", ["lqr", "none"])
+@pytest.mark.parametrize("feedback", ["regulator", "none"])
 def test_three_point_turn_is_learned_to_a_millimetre(feedback: str) -> None:
-    law = {"law": "norm-optimal", "feedback": feedback, "weights": {"input_change": 0.5}}
+    law = {"law": "norm-optimal", "feedback": feedback}
     run = driven(THREE_POINT, law, timing=TIMING)
     reference = run.reference
     # From rest to rest, and at rest at both cusps, where the path has no tangent and the heading
@@ -153,7 +153,9 @@ def test_turns_in_place_are_learned_as_the_sum_of_their_errors(law: dict[str, An
 
 def test_turns_in_place_by_the_other_laws() -> None:
     best = driven(TURNS, {"law": "norm-optimal"})
-    assert best.metrics["max_abs_error_heading_rad"][1:].max() < 1e-9
+    # What is off at first is rounding in what was identified.
+    assert best.metrics["max_abs_error_heading_rad"][1] < 1e-8
+    assert best.metrics["max_abs_error_heading_rad"][2:].max() < 1e-9
     plain = driven(TURNS, {"law": "feedback"}, iterations=0)
     assert plain.metrics["max_abs_error_heading_rad"][0] == pytest.approx(FIRST, rel=1e-9)
     told = hilc.check(plain.scenario).warnings[-1]

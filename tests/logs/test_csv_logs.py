@@ -44,7 +44,7 @@ KINDS = {
     "trailing comma": "t,x,y,yaw,\n" + rows("{t},{x},{y},{h},"),
     "quaternion": "t,x,y,qx,qy,qz,qw\n" + rows("{t},{x},{y},0,0,{z},{w}"),
     "ros": "%time,pose.position.x,pose.position.y,pose.orientation.x,pose.orientation.y,"
-    "pose.orientation.z,pose.orientation.w\n" + rows("{t},{x},{y},0,0,{z},{w}"),
+    "pose.orientation.z,pose.orientation.w\n" + rows("{t}e9,{x},{y},0,0,{z},{w}"),
     "tum": rows("{t} {x} {y} 0 0 0 {z} {w}"),
     "tum with a comment": "# timestamp tx ty tz qx qy qz qw\n" + rows("{t} {x} {y} 0 0 0 {z} {w}"),
     "milliseconds": "t_ms,x_mm,y_cm,heading_deg\n" + rows("{t}e3,{x}e3,{y}e2,{d}"),

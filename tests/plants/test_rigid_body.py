@@ -210,7 +210,7 @@ def test_conventions_differ_by_what_is_called_left() -> None:
 def test_a_robot_that_tips_over_is_told() -> None:
     body = {"torque_limit": 500, "velocity_gain": 500}
     made = plant(gravity_center=[-0.01, 0], friction=2, body=body)
-    with pytest.raises(PlantError, match="plant mujoco: the robot has tipped over; bring its"):
+    with pytest.raises(PlantError, match="plant mujoco: the robot has tipped over; lower"):
         drive(made, lambda time: (20, 20) if time < 1 else (-20, -20), 3.0)
 
 

@@ -185,11 +185,11 @@ KINDS: dict[str, tuple[str, dict[str, list[float]]]] = {
 def test_points_are_read_from_what_people_have(kind: str) -> None:
     text, others = KINDS[kind]
     found = parsed(text)
-    np.testing.assert_allclose(found.points, [[1, 2], [3, 4.5]], rtol=1e-15)
+    np.testing.assert_allclose(found.points, [[1.0, 2.0], [3.0, 4.5]], rtol=1e-15)
     for name in ("times", "speeds", "headings"):
         values = getattr(found, name)
         if name in others:
-            np.testing.assert_allclose(values, others[name], rtol=1e-12)
+            np.testing.assert_allclose(values, np.array(others[name], float), rtol=1e-12)
         else:
             assert values is None
     assert found.iteration == (7 if kind == "samples.csv" else None)

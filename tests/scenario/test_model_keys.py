@@ -15,6 +15,7 @@ from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.motor import Motor
 from hilc_cli.scenario.units import unit_of
 from hilc_cli.sweeps.planning import plan_sweep
+from tests.cli.test_schema import fits, json_schema
 from tests.plants.test_imperfections import ALL, WRONG, bend
 from tests.plants.test_plants import scenario
 
@@ -112,3 +113,18 @@ def test_wrong_models_are_told(model: dict[str, Any], said: str) -> None:
 def test_units_are_those_of_the_robots_keys() -> None:
     keys = ["model.motor.delay", "model.wheel_radius.left", "model.motor.acceleration"]
     assert [*map(unit_of, keys)] == ["s", "m", "rad/s²"]
+
+
+def test_the_schema_knows_the_keys() -> None:
+    schema = json_schema("scenario")
+    for model in ({}, BELIEVED, {"turn_convention": "ros"}, {"wheel_radius": {"left": "9 cm"}}):
+        assert fits(believing(**model), schema, schema)
+    wrong: list[dict[str, Any]] = [
+        {"motor": {"latency": 0.1}},
+        {"motor": {"delay": -0.1}},
+        {"wheel_radius": {"rear": 0.1}},
+        {"turn_convention": "left"},
+        {"integration": "exact"},
+    ]
+    for model in wrong:
+        assert not fits(believing(**model), schema, schema)

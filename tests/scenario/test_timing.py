@@ -16,9 +16,9 @@ from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.reference.speed_limits import BOUNDS
 from hilc_cli.reference.timing import TimingError
 from hilc_cli.runs.running import run
+from hilc_cli.scenario.believed import ModelSpec
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
-from hilc_cli.scenario.scenario import ModelSpec
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.theory.feasibility.feasibility import feasibility_findings
 

@@ -26,8 +26,8 @@ SHORT = path((STRAIGHT, 40), (LEFT, 10), (STRAIGHT, 10))
 SLIGHT = Disturbance(0, Bounded((1e-4, 1e-4, 2e-4)), Bounded((2e-3, 2e-3, 4e-3)))
 
 
-def optimal(believed: Robot, *, identify: bool = True) -> NormOptimalLaw:
-    return NormOptimalLaw(believed, h=50, identify=identify)
+def optimal(believed: Robot) -> NormOptimalLaw:
+    return NormOptimalLaw(believed, h=50)
 
 
 def pid(gain: float, cutoff: float | None = None) -> PidLaw:
@@ -51,7 +51,6 @@ BACK = law_of(1.0, 3.0, 1.0, matrix=matrix_of("model", ROBOT))
         (optimal(WRONG), 13.0, NOISE, 4),
         # Far too slow wheels make the law search long; at their limit the third case has them, too.
         pytest.param(optimal(ROBOT), 9.0, NOISE, 4, marks=pytest.mark.slow),
-        (optimal(WRONG, identify=False), 11.0, NOISE, 4),
         (HYBRID, 11.9, SLIGHT, 5),
         (HYBRID, math.inf, SLIGHT, 15),  # what is learned of the noise grows over the iterations
         (BACK, 12.0, SLIGHT, 15),

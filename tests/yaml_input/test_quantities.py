@@ -43,7 +43,7 @@ EVERY = [*fields(ScenarioSpec), *fields(LeaderboardSpec)]
 
 def test_all_numbers_are_found() -> None:
     ends = {path.split(".")[-1] for path, _, _ in EVERY}
-    assert {"wheel_radius", "bound", "input_change", "cutoff", "k_theta", "after", "memory"} <= ends
+    assert {"wheel_radius", "bound", "position", "cutoff", "k_theta", "after"} <= ends
 
 
 def test_examples_are_what_the_key_takes_and_like_its_default() -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from hilc_cli.reporting.demands import demand_rows, segment_document
 from hilc_cli.reporting.terminal import Grid, Section
 from hilc_cli.theory.feasibility.feasibility import GRAVITY
+from hilc_cli.theory.feasibility.real_wheels import real_wheels
 from hilc_cli.wording import counted
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ _MOST_ROWS = 24
 
 def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
     """Returns what the trajectory demands, beside what is possible; verbose: all segments."""
-    feasibility = check.feasibility
+    feasibility, real = check.feasibility, real_wheels(check.law.experiment)
     demand = feasibility.demand
     shown = demand.segments if verbose else _shown(feasibility)
     accelerate = any(segment.wheel_acceleration for segment in shown)
@@ -36,8 +37,8 @@ def feasibility_section(check: Check, *, verbose: bool = False) -> Section:
         "Can wheels and tyres follow the trajectory?",
         [("Verdict", _verdict(feasibility)), ("Acceleration in segments", accelerating)],
         grids,
-        _document(feasibility),
-        brief=demand_rows(feasibility),
+        _document(feasibility) | ({} if real is None else {"own_wheels": real.document}),
+        brief=[*demand_rows(feasibility), *([] if real is None else real.rows)],
     )
 
 

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 from hilc_cli.checks.report.feasibility import feasibility_section
 from hilc_cli.checks.report.learning import errors_grid, in_words, learning_section
+from hilc_cli.checks.report.motors import motors_section
 from hilc_cli.checks.report.theory import theory_section
+from hilc_cli.plants.imperfect_plant import ImperfectPlant
 from hilc_cli.reporting.terminal import (
     finding_lines,
     is_decorated,
@@ -24,6 +26,7 @@ from hilc_cli.wording import counted
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check
+    from hilc_cli.plants.drivetrain import Drivetrain
     from hilc_cli.plants.kinematic import Robot
 
 _SCREEN = 24
@@ -57,6 +60,7 @@ def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -
     if verbose:
         print_section(feasibility_section(check, verbose=True))
         print_section(learning_section(check))
+        print_section(motors_section(check, whole=True))
     if theory:
         print_section(theory_section(check, verbose=verbose))
     hint = _hint(check, verbose=verbose, theory=theory)
@@ -67,7 +71,12 @@ def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -
 
 def document(check: Check, pictures: Sequence[Path] = ()) -> dict[str, object]:
     """Returns the report, with the pictures that were drawn, as one JSON document."""
-    parts = [feasibility_section(check), learning_section(check), theory_section(check)]
+    parts = [
+        feasibility_section(check),
+        learning_section(check),
+        motors_section(check, whole=True),
+        theory_section(check),
+    ]
     return {
         "name": check.scenario.name,
         "trajectory": check.scenario.spec.trajectory.name,
@@ -84,6 +93,8 @@ def _rows(check: Check) -> list[tuple[str, str]]:
     """Returns what is checked, what its path asks for, and what its law makes of it."""
     scenario, spec = check.scenario, check.scenario.spec
     demand, robot = check.feasibility.demand, spec.robot.robot()
+    plant = check.law.experiment.plant
+    own = plant.drivetrain if isinstance(plant, ImperfectPlant) else None
     model = spec.model.model(robot)
     path = (
         f"{spec.trajectory.name}: {demand.in_short}, "
@@ -91,23 +102,29 @@ def _rows(check: Check) -> list[tuple[str, str]]:
     )
     rows = [
         ("Path", path),
-        ("Robot", f"{_platform(robot)}; convention: {robot.turn_convention}"),
+        ("Robot", f"{_platform(robot, own)}; convention: {robot.turn_convention}"),
     ]
-    believed = in_words(spec.model.imperfections(robot))
+    believed = [_platform(model, spec.model.drivetrain(robot))]
+    further = spec.model.imperfections(robot).items()
+    believed += in_words({key: value for key, value in further if "radius" not in key})
     if model.turn_convention != robot.turn_convention:
         believed.append(f"convention: {model.turn_convention}")
-    if believed or _platform(model) != _platform(robot):
-        rows.append(("Model", "; ".join([_platform(model), *believed])))
+    if believed != [_platform(robot, own)]:
+        rows.append(("Model", "; ".join(believed)))
     return [
         *rows,
         ("Law", scenario.law_in_words),
         *feasibility_section(check).in_brief,
         *learning_section(check).in_brief,
+        *motors_section(check).in_brief,
     ]
 
 
-def _platform(platform: Robot) -> str:
-    return f"wheel radius {platform.wheel_radius:g} m, half track {platform.half_track:g} m"
+def _platform(platform: Robot, drivetrain: Drivetrain | None) -> str:
+    radius = f"radius {platform.wheel_radius:g} m"
+    if drivetrain is not None and drivetrain.left_radius != drivetrain.right_radius:
+        radius = f"radii {drivetrain.left_radius:g} and {drivetrain.right_radius:g} m"
+    return f"wheel {radius}, half track {platform.half_track:g} m"
 
 
 def _print_findings(

@@ -1,265 +1,394 @@
-"""What a measured iteration says of the platform: its gains, and where it really was."""
+"""What passes tell of the motors: maximum likelihood on the innovations of the pose filter.
+
+Parameters and noise are found in turn: the noise by its likelihood, the parameters by Gauss and
+Newton's method on the innovations, which the noise weighs. A vague belief beforehand keeps what the
+passes do not tell where it was believed.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize
 
-from hilc_cli.laws.norm_optimal.local_level import smoothed
-from hilc_cli.laws.norm_optimal.noise_levels import Contrasts, Earlier, LevelFit, fit_level
+from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
+from hilc_cli.laws.norm_optimal.motor import Motor, steps_of
 from hilc_cli.reference.sampled import Floats
 
 
-class SeenMotion(NamedTuple):
-    """What was measured, and what the wheels did for it; of one iteration, or the mean of several.
+class Pass(NamedTuple):
+    """What is learned from: one pass.
 
     Attributes:
-        headings: Measured headings [rad], shape (n + 1,).
-        turned: Summed differences of the wheel speeds [rad/s], shape (n + 1,).
-        steps: Measured steps in x and y [m], shape (n, 2).
-        driven: Sums of the wheel speeds along the heading, in x and y [rad/s], shape (n, 2).
-    """
-
-    headings: Floats
-    turned: Floats
-    steps: Floats
-    driven: Floats
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class EarlierMotion:
-    """The iterations before.
-
-    Attributes:
-        iterations: Their number, >= 1.
-        mean: Of what was seen in them.
-        of_turn: Their contrasts in the fit of the turn gain.
-        of_distance: Likewise of the distance gain.
-    """
-
-    iterations: int
-    mean: SeenMotion
-    of_turn: Contrasts
-    of_distance: Contrasts
-
-    def turning(self) -> Earlier:
-        """Returns what the fit of the turn gain needs of them."""
-        return Earlier(self.iterations, self.mean.headings, self.mean.turned, self.of_turn)
-
-    def ahead(self, along: Floats) -> Earlier:
-        """Returns what the fit of the distance gain needs, along unit vectors of shape (n, 2)."""
-        went, drove = (
-            summed(np.sum(parts * along, axis=1)) for parts in (self.mean.steps, self.mean.driven)
-        )
-        return Earlier(self.iterations, went, drove, self.of_distance)
-
-
-def with_latest(
-    earlier: EarlierMotion | None, latest: SeenMotion, turn: LevelFit, distance: LevelFit
-) -> EarlierMotion:
-    """The iterations before the next: those before the last, and the last."""
-    if earlier is None:
-        return EarlierMotion(1, latest, turn.contrasts, distance.contrasts)
-    count, mean = earlier.iterations + 1, earlier.mean
-    pairs = zip(mean, latest, strict=True)
-    mean = SeenMotion(*(before + (last - before) / count for before, last in pairs))
-    return EarlierMotion(count, mean, turn.contrasts, distance.contrasts)
-
-
-def summed(steps: Floats) -> Floats:
-    """The sums of all steps before each sample."""
-    return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-_ROUNDING = 1e-14  # relative, of a sum of some thousand numbers
-_SMOOTH = 1e-3  # share of drift that smooths over 1 / sqrt(1e-3), some 30, samples to each side
-_SMALLEST = 1e-9  # [m and rad]; smaller motions have the rounding of this
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MotionFit:
-    """Gains from wheels to motion by weighted least squares, and the motion without its noise.
-
-    Attributes:
-        distance_gain: a = d_k R / 2 [m s].
-        distance_error: Standard error of a [m s]; infinity if the iteration does not tell.
-        turn_gain: b = d_k R / (2 B) [s], signed as B is.
-        turn_error: Standard error of b [s]; infinity if the iteration does not tell.
-        poses: The likeliest poses, shape (n + 1, 3).
-        kept: What is kept for the fit of the next iteration; None: nothing has moved yet.
-    """
-
-    distance_gain: float
-    distance_error: float
-    turn_gain: float
-    turn_error: float
-    poses: Floats
-    kept: EarlierMotion | None = None
-
-
-def fit_motion(
-    measured: Floats, applied: Floats, earlier: EarlierMotion | None = None
-) -> MotionFit:
-    """The gains behind a measured motion.
-
-    The heading is fitted first, since it needs nothing else: it is b times the sum of the wheel
-    speeds' differences, with drift and noise. Then each measured step is looked at along a
-    direction near the heading: what lies along it is a times the wheel speeds' sum, as far as that
-    lies along it. Of the heading's error little but its square matters there, and is allowed for.
-    The direction changes smoothly, since from one to another the noise of a reading does not
-    cancel. The mean of the iterations before is looked at along the same direction.
-
-    Args:
         measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
-        applied: Wheel speeds that the platform got, after the limit [rad/s], shape (n, 2).
-        earlier: What was kept of the iterations before; None: there were none.
-
-    Source:
-        Qiao et al. 2021, Eqs. 8 and 11: beta is the drift and alpha the noise of the readings.
+        sent: Wheel speeds sent, after the limit [rad/s], shape (n, 2).
     """
-    largest = np.abs(measured).max(axis=0) + _SMALLEST
-    rounding, heading_rounding = _ROUNDING * largest[:2].max(), _ROUNDING * largest[2]
-    turned = summed(applied[:, 0] - applied[:, 1])
-    heading = fit_level(
-        measured[:, 2], turned, heading_rounding, None if earlier is None else earlier.turning()
-    )
-    along = _direction(heading.level)
-    wheels, level = applied[:, 0] + applied[:, 1], heading.level[:-1]
-    # The mean of the cosine of a normal error.
-    shortened = wheels * np.exp(-heading.variance[:-1] / 2)
-    driven = np.stack([shortened * np.cos(level), shortened * np.sin(level)], axis=1)
-    seen = SeenMotion(measured[:, 2], turned, np.diff(measured[:, :2], axis=0), driven)
-    distance = fit_level(
-        summed(np.sum(seen.steps * along, axis=1)),
-        summed(np.sum(driven * along, axis=1)),
-        rounding,
-        None if earlier is None else earlier.ahead(along),
-    )
-    slack = _slack(seen, along, heading, distance.foretold, earlier)
-    ahead = distance.overall * wheels
-    known_x, known_y = summed(ahead * np.cos(level)), summed(ahead * np.sin(level))
-    nothing = np.zeros(len(measured))
-    x = fit_level(measured[:, 0] - known_x, nothing, rounding).level + known_x
-    y = fit_level(measured[:, 1] - known_y, nothing, rounding).level + known_y
-    moved = applied.any() and bool(np.isfinite(measured).all())
-    return MotionFit(
-        distance.gain,
-        math.hypot(distance.standard_error, slack * distance.overall),
-        heading.gain,
-        heading.standard_error,
-        np.stack([x, y, heading.level], axis=1),
-        with_latest(earlier, seen, heading, distance) if moved else earlier,
-    )
+
+    measured: Floats
+    sent: Floats
 
 
-def _direction(heading: Floats) -> Floats:
-    """Unit vectors near the heading that change smoothly, shape (n, 2).
+NAMES = ("mean radius", "radius ratio", "half track", "delay", "lag", "friction")
+"""The parameters: two radii as their geometric mean and their ratio, and B, by their logarithms."""
 
-    Smoothed, and what that takes away smoothed once more (Tukey's twicing), so that they keep up
-    with a turn.
-    """
-    once = smoothed(heading, _SMOOTH)[0]
-    twice = (once + smoothed(heading - once, _SMOOTH)[0])[:-1]
-    return np.stack([np.cos(twice), np.sin(twice)], axis=1)
+TOLD = np.array(
+    [
+        [1, 0, 0, 0, 0, 0],
+        [0, 0, 1, 0, 0, 0],
+        [1, 0, -1, 0, 0, 0],
+        [0, 1, 0, 0, 0, 0],
+        [0, 0, 0, 1, 1, 0],
+        [0, 0, 0, 1, 0, 0],
+        [0, 0, 0, 0, 1, 0],
+        [0, 0, 0, 0, 0, 1],
+    ],
+    dtype=np.float64,
+)
+"""What is told of them: R, B, R / B, left by right radius, delay and lag, each of both, friction.
 
+Delay and lag are hardly told apart where speeds change slowly, nor R and B in a turn in place."""
 
-def _slack(
-    seen: SeenMotion,
-    along: Floats,
-    heading: LevelFit,
-    foretold: float,
-    earlier: EarlierMotion | None,
-) -> float:
-    """Returns by what share the distance gain may be wrong through the heading's error.
-
-    To first order what was driven aside of the direction counts, to second order what was driven
-    along it, as far as the mean square of the error is not known. All errors are taken to work
-    together, which is more than they do.
-
-    Args:
-        seen: The last iteration.
-        along: Unit vectors along which it was looked at, shape (n, 2).
-        heading: Fit of its heading.
-        foretold: Share of the mean of earlier iterations that was taken away from it.
-        earlier: The iterations before.
-    """
-    first, second = np.sqrt(heading.variance[:-1]), np.sqrt(heading.doubt[:-1])
-
-    def errors(driven: Floats) -> tuple[Floats, Floats]:
-        aside = driven[:, 1] * along[:, 0] - driven[:, 0] * along[:, 1]
-        ahead = np.sum(driven * along, axis=1)
-        return ahead, np.abs(aside) * first + np.abs(ahead) * second
-
-    ahead, error = errors(seen.driven)
-    if earlier is not None:
-        ahead_before, error_before = errors(earlier.mean.driven)
-        ahead, error = ahead - foretold * ahead_before, error + foretold * error_before
-    squares = float(ahead @ ahead)
-    return float(error @ np.abs(ahead)) / squares if squares > 0 else 0.0
+PRIOR = np.array([0.3, 0.05, 0.5, 0.3, 0.3, 0.5])
+"""Standard deviations of the parameters beforehand: shares, seconds, and rad/s of friction."""
+_MEASURED = 0.4  # of the standard error beforehand; what is less sure is not measured
+_STEP = np.array([1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5])  # of the difference quotients
+_FARTHEST = np.array([1.5, 0.5, 1.5])  # from what was believed, in logarithms
+_MOST = np.array([1.0, 2.0, 10.0])  # delay [s], lag [s], friction [rad/s]
+_FIRST_DELAYS = (0.0, 0.1, 0.3)  # [s], since the likelihood may have a hill for each
+_FOR_NOISE = 4  # the last passes tell the noise
+_QUIETER = 1e-3  # share of its variance that the noise of the motion then has for a start
+_ROUNDS = 2  # of noise and parameters in turn, for the first pass
+_NEWTON_STEPS = 12
+_SETTLED = 1e-3  # gain of half the squared innovations at which the search ends
+_SMALLEST = 1e-7  # share of the path's size below which nothing is called noise of the motion
+_FINEST = 1e-6  # likewise of the readings
+_SMALLEST_TURN, _FINEST_HEADING = 1e-7, 1e-6  # [rad]
+_NOISIEST = 2.0  # logarithm of the largest variance that is tried
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MeasuredMotion:
-    """The measured motion of the last iterations.
+class MotorBelief:
+    """The robot as the passes tell it.
 
     Attributes:
-        start: Pose of sample 0, shape (3,).
-        moved: Motion in each sample as seen from the platform: ahead [m], to the left [m], turn
-            [rad], shape (n, 3).
-        applied: Wheel speeds that came with it [rad/s], shape (n, 2).
-        starts: Number of iterations in `start`.
-        iterations: Number of iterations in `moved` and `applied`; 0 as long as nothing moved.
+        first: What was believed beforehand.
+        parameters: As `NAMES` says; the logarithms are relative to ``first``.
+        covariance: Of the parameters' errors, shape (6, 6); as beforehand where nothing was told.
+        noise: The variances.
     """
 
-    start: Floats
-    moved: Floats
-    applied: Floats
-    starts: int
-    iterations: int
+    first: Motor
+    parameters: Floats
+    covariance: Floats
+    noise: Noise
 
     @classmethod
-    def of(cls, poses: Floats, applied: Floats) -> MeasuredMotion:
-        """One iteration: its poses, shape (n + 1, 3), and wheel speeds within the limit, (n, 2)."""
-        cos, sin = np.cos(poses[:-1, 2]), np.sin(poses[:-1, 2])
-        x, y, turn = np.diff(poses, axis=0).T
-        moved = np.stack([cos * x + sin * y, cos * y - sin * x, turn], axis=1)
-        return cls(poses[0], moved, applied, 1, 1 if applied.any() else 0)
+    def at_first(cls, motor: Motor, noise: Noise) -> MotorBelief:
+        """Returns what the user says."""
+        parameters = np.array([0.0, 0.0, 0.0, motor.delay, motor.lag, motor.friction])
+        return cls(motor, parameters, np.diag(PRIOR**2), noise)
 
-    def and_then(self, latest: MeasuredMotion, memory: int) -> MeasuredMotion:
-        """The average with one more iteration.
+    @property
+    def motor(self) -> Motor:
+        """The robot."""
+        return motor_of(self.first, self.parameters)
+
+    @property
+    def errors(self) -> Floats:
+        """Standard errors of the parameters."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def told_errors(self) -> Floats:
+        """Standard errors of what `TOLD` has; not-a-number for what no pass has told."""
+        now, at_first = (
+            np.sqrt(np.einsum("ki,ij,kj->k", TOLD, each, TOLD))
+            for each in (self.covariance, np.diag(PRIOR**2))
+        )
+        return np.where(now < _MEASURED * at_first, now, np.nan)
+
+    def with_parameters(self, parameters: Floats) -> MotorBelief:
+        """Returns the same with other parameters."""
+        return replace(self, parameters=parameters)
+
+    def step_slopes(self, inputs: Floats, sample_time: float) -> Floats:
+        """How the parameters change the way [m] and the turn [rad] in each sample, (n, 2, 6).
 
         Args:
-            latest: That iteration.
-            memory: How many iterations count at most: the share of the last one is never less
-                than 1 / memory.
+            inputs: Wheel speeds sent [rad/s], shape (n, 2).
+            sample_time: d_t [s].
         """
-        starts = min(self.starts + 1, memory)
-        start = self.start + (latest.start - self.start) / starts
-        if self.iterations == 0:
-            return MeasuredMotion(start, latest.moved, latest.applied, starts, latest.iterations)
-        if latest.iterations == 0:
-            return MeasuredMotion(start, self.moved, self.applied, starts, self.iterations)
-        iterations = min(self.iterations + 1, memory)
-        return MeasuredMotion(
-            start,
-            self.moved + (latest.moved - self.moved) / iterations,
-            self.applied + (latest.applied - self.applied) / iterations,
-            starts,
-            iterations,
+
+        def steps(parameters: Floats) -> Floats:
+            return steps_of(motor_of(self.first, parameters), inputs, sample_time).ravel()
+
+        slopes = _slopes(steps, self.parameters, steps(self.parameters))
+        return slopes.reshape(*inputs.shape, len(NAMES))
+
+    def drift(self, inputs: Floats, sample_time: float) -> tuple[float, float]:
+        """How far wheel speeds may lead elsewhere than is believed: variances, where most.
+
+        Args:
+            inputs: Wheel speeds sent [rad/s], shape (n, 2).
+            sample_time: d_t [s].
+
+        Returns:
+            Of the way [m^2] and of the heading [rad^2].
+        """
+        gone = np.cumsum(self.step_slopes(inputs, sample_time), axis=0).reshape(-1, len(NAMES))
+        variances = np.einsum("ki,ij,kj->k", gone, self.covariance, gone)
+        way, turn = variances.reshape(-1, 2).max(axis=0).tolist()
+        return way, turn
+
+
+def motor_of(first: Motor, parameters: Floats) -> Motor:
+    """Returns the robot that parameters stand for."""
+    mean, ratio, track, delay, lag, friction = parameters.tolist()
+    return Motor(
+        first.left_radius * math.exp(mean + ratio / 2),
+        first.right_radius * math.exp(mean - ratio / 2),
+        first.half_track * math.exp(track),
+        delay,
+        lag,
+        friction,
+        first.acceleration,
+    )
+
+
+class Identification:
+    """Finds the parameters behind passes over one path."""
+
+    def __init__(self, sample_time: float, lead: float, size: float) -> None:
+        """Begins with a path.
+
+        Args:
+            sample_time: d_t [s].
+            lead: See `motor.moved`.
+            size: Of the path [m].
+        """
+        self._sample_time = sample_time
+        self._lead = lead
+        smallest = (_SMALLEST * size, _SMALLEST * size, _SMALLEST_TURN)
+        finest = (_FINEST * size, _FINEST_HEADING)
+        self._floor = 2 * np.log(np.array([*smallest, *finest]))
+
+    def update(self, belief: MotorBelief, passes: Sequence[Pass]) -> MotorBelief:
+        """Returns what is believed after some passes, the last of which is new."""
+        if len(passes) > 1:
+            return self._improved(belief, passes, rounds=1)
+        delays = dict.fromkeys((float(belief.parameters[3]), *_FIRST_DELAYS))
+        found = [
+            self._improved(_with_delay(belief, delay), passes, rounds=1, coarsely=True)
+            for delay in delays
+        ]
+        best = max(found, key=lambda each: self._likelihood(each, passes))
+        # Noise of the motion and parameters can excuse each other: parameters first go as far as
+        # they can without it. So can a short lag and a part of a sample of delay: try both.
+        own = {name: _QUIETER * getattr(best.noise, name) for name in ("ahead", "left", "turn")}
+        quiet = best.noise._replace(**own)
+        fits = [
+            MotorBelief(
+                belief.first, *self._likely_parameters(best, parameters, quiet, passes), quiet
+            )
+            for parameters in (best.parameters, _without_lag(best.parameters))
+        ]
+        best = max(fits, key=lambda each: self._likelihood(each, passes))
+        return self._improved(best, passes, rounds=_ROUNDS)
+
+    def innovations(self, belief: MotorBelief, passes: Sequence[Pass]) -> Floats:
+        """Returns what the belief did not expect of passes, by its deviation, (passes, n, 3)."""
+        white = self._white(belief.first, belief.parameters, belief.noise, passes)
+        return white.reshape(len(passes), -1, 3)
+
+    def expected_covariance(self, belief: MotorBelief, like: Pass, passes: int) -> Floats:
+        """Returns the covariance of what so many passes like one would tell, shape (6, 6).
+
+        Args:
+            belief: The robot as it is, and the noise.
+            like: What such a pass is without noise.
+            passes: Their number.
+        """
+
+        def white(parameters: Floats) -> Floats:
+            return self._white(belief.first, parameters, belief.noise, [like])
+
+        slopes = _slopes(white, belief.parameters, white(belief.parameters))
+        normal = passes * slopes.T @ slopes + np.diag(PRIOR**-2)
+        return np.asarray(np.linalg.inv(normal), dtype=np.float64)
+
+    def quietest(self, noise: Noise) -> Noise:
+        """Returns the noise, where it is more than rounding."""
+        return Noise(*np.maximum(noise, np.exp(self._floor)).tolist())
+
+    def _improved(
+        self, belief: MotorBelief, passes: Sequence[Pass], *, rounds: int, coarsely: bool = False
+    ) -> MotorBelief:
+        parameters, noise, covariance = belief.parameters, belief.noise, belief.covariance
+        for _ in range(rounds):
+            noise = self._likely_noise(
+                belief.first, parameters, noise, passes[-_FOR_NOISE:], coarsely=coarsely
+            )
+            parameters, covariance = self._likely_parameters(belief, parameters, noise, passes)
+        return MotorBelief(belief.first, parameters, covariance, noise)
+
+    def _steps(self, first: Motor, parameters: Floats, passes: Sequence[Pass]) -> list[Floats]:
+        motor = motor_of(first, parameters)
+        return [steps_of(motor, each.sent, self._sample_time) for each in passes]
+
+    def _white(
+        self, first: Motor, parameters: Floats, noise: Noise, passes: Sequence[Pass]
+    ) -> Floats:
+        """The innovations of all passes in a row."""
+        steps = self._steps(first, parameters, passes)
+        return np.concatenate(
+            [
+                run_filter(each.measured, own, self._lead, noise).white.ravel()
+                for each, own in zip(passes, steps, strict=True)
+            ]
         )
 
-    def drift(self, distance_gain: float, turn_gain: float) -> Floats:
-        """What these gains do not explain of the motion, shape (n, 3).
+    def _likelihood(self, belief: MotorBelief, passes: Sequence[Pass]) -> float:
+        steps = self._steps(belief.first, belief.parameters, passes)
+        return sum(
+            run_filter(each.measured, own, self._lead, belief.noise).log_likelihood
+            for each, own in zip(passes, steps, strict=True)
+        )
 
-        Args:
-            distance_gain: a = d_k R / 2 [m s].
-            turn_gain: b = d_k R / (2 B) [s].
-        """
-        left, right = self.applied.T
-        drift = self.moved.copy()
-        drift[:, 0] -= distance_gain * (left + right)
-        drift[:, 2] -= turn_gain * (left - right)
-        return drift
+    def _likely_noise(
+        self,
+        first: Motor,
+        parameters: Floats,
+        noise: Noise,
+        passes: Sequence[Pass],
+        *,
+        coarsely: bool,
+    ) -> Noise:
+        """The likeliest variances with the parameters as they are."""
+        steps = self._steps(first, parameters, passes)
+        count = sum(map(len, steps))
+
+        def cost(logarithms: Floats) -> float:
+            tried = Noise(*np.exp(logarithms).tolist())
+            return -sum(
+                run_filter(each.measured, own, self._lead, tried).log_likelihood
+                for each, own in zip(passes, steps, strict=True)
+            ) / count  # fmt: skip
+
+        def cost_and_slope(logarithms: Floats) -> tuple[float, Floats]:
+            at = cost(logarithms)
+            tried = logarithms + 1e-4 * np.eye(5)
+            return at, np.array([(cost(each) - at) / 1e-4 for each in tried])
+
+        bounds = [(lowest, _NOISIEST) for lowest in self._floor.tolist()]
+        # From where it was, and from further up: at a floor there is no slope to leave it by.
+        # TNC is free of linear algebra, whose threads would take longer than all the rest.
+        starts = [np.log(noise)] if coarsely else [np.log(noise), np.log(noise) + 4.0]
+        most, exact = (20, 1e-3) if coarsely else (50, 1e-6)
+        found = [
+            minimize(
+                cost_and_slope,
+                start.clip(self._floor, _NOISIEST),
+                jac=True,
+                method="TNC",
+                bounds=bounds,
+                options={"maxfun": most, "ftol": exact},
+            )
+            for start in starts
+        ]
+        best = min(found, key=lambda each: float(each.fun))
+        return Noise(*np.exp(best.x).tolist())
+
+    def _likely_parameters(
+        self, belief: MotorBelief, parameters: Floats, noise: Noise, passes: Sequence[Pass]
+    ) -> tuple[Floats, Floats]:
+        """The likeliest parameters with the noise as it is, and the covariance of their errors."""
+        believed = MotorBelief.at_first(belief.first, noise).parameters
+
+        def residuals(tried: Floats) -> Floats:
+            white = self._white(belief.first, tried, noise, passes)
+            return np.concatenate([white, (tried - believed) / PRIOR])
+
+        at = residuals(parameters)
+        damping = 0.0
+        for _ in range(_NEWTON_STEPS):
+            slopes = _slopes(residuals, parameters, at)
+            normal = slopes.T @ slopes
+            for _ in range(10):
+                damped = normal + damping * np.diag(np.diag(normal))
+                tried = _possible(parameters - np.linalg.solve(damped, slopes.T @ at))
+                there = residuals(tried)
+                gain = float(at @ at - there @ there) / 2
+                if gain >= 0:
+                    break
+                damping = max(10 * damping, 1e-3)
+            else:
+                break
+            parameters, at, damping = tried, there, damping / 10
+            if gain < _SETTLED:
+                break
+        slopes = _slopes(residuals, parameters, at)
+        return parameters, _covariance(slopes, at, len(passes))
+
+
+def _with_delay(belief: MotorBelief, delay: float) -> MotorBelief:
+    parameters = belief.parameters.copy()
+    parameters[3] = delay
+    return belief.with_parameters(parameters)
+
+
+def _without_lag(parameters: Floats) -> Floats:
+    """The same with the lag taken for delay."""
+    return np.concatenate([parameters[:3], [parameters[3] + parameters[4], 0.0, parameters[5]]])
+
+
+def _possible(parameters: Floats) -> Floats:
+    """Parameters within what a robot may have."""
+    geometry = parameters[:3].clip(-_FARTHEST, _FARTHEST)
+    return np.concatenate([geometry, parameters[3:].clip(0.0, _MOST)])
+
+
+def _slopes(residuals: object, parameters: Floats, at: Floats) -> Floats:
+    """Derivatives of the residuals, shape (residuals, 6): forwards, since nothing is below 0."""
+    assert callable(residuals)
+    slopes = np.empty((len(at), len(parameters)))
+    for index, step in enumerate(_STEP.tolist()):
+        tried = parameters.copy()
+        tried[index] += step
+        slopes[:, index] = (residuals(tried) - at) / step
+    return slopes
+
+
+def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
+    """Covariance of the parameters' errors, with the larger of two variances.
+
+    The usual ones hold where the innovations are the noise that the model takes them for. The
+    others are made from how the innovations really vary, where those of all passes at a sample may
+    have a common cause and may be alike from sample to sample.
+
+    Args:
+        slopes: Derivatives of the innovations of all passes, and of the belief beforehand.
+        at: The innovations themselves.
+        passes: Their number.
+
+    Source:
+        Newey and West: A simple, positive semi-definite, heteroskedasticity and autocorrelation
+        consistent covariance matrix. Econometrica 55 (1987), 703-708.
+    """
+    count = slopes.shape[1]
+    covariance = np.linalg.inv(slopes.T @ slopes)
+    scores = (slopes * at[:, None])[:-count].reshape(passes, -1, 3, count).sum(axis=(0, 2))
+    reach = math.ceil(4 * (len(scores) / 100) ** (1 / 3)) * 4
+    spread = scores.T @ scores
+    for lag in range(1, min(reach, len(scores) - 1) + 1):
+        across = scores[:-lag].T @ scores[lag:]
+        spread += (1 - lag / (reach + 1)) * (across + across.T)
+    robust = covariance @ spread @ covariance
+    usual = np.diag(covariance)
+    share = np.divide(np.diag(robust), usual, out=np.ones(count), where=usual > 0)
+    larger = np.sqrt(np.maximum(share, 1.0))
+    widened: Floats = covariance * np.outer(larger, larger)
+    return widened

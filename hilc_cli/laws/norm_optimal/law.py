@@ -10,16 +10,12 @@ from pydantic import Field
 
 from hilc_cli.laws.law import Law, Learner, Task
 from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, SpeedLimit, length_misfits
+from hilc_cli.laws.safety_net import STEP_SHARE, WENT_BACK, returns_in_words
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.yaml_input.model import Flag, Located, Model, valid
-from hilc_cli.yaml_input.quantities import (
-    PositiveAngle,
-    PositiveLength,
-    PositiveWheelSpeed,
-    Samples,
-    such_as,
-)
+from hilc_cli.yaml_input.model import Located, Model, valid
+from hilc_cli.yaml_input.quantities import PositiveAngle, PositiveLength, Samples, such_as
 
 MERGE_TIME = "merge_time_s"
 """Column of the time from which the plan stays on the trajectory."""
@@ -27,26 +23,14 @@ MERGE_TIME = "merge_time_s"
 RATIO = "wheel_radius_per_half_track"
 """Column of R / B, which a turn in place tells, though neither R nor B."""
 
-_IDENTIFIED = (
-    "wheel_radius_m", "wheel_radius_standard_error_m",
-    "half_track_m", "half_track_standard_error_m",
-    RATIO, f"{RATIO}_standard_error",
-    "model_wheel_radius_m", "model_wheel_radius_standard_error_m",
-    "model_half_track_m", "model_half_track_standard_error_m",
-    f"model_{RATIO}", f"model_{RATIO}_standard_error",
-)  # fmt: skip
-"""Columns of what each iteration alone tells, and of what the model takes from all so far."""
-
-
-IDEAL_MOTORS = {"left_per_right_radius": 1.0, "delay_s": 0.0, "lag_s": 0.0, "friction_rad_s": 0.0}
-"""What is believed at first of motors and wheels, by the columns of their quantities."""
-
-MOTOR_FIGURES = tuple(
+IDENTIFIED = tuple(
     f"model_{name}{ending}{unit}"
     for name, unit in (
         ("wheel_radius", "_m"),
-        ("left_per_right_radius", ""),
         ("half_track", "_m"),
+        (RATIO, ""),
+        ("left_per_right_radius", ""),
+        ("delay_and_lag", "_s"),
         ("delay", "_s"),
         ("lag", "_s"),
         ("friction", "_rad_s"),
@@ -55,51 +39,53 @@ MOTOR_FIGURES = tuple(
 )
 """Columns of the robot with its motors, as the model takes them from all passes so far."""
 
+MISFITS = {
+    "misfit_ahead": "a dead zone, a limit to its acceleration, or slip that changes with the speed",
+    "misfit_sideways": "slip in bends, or poses that are not of the point between its wheels",
+    "misfit_turning": "one wheel that drags, a load that shifts, or scrubbing tyres",
+}
+"""Columns of what passes have in common beyond the model, with what it may come from."""
+
+_FIGURES = (*IDENTIFIED, *MISFITS, STEP_SHARE, WENT_BACK, MERGE_TIME, "search_settled")
+
+_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
+
 
 @dataclass(frozen=True, slots=True)
 class NormOptimalLaw:
     """The law with its parameters, each with a meaning on the floor.
 
     An error is weighted by what counts as one: the cost of an iteration is half the sum, over all
-    samples, of (position error / position)^2 + (heading error / heading)^2 + (change of each
-    wheel's speed / input_change)^2. Only the ratios matter.
+    samples, of (position error / position)^2 + (heading error / heading)^2. Only the ratio matters.
 
     Attributes:
         model: The platform as the controller believes it to be at first.
+        lead: Share of a sample's turn after which its way is gone, see `motor.moved`.
         position: A position error that counts as one [m], > 0.
         heading: A heading error that counts as one [rad], > 0. Large against position / step
             length, or the heading's own samples, tangents of the path, keep the platform off it.
-        input_change: A change of a wheel speed from one iteration to the next that counts as one
-            [rad/s], > 0. Smaller: slower learning, less of one iteration's noise in the next.
-        feedback: lqr: the regulator about the planned motion runs in the iteration; none: the
-            learned wheel speeds alone.
-        feedback_position: As `position`, for the regulator [m]. Smaller: stiffer, and more of the
-            measured output's noise on the wheels.
-        feedback_heading: As `heading`, for the regulator [rad].
-        identify: Whether wheel radius and half track are estimated anew after each iteration.
+        feedback: regulator: a regulator about the planned motion runs in the iteration; none: the
+            planned wheel speeds alone.
         h: Samples within which the platform shall be on the trajectory after an initial error,
             where the speed limit allows it, >= 1.
-        memory: Number of iterations over which motion that the model does not explain is
-            averaged, >= 1; without identification always the last one alone.
+        drivetrain: What the controller believes at first of wheels, motors and tyres; None: equal
+            wheels that do at once what they are told.
     """
 
     theory: ClassVar[str] = "hilc_cli.theory.laws.norm_optimal:NormOptimalTheory"
 
     model: Robot
+    lead: float = 0.0
     position: float = 1e-3
     heading: float = 0.05
-    input_change: float = 10.0
-    feedback: Literal["lqr", "none"] = "lqr"
-    feedback_position: float = 1e-2
-    feedback_heading: float = 0.1
-    identify: bool = True
+    feedback: Literal["regulator", "none"] = "regulator"
     h: int = 200
-    memory: int = 4
+    drivetrain: Drivetrain | None = None
 
     @property
-    def squared_weights(self) -> tuple[float, float, float]:
-        """The weights of a squared position error, heading error and wheel speed in learning."""
-        return self.position**-2, self.heading**-2, self.input_change**-2
+    def squared_weights(self) -> tuple[float, float]:
+        """The weights of a squared position error and of a squared heading error."""
+        return self.position**-2, self.heading**-2
 
     def learner(self, task: Task) -> Learner:
         """The law at the start of an experiment."""
@@ -109,36 +95,8 @@ class NormOptimalLaw:
         return NormOptimalLearner(self, task.reference, task.speed_limit)
 
 
-def figures_told(*, identify: bool) -> tuple[str, ...]:
-    """Columns of ``learning.csv`` that the law fills, with and without identification."""
-    return (*(_IDENTIFIED if identify else ()), MERGE_TIME, "search_settled")
-
-
-_NONE = 1e-9  # an initial error up to this [m and rad] is rounding
-
-
-@dataclass(frozen=True, slots=True)
-class MotorLaw:
-    """The law on a robot as it is, whose motors it identifies as well.
-
-    Attributes:
-        own: Weights of errors, feedback, the way in, and the platform as it is believed to be.
-        lead: Share of a sample's turn after which its way is gone.
-    """
-
-    own: NormOptimalLaw
-    lead: float
-
-    def learner(self, task: Task) -> Learner:
-        """The law at the start of an experiment."""
-        # The compiler starts slowly.
-        from hilc_cli.laws.norm_optimal.motor_learner import MotorLearner
-
-        return MotorLearner(task, self.own, self.lead)
-
-
 class LearningWeights(Model):
-    """What counts as one in the sum of squares that learning minimises."""
+    """What counts as one in the sum of squares that a plan makes least."""
 
     position: Annotated[float, such_as(PositiveLength, "0.001 or 1 mm")] = Field(
         1e-3, description="an error of the position [m]"
@@ -146,47 +104,23 @@ class LearningWeights(Model):
     heading: Annotated[float, such_as(PositiveAngle, "0.05 or 3 deg")] = Field(
         0.05, description="an error of the heading [rad]"
     )
-    input_change: Annotated[float, such_as(PositiveWheelSpeed, "10 or 100 rpm")] = Field(
-        10.0, description="a change of a wheel speed from iteration to iteration [rad/s]"
-    )
-
-
-class FeedbackWeights(Model):
-    """What counts as much as weights.input_change in the feedback; smaller ones make it stiffer."""
-
-    position: Annotated[float, such_as(PositiveLength, "0.01 or 1 cm")] = Field(
-        1e-2, description="an error of the position [m]"
-    )
-    heading: Annotated[float, such_as(PositiveAngle, "0.1 or 6 deg")] = Field(
-        0.1, description="an error of the heading [rad]"
-    )
 
 
 class NormOptimalController(Controller):
-    """Norm-optimal learning with identification, rectified reference and constrained wheels."""
+    """Norm-optimal learning of a robot as it is, with a way in and constrained wheels."""
 
     tied_to_trajectory: ClassVar[tuple[str, ...]] = ("h",)
 
     law: Literal["norm-optimal"]
     weights: LearningWeights = LearningWeights()
-    feedback: Literal["lqr", "none"] = Field(
-        "lqr", description="in the iteration: lqr about the planned motion, or none"
-    )
-    feedback_weights: FeedbackWeights = FeedbackWeights()
-    identify: Flag = Field(
-        True, description="estimate wheel radius and half track anew after each iteration"
+    feedback: Literal["regulator", "none"] = Field(
+        "regulator",
+        description="in the iteration: a regulator about the plan, as fast as delay, lag and noise "
+        "let it be, or none",
     )
     h: Samples | None = Field(
         None,
         description="samples until an initial error shall be gone, 1 to n; default 200, or n / 4",
-    )
-    memory: Annotated[int, such_as(Samples, "4", told_in="iterations")] = Field(
-        4, description="iterations over which motion that the model does not explain is averaged"
-    )
-    motors: Literal["ideal", "identify"] = Field(
-        "ideal",
-        description="identify: each wheel's radius, delay, lag and friction are identified, too, "
-        "and planned with; the feedback follows from them and from the noise",
     )
     b_w: SpeedLimit = None
 
@@ -203,25 +137,24 @@ class NormOptimalController(Controller):
 
     def law_for(self, setting: Setting) -> Law:
         """The law for the engines."""
-        law = NormOptimalLaw(
+        return NormOptimalLaw(
             setting.model,
+            setting.lead,
             self.weights.position,
             self.weights.heading,
-            self.weights.input_change,
             self.feedback,
-            self.feedback_weights.position,
-            self.feedback_weights.heading,
-            self.identify,
             _within(self.h, setting.reference),
-            self.memory,
+            setting.drivetrain,
         )
-        return MotorLaw(law, setting.lead) if self.motors == "identify" else law
+
+    @property
+    def knows_drivetrains(self) -> bool:
+        """Whether the law makes use of what is believed of motors by itself."""
+        return True
 
     def figures(self) -> tuple[str, ...]:
-        """What is identified, if anything is, and what there is to tell of the plan."""
-        if self.motors == "identify":
-            return MOTOR_FIGURES
-        return figures_told(identify=self.identify)
+        """What is identified, what the model does not explain, and what to tell of the plan."""
+        return _FIGURES
 
     def yardsticks(self, setting: Setting) -> dict[str, dict[str, float]]:
         """When the plan is to be on the trajectory, if the platform does not start there."""
@@ -232,47 +165,19 @@ class NormOptimalController(Controller):
 
     def in_words(self, setting: Setting) -> str:
         """What is learned, how, and how long an initial error may last."""
-        if self.motors == "identify":
-            answers = (
-                "no feedback" if self.feedback == "none" else "feedback as delay and noise let it"
-            )
-            return f"norm-optimal learning of robot and motors; {answers}"
-        learned = "wheel speeds, wheel radius and half track" if self.identify else "wheel speeds"
-        feedback = "LQR feedback" if self.feedback == "lqr" else "no feedback"
+        answers = "no feedback" if self.feedback == "none" else "feedback as delay and noise let it"
         h = _within(self.h, setting.reference)
-        return f"norm-optimal learning of {learned}; {feedback}, rectified within {h} samples"
-
-    @property
-    def called(self) -> str:
-        """The law as messages name it."""
-        return f"law {self.law}" + (" with motors: identify" if self.motors == "identify" else "")
+        return (
+            f"norm-optimal learning of the robot and its motors; {answers}, rectified within {h} "
+            "samples"
+        )
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
         return {**super().resolved(reference), "h": _within(self.h, reference)}
 
     def warnings(self, setting: Setting) -> list[str]:
-        """A way in that takes up most of the trajectory, and keys that have no effect."""
-        return [*self._idle(), *self._long_way_in(setting)]
-
-    def _idle(self) -> list[str]:
-        """Tells of keys that are given and have no effect on a robot with motors."""
-        if self.motors == "ideal":
-            return []
-        given = {
-            "weights.input_change": self.weights.input_change != LearningWeights().input_change,
-            **{
-                name: getattr(self, name) != type(self).model_fields[name].default
-                for name in ("feedback_weights", "identify", "memory")
-            },
-        }
-        return [
-            f"controller.{name} has no effect with 'motors: identify'; leave it out"
-            for name, is_given in given.items()
-            if is_given
-        ]
-
-    def _long_way_in(self, setting: Setting) -> list[str]:
+        """A way in that takes up most of the trajectory."""
         half, h = max(setting.reference.samples // 2, 1), _within(self.h, setting.reference)
         if h <= half or not setting.has_initial_error(_NONE):
             return []
@@ -280,6 +185,25 @@ class NormOptimalController(Controller):
             f"controller.h lets the initial error last for {h} of the trajectory's "
             f"{setting.reference.samples} samples; give {half} or less to track the rest of it"
         ]
+
+    def warnings_after(self, figures: Mapping[str, float]) -> list[str]:
+        """What the robot does that the model does not know, and that learning went back."""
+        found = []
+        beyond = {name: told for name, told in MISFITS.items() if figures.get(name, 0.0) > 1}
+        if beyond:
+            ways = (
+                f"{name.removeprefix('misfit_')} {figures[name]:.2g} times what noise makes, "
+                f"as with {told}"
+                for name, told in beyond.items()
+            )
+            found.append(
+                "the robot does something the model does not know, the same in each pass: "
+                f"{'; '.join(ways)}. It is learned as far as it comes back, but stands in part in "
+                "what was identified, by more than standard errors tell"
+            )
+        if figures.get(STEP_SHARE, 1.0) != 1:
+            found.append(f"{returns_in_words(figures)} of what passes tell")
+        return found
 
 
 def _within(h: int | None, reference: Reference) -> int:

@@ -1,174 +1,288 @@
-"""Norm-optimal iterative learning with identification, rectified reference and speed limit."""
+"""Norm-optimal learning at work: what passes tell of the robot, and the plan of the next one."""
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, replace
+from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
 from hilc_cli.laws.law import Figures, Iteration, Plan
-from hilc_cli.laws.norm_optimal.belief import Belief
-from hilc_cli.laws.norm_optimal.identification import EarlierMotion, MeasuredMotion, fit_motion
-from hilc_cli.laws.norm_optimal.law import NormOptimalLaw, figures_told
-from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
-from hilc_cli.laws.norm_optimal.optimal_motion import (
-    Aim,
-    Model,
-    OptimalMotion,
-    optimal_motion,
-)
-from hilc_cli.laws.norm_optimal.rectified import RectifiedReference, rectified_reference
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
+from hilc_cli.laws.norm_optimal.law import IDENTIFIED, MERGE_TIME, MISFITS, NormOptimalLaw
+from hilc_cli.laws.norm_optimal.misfit import misfits
+from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter, smoothed_poses
+from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, steps_of
+from hilc_cli.laws.norm_optimal.motor_plan import motor_plan
+from hilc_cli.laws.norm_optimal.optimal_motion import Model
+from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
+from hilc_cli.laws.norm_optimal.rectified import MERGED, rectified_reference
+from hilc_cli.laws.norm_optimal.repeating import repeating
+from hilc_cli.laws.norm_optimal.safeguard import Learned, Safeguard
+from hilc_cli.laws.safety_net import STEP_SHARE, WENT_BACK
+from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats, Reference
 
-_ANOTHER = 0.01  # relative change of wheel radius or half track that makes another platform of it
-_NO_LIMIT = 1e12  # [rad/s], since the search wants a number
+MEMORY = 16
+"""Passes that are kept."""
+_ALWAYS = 6
+"""The first passes are all identified from; later ones where they show something new."""
+_NEW = 1.5
+"""So many times the innovations' mean square of before is something new."""
+_FREE = 0.05
+"""A command may leave that of a robot without limits by this share of the fastest, at the price of
+a position error that counts as one."""
+_LIMIT = 1e6  # [rad/s], where there is none
+_UNTOLD = 0.2
+"""Delay [s] that the feedback reckons with before a pass has told it."""
+_UNTOLD_SHARE = 1 / 30
+"""The same as a share of the path's time, if that is less: short paths are for quick robots."""
+_ON_IT = 1e-4  # [m and rad]; a start no further off is on the trajectory
+_VAGUE = 1e-3  # [m and rad]: noise before anything was measured
+_FARTHEST = 1e3
+"""A pass that is off by more than so many sizes of the path, meters or radians teaches nothing."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class OptimalPlan(Plan):
-    """What the next iteration does: the feedforward within the limit, and the regulator about it.
-
-    The poses are those that the model foresees. The gains of the feedback are 0 without one.
+class NormOptimalPlan(Plan):
+    """What the next pass does, and the way that it takes.
 
     Attributes:
-        merge_sample: First sample from which the rectified reference stays on the trajectory
-            within a millimetre; 0 without initial error, None if it is not there at the end.
-        settled: Whether both searches ended by themselves, that of the rectified reference and
-            that of the plan; if not, there may be a better plan near this one.
+        merge_sample: First sample from which it stays on the trajectory, within a millimetre; None
+            if it is not there at the end.
+        settled: Whether the searches for it ended by themselves.
     """
 
-    feedback: Floats
     merge_sample: int | None = None
     settled: bool = True
 
 
+class WayIn(NamedTuple):
+    """A way into the trajectory, and whether the search for it settled."""
+
+    poses: Floats
+    settled: bool
+
+
 class NormOptimalLearner:
-    """The law on one experiment: its state from iteration to iteration.
-
-    Learning minimises ||e_{i+1}||_Q^2 + ||u_{i+1} - u_i||_R^2 with e_{i+1} foreseen along the
-    motion that was measured, every wheel speed within the limit. u_i is the feedforward of the
-    iteration before; where there is none yet that belongs to the believed platform, it is the
-    rectified reference's.
-
-    Attributes:
-        belief: Wheel radius and half track as all iterations so far tell them.
-
-    Source:
-        Amann, Owens and Rogers: Iterative learning control for discrete-time systems with
-        exponential rate of convergence. IEE Proc. Control Theory Appl. 143 (1996), 217-224.
-    """
+    """The law at work on one experiment."""
 
     def __init__(self, law: NormOptimalLaw, reference: Reference, speed_limit: float) -> None:
-        """A learner that has seen nothing yet.
+        """Begins with what the user believes.
 
         Args:
             law: The law's parameters, and the platform as the user believes it to be.
             reference: The trajectory.
             speed_limit: b_w [rad/s]; infinity for none.
         """
-        self._law = law
-        self._sample_time = reference.sample_time
-        self._trajectory = reference.poses
-        self._speed_limit = min(speed_limit, _NO_LIMIT)
-        self.belief = Belief.at_first(law.model)
-        self._measured: MeasuredMotion | None = None
-        self._earlier: EarlierMotion | None = None
-        self._last: tuple[Robot, Floats] | None = None  # who was planned for, and what
-        self._plan: OptimalPlan | None = None  # of the iteration that runs
+        self._law, self._reference, self._target = law, reference, reference.poses
+        self._speed_limit = min(speed_limit, _LIMIT)
+        size = reference.size + 1e-3
+        self._identification = Identification(reference.sample_time, law.lead, size)
+        radius, half_track = law.model.wheel_radius, law.model.signed_half_track
+        motor = Motor(radius, radius, half_track, 0.0, 0.0, 0.0)
+        if law.drivetrain is not None:
+            known, kept = law.drivetrain.motor, 1 - law.drivetrain.slip.longitudinal
+            radii = kept * law.drivetrain.left_radius, kept * law.drivetrain.right_radius
+            late = known.delay, known.lag, known.dead_zone, known.acceleration
+            motor = Motor(*radii, half_track, *late)
+        self._belief = MotorBelief.at_first(motor, Noise(*[_VAGUE**2] * 5))
+        self._passes: deque[Pass] = deque(maxlen=MEMORY)
+        self._driven: deque[tuple[Floats, Floats]] = deque(maxlen=MEMORY)
+        self._starts: deque[Floats] = deque(maxlen=MEMORY)
+        self._learned = Learned(self._belief.parameters, np.zeros((reference.samples, 3)))
+        self._safeguard = Safeguard(self._learned)
+        self._plan: NormOptimalPlan | None = None  # of the pass that runs
+        self._seen = 0
+        self._usual = 1.0
+
+    @property
+    def belief(self) -> MotorBelief:
+        """The robot as all passes so far tell it."""
+        return self._belief
 
     def learn(self, iteration: Iteration) -> Figures:
-        """Takes in an iteration that is over, and tells what it says of the platform."""
+        """Takes in a pass that is over."""
         error = np.stack(iteration.errors, axis=1)
-        applied = np.stack([iteration.left, iteration.right], axis=1)
-        told: list[float] = []
-        # On the way to divergence squares overflow; an engine sees that in the next iteration.
-        with np.errstate(over="ignore", invalid="ignore"):
-            fit = fit_motion(self._trajectory - error, applied, self._earlier)
-            self._earlier = fit.kept
-            if self._law.identify:
-                self.belief, said = self.belief.updated(fit, self._sample_time)
-                told = [*said.figures, *self.belief.figures]
-            latest = MeasuredMotion.of(fit.poses, applied)
-            if self._measured is None:
-                self._measured = latest
+        latest = Pass(self._target - error, np.stack([iteration.left, iteration.right], axis=1))
+        plan, self._plan = self._plan, None
+        returns = self._safeguard.returns
+        misfit = np.full(len(MISFITS), np.nan)
+        # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
+        far = _FARTHEST * max(self._reference.size, 1.0)
+        if np.all(np.abs(error) <= far) and np.all(np.abs(latest.sent) <= _LIMIT):
+            if latest.sent.any():
+                misfit = self._take_in(latest)
             else:
-                # Without identification, what is not explained changes with the wheel speeds.
-                memory = self._law.memory if self._law.identify else 1
-                self._measured = self._measured.and_then(latest, memory)
-        names = figures_told(identify=self._law.identify)
-        return dict(zip(names, [*told, *self._of_plan()], strict=True))
+                self._starts.append(latest.measured.mean(axis=0))
+        merge_time, settled = self._of_plan(plan)
+        return {
+            **self._identified(),
+            **dict(zip(MISFITS, misfit.tolist(), strict=True)),
+            STEP_SHARE: self._safeguard.share,
+            WENT_BACK: float(self._safeguard.returns > returns),
+            MERGE_TIME: merge_time,
+            "search_settled": settled,
+        }
 
-    def _of_plan(self) -> tuple[float, float]:
-        """When the iteration's plan was on the trajectory [s], infinity if not by the end.
+    def _identified(self) -> Figures:
+        """What is believed of the robot, with standard errors where it is measured."""
+        belief = self._belief
+        motor, half_track = belief.motor, abs(belief.motor.half_track)
+        radius = (motor.left_radius + motor.right_radius) / 2
+        shares = radius, half_track, radius / half_track, motor.left_radius / motor.right_radius
+        told = (*shares, motor.delay + motor.lag, motor.delay, motor.lag, motor.friction)
+        errors = belief.told_errors * [*shares, 1, 1, 1, 1]  # those of shares are of logarithms
+        return dict(zip(IDENTIFIED, chain(*zip(told, errors.tolist(), strict=True)), strict=True))
 
-        And whether the search for it settled, 0 or 1; not-a-number where no plan was run.
+    def _of_plan(self, plan: NormOptimalPlan | None) -> tuple[float, float]:
+        """When a plan was on the trajectory [s], infinity if not by the end; whether it settled.
+
+        Not-a-number where no plan was run.
         """
-        if self._plan is None:
-            return math.nan, math.nan
-        merged = self._plan.merge_sample
-        time = math.inf if merged is None else merged * self._sample_time
-        return time, float(self._plan.settled)
+        if plan is None:
+            return np.nan, np.nan
+        merged = np.inf if plan.merge_sample is None else plan.merge_sample
+        return merged * self._reference.sample_time, float(plan.settled)
 
-    def plan(self, start: Floats | None = None) -> OptimalPlan:
-        """The plan of the next iteration, from all that has been learned so far.
+    def _take_in(self, latest: Pass) -> Floats:
+        """Learns from a pass, and returns by how much the model does not fit, see `misfits`."""
+        self._passes.append(latest)
+        self._seen += 1
+        passes = list(self._passes)
+        early = self._seen <= _ALWAYS or self._seen & (self._seen - 1) == 0
+        if early or self._surprise(latest) > _NEW * self._usual:
+            self._belief = self._identification.update(self._belief, passes)
+            self._usual = max(self._surprise(latest), 1.0)
+            self._driven = deque((self._smoothed(each) for each in passes), maxlen=MEMORY)
+        else:
+            self._driven.append(self._smoothed(latest))
+        self._starts = deque((poses[0] for poses, _ in self._driven), maxlen=MEMORY)
+        beside = repeating(
+            np.array([beyond for _, beyond in self._driven]),
+            np.array([each.sent for each in passes]),
+        )
+        learned = Learned(self._belief.parameters, beside)
+        error = self._error(self._driven[-1][0])
+        self._learned = self._safeguard.next(error, learned)
+        return misfits(self._identification.innovations(self._belief, passes))
+
+    def _surprise(self, latest: Pass) -> float:
+        """Mean square of a pass's innovations: about 1 where the belief explains it."""
+        return float(np.square(self._identification.innovations(self._belief, [latest])).mean())
+
+    def _error(self, poses: Floats) -> float:
+        """RMS of what was off in a pass, from a start off the trajectory in its second half.
+
+        1 counts as one.
+        """
+        position, heading = self._law.squared_weights
+        squares = np.square(poses - self._target) @ [position, position, heading]
+        if not self._is_on_it(np.mean(self._starts, axis=0)):
+            squares = squares[len(squares) // 2 :]
+        return float(np.sqrt(squares.mean()))
+
+    def _is_on_it(self, start: Floats) -> bool:
+        """Whether the trajectory begins at a start."""
+        return float(np.abs(start - self._target[0]).max()) <= _ON_IT
+
+    def _smoothed(self, each: Pass) -> tuple[Floats, Floats]:
+        """The likeliest poses of a pass, and what it did beyond the model, shape (n, 3)."""
+        belief, lead = self._belief, self._law.lead
+        steps = steps_of(belief.motor, each.sent, self._reference.sample_time)
+        poses = smoothed_poses(run_filter(each.measured, steps, lead, belief.noise, keep=True))
+        beyond = body_steps(poses, lead)
+        beyond[:, [0, 2]] -= steps
+        return poses, beyond
+
+    def _way_in(self, motor: Motor, start: Floats) -> WayIn:
+        """The trajectory, or from a start off it a way into it."""
+        if self._is_on_it(start):
+            return WayIn(self._target, settled=True)
+        radius = (motor.left_radius + motor.right_radius) / 2
+        gains = step_gains(radius, motor.half_track, self._reference.sample_time)
+        drift = np.zeros((self._reference.samples, 3))
+        ideal = motor._replace(delay=0.0, lag=0.0, friction=0.0)
+        steps = body_steps(self._target, self._law.lead)[:, [0, 2]]
+        fastest = float(np.abs(commands_for(ideal, steps, self._reference.sample_time)).max())
+        found = rectified_reference(
+            self._target,
+            start,
+            Model(*gains, drift, self._speed_limit),
+            self._law.h,
+            (*self._law.squared_weights, (_FREE * fastest + 1e-9) ** -2),
+        )
+        return WayIn(found.poses, found.settled)
+
+    def plan(self, start: Floats | None = None) -> NormOptimalPlan:
+        """Plans the next pass anew from the geometry: only what is known of the robot is kept.
 
         Args:
-            start: Pose from which the platform starts, shape (3,); None: as measured, or that of
-                the trajectory before anything was.
+            start: Pose from which it starts, shape (3,); None: the mean of those so far.
         """
+        reference, law = self._reference, self._law
+        motor = self._belief.with_parameters(self._learned.parameters).motor
         if start is None:
-            start = self._trajectory[0] if self._measured is None else self._measured.start
-        with np.errstate(over="ignore", invalid="ignore"):
-            model = self._model()
-            rectified = rectified_reference(
-                self._trajectory, start, model, self._law.h, self._law.squared_weights
-            )
-            model = model._replace(speed_limit=rectified.speed_limit)
-            best = self._learned(model, rectified)
-            gains = self._feedback(model, best.poses)
-        self._last = self.belief.robot, best.inputs
-        left, right = best.inputs.T
-        settled = rectified.settled and best.settled
-        self._plan = OptimalPlan(left, right, best.poses, gains, rectified.merged, settled)
-        return self._plan
-
-    def _model(self) -> Model:
-        distance_gain, turn_gain = self.belief.gains(self._sample_time)
-        n = len(self._trajectory) - 1
-        if self._measured is None or self._measured.iterations == 0:
-            drift = np.zeros((n, 3))
-        else:
-            drift = self._measured.drift(distance_gain, turn_gain)
-        return Model(distance_gain, turn_gain, drift, self._speed_limit)
-
-    def _learned(self, model: Model, rectified: RectifiedReference) -> OptimalMotion:
-        """The minimum of ||e_{i+1}||_Q^2 + ||u_{i+1} - u_i||_R^2 within the limit."""
-        position, heading, wheel = self._law.squared_weights
-        pose_weights = np.tile([position, heading], (len(self._trajectory), 1))
-        last = rectified.inputs
-        if self._last is not None and _same(self._last[0], self.belief.robot):
-            last = self._last[1]
-        aim = Aim(rectified.poses, pose_weights, last, wheel)
-        return optimal_motion(model, aim, rectified.inputs, rectified.motion)
-
-    def _feedback(self, model: Model, desired: Floats) -> Floats:
-        """Gains of the regulator about the planned motion."""
-        law = self._law
-        if law.feedback == "none":
-            return np.zeros((len(desired) - 1, 2, 3))
-        weights = [law.feedback_position**-2, law.feedback_heading**-2]
-        return feedback_gains(
-            desired,
-            model.distance_gain,
-            model.turn_gain,
-            np.tile(weights, (len(desired), 1)),
-            law.input_change**-2,
+            start = np.mean(self._starts, axis=0) if self._starts else self._target[0]
+        way_in = self._way_in(motor, start)
+        found = motor_plan(
+            motor,
+            way_in.poses,
+            start,
+            self._learned.beside,
+            reference.sample_time,
+            law.lead,
+            self._speed_limit,
+            law.squared_weights,
+            _FREE,
         )
+        left, right = found.inputs.T.copy()
+        plan = NormOptimalPlan(
+            left,
+            right,
+            found.poses,
+            merge_sample=self._merged(found.poses),
+            settled=way_in.settled and found.settled,
+        )
+        if law.feedback == "regulator":
+            rates = self._rates(found.inputs)
+            feedback = regulator(motor, found.inputs, found.poses, reference, *rates)
+            plan = replace(plan, feedback=feedback)
+        self._plan = plan
+        return plan
 
+    def _merged(self, poses: Floats) -> int | None:
+        """First sample from which a motion stays on the trajectory."""
+        away = np.hypot(*(poses - self._target)[:, :2].T) > MERGED
+        if away[-1]:
+            return None
+        return int(np.flatnonzero(away)[-1]) + 1 if away.any() else 0
 
-def _same(one: Robot, other: Robot) -> bool:
-    """Whether two beliefs are of the same platform, as far as learning goes."""
-    radius = abs(one.wheel_radius / other.wheel_radius - 1)
-    return max(radius, abs(one.half_track / other.half_track - 1)) <= _ANOTHER
+    def _rates(self, inputs: Floats) -> tuple[float, float]:
+        """The bandwidths of the feedback about a plan, see `bandwidths`."""
+        limit = self._speed_limit if self._speed_limit < _LIMIT else float(np.abs(inputs).max())
+        motor, sample_time = self._belief.motor, self._reference.sample_time
+        if not self._seen:
+            untold = min(_UNTOLD, _UNTOLD_SHARE * self._reference.samples * sample_time)
+            motor = motor._replace(delay=motor.delay + untold)
+        return bandwidths(motor, self._noise_with_drift(inputs), sample_time, limit)
+
+    def _noise_with_drift(self, inputs: Floats) -> Noise:
+        """The noise, and what else takes a pass elsewhere: its own start, and what is unsure.
+
+        What is off by a variance over n samples is answered best as fast as a walk that adds an
+        n-th of it in each.
+        """
+        belief, noise = self._belief, self._belief.noise
+        starts = np.array(self._starts) if self._starts else self._target[:1]
+        middle = starts.mean(axis=0) if len(starts) > 1 else self._target[0]
+        x, y, heading = np.square(starts - middle).sum(axis=0) / max(len(starts) - 1, 1)
+        way, turn = belief.drift(inputs, self._reference.sample_time)
+        n = len(inputs)
+        return noise._replace(
+            ahead=noise.ahead + (max(x, y) + way) / n,
+            left=noise.left + max(x, y) / n,
+            turn=noise.turn + (heading + turn) / n,
+        )

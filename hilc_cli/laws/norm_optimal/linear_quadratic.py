@@ -1,4 +1,4 @@
-"""A linear quadratic problem along a motion as an object, and the regulator that it gives."""
+"""A linear quadratic problem along a motion as an object."""
 
 from __future__ import annotations
 
@@ -235,32 +235,6 @@ class LinearQuadratic:
     def moved(self, changes: Floats) -> Floats:
         """How c, shape (n, 2), changes the motion: d, shape (n + 1, 3)."""
         return linear_motion(self.motion, changes)  # type: ignore[no-any-return]
-
-
-def feedback_gains(
-    poses: Floats,
-    distance_gain: float,
-    turn_gain: float,
-    pose_weights: Floats,
-    input_weight: float,
-) -> Floats:
-    """Gains of the linear quadratic regulator about a motion.
-
-    Args:
-        poses: The motion, shape (n + 1, 3).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
-        pose_weights: w and w_h, shape (n + 1, 2).
-        input_weight: Weight of each wheel's change.
-
-    Returns:
-        K(k), to be multiplied by desired less measured pose, shape (n, 2, 3).
-    """
-    n = len(poses) - 1
-    gains, inverses = np.empty((n, 2, 3)), np.empty((n, 3))
-    motion = linearised(poses, distance_gain, turn_gain)
-    factorised(motion, pose_weights, np.full((n, 2), input_weight), gains, inverses)
-    return gains
 
 
 def linearised(poses: Floats, distance_gain: float, turn_gain: float) -> Linearised:

@@ -43,7 +43,8 @@ class Filtered(NamedTuple):
     """What the filter says.
 
     Attributes:
-        white: Innovations by their standard deviation, shape (n, 3).
+        white: Innovations ahead, to the left and in turning, by their standard deviation, shape
+            (n, 3).
         log_likelihood: Of the readings, without constants.
         states: Poses given the readings so far, shape (n + 1, 3); of sample 0 alone if not kept.
         covariances: Of their errors, shape (n + 1, 3, 3).
@@ -120,19 +121,24 @@ def _filtered(
         if keep:
             foreseen[k + 1, 0], foreseen[k + 1, 1], foreseen[k + 1, 2] = x, y, heading
             put(foreseen_covariances[k + 1], xx, xy, xh, yy, yh, hh)
-        # L L' is the innovation's covariance, w the innovation by it, and G = P L'^-1.
-        l00 = math.sqrt(xx + noise.position)
-        l10, l20 = xy / l00, xh / l00
-        l11 = math.sqrt(yy + noise.position - l10 * l10)
-        l21 = (yh - l20 * l10) / l11
+        # The innovation ahead, to the left and in turning: S = L L' is its covariance there, w the
+        # innovation by L, and G = P M' L'^-1 with M, which turns x and y into ahead and left.
+        ahead_x, ahead_y, ahead_h = xx * cos + xy * sin, xy * cos + yy * sin, xh * cos + yh * sin
+        left_x, left_y, left_h = xy * cos - xx * sin, yy * cos - xy * sin, yh * cos - xh * sin
+        l00 = math.sqrt(ahead_x * cos + ahead_y * sin + noise.position)
+        l10, l20 = (left_x * cos + left_y * sin) / l00, ahead_h / l00
+        l11 = math.sqrt(left_y * cos - left_x * sin + noise.position - l10 * l10)
+        l21 = (left_h - l20 * l10) / l11
         l22 = math.sqrt(max(hh + noise.heading - l20 * l20 - l21 * l21, 1e-300))
-        w0 = (measured[k + 1, 0] - x) / l00
-        w1 = (measured[k + 1, 1] - y - l10 * w0) / l11
+        off_x, off_y = measured[k + 1, 0] - x, measured[k + 1, 1] - y
+        w0 = (off_x * cos + off_y * sin) / l00
+        w1 = (off_y * cos - off_x * sin - l10 * w0) / l11
         w2 = (measured[k + 1, 2] - heading - l20 * w0 - l21 * w1) / l22
         white[k, 0], white[k, 1], white[k, 2] = w0, w1, w2
         likelihood -= (w0 * w0 + w1 * w1 + w2 * w2) / 2 + math.log(l00 * l11 * l22)
-        gx0, gy0, gh0 = xx / l00, xy / l00, xh / l00
-        gx1, gy1, gh1 = (xy - l10 * gx0) / l11, (yy - l10 * gy0) / l11, (yh - l10 * gh0) / l11
+        gx0, gy0, gh0 = ahead_x / l00, ahead_y / l00, ahead_h / l00
+        gx1, gy1 = (left_x - l10 * gx0) / l11, (left_y - l10 * gy0) / l11
+        gh1 = (left_h - l10 * gh0) / l11
         gx2 = (xh - l20 * gx0 - l21 * gx1) / l22
         gy2 = (yh - l20 * gy0 - l21 * gy1) / l22
         gh2 = (hh - l20 * gh0 - l21 * gh1) / l22
@@ -161,6 +167,23 @@ def run_filter(
     return Filtered(*filtered(measured, steps, lead, noise, keep))
 
 
+def _carried_back(poses: Floats, foreseen: Floats, gains: Floats) -> None:
+    """Changes filtered poses into smoothed ones, from the last one back.
+
+    Args:
+        poses: Filtered, shape (n + 1, 3); gets the smoothed ones.
+        foreseen: Given the readings before, shape (n + 1, 3).
+        gains: What a change of the next pose is worth, shape (n, 3, 3).
+    """
+    for k in range(len(gains) - 1, -1, -1):
+        for i in range(3):
+            for j in range(3):
+                poses[k, i] += (poses[k + 1, j] - foreseen[k + 1, j]) * gains[k, j, i]
+
+
+carried_back = cached(_carried_back)
+
+
 def smoothed_poses(pass_: Filtered) -> Floats:
     """Returns the likeliest poses given all readings of a pass, shape (n + 1, 3).
 
@@ -179,6 +202,5 @@ def smoothed_poses(pass_: Filtered) -> Floats:
     correlations = foreseen / (scales[:, :, None] * scales[:, None, :])
     back = np.linalg.solve(correlations, across / scales[:, :, None])
     back /= scales[:, :, None]
-    for k in range(len(dx) - 1, -1, -1):
-        poses[k] += (poses[k + 1] - pass_.foreseen[k + 1]) @ back[k]
+    carried_back(poses, pass_.foreseen, back)
     return poses

@@ -131,7 +131,7 @@ def rectified_reference(
         start: Pose from which the platform starts, shape (3,).
         model: The platform.
         h: Sample from which on it shall be on the trajectory, >= 1.
-        weights: Of a squared position error, heading error and wheel speed in learning.
+        weights: Of a squared position error, heading error and wheel speed.
     """
     position, heading, wheel = weights
     n = len(trajectory) - 1

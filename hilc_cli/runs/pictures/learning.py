@@ -222,7 +222,7 @@ def learning_figure(runs: Sequence[RunData], look: Look = USUAL) -> Figure:
         who = labels.run_labels(runs)[0] if len(runs) == 1 else f"these {len(runs)} runs"
         raise UsageError(
             f"there is no picture 'learning' of {who}: nothing is told of what was learned; "
-            "law norm-optimal with 'identify: true' tells wheel radius and half track"
+            "law norm-optimal tells what it identifies of the robot"
         )
     left_out = len(runs) - len(telling)
     notes = [f"{left_out} of {len(runs)} runs tell nothing"] if left_out else []

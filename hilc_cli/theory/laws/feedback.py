@@ -293,7 +293,8 @@ def way_findings(loop: TrackingLoop, found: TrackingResponse) -> Findings:
         "start nearer, raise controller.gains, or make the path longer",
         hopeless=found.way.off >= found.unlearned_m / CLEARLY,
     )
-    return Findings(late.failures)  # errors that fall by and by are late, and nothing to mind
+    # Errors that fall by and by are late, and nothing to mind.
+    return late if found.way.joins is None else Findings(late.failures)
 
 
 def _along_the_path(found: TrackingLoop, response: TrackingResponse) -> tuple[list[str], list[str]]:

@@ -27,7 +27,7 @@ from hilc_cli.theory.reach import (
 )
 
 if TYPE_CHECKING:
-    from hilc_cli.laws.norm_optimal.learner import OptimalPlan
+    from hilc_cli.laws.norm_optimal.learner import NormOptimalPlan
 
 _LATE = 2  # samples behind h that nobody minds
 _ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
@@ -110,7 +110,7 @@ def merging(experiment: Experiment, law: NormOptimalLaw) -> Merging:
     )
 
 
-def _away(experiment: Experiment, law: NormOptimalLaw, plan: OptimalPlan) -> Floats:
+def _away(experiment: Experiment, law: NormOptimalLaw, plan: NormOptimalPlan) -> Floats:
     """Returns how far the motion that learning leads to is from the trajectory [m], shape (n + 1,).
 
     Where that is too fast for the wheels, from what the law makes of it from its own start.

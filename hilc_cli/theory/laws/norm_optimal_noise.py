@@ -1,31 +1,33 @@
-"""The last iteration of the norm-optimal law, with disturbances and on a wrong model.
+"""The last iteration of the norm-optimal law, with disturbances.
 
-Disturbed passes are followed about the motion that the law means to drive.
-Learning takes away what the model does not explain of the iterations before, but what it takes for
-that has their noise in it, too. With d the pose less the planned one, the plant and the regulator
-linearised along the reference,
+Disturbed passes are followed about the motion that the law means to drive. With d the pose less the
+planned one, the plant and the regulator linearised along the reference,
 
-    d(k+1) = A_k d(k) - B_k K_k [d(k) + alpha(k)] + beta(k) - beta'(k) - [a(k+1) - A_k a(k)],
+    d(k+1) = A_k d(k) - B_k K_k [d(k) + alpha(k)] + beta(k) - beta'(k)
+             - [a(k+1) - A_k a(k)] - p(k),
 
-d(0) = s - s' - a(0). Dashes are the mean of the iterations that are remembered, s the start, and a
-what is left of their readings' noise after smoothing. The plan itself starts at s' + a(0), where it
-takes the platform to be, and is on the trajectory at sample h.
+d(0) = s - s' - a(0). Dashes are what has come back in each of the iterations before and is
+therefore allowed for, s the start, a what is left of readings that are off the same way each time
+after smoothing, and p what comes of a robot that is identified with an error. The plan itself
+starts at s' + a(0), where it takes the platform to be, and is on the trajectory at sample h.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import simulate
-from hilc_cli.errors import DivergedError
+from hilc_cli.laws.law import WheelController
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
-from hilc_cli.plants.kinematic import feedforward, step_gains
+from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.theory.findings import ExpectedError, active_sources, expected_of_seeds, extent
+from hilc_cli.theory.findings import ExpectedError, expected_of_seeds, extent
 from hilc_cli.theory.learning.outcome import FAILED, Outcome, Prospects, predicted_outcome
 from hilc_cli.theory.matrices import linearise, starts_off
 from hilc_cli.theory.noise import (
@@ -41,49 +43,55 @@ from hilc_cli.theory.noise import (
 )
 
 if TYPE_CHECKING:
-    from hilc_cli.laws.norm_optimal.learner import OptimalPlan
+    from hilc_cli.laws.norm_optimal.identification import MotorBelief
+    from hilc_cli.laws.norm_optimal.learner import NormOptimalPlan
 
 _WITHIN = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
-_PLANS = 3  # updates after which the plan of a platform that is known hardly changes
-_FEW_PASSES = 4
-"""Iterations up to which the law itself is run: later ones have identified the platform."""
-_FEWER_PASSES = 2
-"""What more of them leave is taken from so many."""
-_MOST_LEARNED = 6000
-"""Samples of all iterations that are run for each seed, in some 5 s."""
-_TOO_LONG = "what noise makes of identification is not followed over so many samples"
-_OTHER_SEEDS = 2**63  # than anybody takes
+_TOLD = 3  # passes that tell what comes back in each
 
 
-def planned_motion(experiment: Experiment, law: NormOptimalLaw) -> OptimalPlan:
+def planned_motion(experiment: Experiment, law: NormOptimalLaw) -> NormOptimalPlan:
     """Returns the motion that learning leads to, within the limit and without disturbances."""
     from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner  # the compiler starts slowly
 
-    known = replace(law, model=experiment.robot)
+    known = replace(law, model=experiment.robot, drivetrain=None)
     learner = NormOptimalLearner(known, experiment.reference, experiment.speed_limit)
-    start = np.array(experiment.initial_pose)
-    for _ in range(_PLANS):
-        plan = learner.plan(start)
-    return plan
+    return learner.plan(np.array(experiment.initial_pose))
+
+
+def _moving_passes(experiment: Experiment) -> int:
+    """Returns how many iterations before the last one have told anything of the robot."""
+    rests = not np.any([experiment.initial_left, experiment.initial_right])
+    return experiment.iterations - (rests and not experiment.learn_in_first)
 
 
 def noisy_passes(
-    experiment: Experiment, law: NormOptimalLaw, plan: OptimalPlan, seeds: int
+    experiment: Experiment, law: NormOptimalLaw, plan: NormOptimalPlan, seeds: int
 ) -> Passes:
     """Returns the last iteration of many seeds, the first of which is not disturbed.
 
     The plan is what learning leads to, of which the experiment has at least one update.
     """
+    from hilc_cli.laws.norm_optimal.learner import MEMORY  # the compiler starts slowly
+
     n, draws = experiment.reference.samples, DisturbanceDraws(experiment.disturbance, seeds)
-    memory = min(law.memory if law.identify else 1, experiment.iterations)
+    memory = min(experiment.iterations, MEMORY)
+    belief = _belief(experiment, law, plan)
     nothing = np.zeros((n + 1, 3, seeds))
     start_before = _mean(draws.start, 1, memory, nothing[:1])[0]
-    state_before = _mean(draws.state, n, memory, nothing[1:])
-    left = _smoothed(experiment, _mean(draws.output, n + 1, memory, nothing))
+    state_before, left = nothing[1:], nothing
+    if experiment.disturbance.state.repeat and memory >= _TOLD:
+        state_before = _mean(draws.state, n, 1, state_before)
+    if experiment.disturbance.output.active:
+        left = _smoothed(law, plan, belief, _mean(draws.output, n + 1, memory, nothing))
+        if not experiment.disturbance.output.repeat:
+            left[1:] = 0.0
     start, state, output = draws.start.drawn(1), draws.state.drawn(n), draws.output.drawn(n + 1)
 
     plant = linearise(experiment)
-    pushed = -state_before - left[1:] + np.ascontiguousarray(plant.states) @ left[:-1]
+    pushed = -state_before - _misled(experiment, law, plan, belief, seeds)
+    if experiment.disturbance.output.repeat:
+        pushed += np.ascontiguousarray(plant.states) @ left[:-1] - left[1:]
     if state is not None:
         pushed = pushed + state
     away = (0.0 if start is None else start[0]) - start_before - left[0]
@@ -91,7 +99,8 @@ def noisy_passes(
     deviation = np.empty((n + 1, 3, seeds))
     deviation[0] = away
     inputs = np.stack([plan.left, plan.right], axis=1)[:, :, None]
-    gains, applied, held = _gains(experiment, law, plan), np.empty((n, 2, seeds)), np.zeros(seeds)
+    gains = _gains(experiment, law, plan, belief)
+    applied, held = np.empty((n, 2, seeds)), np.zeros(seeds)
     for k in range(n):
         now = deviation[k]
         seen = now if output is None else now + output[k]
@@ -111,22 +120,6 @@ def noisy_passes(
     return Passes(furthest, changes_beside_first(applied), held / n)
 
 
-def _gains(experiment: Experiment, law: NormOptimalLaw, plan: OptimalPlan) -> Floats:
-    """Returns the gains of the regulator, for the believed platform where it stays as it is."""
-    from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains
-
-    if law.identify or law.feedback == "none":
-        return plan.feedback
-    weights = [law.feedback_position**-2, law.feedback_heading**-2]
-    model = law.model
-    return feedback_gains(
-        plan.poses,
-        *step_gains(model.wheel_radius, model.signed_half_track, experiment.reference.sample_time),
-        np.tile(weights, (len(plan.poses), 1)),
-        law.input_change**-2,
-    )
-
-
 def _mean(source: NoiseDraws, samples: int, memory: int, nothing: Floats) -> Floats:
     """Returns the mean of what is drawn for some iterations."""
     total = nothing
@@ -138,107 +131,157 @@ def _mean(source: NoiseDraws, samples: int, memory: int, nothing: Floats) -> Flo
     return total / memory
 
 
-def _smoothed(experiment: Experiment, noise: Floats) -> Floats:
-    """Returns what the law's smoother leaves of the readings' noise, shape (n + 1, 3, seeds)."""
-    from hilc_cli.laws.norm_optimal.local_level import smoothed  # the compiler starts slowly
+def _belief(experiment: Experiment, law: NormOptimalLaw, plan: NormOptimalPlan) -> MotorBelief:
+    """Returns what the law believes of the robot and of the noise once it has seen some passes."""
+    from hilc_cli.laws.norm_optimal.identification import (
+        Identification,
+        MotorBelief,
+        Pass,
+    )  # the compiler starts slowly
+    from hilc_cli.laws.norm_optimal.motion_filter import Noise
+    from hilc_cli.laws.norm_optimal.motor import Motor
 
-    disturbance = experiment.disturbance
-    if not disturbance.output.active:
-        return noise
+    robot, reference = experiment.robot, experiment.reference
+    radius, half_track = robot.wheel_radius, robot.signed_half_track
+    given = experiment.disturbance
+    x, y, turn = deviations(given.state)
+    read_x, read_y, read_heading = deviations(given.output)
+    motion, position = (x * x + y * y) / 2, (read_x**2 + read_y**2) / 2
+    identification = Identification(reference.sample_time, law.lead, reference.size + 1e-3)
+    noise = identification.quietest(Noise(motion, motion, turn**2, position, read_heading**2))
+    belief = MotorBelief.at_first(Motor(radius, radius, half_track, 0.0, 0.0, 0.0), noise)
+    told = max(1, _moving_passes(experiment))
+    like = Pass(plan.poses, np.stack([plan.left, plan.right], axis=1))
+    return replace(belief, covariance=identification.expected_covariance(belief, like, told))
+
+
+def _misled(
+    experiment: Experiment,
+    law: NormOptimalLaw,
+    plan: NormOptimalPlan,
+    belief: MotorBelief,
+    seeds: int,
+) -> Floats:
+    """Returns what is driven otherwise since the robot is identified with an error, (n, 3, seeds).
+
+    Of the first seed nothing, and without noise of any.
+    """
+    given, n = experiment.disturbance, experiment.reference.samples
+    if not (given.state.active or given.output.active):
+        return np.zeros((n, 3, seeds))
+    random = np.random.default_rng(4)
+    values, vectors = np.linalg.eigh(belief.covariance)
+    roots = vectors * np.sqrt(values.clip(min=0.0))
+    errors = roots @ random.standard_normal((len(values), seeds))
+    errors[:, 0] = 0.0
+    inputs = np.stack([plan.left, plan.right], axis=1)
+    ahead, turn = np.moveaxis(
+        belief.step_slopes(inputs, experiment.reference.sample_time) @ errors, 1, 0
+    )
+    heading = plan.poses[:-1, 2] + law.lead * np.diff(plan.poses[:, 2])
+    cos, sin = np.cos(heading)[:, None], np.sin(heading)[:, None]
+    return np.stack([ahead * cos, ahead * sin, turn], axis=1)
+
+
+def _gains(
+    experiment: Experiment, law: NormOptimalLaw, plan: NormOptimalPlan, belief: MotorBelief
+) -> Floats:
+    """Returns what the regulator makes of a pose that is off the plan, shape (n, 2, 3)."""
+    from hilc_cli.laws.norm_optimal.pose_regulator import (
+        bandwidths,
+        regulator,
+    )  # the compiler starts slowly
+
+    reference, n = experiment.reference, experiment.reference.samples
+    if law.feedback == "none":
+        return np.zeros((n, 2, 3))
+    inputs = np.stack([plan.left, plan.right], axis=1)
+    limit = experiment.speed_limit
+    limit = limit if math.isfinite(limit) else float(np.abs(inputs).max())
+    start = experiment.disturbance.initial_pose
+    x, y, heading = (0.0, 0.0, 0.0) if start.repeat else deviations(start)
+    way, turn = belief.drift(inputs, reference.sample_time)
+    apart, noise = max(x, y) ** 2, belief.noise
+    noise = noise._replace(
+        ahead=noise.ahead + (apart + way) / n,
+        left=noise.left + apart / n,
+        turn=noise.turn + (heading**2 + turn) / n,
+    )
+    rates = bandwidths(belief.motor, noise, reference.sample_time, limit)
+    return _linear(regulator(belief.motor, inputs, plan.poses, reference, *rates), plan, n)
+
+
+def _linear(controller: WheelController, plan: NormOptimalPlan, n: int) -> Floats:
+    """Returns the gains of a controller that is linear in the errors, shape (n, 2, 3)."""
+    gains = np.empty((n, 2, 3))
+    for k, heading in enumerate(plan.poses[:-1, 2].tolist()):
+        cos, sin = math.cos(heading), math.sin(heading)
+        none = np.array(controller(k, cos, sin, 0.0, 0.0, 0.0))
+        for axis, unit in enumerate(np.eye(3).tolist()):
+            gains[k, :, axis] = np.array(controller(k, cos, sin, *unit)) - none
+    return gains
+
+
+def _smoothed(
+    law: NormOptimalLaw, plan: NormOptimalPlan, belief: MotorBelief, noise: Floats
+) -> Floats:
+    """Returns what the law's smoother leaves of the readings' noise, shape (n + 1, 3, seeds)."""
+    from hilc_cli.laws.norm_optimal.motion_filter import (
+        run_filter,
+        smoothed_poses,
+    )  # the compiler starts slowly
+    from hilc_cli.laws.norm_optimal.motor import body_steps
+
+    steps = body_steps(plan.poses, law.lead)[:, [0, 2]]
     found = np.empty_like(noise)
-    pairs = zip(deviations(disturbance.state), deviations(disturbance.output), strict=True)
-    for axis, (drift, reading) in enumerate(pairs):
-        both = drift**2 + reading**2
-        share = drift**2 / both if both else 0.0
-        for seed in range(noise.shape[2]):
-            found[:, axis, seed] = smoothed(np.ascontiguousarray(noise[:, axis, seed]), share)[0]
+    for seed in range(noise.shape[2]):
+        measured = plan.poses + noise[:, :, seed]
+        kept = run_filter(measured, steps, law.lead, belief.noise, keep=True)
+        found[:, :, seed] = smoothed_poses(kept) - plan.poses
     return found
 
 
 def expected_of_norm_optimal(
-    experiment: Experiment, law: NormOptimalLaw, iteration_leaves: float
+    experiment: Experiment, law: NormOptimalLaw
 ) -> tuple[ExpectedError, Outcome, WheelNoise | None]:
-    """Returns the error to be expected, what comes of learning, and the noise of the wheels.
-
-    An iteration leaves so large a share of an error because its model is wrong.
-    """
+    """Returns the error to be expected, what comes of learning, and the noise of the wheels."""
     plan = planned_motion(experiment, law)
     away: Floats = np.hypot(*(plan.poses - experiment.reference.poses)[:, :2].T)
     planned = float(away.max())
     first = planned if experiment.learn_in_first else open_loop_error(experiment)
     if experiment.iterations == 0:
         return ExpectedError(first, first, first), Outcome.NOTHING, None
-    left = min(iteration_leaves, 1.0) ** experiment.iterations
-    final = planned + first * left
-    outcome = _halved(experiment, law, away, left)
-    run = min(experiment.iterations, _FEW_PASSES)
-    is_too_long = experiment.reference.samples * (run + 1) > _MOST_LEARNED
-
+    if _moving_passes(experiment) == 0:
+        # Nothing was told of the robot: what comes of the belief itself is quickly seen.
+        *_, last = simulate(replace(experiment, disturbance=Disturbance()))
+        reference = experiment.reference
+        away = np.hypot(reference.x - last.x, reference.y - last.y)
+    final = float(away.max())
+    outcome = _halved(experiment, law, away)
     together = noisy_passes(experiment, law, plan, SEEDS)
 
-    def known(part: Experiment) -> Floats:
+    def passes(part: Experiment) -> Floats:
         found = together if part is experiment else noisy_passes(part, law, plan, SEEDS)
         return found.position_m + (final - planned)
 
-    def passes(part: Experiment) -> Floats:
-        # Readings are what identification goes wrong by; all noise together has the last word.
-        is_spoiled = part.disturbance.output.active or part is experiment
-        if not (law.identify and is_spoiled) or is_too_long:
-            return known(part)
-        if part.iterations <= _FEW_PASSES:
-            return _few_passes(part, final)
-        # What is identified wrong falls with the root of the passes.
-        few = replace(part, iterations=_FEWER_PASSES)
-        beyond = max(0.0, _few_passes(few, final).max() ** 2 - known(few).max() ** 2)
-        left = beyond * _FEWER_PASSES / part.iterations
-        errors = known(part)
-        return np.append(errors[:1], np.sqrt(errors[1:] ** 2 + left))
-
-    is_unsure = is_too_long and law.identify and experiment.disturbance.output.active
-    unsure = _TOO_LONG if is_unsure else None
-    found = expected_of_seeds(experiment, first, final, passes(experiment), passes, unsure)
+    found = expected_of_seeds(experiment, first, final, passes(experiment), passes, None)
     return found, outcome, WheelNoise.of_seeds(together.change_rad_s, together.at_limit)
 
 
-def _few_passes(experiment: Experiment, final: float) -> Floats:
-    """Returns errors of the last of few iterations, shape (seeds,), as the law learns in them [m].
-
-    What it has identified from few noisy passes is off, which nothing but the law itself tells.
-
-    Args:
-        experiment: With its disturbances.
-        final: Without them [m], of the first of the seeds.
-    """
-    reference, given = experiment.reference, experiment.disturbance
-    found = np.full(SEEDS, final)
-    if not active_sources(given):
-        return found
-    for seed in range(1, SEEDS):
-        seeded = replace(given, seed=_OTHER_SEEDS + seed)
-        try:
-            *_, last = simulate(replace(experiment, disturbance=seeded))
-        except DivergedError:
-            return np.append(found[:-1], np.inf)
-        found[seed] = np.hypot(reference.x - last.x, reference.y - last.y).max()
-    return found
-
-
-def _halved(experiment: Experiment, law: NormOptimalLaw, away: Floats, left: float) -> Outcome:
+def _halved(experiment: Experiment, law: NormOptimalLaw, away: Floats) -> Outcome:
     """Returns what comes of learning towards a motion, by the rule of all laws that learn.
 
     Args:
         experiment: The experiment.
         law: Its law.
         away: Distance of the motion that learning leads to from the trajectory [m].
-        left: Share of the error of iteration 0 that is left in the last one.
     """
     # Where iteration 0 runs the law, learning is held against what there is without it.
     inputs = feedforward(experiment.reference, law.model) if experiment.learn_in_first else None
     first, planned = open_loop_errors(experiment, inputs), away
     if starts_off(experiment):  # as runs are judged
         first, planned = first[len(first) // 2 :], planned[len(planned) // 2 :]
-    before = float(first.max())
-    errors = np.array([before, float(planned.max()) + left * before])
+    errors = np.array([float(first.max()), float(planned.max())])
     found = predicted_outcome(Prospects(errors, np.zeros(0), extent(experiment)))
     # A motion that is further off at one place is so for its squares' sake.
     return Outcome.DOES_NOT_LEARN if found in FAILED else found

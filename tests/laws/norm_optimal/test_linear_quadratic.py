@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_are
 
-from hilc_cli.laws.norm_optimal.linear_quadratic import feedback_gains, linearised
+from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic, linearised
 from hilc_cli.reference.sampled import Floats
 from tests.laws.norm_optimal.problems import (
     DISTANCE_GAIN,
@@ -16,6 +16,19 @@ from tests.laws.norm_optimal.problems import (
     random_motion,
     random_problem,
 )
+
+
+def gains_about(poses: Floats, pose_weights: Floats, input_weight: float) -> Floats:
+    """The feedback that belongs to the best changes about a motion."""
+    n = len(poses) - 1
+    problem = LinearQuadratic(
+        linearised(poses, DISTANCE_GAIN, TURN_GAIN),
+        pose_weights,
+        np.full((n, 2), input_weight),
+        np.zeros((n + 1, 3)),
+        np.zeros((n, 2)),
+    )
+    return problem.solution(problem.input_weights, problem.input_slopes)[1]
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -59,7 +72,7 @@ def test_first_gain_minimises_the_dense_cost() -> None:
     random = np.random.default_rng(8)
     poses = random_motion(random, 12)
     pose_weights = random.uniform([1e3, 1.0], [1e5, 1e2], (13, 2))
-    gains = feedback_gains(poses, DISTANCE_GAIN, TURN_GAIN, pose_weights, 0.01)
+    gains = gains_about(poses, pose_weights, 0.01)
     matrix, weights = lifted(poses, DISTANCE_GAIN, TURN_GAIN), diagonal(pose_weights)
     # A pose that is off at the start is off by this much at the samples 1 to n.
     off = np.array([0.1, -0.2, 0.05])
@@ -76,7 +89,7 @@ def test_gains_on_a_long_straight_line_are_those_of_infinite_time() -> None:
     n, step = 400, 0.2
     poses = np.stack([step * np.arange(n + 1), np.zeros(n + 1), np.zeros(n + 1)], axis=1)
     pose_weights = np.tile([1e4, 10.0], (n + 1, 1))
-    gains = feedback_gains(poses, DISTANCE_GAIN, TURN_GAIN, pose_weights, 0.01)
+    gains = gains_about(poses, pose_weights, 0.01)
     a = np.array([[1, 0, 0], [0, 1, step], [0, 0, 1.0]])
     b = np.array([[DISTANCE_GAIN] * 2, [0, 0], [TURN_GAIN, -TURN_GAIN]])
     q, r = np.diag([1e4, 1e4, 10.0]), 0.01 * np.eye(2)
@@ -85,7 +98,7 @@ def test_gains_on_a_long_straight_line_are_those_of_infinite_time() -> None:
 
 
 def test_standing_platform_has_no_gain_on_what_is_beside_it() -> None:
-    gains = feedback_gains(np.zeros((6, 3)), DISTANCE_GAIN, TURN_GAIN, np.ones((6, 2)), 1.0)
+    gains = gains_about(np.zeros((6, 3)), np.ones((6, 2)), 1.0)
     assert np.all(gains[:, :, 1] == 0)
 
 

@@ -10,7 +10,6 @@ import pytest
 
 from hilc_cli.laws.norm_optimal import (
     linear_quadratic,
-    local_level,
     motion_filter,
     motor,
     motor_quadratic,
@@ -28,7 +27,6 @@ GAINS, INVERSES = (
 )
 POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
-READINGS, KNOWN = np.cumsum(RANDOM.normal(0, 1, (2, 40)), axis=1)
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
 STATES, CONTROLS = RANDOM.normal(0, 0.5, (N, 7, 7)), RANDOM.normal(0, 0.5, (N, 7, 2))
 GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
@@ -65,7 +63,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (POSES[0], INPUTS, POSES, FEEDBACK, MODEL),
     ),
     "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, MODEL)),
-    "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 0.01)),
+    "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 900.0, 0.01)),
     "moved": (motor.moved, (POSES[0], INPUTS / 100, DRIFT, 0.5)),
     "pose filter": (
         motion_filter.filtered,
@@ -73,7 +71,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "linearised": (
         motor_quadratic.linearised,
-        (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5), 0.01, 0.5),
+        (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), 0.01, 0.5),
     ),
     **{
         code.py_func.__name__: (code, (STATES, CONTROLS, *arguments))
@@ -84,8 +82,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
             (motor_quadratic.input_derivatives, (POSES,)),
         )
     },
-    "filtered": (local_level.filtered, (READINGS, KNOWN, 0.2)),
-    "smoothed": (local_level.smoothed, (READINGS, 0.2)),
+    "smoother": (motion_filter.carried_back, (POSES, POSES + 0.1, STATES[:, :3, :3])),
 }
 
 

@@ -36,7 +36,6 @@ ROW = re.compile(r"^\| (`[^|]*`) \| ([^|]+) \| [^|]* \| [^|]* \|$", re.MULTILINE
         ("disturbance.state.bound.2", "rad"),
         ("disturbance.state.bound.7", ""),
         ("sweep.seed", ""),
-        ("controller.identify", ""),
         ("controller.gains.kp", ""),
         ("iterations", ""),
         ("0", ""),
@@ -76,26 +75,26 @@ def test_units_are_those_of_the_pages_of_the_laws() -> None:
         for keys, unit in ROW.findall(page.read_text(encoding="utf-8"))
         for key in re.findall(r"`([a-z_0-9.]+)`", keys)
     }
-    assert len(units) >= 20
+    assert len(units) >= 19
     for key, unit in units.items():
         assert unit_of(key) == ("" if unit == "-" else unit.replace("^2", "²")), key
 
 
-WEIGHTS, FEEDBACK = "controller.weights", "controller.feedback_weights"
+WEIGHTS = "controller.weights"
 
 
 def test_labels_side_by_side_break_at_dots_and_before_units() -> None:
-    keys = [f"{WEIGHTS}.input_change", f"{WEIGHTS}.position", f"{FEEDBACK}.position", HEADING, L1]
+    keys = ["controller.b_w", f"{WEIGHTS}.position", "initial_pose.position", HEADING, L1]
     assert key_labels_in_lines(keys, 19) == {
-        f"{WEIGHTS}.input_change": "input_change\n[rad/s]",
+        "controller.b_w": "b_w [rad/s]",
         f"{WEIGHTS}.position": "weights.\nposition [m]",
-        f"{FEEDBACK}.position": "feedback_weights.\nposition [m]",
+        "initial_pose.position": "initial_pose.\nposition [m]",
         HEADING: "gain_heading",
         L1: "l1",
     }
-    keys = [f"{FEEDBACK}.heading", "robot.wheel_radius", "model.wheel_radius"]
+    keys = [f"{WEIGHTS}.heading", "robot.wheel_radius", "model.wheel_radius"]
     assert key_labels_in_lines(keys, 19) == {
-        f"{FEEDBACK}.heading": "heading [rad]",
+        f"{WEIGHTS}.heading": "heading [rad]",
         "robot.wheel_radius": "robot.\nwheel_radius [m]",
         "model.wheel_radius": "model.\nwheel_radius [m]",
     }
