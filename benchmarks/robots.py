@@ -75,7 +75,9 @@ class Machine:
             if k == samples:
                 break
             sent[k] = np.clip(answer(k, measured[k]), -LIMIT, LIMIT)
-            grip = 1 - self.slip + self.random_slip * random.normal(size=2)
+            grip = np.full(2, 1 - self.slip)
+            if self.random_slip > 0:
+                grip += self.random_slip * random.normal(size=2)
             for part in range(STEPS):
                 # The command whose time has come in the middle of this step.
                 arrived = math.floor((k * STEPS + part + 0.5) / STEPS - self.delay)
@@ -88,18 +90,21 @@ class Machine:
                     angle = command * step + (before - command) * self.lag * (1 - kept)
                     ways.append(angle * self.radii[wheel] * grip[wheel])
                 turn = (ways[1] - ways[0]) / (2 * HALF_TRACK)
-                ahead = (ways[0] + ways[1]) / 2 * float(np.sinc(turn / (2 * math.pi)))
+                chord = 2 * math.sin(turn / 2) / turn if turn else 1.0  # over the arc
+                ahead = (ways[0] + ways[1]) / 2 * chord
                 x += ahead * math.cos(heading + turn / 2)
                 y += ahead * math.sin(heading + turn / 2)
                 heading += turn
         return true, measured, sent
 
     def _reading(self, pose: Floats, random: np.random.Generator) -> Floats:
-        quanta = np.array([self.quantum[0], self.quantum[0], self.quantum[1]])
-        rounded = np.where(
-            quanta > 0, np.round(pose / np.where(quanta > 0, quanta, 1)) * quanta, pose
-        )
-        return np.asarray(rounded + self.noise * random.normal(size=3), dtype=np.float64)
+        read = pose.copy()
+        if self.quantum[0] > 0:
+            quanta = np.array([self.quantum[0], self.quantum[0], self.quantum[1]])
+            read = np.round(pose / quanta) * quanta
+        if self.noise > 0:
+            read += self.noise * random.normal(size=3)
+        return read
 
 
 MACHINES = {
@@ -209,14 +214,14 @@ def errors(
         )
     )
     found, spent = [], 0.0
-    half = reference.samples // 2
+    half, poses = reference.samples // 2, reference.poses
     for number in range(passes + 1):
         began = time.perf_counter()
         control = learning.unlimited_plan().controller(reference)
         spent += time.perf_counter() - began
 
         def answer(k: int, measured: Floats) -> tuple[float, float]:
-            error = reference.poses[k] - measured
+            error = poses[k] - measured
             heading = float(measured[2])
             return control(k, math.cos(heading), math.sin(heading), *error.tolist())  # noqa: B023
 

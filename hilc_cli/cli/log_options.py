@@ -72,7 +72,7 @@ def read_options(
     Raises:
         UsageError: One of them says nothing.
     """
-    from hilc_cli.logs.csv_logs import parse_columns
+    from hilc_cli.logs.log_columns import parse_columns
     from hilc_cli.logs.options import ReadOptions
 
     return ReadOptions(

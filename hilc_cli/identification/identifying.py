@@ -114,8 +114,8 @@ def identify(logs: Sequence[Log], believed: Believed) -> Identification:
         sent, own = _speeds(log, believed, notes)
         measured = measured or own
         drives.append(_drive(log, sent, notes, len(logs)))
-    one_clock = all(log.one_clock for log in logs) and not measured
-    fitted = found_robot(drives, believed.motor, one_clock=one_clock, lag_is_sought=not measured)
+    one_clock = all(log.one_clock for log in logs)
+    fitted = found_robot(drives, believed.motor, one_clock=one_clock, commanded=not measured)
     found = fitted.belief.found_motor
     wheel = "left" if found.half_track > 0 else "right"
     swapped = None if believed.turns_left is None else believed.turns_left != wheel
@@ -126,7 +126,7 @@ def identify(logs: Sequence[Log], believed: Believed) -> Identification:
         )
     start = believed.motor
     return Identification(
-        _estimates(fitted, believed, one_clock=one_clock, measured=measured),
+        _estimates(fitted, believed),
         wheel,
         swapped,
         abs(math.cos(fitted.belief.values[MARKER]) + 1) < 0.5,
@@ -217,9 +217,7 @@ def _way(drive: Drive) -> float:
     return float(np.hypot(np.diff(x), np.diff(y)).sum())
 
 
-def _estimates(
-    fitted: Fitted, believed: Believed, *, one_clock: bool, measured: bool
-) -> dict[str, Estimate]:
+def _estimates(fitted: Fitted, believed: Believed) -> dict[str, Estimate]:
     belief, covariance, errors = fitted.belief, fitted.covariance, fitted.errors
     found = belief.found_motor
 
@@ -264,7 +262,7 @@ def _estimates(
             is_known(TRACK),
         ),
     ]
-    if one_clock:
+    if belief.free[DELAY]:
         rows += [
             Estimate("delay_s", "delay", found.delay, error_of((DELAY, 1.0)), "s", believed.delay,
                      is_known(DELAY)),
@@ -273,12 +271,12 @@ def _estimates(
             Estimate("delay_and_lag_s", "delay and lag together", found.delay + found.lag,
                      error_of((DELAY, 1.0), (LAG, 1.0)), "s"),
         ]  # fmt: skip
-    elif not measured:
+    elif belief.free[LAG]:
         rows.append(
             Estimate("lag_s", "lag", found.lag, error_of((LAG, 1.0)), "s", believed.lag,
                      is_known(LAG))
         )  # fmt: skip
-    if not one_clock:
+    if not belief.free[DELAY]:
         place = len(ROBOT) + OFFSET
         rows.append(
             Estimate("clock_offset_s", "poses later than wheels", float(belief.values[place]),
@@ -324,7 +322,7 @@ def _unknown(fitted: Fitted, *, one_clock: bool, measured: bool) -> list[str]:
         lines.append("delay and lag of the motors: the log has no commands")
     elif not one_clock:
         lines.append("the delay: commands and poses have two clocks")
-    if one_clock and belief.free[LAG]:
+    if belief.free[DELAY] and belief.free[LAG]:
         i, j = DELAY, LAG
         across = fitted.covariance[i, j] / max(errors[i] * errors[j], 1e-300)
         if across < -0.9 and errors[LAG] < _UNKNOWN * SPREAD[LAG]:

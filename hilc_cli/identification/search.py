@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -18,7 +18,6 @@ from hilc_cli.logs.fitting import (
     OF_DRIVE,
     OFFSET,
     ROBOT,
-    TRACK,
     Belief,
     Drive,
     Fitted,
@@ -28,7 +27,7 @@ from hilc_cli.logs.fitting import (
     log_likelihood,
     rough_noise,
 )
-from hilc_cli.logs.start_of_motion import start_heading
+from hilc_cli.logs.start_of_motion import coarse_offset, start_heading
 from hilc_cli.reference.sampled import Floats
 
 SPREAD = np.array([1.5, 0.3, 1.5, 0.5, 0.5, 0.2, 0.5])
@@ -85,20 +84,27 @@ def _rough_rates(drive: Drive) -> tuple[Floats, Floats, Floats]:
 
 
 def found_robot(
-    drives: Sequence[Drive], believed: Motor | None, *, one_clock: bool, lag_is_sought: bool
+    drives: Sequence[Drive], believed: Motor | None, *, one_clock: bool, commanded: bool
 ) -> Fitted:
     """Returns the likeliest robot.
 
     Args:
         drives: What was sent, and what came of it.
         believed: Where the search begins, too.
-        one_clock: Whether commands and readings have one clock, so that the delay can be known;
-            else an offset of clocks is looked for in each drive.
-        lag_is_sought: Whether wheels may be slow, unlike those whose own speeds were measured.
+        one_clock: Whether wheel speeds and readings have one clock, else its offset is looked for.
+        commanded: Whether the wheel speeds were sent, so that wheels may be late and slow; else
+            they were measured.
     """
-    rough = rough_motor(drives)
+    offsets = [0.0 if one_clock else _offset(drive) for drive in drives]
+    setting = _Setting(offsets, has_delay=one_clock and commanded, has_lag=commanded)
+    rough = rough_motor(
+        [
+            replace(drive, command_times=drive.command_times + offset)
+            for drive, offset in zip(drives, offsets, strict=True)
+        ]
+    )
     motors = [rough] if believed is None else [believed, rough]
-    noise = rough_noise(drives, _belief(drives, rough, 0.0, 0.0, one_clock, lag_is_sought))
+    noise = rough_noise(drives, _belief(drives, rough, 0.0, 0.0, setting))
     tolerant = noise._replace(
         ahead=_TOLERANT * noise.ahead, left=_TOLERANT * noise.left, turn=_TOLERANT * noise.turn
     )
@@ -107,7 +113,7 @@ def found_robot(
     for motor, delay, marker in product(motors, _DELAYS, markers):
         for factor, side in product(_TRACKS, (1.0, -1.0)):
             tried = motor._replace(half_track=motor.half_track * factor * side)
-            belief = _belief(drives, tried, delay, marker, one_clock, lag_is_sought)
+            belief = _belief(drives, tried, delay, marker, setting)
             starts.append((log_likelihood(belief, drives, tolerant), belief))
     starts.sort(key=lambda each: -each[0])
     found = []
@@ -120,30 +126,50 @@ def found_robot(
     return fit(best, drives, own)
 
 
+def _offset(drive: Drive) -> float:
+    """About by how much the clock of the readings is ahead of that of the commands [s]."""
+    usual = Motor(_USUAL_RADIUS, _USUAL_RADIUS, _USUAL_TRACK, 0.0, 0.0, 0.0)
+    steps = np.diff(drive.command_times)
+    step = float(np.median(steps))
+    return coarse_offset(drive, usual, step, float(drive.command_times[-1]) + step) or 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Setting:
+    """What is looked for beside the wheels.
+
+    Attributes:
+        offsets: About what the readings' clock shows when that of the commands shows 0, of each
+            drive [s].
+        has_delay: Whether the delay is looked for, else the offset of each drive.
+        has_lag: Whether wheels may be slow.
+    """
+
+    offsets: Sequence[float]
+    has_delay: bool
+    has_lag: bool
+
+
 def _belief(
-    drives: Sequence[Drive],
-    motor: Motor,
-    delay: float,
-    marker: float,
-    one_clock: bool,
-    lag_is_sought: bool,
+    drives: Sequence[Drive], motor: Motor, delay: float, marker: float, setting: _Setting
 ) -> Belief:
-    of_drives = [(0.0 if one_clock else delay, start_heading(drive)) for drive in drives]
-    own_delay = delay if one_clock else 0.0
-    lag = motor.lag if lag_is_sought else 0.0
+    late = 0.0 if setting.has_delay else delay
+    of_drives = [
+        (offset + late, start_heading(drive))
+        for drive, offset in zip(drives, setting.offsets, strict=True)
+    ]
+    own_delay = delay if setting.has_delay else 0.0
+    lag = motor.lag if setting.has_lag else 0.0
     robot = [0.0, 0.0, 0.0, own_delay, lag, 0.0, marker]
     values = np.concatenate([robot, np.ravel(of_drives)])
     believed = values.copy()
-    believed[DELAY] = motor.delay if one_clock else 0.0
+    believed[DELAY] = motor.delay if setting.has_delay else 0.0
     free = np.ones(len(values), dtype=bool)
-    free[DELAY], free[LAG] = one_clock, lag_is_sought
+    free[DELAY], free[LAG] = setting.has_delay, setting.has_lag
     free[MARKER] = any(drive.has_headings for drive in drives)
     for index, drive in enumerate(drives):
         first = len(ROBOT) + index * len(OF_DRIVE)
-        free[first + OFFSET] = not one_clock
+        free[first + OFFSET] = not setting.has_delay
         free[first + HEADING] = not drive.has_headings
     spread = np.concatenate([SPREAD, np.full(len(drives) * len(OF_DRIVE), np.inf)])
     return Belief(motor, values, believed, spread, free)
-
-
-__all__ = ["SPREAD", "TRACK", "found_robot", "rough_motor"]

@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 from hilc_cli.laws.law import Figures, Iteration, Law, Learner, Plan, Task, WheelController
 from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import Robot, advance, limit_wheel_speeds, step_gains
+from hilc_cli.plants.motor import Motor
+from hilc_cli.plants.plant import Pose
 from hilc_cli.reference.sampled import Floats
 
 
@@ -72,6 +74,32 @@ class _ArrivingLearner:
         )
 
 
+class _Wheels:
+    """Both wheels of the believed robot, which tell their ways as those of equal wheels [rad]."""
+
+    def __init__(
+        self, motor: Motor, sample_time: float, shares: tuple[float, float], limit: float
+    ) -> None:
+        self._left, self._right = motor.wheel(sample_time), motor.wheel(sample_time)
+        self._shares, self._limit = shares, limit
+
+    @property
+    def to_come(self) -> tuple[float, float]:
+        """How far they still turn by what has arrived, if nothing follows."""
+        left_share, right_share = self._shares
+        return left_share * self._left.to_come, right_share * self._right.to_come
+
+    def within_reach(self, left: float, right: float) -> tuple[float, float]:
+        """Returns the speeds next to those that are told that their acceleration allows."""
+        return self._left.within_reach(left), self._right.within_reach(right)
+
+    def turn(self, left: float, right: float) -> tuple[float, float]:
+        """Returns how far they turn in the next sample, told speeds that the limit acts on."""
+        left, right = limit_wheel_speeds(left, right, self._limit)
+        left_share, right_share = self._shares
+        return left_share * self._left(left), right_share * self._right(right)
+
+
 def _answer_on_arrival(
     law: ArrivingLaw, task: Task, plan: Plan, left: Floats, right: Floats
 ) -> WheelController:
@@ -97,40 +125,30 @@ def _answer_on_arrival(
     planned = list(zip(plan.left.tolist(), plan.right.tolist(), strict=True))
     sent = list(zip(left.tolist(), right.tolist(), strict=True))
     drivetrain, motor, model = law.drivetrain, law.drivetrain.motor, law.model
-    radius, limit = model.wheel_radius, task.speed_limit
-    distance_gain, turn_gain = step_gains(radius, model.signed_half_track, 1.0)
-    whole, fraction = motor.samples_late(sample_time)
+    shares = left_share, right_share = drivetrain.shares(model.wheel_radius)
+    distance_gain, turn_gain = step_gains(model.wheel_radius, model.signed_half_track, 1.0)
     # What is sent in sample k begins to arrive in sample k + whole: with the answers, and without.
+    whole, fraction = motor.samples_late(sample_time)
     soon = replace(motor, delay=fraction * sample_time)
-    wheels = soon.wheel(sample_time), soon.wheel(sample_time)
-    without = soon.wheel(sample_time), soon.wheel(sample_time)
-    left_share, right_share = drivetrain.shares(radius)
+    wheels = _Wheels(soon, sample_time, shares, task.speed_limit)
+    without = _Wheels(soon, sample_time, shares, task.speed_limit)
     under_way = deque([(0.0, 0.0)] * min(whole, steps))
 
-    def add(speed: float) -> float:
-        return speed + math.copysign(motor.dead_zone, speed) if speed else 0.0
+    def told(left: float, right: float) -> tuple[float, float]:
+        return motor.told_for(left), motor.told_for(right)
 
-    def moved(
-        pose: tuple[float, float, float], left_way: float, right_way: float
-    ) -> tuple[float, float, float]:
+    def moved(pose: Pose, left_way: float, right_way: float) -> Pose:
         turn = turn_gain * (left_way - right_way)
         along = pose[2] + law.lead * turn
         if not math.isfinite(along):  # the run has diverged, which shows in what comes of it
             return pose[0], pose[1], math.nan
-        return advance(
-            *pose, math.cos(along), math.sin(along), distance_gain * (left_way + right_way), turn
-        )
+        distance = distance_gain * (left_way + right_way)
+        return advance(*pose, math.cos(along), math.sin(along), distance, turn)
 
-    def answer(k: int, pose: tuple[float, float, float]) -> tuple[float, float]:
+    def answer(k: int, pose: Pose) -> tuple[float, float]:
         x, y, heading = pose
-        return controller(
-            k,
-            math.cos(heading),
-            math.sin(heading),
-            xs[k] - x,
-            ys[k] - y,
-            headings[k] - heading,
-        )
+        error = xs[k] - x, ys[k] - y, headings[k] - heading
+        return controller(k, math.cos(heading), math.sin(heading), *error)
 
     def wheel_speeds(
         k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
@@ -141,25 +159,18 @@ def _answer_on_arrival(
                 answer(before, pose)
         for ways in under_way:
             pose = moved(pose, *ways)
-        (left, right), answers = sent[k], k + whole < steps
-        if answers:
-            later = [
-                one.to_come - other.to_come for one, other in zip(wheels, without, strict=True)
-            ]
-            pose = moved(pose, left_share * later[0], right_share * later[1])
+        left, right = sent[k]
+        without_answer = told(left, right)
+        if k + whole < steps:
+            (all_left, all_right), (own_left, own_right) = wheels.to_come, without.to_come
+            pose = moved(pose, all_left - own_left, all_right - own_right)
             wanted, as_planned = answer(k + whole, pose), planned[k + whole]
             left += (wanted[0] - as_planned[0]) / left_share
             right += (wanted[1] - as_planned[1]) / right_share
-        told = wheels[0].within_reach(add(left)), wheels[1].within_reach(add(right))
-        turned = [
-            wheel(speed)
-            for wheel, speed in zip(wheels, limit_wheel_speeds(*told, limit), strict=True)
-        ]
-        planned_alone = limit_wheel_speeds(add(sent[k][0]), add(sent[k][1]), limit)
-        for wheel, speed in zip(without, planned_alone, strict=True):
-            wheel(speed)
-        under_way.append((left_share * turned[0], right_share * turned[1]))
+        asked = wheels.within_reach(*told(left, right))
+        under_way.append(wheels.turn(*asked))
         under_way.popleft()
-        return told
+        without.turn(*without_answer)
+        return asked
 
     return wheel_speeds

@@ -24,7 +24,8 @@ from hilc_cli.laws.gain_matrix import (
     wheel_correction,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
-from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
+from hilc_cli.laws.parameters import Setting, SpeedLimit, default_length, length_misfits
+from hilc_cli.laws.safety_net import WithSafetyNet
 from hilc_cli.plants.kinematic import Number, Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.yaml_input.model import Located, Model, valid
@@ -328,10 +329,9 @@ class HybridGains(Model):
         return f"l1 {self.l1:g}, l2 {self.l2:g}, l3 {self.l3:g}{lateral}{derivative}"
 
 
-class HybridController(Controller):
+class HybridController(WithSafetyNet):
     """The hybrid iterative learning controller of Qiao et al. 2021."""
 
-    in_lanes: ClassVar[bool] = True
     tied_to_trajectory: ClassVar[tuple[str, ...]] = ("h",)
 
     law: Literal["hybrid"] = "hybrid"
@@ -373,6 +373,11 @@ class HybridController(Controller):
         if self.compensation == "auto":
             return setting.has_initial_error(self.switch_tolerance)
         return self.compensation == "on"
+
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine knows the law."""
+        return not self.safety_net
 
     def law_for(self, setting: Setting) -> HybridLaw:
         """The law for the engines."""

@@ -82,9 +82,6 @@ class Controller(Model):
     learns: ClassVar[bool] = True
     """Whether an iteration depends on those before it."""
 
-    in_lanes: ClassVar[bool] = False
-    """Whether the batch engine knows the law."""
-
     tied_to_trajectory: ClassVar[tuple[str, ...]] = ()
     """Keys whose values must fit the trajectory, and fit any if there is none."""
 
@@ -123,9 +120,22 @@ class Controller(Model):
         """
 
     @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine knows the law."""
+        return False
+
+    @property
     def knows_drivetrains(self) -> bool:
         """Whether the law makes use of `Setting.drivetrain` by itself."""
         return False
+
+    def learning_law(self, setting: Setting) -> Law:
+        """The law with what else the parameters put around it.
+
+        Raises:
+            ValueError: As for `law_for`.
+        """
+        return self.law_for(setting)
 
     def law_on(self, setting: Setting) -> Law:
         """The law for the engines, behind the wheels, motors and tyres that are believed in.
@@ -133,7 +143,7 @@ class Controller(Model):
         Raises:
             ValueError: As for `law_for`.
         """
-        law = self.law_for(setting)
+        law = self.learning_law(setting)
         if setting.drivetrain is None or self.knows_drivetrains:
             return law
         return ArrivingLaw(law, setting.model, setting.drivetrain, setting.lead)

@@ -20,7 +20,8 @@ from hilc_cli.laws.gain_matrix import (
     matrix_misfits,
 )
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
-from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit, default_length, length_misfits
+from hilc_cli.laws.parameters import Setting, SpeedLimit, default_length, length_misfits
+from hilc_cli.laws.safety_net import WithSafetyNet
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.yaml_input.model import Located, Model, valid
@@ -224,7 +225,7 @@ class PidGains(Model):
     kd: Duration = Field(0.0, description="of its change by d_t, from sample k to k+1 [s]")
 
 
-class PidController(Controller):
+class PidController(WithSafetyNet):
     """PID-type iterative learning with a forgetting factor and a Q-filter."""
 
     tied_to_trajectory: ClassVar[tuple[str, ...]] = ("h", "cutoff")

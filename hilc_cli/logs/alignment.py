@@ -19,6 +19,8 @@ from hilc_cli.logs.pose_filter import smooth_poses
 from hilc_cli.logs.start_of_motion import FittedPass, fit_pass
 from hilc_cli.logs.trial_checks import (
     Limits,
+    check_alike,
+    check_commands,
     check_moves,
     check_path,
     check_start,
@@ -175,8 +177,12 @@ def _found(
     times, rows = plan.with_stop
     given = options.start_time
     clock, error, report = 0.0, 0.0, []
+    if given is not None:
+        check_whole(log, plan, given, options.limits)
     if sent is not None:
+        check_commands(log, sent)
         in_commands = start_in_commands(sent, plan)
+        check_alike(log, sent, plan, in_commands)
         first, last = in_commands + float(times[0]), in_commands + plan.end
         here = (sent.times >= first - 1.0) & (sent.times <= last + 1.0)
         drive = Drive(log.poses.times, log.poses.readings, sent.times[here], sent.both[here])

@@ -118,12 +118,12 @@ def read_bag(path: Path, options: ReadOptions) -> Log:
 
 def _pose_topic(bag: Bag, options: ReadOptions) -> Topic:
     kinds = [*POSES, TRANSFORMS]
-    usual = [*POSES, *([TRANSFORMS] if options.frames else [])]
+    usual = [TRANSFORMS] if options.frames else [*POSES]
     found = _topic(bag, "pose", options.pose, kinds, usual, prefer_others_to=ODOMETRY)
     if found is None:
         raise UsageError(
-            f"{bag.path}: has no poses; name the topic with --pose, of transforms with --frames "
-            f"PARENT,CHILD, too; its topics are: {_topics(bag)}"
+            f"{bag.path}: has no poses; name their topic with --pose, or frames of transforms with "
+            f"--frames PARENT,CHILD; its topics are: {_topics(bag)}"
         )
     if found.type == TRANSFORMS and options.frames is None:
         raise UsageError(

@@ -179,7 +179,7 @@ def _readable(path: Path) -> Iterator[None]:
 
 def told(error: Exception) -> str:
     """What a library says of a failure, in short."""
-    return shortened(printable(str(error) or type(error).__name__), 120)
+    return shortened(printable(str(error).rstrip(".") or type(error).__name__), 120)
 
 
 def checksum_of(path: Path) -> str:
@@ -200,9 +200,9 @@ def _files_of(path: Path) -> tuple[list[Path], bool]:
     with reading(path):
         if not path.is_dir():
             return [path], False
-        entries = sorted(path.iterdir()) if not (path / METADATA).exists() else []
-    if not entries:
-        return _files_by_metadata(path)
+        if (path / METADATA).exists():
+            return _files_by_metadata(path)
+        entries = sorted(path.iterdir())
     files = [entry for entry in entries if entry.suffix in ENDINGS]
     if not files:
         raise UsageError(

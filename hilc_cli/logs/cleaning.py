@@ -153,4 +153,4 @@ def check_marker(marker: tuple[float, float]) -> None:
         UsageError: It is at infinity.
     """
     if not all(math.isfinite(each) and abs(each) <= 100 for each in marker):
-        raise UsageError("the marker must be within 100 m of the wheel midpoint; give metres")
+        raise UsageError("--marker: must be within 100 m of the wheel midpoint; give metres")

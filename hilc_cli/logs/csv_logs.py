@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from array import array
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +12,22 @@ import numpy as np
 from hilc_cli.errors import UsageError
 from hilc_cli.logs.cleaning import clean_poses, halfway, in_order
 from hilc_cli.logs.log import Log, Poses, Twists, WheelSpeeds
+from hilc_cli.logs.log_columns import (
+    COMMAND_TIME,
+    LEFT,
+    MEASURED_LEFT,
+    MEASURED_RIGHT,
+    QUATERNION,
+    RIGHT,
+    SPEED,
+    USUAL,
+    YAW_RATE,
+    columns_of,
+)
 from hilc_cli.logs.options import ReadOptions
 from hilc_cli.reference.point_tables import (
     COMMENTS,
     HEADING,
-    POSE_NAMES,
     TIME,
     TUM,
     X,
@@ -36,62 +47,8 @@ from hilc_cli.reference.point_tables import (
     wrong,
 )
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.wording import counted, listed, printable, shortened, suggestion
+from hilc_cli.wording import counted
 
-LEFT, RIGHT, SPEED, YAW_RATE = "left", "right", "v", "omega"
-MEASURED_LEFT, MEASURED_RIGHT = "measured_left", "measured_right"
-COMMAND_TIME = "command_t"
-QUATERNION = ("qw", "qx", "qy", "qz")
-
-_SIDES = {
-    LEFT: ("left", "l"),
-    RIGHT: ("right", "r"),
-}
-
-
-def _wheel_names(side: str) -> tuple[str, ...]:
-    """How people call what they sent to a wheel."""
-    word, letter = _SIDES[side]
-    return (
-        f"{word}_wheel_rad_s", f"{word}_rad_s", f"{word}_wheel", f"{word}_wheel_speed", word,
-        f"{word}_speed", f"{word}_wheel_speed_rad_s", f"wheel_{word}", f"{word}_command",
-        f"cmd_{word}", f"command_{word}", f"omega_{letter}", f"omega_{word}", f"w{letter}",
-        f"w_{letter}", f"u_{letter}", f"u{letter}", f"u_{word}",
-    )  # fmt: skip
-
-
-def _measured_names(side: str) -> tuple[str, ...]:
-    word, _ = _SIDES[side]
-    names = (f"{word}_wheel_rad_s", f"{word}_rad_s", f"{word}_wheel", f"{word}_wheel_speed", word)
-    return tuple(f"{how}_{name}" for how in ("measured", "encoder", "actual") for name in names)
-
-
-ROLES: Mapping[str, frozenset[str]] = {
-    **{"t" if role == TIME else role: names for role, names in POSE_NAMES.items()},
-    "qw": frozenset(("qw", "q_w", "quat_w", "rot_w")),
-    "qx": frozenset(("qx", "q_x", "quat_x", "rot_x")),
-    "qy": frozenset(("qy", "q_y", "quat_y", "rot_y")),
-    "qz": frozenset(("qz", "q_z", "quat_z", "rot_z")),
-    LEFT: frozenset(_wheel_names(LEFT)),
-    RIGHT: frozenset(_wheel_names(RIGHT)),
-    SPEED: frozenset(
-        ("v", "speed", "speed_m_s", "v_m_s", "linear", "linear_x", "cmd_v", "v_cmd", "v_x", "vx")
-    ),
-    YAW_RATE: frozenset(
-        ("omega", "w", "yaw_rate", "yaw_rate_rad_s", "omega_rad_s", "angular", "angular_z",
-         "cmd_omega", "omega_cmd", "cmd_w", "w_cmd", "wz")
-    ),
-    MEASURED_LEFT: frozenset(_measured_names(LEFT)),
-    MEASURED_RIGHT: frozenset(_measured_names(RIGHT)),
-    COMMAND_TIME: frozenset(("command_t", "command_t_s", "command_time", "cmd_t", "sent_t_s")),
-}  # fmt: skip
-"""What a column may be, as ``--columns`` calls it, and how people call it."""
-
-_PAIRS = ((X, Y), (LEFT, RIGHT), (SPEED, YAW_RATE), (MEASURED_LEFT, MEASURED_RIGHT))
-_USUAL = "t_s,x_m,y_m,heading_rad,left_wheel_rad_s,right_wheel_rad_s"
-_OTHER_UNIT = re.compile(
-    r"(?:[\[(]|_)(mm|cm|km|ft|in|inch|deg|degrees|ms|us|ns|rpm)[\])]?$", re.IGNORECASE
-)
 _EMPTY = ("", "nan", "na", "none", "null")
 
 
@@ -131,7 +88,7 @@ def parse_table(path: Path, content: bytes, checksum: str, options: ReadOptions)
                 table = _Table.of_tum(path, line, cells, options.columns)
         table.add(line, text)
     if table is None or not table.lines:
-        raise UsageError(f"{path}: has no rows; give a log with the columns {_USUAL}")
+        raise UsageError(f"{path}: has no rows; give a log with the columns {USUAL}")
     return table.log(checksum)
 
 
@@ -150,10 +107,11 @@ class _Table:
 
     path: Path
     columns: Mapping[str, int]
+    factors: Mapping[str, float]
     names: Sequence[str]
     width: int
-    lines: list[int]
-    values: list[float]
+    lines: array[int] = field(default_factory=lambda: array("q"))
+    values: array[float] = field(default_factory=lambda: array("d"))
     separator: str | None = None
 
     @classmethod
@@ -161,8 +119,8 @@ class _Table:
         cls, path: Path, line: int, names: Sequence[str], asked: Mapping[str, str]
     ) -> _Table:
         """An empty table under a header."""
-        columns = _columns(path, line, names, asked)
-        return cls(path, columns, [names[at] for at in columns.values()], len(names), [], [])
+        columns, factors = columns_of(path, line, names, asked)
+        return cls(path, columns, factors, [names[at] for at in columns.values()], len(names))
 
     @classmethod
     def of_tum(
@@ -176,12 +134,12 @@ class _Table:
                 path,
                 line,
                 f"has {counted(len(cells), 'column')} and no header that tells what they are; put "
-                f"a header in front: {_USUAL}",
+                f"a header in front: {USUAL}",
             )
         columns = {
             "t" if name == TIME else name: index for index, name in enumerate(TUM) if name != "z"
         }
-        return cls(path, columns, TUM, len(TUM), [], [])
+        return cls(path, columns, {}, TUM, len(TUM))
 
     def add(self, line: int, text: str) -> None:
         """Takes in a row."""
@@ -193,6 +151,8 @@ class _Table:
             cell = cells[index]
             if cell.lower() in _EMPTY:
                 row.append(np.nan)
+            elif role in self.factors:
+                row.append(self.factors[role] * number_in(self.path, line, "a number", cell))
             else:
                 name = TIME if role in ("t", COMMAND_TIME) else role
                 row.append(number_in(self.path, line, name, cell))
@@ -201,12 +161,10 @@ class _Table:
 
     def log(self, checksum: str) -> Log:
         """Returns the log that the rows are."""
-        array = np.array(self.values).reshape(-1, len(self.columns)).T
-        table = dict(zip(self.columns, array, strict=True))
+        numbers = np.array(self.values).reshape(-1, len(self.columns)).T
+        table = dict(zip(self.columns, numbers, strict=True))
         source = f"columns {', '.join(dict.fromkeys(self.names))}"
-        without_time = np.flatnonzero(np.isnan(table["t"]))
-        if len(without_time):
-            raise wrong(self.path, self.lines[int(without_time[0])], "has no time")
+        self._check_times(table)
         poses, notes = self._poses(table)
         commands, more = self._commands(table)
         notes += more
@@ -226,6 +184,15 @@ class _Table:
             one_clock=COMMAND_TIME not in table,
             notes=(f"{counted(len(self.lines), 'row')} with the {source}", *notes),
         )
+
+    def _check_times(self, table: Mapping[str, Floats]) -> None:
+        """Makes sure that each row that tells something has the time of it."""
+        other = COMMAND_TIME in table
+        for name, column in table.items():
+            clock = COMMAND_TIME if other and name in (LEFT, RIGHT, SPEED, YAW_RATE) else "t"
+            without = np.flatnonzero(np.isnan(table[clock]) & ~np.isnan(column))
+            if len(without) and name != COMMAND_TIME:
+                raise wrong(self.path, self.lines[int(without[0])], f"has {name} but no time of it")
 
     def _poses(self, table: Mapping[str, Floats]) -> tuple[Poses, list[str]]:
         has_quaternion = QUATERNION[0] in table
@@ -273,114 +240,3 @@ class _Table:
         columns = (table[name][whole] for name in (clock, *pair))
         (times, one, other), notes = in_order(*columns, what=what)
         return (times, one, other), notes
-
-
-def _columns(
-    path: Path, line: int, names: Sequence[str], asked: Mapping[str, str]
-) -> dict[str, int]:
-    """Where what is needed stands, by role."""
-    plain = [plain_name(name) for name in names]
-    found = dict(_asked_columns(path, line, names, plain, asked))
-    taken = set(found.values())
-    for role in ROLES:
-        if role in found:
-            continue
-        at = [i for i, name in enumerate(plain) if i not in taken and _is_called(role, name)]
-        if len(at) > 1:
-            raise wrong(
-                path,
-                line,
-                f"names several columns that may be {role}; say which with --columns '{role}=NAME'",
-            )
-        if at:
-            found[role] = at[0]
-    # What is sent is told once; wheel speeds say more.
-    if LEFT in found and RIGHT in found:
-        found.pop(SPEED, None)
-        found.pop(YAW_RATE, None)
-    _check_columns(path, line, names, plain, found, asked)
-    return {role: found[role] for role in ROLES if role in found}
-
-
-def _is_called(role: str, name: str) -> bool:
-    if role == "t":
-        return has_role(TIME, name)
-    if role in (X, Y):
-        return has_role(role, name)
-    return name in ROLES[role] or (role in QUATERNION and name.endswith(f"orientation_{role[1]}"))
-
-
-def _asked_columns(
-    path: Path,
-    line: int,
-    names: Sequence[str],
-    plain: Sequence[str],
-    asked: Mapping[str, str],
-) -> Iterable[tuple[str, int]]:
-    for role, name in asked.items():
-        wanted = [i for i, each in enumerate(names) if each.strip() == name.strip()]
-        wanted = wanted or [i for i, each in enumerate(plain) if each == plain_name(name)]
-        if not wanted:
-            known = listed(shortened(printable(each), 40) for each in names)
-            raise wrong(path, line, f"has no column {name!r} (--columns); its columns are: {known}")
-        yield role, wanted[0]
-
-
-def _check_columns(
-    path: Path,
-    line: int,
-    names: Sequence[str],
-    plain: Sequence[str],
-    found: dict[str, int],
-    asked: Mapping[str, str],
-) -> None:
-    """Makes sure that there are poses with times; lets halves of pairs go."""
-    for role in ("t", X, Y):
-        if role not in found:
-            off = [each for each in names if _OTHER_UNIT.search(each.strip())]
-            if off:
-                raise wrong(
-                    path,
-                    line,
-                    "names a unit that is none of s, m, rad and rad/s; convert the column, or say "
-                    f"that it is right with --columns '{role}=NAME'",
-                )
-            called = {"t": "t_s", X: "x_m", Y: "y_m"}[role]
-            raise wrong(
-                path,
-                line,
-                f"names no column {called}; call the columns {_USUAL}, or say what they are "
-                f"called with --columns '{role}=NAME'",
-            )
-    for pair in _PAIRS[1:]:
-        there = [role for role in pair if role in found]
-        if len(there) == 1:
-            (alone,) = there
-            other = pair[1 - pair.index(alone)]
-            if alone in asked:
-                raise wrong(path, line, f"has {alone} without {other}; give both with --columns")
-            del found[alone]
-    if HEADING in found or not all(role in found for role in QUATERNION):
-        for role in QUATERNION:
-            found.pop(role, None)
-
-
-def parse_columns(text: str) -> dict[str, str]:
-    """Returns names of columns by what they are, from ``t=stamp,x=pose.x``.
-
-    Raises:
-        UsageError: It is no such list.
-    """
-    found: dict[str, str] = {}
-    for part in text.split(","):
-        role, equals, name = (each.strip() for each in part.partition("="))
-        if not equals or not name:
-            raise UsageError(
-                f"--columns: must be like 't=stamp,x=pose.x,y=pose.y', got {shortened(part)!r}"
-            )
-        if role not in ROLES:
-            raise UsageError(f"--columns: there is no {role!r}; {suggestion(role, ROLES)}")
-        if role in found:
-            raise UsageError(f"--columns: {role} is given twice; give it once")
-        found[role] = name
-    return found

@@ -201,8 +201,8 @@ def fit(
     """Returns the likeliest parameters and noise near those that are given."""
     values, covariance = likely_parameters(belief, drives, noise)
     belief = replace(belief, values=values)
-    for _ in range(rounds):
-        noise = likely_noise(belief, drives, noise)
+    for turn in range(rounds):
+        noise = likely_noise(belief, drives, noise, thoroughly=turn == 0)
         before = belief.values
         values, covariance = likely_parameters(belief, drives, noise)
         belief = replace(belief, values=values)
@@ -212,8 +212,17 @@ def fit(
     return Fitted(belief, noise, covariance, log_likelihood(belief, drives, noise))
 
 
-def likely_noise(belief: Belief, drives: Sequence[Drive], noise: RollingNoise) -> RollingNoise:
-    """Returns the likeliest variances with the parameters as they are."""
+def likely_noise(
+    belief: Belief, drives: Sequence[Drive], noise: RollingNoise, *, thoroughly: bool = True
+) -> RollingNoise:
+    """Returns the likeliest variances with the parameters as they are.
+
+    Args:
+        belief: The parameters.
+        drives: What they are to explain.
+        noise: Where the search begins.
+        thoroughly: Whether it also begins further up: at a floor there is no slope to leave it by.
+    """
     count = sum(len(drive.times) for drive in drives)
     with_headings = any(drive.has_headings for drive in drives)
     floor = 2 * np.log([*[_SMALLEST] * 3, _FINEST, _FINEST_HEADING])
@@ -233,8 +242,7 @@ def likely_noise(belief: Belief, drives: Sequence[Drive], noise: RollingNoise) -
     bounds = [(lowest, _NOISIEST) for lowest in floor[:free].tolist()]
     first = np.log(np.array(noise[:free])).clip(floor[:free], _NOISIEST)
     up = first + np.array([4.0, 4.0, 4.0, 0.0, 0.0])[:free]
-    # From where it was, and from further up: at a floor there is no slope to leave it by. TNC is
-    # free of linear algebra, whose threads would take longer than all the rest.
+    # TNC is free of linear algebra, whose threads would take longer than all the rest.
     found = [
         minimize(
             cost_and_slope,
@@ -244,7 +252,7 @@ def likely_noise(belief: Belief, drives: Sequence[Drive], noise: RollingNoise) -
             bounds=bounds,
             options={"maxfun": 60, "ftol": 1e-6},
         )
-        for start in (first, up)
+        for start in ((first, up) if thoroughly else (first,))
     ]
     best = min(found, key=lambda each: float(each.fun))
     return noise_at(best.x)

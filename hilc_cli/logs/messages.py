@@ -6,9 +6,12 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from hilc_cli.errors import UsageError
 from hilc_cli.reference.point_tables import headings_of
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.wording import listed
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
@@ -79,7 +82,7 @@ def joints_of(
             if name not in names:
                 raise UsageError(
                     f"{where}: has no joint {name!r} (--joints); its joints are: "
-                    f"{', '.join(names) or 'none'}"
+                    f"{listed(names) or 'none'}"
                 )
         return names.index(asked[0]), names.index(asked[1])
     found = []
@@ -90,7 +93,7 @@ def joints_of(
         if len(at) != 1:
             raise UsageError(
                 f"{where}: does not tell which joint is the {side} wheel; say so with --joints "
-                f"LEFT,RIGHT; its joints are: {', '.join(names) or 'none'}"
+                f"LEFT,RIGHT; its joints are: {listed(names) or 'none'}"
             )
         found.append(at[0])
     left, right = found
@@ -136,18 +139,12 @@ def composed(
 ) -> tuple[Floats, Floats, Floats]:
     """A pose seen from where another one is seen: x, y and heading of each sample."""
     x, y, heading = one
-    cos, sin = _cos_sin(heading)
+    cos, sin = np.cos(heading), np.sin(heading)
     return (
         x + cos * other[0] - sin * other[1],
         y + sin * other[0] + cos * other[1],
         heading + other[2],
     )
-
-
-def _cos_sin(heading: Floats) -> tuple[Floats, Floats]:
-    import numpy as np
-
-    return np.cos(heading), np.sin(heading)
 
 
 def is_set(stamp: float) -> bool:

@@ -11,7 +11,7 @@ class ReadOptions:
     """How a log is to be read.
 
     Attributes:
-        columns: Names of columns of a table, by what they are: see `csv_logs.ROLES`.
+        columns: Names of columns of a table, by what they are: see `log_columns.ROLES`.
         pose: Topic of the poses in a bag; None: the only one that has poses.
         command: Topic of the commands; None: the only one that has commands, if there is one.
         wheels: Topic of the measured wheel speeds; None: the only one that has them.

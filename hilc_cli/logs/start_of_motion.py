@@ -117,6 +117,23 @@ def fit_pass(
     return FittedPass(fit(belief, [window], noise), window)
 
 
+def coarse_offset(drive: Drive, motor: Motor, sample_time: float, end: float) -> float | None:
+    """Returns about what the readings' clock shows when that of the commands shows 0 [s].
+
+    Args:
+        drive: Readings and commands.
+        motor: The robot, roughly.
+        sample_time: In which the commands are looked at, roughly [s].
+        end: When the last command ends, in their clock [s].
+
+    Returns:
+        The offset; None if no motion is like that of the commands.
+    """
+    ahead, turning, first = _planned_speeds(drive, motor, sample_time, end)
+    found = _coarse_shifts(ahead, turning, *_measured_speeds(drive), abs(motor.half_track))
+    return found[0] - first if found else None
+
+
 def _belief(motor: Motor, drive: Drive, offset: float | None, *, lag_is_known: bool) -> Belief:
     of_drive = (0.0 if offset is None else offset, start_heading(drive))
     values = np.array([0.0, 0.0, 0.0, motor.delay, motor.lag, motor.friction, 0.0, *of_drive])

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from hilc_cli.logs.fitting import Drive
-from hilc_cli.logs.log import Log, RefusedTrialError
-from hilc_cli.logs.planned import PlannedPass
+from hilc_cli.logs.log import Log, RefusedTrialError, WheelSpeeds
+from hilc_cli.logs.planned import PlannedPass, held_means
 from hilc_cli.reference.sampled import Floats, Reference
 
 _STANDS = 0.05  # share of the path's size that a robot moves at least
+_UNLIKE = 0.5  # share of the plan's power by which what was sent may differ
+_NEARER = 0.3  # share of a path's error that is left once it is mirrored
 _SMALLEST = 0.1  # [m]: smaller paths are taken for that large
 
 
@@ -88,6 +90,29 @@ def check_start(log: Log, reference: Reference, start: Floats, limits: Limits) -
         )
 
 
+def check_commands(log: Log, sent: WheelSpeeds) -> None:
+    """Refuses a log in which nothing was sent."""
+    if not np.abs(sent.both).max(initial=0.0) > 0:
+        raise RefusedTrialError(
+            f"{log.path}: all its commands are 0; check that the plan was sent, or leave them out"
+        )
+
+
+def check_alike(log: Log, sent: WheelSpeeds, plan: PlannedPass, start: float) -> None:
+    """Refuses a log whose commands are not those of the plan, which began at a time [s]."""
+    reference = plan.reference
+    edges = np.arange(-plan.before, reference.samples + 1.0) * reference.sample_time
+    left, right = held_means(sent, start, edges)
+    power = float(plan.left @ plan.left + plan.right @ plan.right)
+    off = float(((left - plan.left) ** 2).sum() + ((right - plan.right) ** 2).sum())
+    if off > _UNLIKE * power:
+        raise RefusedTrialError(
+            f"{log.path}: its commands are not those of the plan: where they are most like it, at "
+            f"{start:.3f} s, they differ by {math.sqrt(off / max(power, 1e-300)):.0%} of it (RMS); "
+            "check that it is the log of this plan"
+        )
+
+
 def check_path(log: Log, reference: Reference, own: Floats, limits: Limits) -> None:
     """Refuses a trial that drives another path.
 
@@ -106,5 +131,22 @@ def check_path(log: Log, reference: Reference, own: Floats, limits: Limits) -> N
         raise RefusedTrialError(
             f"{log.path}: drives another path: {away[worst]:.2g} m away from the planned one at "
             f"{worst * reference.sample_time:.2f} s, both from their starts; the most is "
-            f"{most:.2g} m (safety.max_error)"
+            f"{most:.2g} m (safety.max_error){_meant(reference, own, float(away[worst]))}"
         )
+
+
+def _meant(reference: Reference, own: Floats, away: float) -> str:
+    """What may have happened to a path that is another one: a mirrored one tells it."""
+    start = reference.poses[0]
+    cos, sin = math.cos(start[2]), math.sin(start[2])
+    x, y = own[:, 0] - start[0], own[:, 1] - start[1]
+    ahead, left = cos * x + sin * y, cos * y - sin * x
+    for kind, side_ahead, side_left in (
+        ("mirrored it is near: are left and right wheel swapped?", 1, -1),
+        ("driven backward it is near: does the robot drive backward?", -1, 1),
+    ):
+        tried_x = start[0] + side_ahead * cos * ahead - side_left * sin * left
+        tried_y = start[1] + side_ahead * sin * ahead + side_left * cos * left
+        if np.hypot(tried_x - reference.x, tried_y - reference.y).max() < _NEARER * away:
+            return f"; {kind}"
+    return ""

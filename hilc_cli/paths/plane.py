@@ -34,7 +34,8 @@ NUMBER = "value"  # stands in a panel on purpose
 _BAR_WIDTH, _BAR_GAP = 0.12, 0.1  # [inch]
 _LINE = 2.2  # of the path [pt]
 _MOST_PIECES = 1500  # of a path whose speed changes
-_EVEN = 1e-3  # relative: speeds that differ by less are one
+_EVEN = 1e-3  # relative: speeds that differ by less have one colour
+_ONE_SPEED = 0.01  # relative: with less between them, as whole samples make of one, there is no bar
 _ARROWS = 8
 _ARROW = np.array([(-0.6, -0.55), (0.6, 0.0), (-0.6, 0.55), (-0.6, -0.55)])
 _ARROW_SIZE = 7.0  # [pt]
@@ -91,7 +92,7 @@ def _speed_scale(path: ShownPath) -> Normalize | None:
     """The range of the speeds; None of a path of one speed, which needs no colours."""
     speed = np.abs(path.motion.speed)
     moving = speed[speed > 0]
-    if len(moving) == 0 or np.ptp(moving) <= _EVEN * moving.max():
+    if len(moving) == 0 or np.ptp(moving) <= _ONE_SPEED * moving.max():
         return None
     return Normalize(0.0, float(moving.max()))
 

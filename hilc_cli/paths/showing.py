@@ -80,8 +80,7 @@ class ShownPath:
     def headline(self) -> str:
         """What it is, in a few words."""
         demand = self.demand
-        size = f"{demand.length:.4g} m in {demand.duration:.4g} s"
-        return f"{self.title}: {size}, {counted(len(demand.segments), 'segment')}"
+        return f"{self.title}: {demand.in_short}, {counted(len(demand.segments), 'segment')}"
 
     def csv(self) -> str:
         """The sampled path as CSV, a row per sample.

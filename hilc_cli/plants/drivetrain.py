@@ -54,6 +54,18 @@ class Drivetrain:
             and self.slip == NO_SLIP
         )
 
+    @property
+    def figures(self) -> dict[str, float]:
+        """What wheels and motors are like, by the columns of ``learning.csv``."""
+        motor = self.motor
+        return {
+            "left_per_right_radius": self.left_radius / self.right_radius,
+            "delay_and_lag_s": motor.delay + motor.lag,
+            "delay_s": motor.delay,
+            "lag_s": motor.lag,
+            "friction_rad_s": motor.dead_zone,
+        }
+
     def shares(self, wheel_radius: float) -> tuple[float, float]:
         """Returns effective speed by wheel speed, left and right, for equal wheels' radius [m]."""
         kept = (1 - self.slip.longitudinal) / wheel_radius

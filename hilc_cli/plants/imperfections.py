@@ -95,3 +95,18 @@ BelievedRadius = Annotated[RobotLength | BelievedRadii, _one_or(BelievedRadii)]
 
 MOTOR, SLIP = MotorSpec(), SlipSpec()
 """What is left out: the very defaults, which makes the cases of a large sweep fast."""
+
+
+def imperfections_of(
+    radii: tuple[float, float], motor: MotorSpec, slip: SlipSpec
+) -> dict[str, float | str]:
+    """Returns by dotted key what of wheels [m], motors and tyres the paper's robot has not."""
+    found: dict[str, float | str] = {}
+    left, right = radii
+    if left != right:
+        found |= {"wheel_radius.left": left, "wheel_radius.right": right}
+    for name, section, ideal in (("motor", motor, MOTOR), ("slip", slip, SLIP)):
+        if section is not ideal:
+            given = section.model_dump(exclude_defaults=True)
+            found |= {f"{name}.{key}": value for key, value in given.items()}
+    return found

@@ -19,6 +19,7 @@ from hilc_cli.plants.imperfections import (
     SlipSpec,
     WheelRadii,
     WheelRadius,
+    imperfections_of,
 )
 from hilc_cli.plants.kinematic import (
     Linearisation,
@@ -100,30 +101,14 @@ class KinematicSpec(RobotSpec):
 
     def imperfections(self) -> dict[str, float | str]:
         """Returns what the paper's plant has not."""
-        found: dict[str, float | str] = {}
-        left, right = self._radii
-        if left != right:
-            found |= {"wheel_radius.left": left, "wheel_radius.right": right}
-        # What is left out is the very default, which makes the plants of a large sweep fast.
-        for name, section, ideal in (("motor", self.motor, MOTOR), ("slip", self.slip, SLIP)):
-            if section is not ideal:
-                given = section.model_dump(exclude_defaults=True)
-                found |= {f"{name}.{key}": value for key, value in given.items()}
+        found = imperfections_of(self._radii, self.motor, self.slip)
         if self.integration != "euler":
             found["integration"] = self.integration
         return found
 
     def figures(self) -> dict[str, float]:
         """Returns what wheels and motors are like."""
-        left, right = self._radii
-        motor = self.motor
-        return {
-            "left_per_right_radius": left / right,
-            "delay_and_lag_s": motor.delay + motor.lag,
-            "delay_s": motor.delay,
-            "lag_s": motor.lag,
-            "friction_rad_s": motor.dead_zone,
-        }
+        return Drivetrain(*self._radii, self.motor.motor()).figures
 
     def with_keys(self, keys: Iterable[str]) -> KinematicSpec:
         """Returns the same robot, with a radius for each wheel if a key leads to one."""
@@ -136,6 +121,11 @@ class KinematicSpec(RobotSpec):
     def _radii(self) -> tuple[float, float]:
         radius: float | WheelRadii = self.wheel_radius
         return (radius.left, radius.right) if isinstance(radius, WheelRadii) else (radius, radius)
+
+    @property
+    def wheel_acceleration(self) -> float:
+        """The most that the speed of a wheel changes [rad/s^2]."""
+        return self.motor.motor().acceleration
 
     @property
     def lead(self) -> float:

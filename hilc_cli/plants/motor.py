@@ -44,6 +44,10 @@ class Motor:
         """Returns what to tell wheels [rad/s], so that friction leaves the wanted speeds."""
         return wanted + self.dead_zone * np.sign(wanted)
 
+    def told_for(self, wanted: float) -> float:
+        """Returns `against_friction` of one number."""
+        return wanted + math.copysign(self.dead_zone, wanted) if wanted else 0.0
+
     def inputs_for(self, speeds: Floats, sample_time: float) -> Floats:
         """Returns what to tell a wheel at rest, so that it turns at given mean speeds.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from typing import Annotated, ClassVar, get_args
@@ -111,6 +112,11 @@ class RobotSpec(Model):
     def mean_wheel_radius(self) -> float:
         """The radius [m] that stands for both wheels where one number is asked for."""
         return self.wheel_radius
+
+    @property
+    def wheel_acceleration(self) -> float:
+        """The most that the speed of a wheel changes [rad/s^2]; infinity for no limit."""
+        return math.inf
 
     @property
     def lead(self) -> float:

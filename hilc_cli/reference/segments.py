@@ -216,8 +216,10 @@ class Chain:
         """Poses and curvatures at fractions 0..1 of the length."""
         found = np.empty((4, *fraction.shape))
         which = np.searchsorted(self._ends[:-1], fraction * self.length, side="right")
-        for index in np.unique(which):
-            here, part = which == index, self.parts[index]
+        order = np.argsort(which, kind="stable")  # a pass over all fractions for each part is slow
+        indices, starts = np.unique(which[order], return_index=True)
+        for index, here in zip(indices.tolist(), np.split(order, starts[1:]), strict=False):
+            part = self.parts[index]
             begin = self._ends[index] - part.length
             share = (fraction[here] * self.length - begin) / part.length
             found[:, here] = part.at(share.clip(0, 1))

@@ -11,7 +11,7 @@ import numpy as np
 
 from hilc_cli.reference.corners import Part
 from hilc_cli.reference.sampled import CurvatureJump, Floats
-from hilc_cli.reference.segments import Backward, Chain, Segment
+from hilc_cli.reference.segments import Arc, Backward, Chain, Line, Segment, turn_sign
 
 _NOTHING_LEFT = 1e-12  # of a segment's length
 _SAME = 1e-6  # of the largest curvature; a smaller change is none
@@ -33,6 +33,11 @@ class SmoothPart(NamedTuple):
     @property
     def bends(self) -> tuple[float, float]:
         """Curvature at both ends [rad/m]."""
+        if isinstance(self.segment, Line):  # of which polylines have thousands, and of arcs
+            return 0.0, 0.0
+        if isinstance(self.segment, Arc):
+            curvature = turn_sign(self.segment.turn) / self.segment.radius
+            return curvature, curvature
         first, last = self.segment.at(np.array([self.begin, self.end])).curvature.tolist()
         return first, last
 
@@ -79,10 +84,12 @@ def curvature_jumps(
     following = [*parts[1:], *(parts[:1] if is_lap else ())]
     bends_most = max((abs(each) for part in parts for each in part[2:] if each == each), default=0)
     least = max(_SAME * bends_most, _STRAIGHT / passed) if passed else math.inf
+    samples = np.interp([end for _, end, _, _ in parts], positions, np.arange(len(positions)))
     found = []
-    for (last, end, _, before), (number, _, after, _) in zip(parts, following, strict=False):
+    for (last, end, _, before), (number, _, after, _), sample in zip(
+        parts, following, samples.tolist(), strict=False
+    ):
         goes_on = isinstance(segments[last], Backward) == isinstance(segments[number], Backward)
         if goes_on and abs(after - before) > least:  # not where one of them stands
-            sample = float(np.interp(end, positions, np.arange(len(positions))))
             found.append(CurvatureJump(number, number == last, sample, end, before, after))
     return tuple(found)

@@ -74,13 +74,19 @@ class Curve:
         return math.atan2(y, x)
 
     @property
+    def turns(self) -> Floats:
+        """Angle between the legs that meet at each point but the ends [rad], shape (n - 2,)."""
+        x, y = np.diff(self.points, axis=0).T
+        turns: Floats = np.abs(np.angle(np.exp(1j * np.diff(np.arctan2(y, x)))))
+        return turns
+
+    @property
     def turns_back(self) -> list[tuple[int, float]]:
         """Numbers of the points at which it goes back the way that it came, and the turns [rad].
 
         None if there are so many that they are noise.
         """
-        x, y = np.diff(self.points, axis=0).T
-        turns = np.abs(np.angle(np.exp(1j * np.diff(np.arctan2(y, x)))))
+        turns = self.turns
         sharp = np.flatnonzero(turns > _TURNS_BACK)
         if len(sharp) > max(1.0, _NOISY * len(turns)):
             return []

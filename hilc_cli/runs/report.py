@@ -38,10 +38,8 @@ def summary_report(summary: Summary, speed_limit: float | None) -> RenderableTyp
     from rich.console import Group
     from rich.text import Text
 
-    title = (
-        f"{summary.name}: {summary.trajectory} ({summary.path_size_m:.4g} m), "
-        f"after {summary.iterations} iterations"
-    )
+    size = f"{summary.path_size_m:.4g} m" if summary.path_size_m else "on the spot"
+    title = f"{summary.name}: {summary.trajectory} ({size}), after {summary.iterations} iterations"
     return Group(
         Text(printable(title), style="bold"),
         Text(summary.headline),

@@ -327,4 +327,4 @@ def warnings_after(run: RunData, scenario: Scenario, experiment: Experiment) -> 
     """Says what was probably not meant and only a simulation shows, by its last iteration."""
     figures = run.learning.last() if run.learning.names else {}
     told = scenario.spec.controller.warnings_after(figures)
-    return [*told, *seen_warnings(seen_in(run.last, experiment))]
+    return [*seen_warnings(seen_in(run.last, experiment)), *told]

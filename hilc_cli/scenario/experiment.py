@@ -12,9 +12,10 @@ import numpy as np
 
 from hilc_cli import plug_ins
 from hilc_cli.engine.experiment import Experiment, Learning
-from hilc_cli.laws.norm_optimal.law import IDEAL_MOTORS, RATIO
+from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats
@@ -23,6 +24,7 @@ from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
+from hilc_cli.theory.feasibility.motors import acceleration_warnings, start_warnings
 from hilc_cli.theory.feasibility.plausibility import implausible, is_plain
 from hilc_cli.wording import in_short
 from hilc_cli.yaml_input.nodes import Place
@@ -147,7 +149,7 @@ class Scenario:
             *trajectory.warnings(),
             *self.spec.controller.warnings(self.setting),
         ]
-        found += [*self._without_learning(), *self._slow_joints()]
+        found += [*self._without_learning(), *self._slow_joints(), *self._of_motors()]
         if abs(self.spec.initial_error[2]) > math.pi:
             heading = self.spec.start_pose[2]
             meant = f"; {heading:g} deg?" if is_plain(heading) else ""
@@ -167,6 +169,19 @@ class Scenario:
         if spec.initial_pose.heading is not None:
             headings["initial_pose.heading"] = spec.initial_pose.heading
         return implausible(self.feasibility().demand, robot, spec.model.model(robot), headings)
+
+    def _of_motors(self) -> list[str]:
+        """What motors, real or believed ones, cannot follow."""
+        spec, drivetrain = self.spec, self.setting.drivetrain
+        limits = {"robot.motor.acceleration": spec.robot.wheel_acceleration}
+        if drivetrain is not None:
+            limits["model.motor.acceleration"] = drivetrain.motor.acceleration
+        key = min(limits, key=lambda key: limits[key])
+        if drivetrain is None and limits[key] == math.inf:
+            return []
+        demand = self.feasibility().demand
+        found = acceleration_warnings(demand, spec.robot.mean_wheel_radius, key, limits[key])
+        return found if drivetrain is None else [*found, *start_warnings(demand, drivetrain.motor)]
 
     def _slow_joints(self) -> list[str]:
         """Jumps of the curvature that wheels can follow only nearly at rest."""
@@ -332,6 +347,7 @@ def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
     """
     controller, setting = scenario.spec.controller, scenario.setting
     robot, model = scenario.spec.robot.robot(), setting.model
+    believed = setting.drivetrain or Drivetrain(model.wheel_radius, model.wheel_radius)
     known = {
         "wheel_radius_m": {TRUE: robot.wheel_radius, BELIEVED: model.wheel_radius},
         "half_track_m": {TRUE: robot.half_track, BELIEVED: model.half_track},
@@ -340,7 +356,7 @@ def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
             BELIEVED: model.wheel_radius / model.half_track,
         },
         **{
-            column: {TRUE: value, BELIEVED: IDEAL_MOTORS[column]}
+            column: {TRUE: value, BELIEVED: believed.figures[column]}
             for column, value in scenario.spec.robot.figures().items()
         },
         **controller.yardsticks(setting),

@@ -20,9 +20,19 @@ from hilc_cli.yaml_input.nodes import (
 )
 
 FROM = "from"
-_COLUMNS = {"wheel_radius": "model_wheel_radius_m", "half_track": "model_half_track_m"}
-"""Keys of a model, and the columns of ``learning.csv`` that tell them."""
-_EXCLUDED = (*_COLUMNS, "wheel_separation")
+_COLUMNS = "model_wheel_radius_m", "model_half_track_m"
+_RATIO = "model_left_per_right_radius", "model_left_per_right_radius_standard_error"
+_MOTOR = {
+    "delay": ("model_delay_s", "model_delay_and_lag_standard_error_s"),
+    "lag": ("model_lag_s", "model_delay_and_lag_standard_error_s"),
+    "dead_zone": ("model_friction_rad_s", "model_friction_standard_error_rad_s"),
+}
+"""Keys of a motor, and the columns of ``learning.csv`` that tell them and how sure they are.
+
+Delay and lag are hardly told apart, but surely together, and are taken together."""
+_CLEARLY = 2.0
+"""So many standard errors from a motor's or a wheel's being ideal are worth telling."""
+_EXCLUDED = ("wheel_radius", "half_track", "wheel_separation", "motor")
 _NOTHING = Scalar(Place(Source("", Path())), None, "")
 _REMEDY = "name the folder of a run whose law identifies, such as norm-optimal"
 
@@ -66,8 +76,10 @@ def with_identified(tree: MapNode, read: Callable[[Path, int], bytes]) -> MapNod
     return with_entry(tree, "model", found, tree.key_places.get("model", model.place))
 
 
-def _identified(folder: Path, read: Callable[[Path, int], bytes]) -> dict[str, float]:
+def _identified(folder: Path, read: Callable[[Path, int], bytes]) -> dict[str, object]:
     """Returns what the model of a run was at its end, by key of a scenario's model.
+
+    Of unequal wheels and of motors what was clearly measured.
 
     Raises:
         HilcError: There is no such table, it is damaged, or nothing of it was identified.
@@ -77,6 +89,23 @@ def _identified(folder: Path, read: Callable[[Path, int], bytes]) -> dict[str, f
         raise UsageError(f"{folder}: holds no {LEARNING}; {_REMEDY}")
     read(path, MAX_CSV_BYTES)
     table = read_learning(path)
-    if not set(_COLUMNS.values()) <= set(table.names):
+    if not set(_COLUMNS) <= set(table.names):
         raise UsageError(f"{path}: tells no wheel radius and half track; {_REMEDY}")
-    return {key: float(table[column][-1]) for key, column in _COLUMNS.items()}
+    figures = table.last()
+    radius, half_track = (figures[column] for column in _COLUMNS)
+    found: dict[str, object] = {"wheel_radius": radius, "half_track": half_track}
+    ratio = figures.get(_RATIO[0], 1.0)
+    if _is_clear(ratio - 1, figures.get(_RATIO[1])):
+        right = 2 * radius / (1 + ratio)
+        found["wheel_radius"] = {"left": ratio * right, "right": right}
+    motor = {
+        key: figures[column]
+        for key, (column, error) in _MOTOR.items()
+        if column in figures and _is_clear(figures[column], figures.get(error))
+    }
+    return found | ({"motor": motor} if motor else {})
+
+
+def _is_clear(off: float, error: float | None) -> bool:
+    """Returns whether a quantity was measured, and is not what an ideal robot has."""
+    return error is not None and abs(off) > _CLEARLY * error  # not of not-a-number

@@ -28,6 +28,7 @@ from hilc_cli.plants.imperfections import (
     BelievedRadius,
     MotorSpec,
     SlipSpec,
+    imperfections_of,
 )
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.parameters import OTHER_KEYS, RobotSpec, TurnConventionName, half_track_of
@@ -259,6 +260,10 @@ class ModelSpec(_WithFrom):
         found = Drivetrain(left, right, self.motor.motor(), self.slip.slip())
         return None if found.is_ideal else found
 
+    def imperfections(self, robot: Robot) -> dict[str, float | str]:
+        """What is believed beyond the paper's robot, by dotted key."""
+        return imperfections_of(self._radii(robot), self.motor, self.slip)
+
     def with_keys(self, keys: Iterable[str]) -> ModelSpec:
         """Returns the same model, with a radius for each wheel if a key leads to one."""
         if not any(key.startswith("wheel_radius.") for key in keys):
@@ -411,6 +416,12 @@ class ScenarioSpec(Model):
         """What does not fit together, whatever else is wrong."""
         own = super().misfits(data)
         return [*own, *_misfits_of_path(data), *_misfits_of_record(data)]
+
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine can run it."""
+        is_ideal = self.model.drivetrain(self.robot.robot()) is None
+        return self.robot.in_lanes and self.controller.in_lanes and is_ideal
 
     @property
     def wheel_limits(self) -> WheelLimits:

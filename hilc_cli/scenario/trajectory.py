@@ -40,6 +40,8 @@ _MOST_DEGREES = 3600
 """Larger numbers are hardly meant to be degrees."""
 _AWAY = math.radians(100)
 """From the direction in which a curve starts to that of its first points: more is hardly meant."""
+_CORNER = math.radians(5)
+"""From leg to leg of a polyline: less are the points of a bend."""
 MOST_POINTS = 10_000
 """Points of all segments together, which a resolved scenario holds."""
 MOST_KEPT = 1_000_000
@@ -209,8 +211,10 @@ class TrajectorySpec(Model):
                 shape = self.segments[index].spline or self.segments[index].path
                 reverse = shape is not None and bool(shape.reverse)
                 found.append(f"{key} {_leads_away(off, reverse=reverse)}")
-            back = curve.turns_back
-            if back:
+            back, path = curve.turns_back, self.segments[index].path
+            if path is not None and path.through == "polyline" and self.corners == "allow":
+                found += (f"{key} {text}" for text in _corners_within(curve))
+            elif back:
                 point, turn = back[0]
                 x, y = curve.points[int(np.searchsorted(curve.numbers, point))]
                 among = f", and at {len(back) - 1} more" if len(back) > 1 else ""
@@ -331,6 +335,20 @@ class TrajectorySpec(Model):
                 f"{remedy}{self._degrees_meant(last)}",
             )
         return path
+
+
+def _corners_within(curve: Curve) -> list[str]:
+    """What is to be said of a polyline whose corners are left as they are."""
+    corners = np.flatnonzero(curve.turns > _CORNER)
+    if not len(corners):
+        return []
+    sharpest = int(curve.turns.argmax())
+    angle, point = math.degrees(curve.turns[sharpest]), int(curve.numbers[sharpest + 1])
+    many = f"{len(corners)} corners, the sharpest" if len(corners) > 1 else "a corner"
+    return [
+        f"has {many} of {angle:.3g} deg at its point {point}, which no robot turns in a sample, "
+        "however long the path takes; set 'corners: {radius: 20 cm}', or take 'through: spline'"
+    ]
 
 
 def _leads_away(off: float, *, reverse: bool) -> str:

@@ -96,13 +96,12 @@ class Plan:
     @cached_property
     def in_lanes(self) -> bool:
         """Whether the batch engine does it; if not, cases run one by one and take longer."""
-        spec = self.scenario.spec
-        robots = [spec.robot]
+        specs = [self.scenario.spec]
         for key, axis in self.axes.items():
-            if root(key) == "robot":  # of which one value may make another plant than another
-                robots += [self.case({key: end}).spec.robot for end in axis.ends]
-        in_lanes = all(robot.in_lanes for robot in robots)
-        return spec.controller.in_lanes and in_lanes and not DISABLED
+            if root(key) in ("robot", "model") or key == "controller.safety_net":
+                # Of which one value may make another plant or law than another.
+                specs += [self.case({key: end}).spec for end in axis.ends]
+        return all(spec.in_lanes for spec in specs) and not DISABLED
 
     @property
     def path_size(self) -> float:

@@ -136,8 +136,12 @@ def expected_of_seeds(
     return ExpectedError(first, final, foretold, start, readings, state, unsure, is_floor)
 
 
-def expected_rows(expected: ExpectedError, iterations: int) -> Rows:
+def expected_rows(expected: ExpectedError, experiment: Experiment) -> Rows:
     """Returns the error to be expected of a law of which no iterations are predicted."""
+    iterations = experiment.iterations
+    if experiment.reference.size == expected.first_m == expected.final_m == 0:
+        # No position tells how well it turns, and of the heading nothing is predicted.
+        return disturbed_rows(expected)
     last = f"{length_text(expected.final_m)} in iteration {iterations}"
     if iterations:
         last = f"{length_text(expected.first_m)} in iteration 0, {last}"

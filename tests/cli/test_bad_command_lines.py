@@ -337,7 +337,8 @@ USAGE: list[tuple[str, list[str], str]] = [
         ["run", "nosuch.yaml"],
         "hilc: nosuch.yaml: there is no such file; check the path",
     ),
-    ("file-folder", ["run", "."], "hilc: .: is a folder; give a regular file"),
+    ("file-folder", ["run", "."], "hilc: .: is a folder; give the scenario in it, scenario.yaml"),
+    ("file-other-folder", ["run", "/"], "hilc: /: is a folder; give a regular file"),
     ("file-fifo", ["run", "fifo"], "hilc: fifo: is a named pipe; give a regular file"),
     ("file-dev", ["run", "/dev/zero"], "hilc: /dev/zero: is a device; give a regular file"),
     (
@@ -350,7 +351,11 @@ USAGE: list[tuple[str, list[str], str]] = [
         ["run", "scenario.yaml/x"],
         "hilc: scenario.yaml/x: there is no such file; check the path",
     ),
-    ("file-empty-name", ["run", ""], "hilc: .: is a folder; give a regular file"),
+    (
+        "file-empty-name",
+        ["run", ""],
+        "hilc: .: is a folder; give the scenario in it, scenario.yaml",
+    ),
     ("file-long-name", ["run", LONG], f"hilc: {LONG}: cannot be read: file name too long"),
     (
         "file-big",

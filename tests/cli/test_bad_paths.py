@@ -112,7 +112,11 @@ CASES: dict[str, tuple[str, str]] = {
     ),
     "reverse-corner": (
         added("line: {to: [2, 0], duration: 1, reverse: true}"),
-        "path.yaml:6:5: trajectory.segments.1.line: starts with a heading of 3.14159265 rad where the path arrives with 0 rad, a corner of 3.14 rad; make them equal or set 'corners: allow'",
+        "path.yaml:6:5: trajectory.segments.1.line: starts with a heading of 3.14159265 rad where the path arrives with 0 rad, a corner of 3.14 rad; leave out its 'reverse: true', make them equal or set 'corners: allow'",
+    ),
+    "back-corner": (
+        added("path: {points: [[1, 0], [0, 0.2]], through: polyline, speed: 1}"),
+        "path.yaml:6:5: trajectory.segments.1.path: starts with a heading of 2.94419709 rad where the path arrives with 0 rad, a corner of 2.94 rad; set 'reverse: true' to drive it backward, make them equal or set 'corners: allow'",
     ),
     "spline-empty": (
         added("spline: {duration: 1}"),

@@ -158,20 +158,17 @@ def test_matrix_of_another_form_tells_its_eigenvalues(check: Check) -> None:
 def test_way_in_of_norm_optimal(check: Check) -> None:
     # 0.1 m behind 2 m/s with at most 3 m/s: 0.1 s, 5 samples.
     options = "{law: norm-optimal, h: 20, b_w: 15}"
-    assert rows(check(options))["Learning"].startswith("identifies wheel radius and half track")
+    assert rows(check(options))["Learning"].startswith("identifies the robot and its motors")
     shown = rows(check(options, "-v"))
     assert shown["Initial error"] == "0.1 m, 0 rad"
     assert shown["Earliest merge of any law"] == "sample 5 (0.1 s)"
-    assert shown["Theory"] == (
-        "no condition is evaluated: wheel radius and half track are identified"
-    )
+    assert shown["Theory"] == "no condition is evaluated: the robot and its motors are identified"
     found = learning(check(options, "--json"))
     assert found["earliest_merge_sample"] == 5
     sample = found["merge_sample"]
     assert shown["Merge of this law"] == f"sample {sample} ({0.02 * int(str(sample)):g} s); h is 20"
-    fed_back = check("{law: norm-optimal, h: 20, identify: false}", "-v")
-    assert rows(fed_back)["Earliest merge of any law"] == "at once: there is no speed limit"
-    assert rows(fed_back)["Theory"].endswith("the feedback makes up for a wrong model")
+    unlimited = check("{law: norm-optimal, h: 20}", "-v")
+    assert rows(unlimited)["Earliest merge of any law"] == "at once: there is no speed limit"
 
 
 def test_norm_optimal_that_cannot_work_fails(check: Check) -> None:
@@ -181,17 +178,6 @@ def test_norm_optimal_that_cannot_work_fails(check: Check) -> None:
     verbose = rows(check("{law: norm-optimal, h: 20, b_w: 10.2}", "-v"))
     assert verbose["Earliest merge of any law"] == "at no sample"
     assert verbose["Merge of this law"] == "not before the end; h is 20"
-    alone = "{law: norm-optimal, h: 20, identify: false, feedback: none}"
-    shown = rows(check(alone))
-    assert shown["Correction, times the right one"] == (
-        "0.8 along the path, 0.8 in turning; must be below 2"
-    )
-    assert shown["An iteration leaves"] == "0.2 of small errors that weigh much"
-    wrong = check(alone, "--set", "model.wheel_radius=0.08", "--json")
-    assert wrong.code == 3
-    found = learning(wrong)
-    assert found["iteration_leaves"] == pytest.approx(1.5)
-    assert found["converges"] is False
 
 
 def test_believed_robot_that_is_too_slow_is_told(check: Check) -> None:

@@ -71,7 +71,8 @@ def test_what_was_not_measured_is_not_told_as_learned(
         "model_half_track_m": 0.65,
         "model_wheel_radius_per_half_track": 0.14 / 0.65,
         "model_left_per_right_radius": 1.0,
-        "went_back": 0.0,
+        "step_share": 1.0,
+        "returns_to_best": 0.0,
         **{f"model_{name}": 0.0 for name in MOTORS},
     }
     rows = learned(hilc("run", scenario, *only_first).out)
@@ -83,7 +84,8 @@ def test_what_was_not_measured_is_not_told_as_learned(
         "left per right radius": f"{untold}1",
         **dict.fromkeys(("delay and lag", "delay", "lag"), f"{untold}0 s"),
         "friction": f"{untold}0 rad/s",
-        "went back": "0",
+        "step share": "1",
+        "returns to best": "0",
     }
 
 

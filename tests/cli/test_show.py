@@ -30,8 +30,9 @@ segments:
 """
 # The chord of an arc of pi/40 is shorter by the factor sin(pi/80) / (pi/80) = 0.999743, so that
 # pi/4 m/s become 0.785196: wheels of (0.785196 +- 0.5 pi/4) / 0.2 = 5.889 and 1.962 rad/s.
+# Where the curvature jumps, wheels jump by those of the arc itself: (-0.2146 +- 0.5 pi/4) / 0.2.
 REPORT = """\
-test: 3.571 m in 5 s, 3 segments
+test: curved: 3.571 m in 5 s, 3 segments
 
   Path            2 by 2 m, ends 2.828 m from its start
   Samples         50 of 0.1 s
@@ -55,11 +56,11 @@ All           50     5   3.571  1.571       1   0.7854       1    0.6167    5.88
 
 Where the curvature jumps
 
-             At  Before  After  Speed jump  Yaw jump  Left jump  Right jump
-Start of    [m]   [1/m]  [1/m]       [m/s]   [rad/s]    [rad/s]     [rad/s]
-───────────────────────────────────────────────────────────────────────────
-1.arc         1       0      1     -0.2146    0.7854     0.8895      -3.038
-2.line    2.571       1      0     -0.2854   -0.7854     -3.389      0.5375
+                    At  Before  After   Speed  Speed jump  Yaw jump  Left jump  Right jump
+Where              [m]   [1/m]  [1/m]   [m/s]       [m/s]   [rad/s]    [rad/s]     [rad/s]
+──────────────────────────────────────────────────────────────────────────────────────────
+start of 1.arc       1       0      1  0.7854     -0.2146    0.7854     0.8905      -3.037
+start of 2.line  2.571       1      0     0.5     -0.2854   -0.7854      -3.39      0.5365
 
 Written to runs/test-path/path.png
 """
@@ -84,11 +85,11 @@ All           50     5   3.571  1.571       1   0.7854       1    0.6167
 
 Where the curvature jumps
 
-             At  Before  After  Speed jump  Yaw jump
-Start of    [m]   [1/m]  [1/m]       [m/s]   [rad/s]
-────────────────────────────────────────────────────
-1.arc         1       0      1     -0.2146    0.7854
-2.line    2.571       1      0     -0.2854   -0.7854
+                    At  Before  After   Speed  Speed jump  Yaw jump
+Where              [m]   [1/m]  [1/m]   [m/s]       [m/s]   [rad/s]
+───────────────────────────────────────────────────────────────────
+start of 1.arc       1       0      1  0.7854     -0.2146    0.7854
+start of 2.line  2.571       1      0     0.5     -0.2854   -0.7854
 """
 OF_SEGMENT = {
     *("kind", "name", "first_sample", "samples", "duration_s", "length_m", "turn_rad"),
@@ -342,4 +343,123 @@ def test_names_of_both_kinds_are_completed() -> None:
 def test_trajectory_within_a_scenario_is_found(hilc: Hilc, write: Write) -> None:
     write({"scenario.yaml": scenario("path.yaml", "example:square-lap"), "path.yaml": SCENARIO})
     outcome = hilc("show", "scenario.yaml", "--no-plots", "--set", "name=lap")
-    assert outcome.out.startswith("lap: 5.485 m in 38.8 s, 13 segments\n")
+    assert outcome.out.startswith("lap: square-lap: 5.485 m in 38.8 s, 13 segments\n")
+    found = json.loads(hilc("show", "scenario.yaml", "--no-plots", "--json").out)
+    assert (found["name"], found["trajectory"]) == ("test", "square-lap")
+
+
+def test_straight_lines_of_a_profile_and_jumps_of_their_corners_are_told(
+    hilc: Hilc, write: Write
+) -> None:
+    """A polyline with rounded corners, within limits of wheels, then a stop."""
+    rounded = """\
+name: hall
+sample_time: 50 ms
+corners: {radius: 20 cm}
+timing: {speed: 0.3, acceleration: 0.3, wheel_acceleration: 12, wheel_speed: 4}
+segments:
+  - path: {points: [[0, 0], [1, 0], [1, 1]], through: polyline}
+  - stop: {duration: 2 s}
+  - line: {length: 0.5}
+"""
+    write({"path.yaml": rounded, "scenario.yaml": SCENARIO})
+    found = json.loads(hilc("show", "scenario.yaml", "--no-plots", "--json").out)
+    jumps, profile = found["curvature_jumps"], found["profile"]
+    ends = [0.8, 0.8 + 0.1 * math.pi]
+    assert [(jump["name"], jump["inside"]) for jump in jumps] == [("segments.0.path", True)] * 2
+    assert [jump["distance_m"] for jump in jumps] == pytest.approx(ends)
+    slow = profile["slow_jumps"]
+    assert [(jump["segment"], jump["name"]) for jump in slow] == [(0, "segments.0.path")] * 2
+    # Half track 0.5 m and wheels of 0.2 m: 0.9 of 12 rad/s^2 times 50 ms is what is left for it.
+    for jump in jumps:
+        assert abs(jump["left_wheel_jump_rad_s"]) == pytest.approx(0.9 * 12 * 0.05)
+        assert jump["speed_m_s"] == pytest.approx(0.9 * 12 * 0.05 * 0.2 / 0.5 * 0.2)
+    # The stop is no time in which nothing binds.
+    assert sum(profile["bound"].values()) == pytest.approx(1)
+    assert profile["bound"].get("nothing", 0) < 0.02
+    last = found["segments"][-1]
+    assert (last["turn_rad"], last["tightest_radius_m"]) == (0, None)
+    told = hilc("show", "scenario.yaml", "--no-plots").out
+    table = told[told.index("Where the curvature jumps") :].splitlines()
+    assert [line.split()[:2] for line in table[5:]] == [["in", "0.path"]] * 2
+    assert "Time lost" in table[2]
+
+
+def test_corners_within_a_polyline_are_told(hilc: Hilc, write: Write) -> None:
+    corner = """\
+name: hall
+sample_time: 50 ms
+corners: allow
+segments:
+  - path: {points: [[0, 0], [1, 0], [1, 1], [2, 1.5]], through: polyline, speed: 0.1}
+"""
+    write({"path.yaml": corner})
+    told = hilc("show", "path.yaml", "--no-plots").err
+    assert told.startswith(
+        "hilc: warning: trajectory.segments.0.path has 2 corners, the sharpest of 90 deg at its "
+        "point 1, which no robot turns in a sample, however long the path takes; set 'corners: "
+        "{radius: 20 cm}', or take 'through: spline'\n"
+    )
+    rounded = ("--set", "corners={radius: 20 cm}")
+    assert hilc("show", "path.yaml", "--no-plots", *rounded).err == ""
+
+
+OTHER_WAY = "set 'reverse: true' to drive it backward, give its points in the other order"
+CURVES = [
+    (
+        "away",
+        "spline: {points: [[0, 0], [-1, 0.1], [-2, 0]], speed: 0.1}",
+        "spline has first points that lead 174 deg off the heading with which it starts: it bends "
+        f"round on the spot; {OTHER_WAY}, or correct the heading",
+    ),
+    (
+        "ahead-though-backward",
+        "spline: {points: [[0, 0], [0.01, 0.001], [-1, 0.1]], speed: 0.1, reverse: true}",
+        "spline is driven backward, and its first points lead 174 deg off that way, to where the "
+        "robot looks: it bends round on the spot; leave out 'reverse: true', or give its points "
+        "in the other order",
+    ),
+    (
+        "out-and-back",
+        "path: {points: [[0, 0], [0.5, 0], [0.5, 0], [1, 0], [0.5, 0.01], [0, 0.1]], speed: 0.1}",
+        "path turns back by 179 deg at its point 3, (1, 0): no robot drives such a loop; end it "
+        "there, and give the way back as a path of its own, with 'reverse: true' or after a turn "
+        "in place",
+    ),
+]
+
+
+@pytest.mark.parametrize(("segment", "message"), [pytest.param(*c[1:], id=c[0]) for c in CURVES])
+def test_points_that_lead_the_other_way_are_told(
+    hilc: Hilc, write: Write, segment: str, message: str
+) -> None:
+    head = "name: p\nsample_time: 50 ms\nstart: {x: 0, y: 0, heading: 0}\nsegments:\n"
+    write({"path.yaml": f"{head}  - {segment}\n", "scenario.yaml": SCENARIO})
+    line = f"hilc: warning: trajectory.segments.0.{message}\n"
+    for arguments in (["show", "path.yaml", "--no-plots"], ["show", "scenario.yaml", "--no-plots"]):
+        assert hilc(*arguments).err.startswith(line)
+    assert message.partition(":")[0] in " ".join(hilc("check", "scenario.yaml", "-v").out.split())
+
+
+@pytest.mark.parametrize("command", ["show", "check", "run"])
+def test_run_folder_names_the_scenario_in_it(hilc: Hilc, folder: Path, command: str) -> None:
+    run = ("run", "scenario.yaml", "--set", "iterations=0", "--no-plots", "--out", "r", "-q")
+    assert hilc(*run).code == 0
+    message = "hilc: r: is a folder; give the scenario in it, r/scenario.yaml\n"
+    assert hilc(command, "r") == Outcome(2, "", message)
+
+
+def test_path_on_the_spot_is_told_so(hilc: Hilc, write: Write) -> None:
+    turn = """\
+name: spin
+sample_time: 100 ms
+start: {x: 1, y: 2, heading: 0}
+segments:
+  - turn: {angle: 90 deg, duration: 2 s}
+  - stop: {duration: 1 s}
+"""
+    write({"path.yaml": turn})
+    told = hilc("show", "path.yaml", "--no-plots").out
+    assert told.startswith("spin: on the spot for 3 s, 2 segments\n\n")
+    assert "\n  Path             on the spot, at (1, 2)\n" in told
+    assert "\n  Speed" not in told

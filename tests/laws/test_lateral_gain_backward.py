@@ -17,7 +17,7 @@ import pytest
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import simulate_batch
-from hilc_cli.engine.loop import simulate
+from hilc_cli.engine.loop import MeasuredTrials, simulate
 from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix, model_gain
 from hilc_cli.laws.hybrid import HybridLaw, with_lateral_gain
 from hilc_cli.plants.kinematic import Robot, feedforward
@@ -30,7 +30,6 @@ from hilc_cli.theory.learning.transient import predict_transient
 from hilc_cli.theory.proof.constants import Constants, constants, constants_within_limit
 from hilc_cli.yaml_input.expressions import Affine
 from tests.engine.experiments import PLATFORM, experiment_of
-from tests.theory.cases import errors
 
 MODEL = Robot(0.21, 0.49)
 KAPPA = 0.6
@@ -128,19 +127,34 @@ def test_backward_is_forward_of_the_turned_robot(
         # Nothing but the matrix of a robot that drives forward.
         forward = replace(law, matrix=with_lateral_gain(law.matrix, KAPPA), lateral=0.0)
         other = replace(other, law=forward)
-    trials = list(simulate(experiment))
-    for one, mirror in zip(trials, simulate(other), strict=True):
+    for one, mirror in zip(simulate(experiment), simulate(other), strict=True):
         np.testing.assert_allclose(mirror.x, one.x, atol=1e-9, rtol=0)
         np.testing.assert_allclose(mirror.y, one.y, atol=1e-9, rtol=0)
         np.testing.assert_allclose(mirror.heading, one.heading + math.pi, atol=1e-9, rtol=0)
         np.testing.assert_allclose(mirror.left, -one.right, atol=1e-7, rtol=0)
         np.testing.assert_allclose(mirror.right, -one.left, atol=1e-7, rtol=0)
-    # The lanes, too, and beside a law without a lateral gain.
-    found = simulate_batch([experiment, replace(experiment, law=replace(law, lateral=0.0)), other])
-    largest = [np.hypot(reference.x - trial.x, reference.y - trial.y).max() for trial in trials]
-    for case in (0, 2):
-        np.testing.assert_allclose(found.errors[case], largest, rtol=1e-9)
-    assert abs(found.errors[1, -1] - found.errors[0, -1]) > 1e-6
+
+
+@pytest.mark.parametrize(
+    ("reference", "law", "disturbed"),
+    [
+        (BACK, law_of(), False),
+        (MIXED, law_of(), True),
+        (MIXED, law_of(l1=0.5, heading="previous", compensation=True, derivative=0.1), False),
+    ],
+    ids=["back", "disturbed", "compensation"],
+)
+def test_lanes_agree_with_the_loop_engine(
+    reference: Reference, law: HybridLaw, disturbed: bool
+) -> None:
+    noise = Disturbance(3, output=Bounded((1e-3, 1e-3, 1e-3), repeat=False))
+    experiment = off(reference, law, disturbance=noise if disturbed else None)
+    larger = replace(experiment, law=replace(law, lateral=2 * KAPPA))
+    found = simulate_batch([experiment, larger])
+    for case, each in enumerate((experiment, larger)):
+        *_, (_, expected) = MeasuredTrials(each)
+        np.testing.assert_allclose(found.final[case], list(expected.values()), rtol=1e-9, atol=1e-9)
+    assert np.abs(found.final[1] - found.final[0]).max() > 1e-3
 
 
 STRAIGHT = build_reference("straight", (0, 0, 0), [line(6.0, back=True)], DT)
@@ -219,8 +233,7 @@ def test_theory_predicts_what_is_simulated(reference: Reference) -> None:
     trials = list(simulate(experiment))
     predicted = predict_transient(experiment, 4)
     for iteration, trial in enumerate(trials):
-        found = errors(driven, trial)
-        largest = np.hypot(found[:, 0], found[:, 1]).max()
+        largest = np.hypot(driven.x - trial.x, driven.y - trial.y).max()
         assert predicted.at(iteration) == pytest.approx(largest, rel=1e-4)
     wrong = replace(experiment, law=law_of(-KAPPA))
     assert predict_transient(wrong, 4).at(4) != pytest.approx(largest, rel=1e-2)
@@ -230,7 +243,8 @@ def test_theory_predicts_what_is_simulated(reference: Reference) -> None:
 def test_theory_of_backward_is_that_of_the_turned_robot(reference: Reference) -> None:
     experiment = replace(off(reference, law_of()), speed_limit=20.0)
     other = turned(experiment)
-    one, mirror = fixed_point(experiment), fixed_point(other)
+    without = replace(law_of(l2=0.0), l3=0.0)  # with as much feedback there is no rest
+    one, mirror = (fixed_point(replace(each, law=without)) for each in (experiment, other))
     assert one is not None and mirror is not None
     np.testing.assert_allclose(mirror.errors, one.errors, atol=1e-9)
     found, same = forecast(experiment), forecast(other)
@@ -247,7 +261,9 @@ def numbers_of(found: Constants) -> list[float]:
 
 def test_constants_are_the_largest_over_the_directions() -> None:
     """Of a matrix that is no mirror image of itself, forward and backward differ."""
-    skewed = GainMatrix((Affine(2.0), Affine(1.0), Affine(-3.0)), (Affine(1.0), ZERO, Affine(2.0)))
+    skewed = GainMatrix(
+        (Affine(sin=5.0), Affine(1.0), Affine(-3.0)), (Affine(1.0), ZERO, Affine(2.0))
+    )
     law = replace(law_of(), matrix=skewed)
     parts = [
         replace(law, matrix=with_lateral_gain(law.matrix, s * KAPPA), lateral=0.0)

@@ -95,8 +95,9 @@ def write_bag(
     rows: Iterable[Row],
     storage: StoragePlugin = StoragePlugin.MCAP,
     compression: CompressionMode = CompressionMode.NONE,
+    most_bytes: int | None = None,
 ) -> Path:
-    """Writes messages into a bag."""
+    """Writes messages into a bag; each may be cut off behind so many bytes."""
     writer = Writer(path, version=9, storage_plugin=storage)
     if compression != CompressionMode.NONE:
         writer.set_compression(compression, CompressionFormat.ZSTD)
@@ -106,7 +107,7 @@ def write_bag(
             if topic not in connections:
                 connections[topic] = writer.add_connection(topic, kind, typestore=STORE)
             raw = STORE.serialize_cdr(message, kind)
-            writer.write(connections[topic], round(arrival * 1e9), raw)
+            writer.write(connections[topic], round(arrival * 1e9), raw[:most_bytes])
     return path
 
 

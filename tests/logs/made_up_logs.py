@@ -53,8 +53,8 @@ class MadeUpRobot:
         radii = np.array([self.left_radius, self.right_radius])
         for k, wanted in enumerate(told):
             poses[k] = pose
-            speed = speed + follow * (wanted - speed)
-            left, right = radii * speed * STEP
+            before_step, speed = speed, speed + follow * (wanted - speed)
+            left, right = radii * (before_step + speed) / 2 * STEP
             turn = (right - left) / (2 * self.half_track)
             middle = pose[2] + turn / 2
             ahead = (left + right) / 2

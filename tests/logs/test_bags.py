@@ -87,10 +87,10 @@ def test_transforms_are_chained(tmp_path: Path, poses: Floats) -> None:
     kind = "tf2_msgs/msg/TFMessage"
     # The map sees odom turned by a quarter and shifted; odom sees the robot as the camera does.
     rows = []
-    for row in poses.tolist():
-        own = transform_stamped(*row, parent="odom", child="base_link")
-        above = transform_stamped(row[0], 5.0, 6.0, np.pi / 2, parent="map", child="odom")
-        rows.append(("/tf", kind, row[0], transforms(above, own)))
+    for t, x, y, heading in poses.tolist():
+        own = transform_stamped(t, x, y, heading, "odom", "base_link")
+        above = transform_stamped(t, 5.0, 6.0, np.pi / 2, "map", "odom")
+        rows.append(("/tf", kind, t, transforms(above, own)))
     bag = write_bag(tmp_path / "bag", rows)
     log = read_log(bag, ReadOptions(frames=("map", "base_link")))
     assert log.poses.x == pytest.approx(5.0 - poses[:, 2])

@@ -49,7 +49,7 @@ def test_path_alone_is_coloured_by_speed_and_tells_backward_stop_and_turn() -> N
     assert legend(plane) == [BACKWARD, JOINT, TURN, STOP, "Start"]
     assert len(lines(plane, "_arrow")) == 8
     numbers = [text.get_text() for text in plane.texts]
-    assert numbers == ["0", "3", "4", "5", "6"]  # those that go somewhere
+    assert numbers == ["1, 2", "0", "3", "4", "5", "6"]  # it stops and turns at one place
     assert not overlaps(figure)
 
 
@@ -105,8 +105,30 @@ def test_corners_are_marked_and_left_out_of_the_wheels(write: Write) -> None:
 
 def test_path_on_the_spot_and_one_of_a_single_step_are_drawn() -> None:
     spot = [piece for piece in FORTH_AND_BACK if piece[0] == "turn"]
-    for pieces in (spot, [("line", np.ones(1), np.zeros(1))]):
+    for pieces, panels in ((spot, 3), ([("line", np.ones(1), np.zeros(1))], 4)):
         reference, names = driven(pieces)
         figure = path_figure(show_reference("short", reference, names))
         figure.draw_without_rendering()
-        assert len(figure.axes) == 4
+        assert len(figure.axes) == panels
+
+
+def test_on_the_spot_the_heading_is_drawn_over_time() -> None:
+    reference, names = driven([piece for piece in FORTH_AND_BACK if piece[0] in ("turn", "stop")])
+    figure = path_figure(show_reference("spot", reference, names))
+    drawn = line(panel(figure, "Heading"), "_heading")
+    assert np.asarray(drawn.get_xdata()).tolist() == reference.times.tolist()
+    assert np.asarray(drawn.get_ydata()).tolist() == reference.heading.tolist()
+    assert panel(figure, "Path").get_title(loc="left") == "Path, on the spot"
+    assert not overlaps(figure)
+
+
+def test_stops_and_turns_are_numbered_as_segments() -> None:
+    figure = path_figure(show("example:turn-in-place"))
+    numbers = {each.get_text() for each in panel(figure, "Path").texts}
+    assert numbers == {"0", "1", "2", "3, 4", "5"}
+    assert not overlaps(figure)
+
+
+def test_picture_names_the_trajectory_within_a_scenario() -> None:
+    shown = show("example:small-robot", {"trajectory": "example:square-lap"})
+    assert "small-robot: square-lap" in texts(path_figure(shown))

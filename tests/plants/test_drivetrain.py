@@ -26,7 +26,8 @@ def from_rest_to_rest(duration: float, sample_time: float) -> Floats:
     rate = 2 * math.pi / duration
     way = 5 * (ends - np.sin(rate * ends) / rate)  # of 5 (1 - cos)
     still = np.zeros(round(0.3 / sample_time))
-    return np.concatenate([still, np.diff(way) / sample_time])
+    speeds: Floats = np.concatenate([still, np.diff(way) / sample_time])
+    return speeds
 
 
 @pytest.mark.parametrize(
@@ -52,7 +53,7 @@ def test_inputs_make_a_smooth_motion_to_second_order(motor: Motor) -> None:
 
 def test_a_ramp_is_inverted_exactly() -> None:
     sample_time, lag, slope = 0.02, 0.05, 3.0
-    wanted = slope * sample_time * (np.arange(50) + 0.5)
+    wanted: Floats = slope * sample_time * np.arange(0.5, 50)
     told = Motor(lag=lag).inputs_for(wanted, sample_time)
     speeds = turned(Motor(lag=lag), told, sample_time)
     assert speeds[1:-1] == pytest.approx(wanted[1:-1], abs=1e-12)

@@ -37,6 +37,42 @@ def test_last_iteration_counts(model: dict[str, object], believed: tuple[float, 
     assert ("run/learning.csv" in scenario.checksums) == (model["from"] == "run")
 
 
+COLUMNS = (
+    "model_left_per_right_radius,model_left_per_right_radius_standard_error,model_delay_s,"
+    "model_lag_s,model_delay_and_lag_standard_error_s,model_friction_rad_s,"
+    "model_friction_standard_error_rad_s"
+)
+
+
+@pytest.mark.parametrize(
+    ("figures", "radii", "motor"),
+    [
+        ("1.01,0.001,0.08,0.05,0.002,0.2,0.01", (1.01, 1.0), (0.08, 0.05, 0.2)),
+        # What is not clearly more than nothing, or was not measured, is none.
+        ("1.001,0.001,0.08,0.001,0.002,0.015,0.01", None, (0.08, 0, 0)),
+        ("1.01,,0.08,0.05,,0.2,", None, None),
+    ],
+)
+def test_wheels_and_motors_are_handed_on(
+    here: Path,
+    figures: str,
+    radii: tuple[float, float] | None,
+    motor: tuple[float, float, float] | None,
+) -> None:
+    header = HEADER.strip() + f",{COLUMNS}\n"
+    (here / "run/learning.csv").write_text(f"{header}0,0.0321,0.0861,{figures}\n")
+    setting = hilc.load_scenario("example:small-robot", {"model": {"from": "run"}}).setting
+    assert setting.model.wheel_radius == pytest.approx(0.0321)
+    found = setting.drivetrain
+    if motor is None:
+        assert found is None
+        return
+    assert found is not None
+    left, right = radii or (1.0, 1.0)
+    assert found.left_radius / found.right_radius == pytest.approx(left / right)
+    assert (found.motor.delay, found.motor.lag, found.motor.dead_zone) == motor
+
+
 def test_path_starts_from_the_file_that_has_it(here: Path) -> None:
     text = hilc.load_scenario("example:small-robot").resolved_yaml()
     (here / "deeper").mkdir()

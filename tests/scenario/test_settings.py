@@ -45,6 +45,13 @@ PLATFORM = {
         "true": pytest.approx(0.2 / 0.518),
         "believed": pytest.approx(0.14 / 0.6734),
     },
+    "left_per_right_radius": {"true": 1, "believed": 1},
+    **{
+        f"{name}_{unit}": {"true": 0, "believed": 0}
+        for name, unit in (
+            *(("delay_and_lag", "s"), ("delay", "s"), ("lag", "s"), ("friction", "rad_s")),
+        )
+    },
 }
 H = {"merge_time_s": {"h": pytest.approx(0.2)}}  # 200 samples of a millisecond
 
@@ -56,6 +63,16 @@ H = {"merge_time_s": {"h": pytest.approx(0.2)}}  # 200 samples of a millisecond
         ({"controller.h": 90}, PLATFORM | {"merge_time_s": {"h": pytest.approx(0.09)}}),
         ({"initial_pose": None}, PLATFORM),
         ({"initial_pose": None, "disturbance.initial_pose.bound": [0.1, 0, 0]}, PLATFORM | H),
+        (
+            {"model.motor": {"delay": 0.04, "lag": 0.01}},
+            {
+                **PLATFORM,
+                **H,
+                "delay_and_lag_s": {"true": 0, "believed": pytest.approx(0.05)},
+                "delay_s": {"true": 0, "believed": 0.04},
+                "lag_s": {"true": 0, "believed": 0.01},
+            },
+        ),
         ({"controller": {"law": "feedback"}}, {}),
         (
             {
@@ -64,7 +81,9 @@ H = {"merge_time_s": {"h": pytest.approx(0.2)}}  # 200 samples of a millisecond
                 "robot.motor": {"delay": 0.05, "lag": 0.1, "dead_zone": 0.3},
             },
             {
-                **{name: PLATFORM[name] for name in ("wheel_radius_m", "half_track_m")},
+                **PLATFORM,
+                **H,
+                "delay_and_lag_s": {"true": pytest.approx(0.15), "believed": 0},
                 "left_per_right_radius": {"true": pytest.approx(201 / 199), "believed": 1},
                 "delay_s": {"true": 0.05, "believed": 0},
                 "lag_s": {"true": 0.1, "believed": 0},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from hilc_cli.reporting.terminal import Grid, Section
@@ -14,7 +15,6 @@ from hilc_cli.theory.noise import wheel_document, wheel_rows
 
 if TYPE_CHECKING:
     from hilc_cli.checks.checking import Check, Simulated
-    from hilc_cli.plants.parameters import RobotSpec
     from hilc_cli.results.summary import Summary
     from hilc_cli.theory.learning.forecast import Forecast
     from hilc_cli.theory.learning.transient import Transient
@@ -29,7 +29,7 @@ def learning_section(check: Check) -> Section:
     if check.simulated is not None:
         document["simulated"] = _summary_document(check.simulated.summary)
     rows = [*theory.rows, *wheel_rows(theory.wheels)]
-    left_out = _imperfections(check.scenario.spec.robot)
+    left_out = in_words(check.scenario.spec.robot.imperfections())
     if left_out:
         document["left_out"] = left_out
     if not theory.is_known:
@@ -45,18 +45,19 @@ def _unknown(check: Check) -> str:
     """Returns what theory does not speak of: the plant, or the law on a plant that it knows."""
     spec = check.scenario.spec
     if knows_plant(check.law.experiment):
-        return spec.controller.called
-    left_out = ", ".join(_imperfections(spec.robot))
+        believed = in_words(spec.model.imperfections(spec.robot.robot()))
+        return spec.controller.called + (f" with a model of {', '.join(believed)}" * bool(believed))
+    left_out = ", ".join(in_words(spec.robot.imperfections()))
     return f"a robot with {left_out}" if left_out else f"plant {spec.robot.plant}"
 
 
-def _imperfections(robot: RobotSpec) -> list[str]:
+def in_words(imperfections: Mapping[str, float | str]) -> list[str]:
     """Returns what a robot has that the paper's has not, such as ``motor.delay 0.08 s``."""
     return [
         f"{key} {value}"
         if isinstance(value, str)
         else f"{key} {value:g} {unit_of(f'robot.{key}').replace('²', '^2')}".rstrip()
-        for key, value in robot.imperfections().items()
+        for key, value in imperfections.items()
     ]
 
 

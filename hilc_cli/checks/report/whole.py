@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hilc_cli.checks.report.feasibility import feasibility_section
-from hilc_cli.checks.report.learning import errors_grid, learning_section
+from hilc_cli.checks.report.learning import errors_grid, in_words, learning_section
 from hilc_cli.checks.report.motors import motors_section
 from hilc_cli.checks.report.theory import theory_section
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
@@ -97,16 +97,18 @@ def _rows(check: Check) -> list[tuple[str, str]]:
     own = plant.drivetrain if isinstance(plant, ImperfectPlant) else None
     model = spec.model.model(robot)
     path = (
-        f"{spec.trajectory.name}: {demand.length:.4g} m in {demand.duration:.4g} s, "
+        f"{spec.trajectory.name}: {demand.in_short}, "
         f"{demand.samples} samples of {demand.sample_time:g} s"
     )
     rows = [
         ("Path", path),
         ("Robot", f"{_platform(robot, own)}; convention: {robot.turn_convention}"),
     ]
-    believed = _platform(model, spec.model.drivetrain(robot))
-    if believed != _platform(robot, own):
-        rows.append(("Model", believed))
+    believed = in_words(spec.model.imperfections(robot))
+    if model.turn_convention != robot.turn_convention:
+        believed.append(f"convention: {model.turn_convention}")
+    if believed or _platform(model, None) != _platform(robot, own):
+        rows.append(("Model", "; ".join([_platform(model, None), *believed])))
     return [
         *rows,
         ("Law", scenario.law_in_words),

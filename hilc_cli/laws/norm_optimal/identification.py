@@ -155,6 +155,7 @@ def motor_of(first: Motor, parameters: Floats) -> Motor:
         delay,
         lag,
         friction,
+        first.acceleration,
     )
 
 

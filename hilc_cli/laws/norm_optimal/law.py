@@ -10,8 +10,11 @@ from pydantic import Field
 
 from hilc_cli.laws.law import Law, Learner, Task
 from hilc_cli.laws.parameters import DEFAULT_H, Controller, Setting, SpeedLimit, length_misfits
+from hilc_cli.laws.safety_net import RETURNS, STEP_SHARE
+from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.wording import counted
 from hilc_cli.yaml_input.model import Located, Model, valid
 from hilc_cli.yaml_input.quantities import PositiveAngle, PositiveLength, Samples, such_as
 
@@ -20,15 +23,6 @@ MERGE_TIME = "merge_time_s"
 
 RATIO = "wheel_radius_per_half_track"
 """Column of R / B, which a turn in place tells, though neither R nor B."""
-
-IDEAL_MOTORS = {
-    "left_per_right_radius": 1.0,
-    "delay_and_lag_s": 0.0,
-    "delay_s": 0.0,
-    "lag_s": 0.0,
-    "friction_rad_s": 0.0,
-}
-"""What is believed at first of motors and wheels, by the columns of their quantities."""
 
 IDENTIFIED = tuple(
     f"model_{name}{ending}{unit}"
@@ -53,7 +47,7 @@ MISFITS = {
 }
 """Columns of what passes have in common beyond the model, with what it may come from."""
 
-_FIGURES = (*IDENTIFIED, *MISFITS, "went_back", MERGE_TIME, "search_settled")
+_FIGURES = (*IDENTIFIED, *MISFITS, STEP_SHARE, RETURNS, MERGE_TIME, "search_settled")
 
 _NONE = 1e-9  # an initial error up to this [m and rad] is rounding
 
@@ -75,6 +69,8 @@ class NormOptimalLaw:
             planned wheel speeds alone.
         h: Samples within which the platform shall be on the trajectory after an initial error,
             where the speed limit allows it, >= 1.
+        drivetrain: What the controller believes at first of wheels, motors and tyres; None: equal
+            wheels that do at once what they are told.
     """
 
     theory: ClassVar[str] = "hilc_cli.theory.laws.norm_optimal:NormOptimalTheory"
@@ -85,6 +81,7 @@ class NormOptimalLaw:
     heading: float = 0.05
     feedback: Literal["regulator", "none"] = "regulator"
     h: int = 200
+    drivetrain: Drivetrain | None = None
 
     @property
     def squared_weights(self) -> tuple[float, float]:
@@ -148,7 +145,13 @@ class NormOptimalController(Controller):
             self.weights.heading,
             self.feedback,
             _within(self.h, setting.reference),
+            setting.drivetrain,
         )
+
+    @property
+    def knows_drivetrains(self) -> bool:
+        """Whether the law makes use of what is believed of motors by itself."""
+        return True
 
     def figures(self) -> tuple[str, ...]:
         """What is identified, what the model does not explain, and what to tell of the plan."""
@@ -165,10 +168,7 @@ class NormOptimalController(Controller):
         """What is learned, how, and how long an initial error may last."""
         answers = "no feedback" if self.feedback == "none" else "feedback as delay and noise let it"
         h = _within(self.h, setting.reference)
-        return (
-            f"norm-optimal learning of the robot and its motors; {answers}, rectified within {h} "
-            "samples"
-        )
+        return f"norm-optimal learning of robot and motors; {answers}, rectified within {h} samples"
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""
@@ -187,14 +187,23 @@ class NormOptimalController(Controller):
     def warnings_after(self, figures: Mapping[str, float]) -> list[str]:
         """What the robot does that the model does not know, and that learning went back."""
         found = []
-        worst = max(MISFITS, key=lambda name: figures.get(name, 0.0))
-        if figures.get(worst, 0.0) > 1:
-            way = worst.removeprefix("misfit_")
+        beyond = {name: told for name, told in MISFITS.items() if figures.get(name, 0.0) > 1}
+        if beyond:
+            ways = (
+                f"{name.removeprefix('misfit_')} {figures[name]:.2g} times what noise makes, "
+                f"as with {told}"
+                for name, told in beyond.items()
+            )
             found.append(
-                "the robot does something the model does not know: what its passes have in common "
-                f"beyond it in moving {way} is {figures[worst]:.2g} times what noise would make "
-                f"(as would {MISFITS[worst]}); it is learned as far as it comes back, and standard "
-                "errors allow for it, but what was identified stands in for it in part"
+                "the robot does something the model does not know, the same in each pass: "
+                f"{'; '.join(ways)}. It is learned as far as it comes back, but stands in part in "
+                "what was identified, by more than standard errors tell"
+            )
+        if figures.get(RETURNS, 0):
+            found.append(
+                "learning became worse, and went back to the best pass "
+                f"{counted(int(figures[RETURNS]), 'time')}; steps are now {figures[STEP_SHARE]:g} "
+                "of what passes tell"
             )
         return found
 

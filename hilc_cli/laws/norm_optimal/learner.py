@@ -21,6 +21,7 @@ from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
 from hilc_cli.laws.norm_optimal.rectified import MERGED, rectified_reference
 from hilc_cli.laws.norm_optimal.repeating import repeating
 from hilc_cli.laws.norm_optimal.safeguard import Learned, Safeguard
+from hilc_cli.laws.safety_net import RETURNS, STEP_SHARE
 from hilc_cli.plants.kinematic import step_gains
 from hilc_cli.reference.sampled import Floats, Reference
 
@@ -82,6 +83,11 @@ class NormOptimalLearner:
         self._identification = Identification(reference.sample_time, law.lead, size)
         radius, half_track = law.model.wheel_radius, law.model.signed_half_track
         motor = Motor(radius, radius, half_track, 0.0, 0.0, 0.0)
+        if law.drivetrain is not None:
+            known, kept = law.drivetrain.motor, 1 - law.drivetrain.slip.longitudinal
+            radii = kept * law.drivetrain.left_radius, kept * law.drivetrain.right_radius
+            late = known.delay, known.lag, known.dead_zone, known.acceleration
+            motor = Motor(*radii, half_track, *late)
         self._belief = MotorBelief.at_first(motor, Noise(*[_VAGUE**2] * 5))
         self._passes: deque[Pass] = deque(maxlen=MEMORY)
         self._driven: deque[tuple[Floats, Floats]] = deque(maxlen=MEMORY)
@@ -102,19 +108,20 @@ class NormOptimalLearner:
         error = np.stack(iteration.errors, axis=1)
         latest = Pass(self._target - error, np.stack([iteration.left, iteration.right], axis=1))
         plan, self._plan = self._plan, None
-        misfit, went_back = np.full(len(MISFITS), np.nan), False
+        misfit = np.full(len(MISFITS), np.nan)
         # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
         far = _FARTHEST * max(self._reference.size, 1.0)
         if np.all(np.abs(error) <= far) and np.all(np.abs(latest.sent) <= _LIMIT):
             if latest.sent.any():
-                misfit, went_back = self._take_in(latest)
+                misfit = self._take_in(latest)
             else:
                 self._starts.append(latest.measured.mean(axis=0))
         merge_time, settled = self._of_plan(plan)
         return {
             **self._identified(),
             **dict(zip(MISFITS, misfit.tolist(), strict=True)),
-            "went_back": float(went_back),
+            STEP_SHARE: self._safeguard.share,
+            RETURNS: float(self._safeguard.returns),
             MERGE_TIME: merge_time,
             "search_settled": settled,
         }
@@ -139,12 +146,8 @@ class NormOptimalLearner:
         merged = np.inf if plan.merge_sample is None else plan.merge_sample
         return merged * self._reference.sample_time, float(plan.settled)
 
-    def _take_in(self, latest: Pass) -> tuple[Floats, bool]:
-        """Learns from a pass.
-
-        Returns:
-            By how much the model does not fit, see `misfits`, and whether learning went back.
-        """
+    def _take_in(self, latest: Pass) -> Floats:
+        """Learns from a pass, and returns by how much the model does not fit, see `misfits`."""
         self._passes.append(latest)
         self._seen += 1
         passes = list(self._passes)
@@ -159,8 +162,8 @@ class NormOptimalLearner:
         beside = repeating(np.array([beyond for _, beyond in self._driven]))
         learned = Learned(self._belief.parameters, beside)
         error = self._error(self._driven[-1][0])
-        self._learned, went_back = self._safeguard.next(error, learned)
-        return misfits(self._identification.innovations(self._belief, passes)), went_back
+        self._learned = self._safeguard.next(error, learned)
+        return misfits(self._identification.innovations(self._belief, passes))
 
     def _surprise(self, latest: Pass) -> float:
         """Mean square of a pass's innovations: about 1 where the belief explains it."""

@@ -32,6 +32,7 @@ class Motor(NamedTuple):
         delay: From command to wheel [s], >= 0.
         lag: Time constant of a wheel [s], >= 0.
         friction: What friction takes of a command [rad/s], >= 0.
+        acceleration: The most that a wheel's speed changes [rad/s^2], > 0.
     """
 
     left_radius: float
@@ -40,6 +41,7 @@ class Motor(NamedTuple):
     delay: float
     lag: float
     friction: float
+    acceleration: float = math.inf
 
 
 def _effective(command: float, friction: float) -> tuple[float, float]:
@@ -103,7 +105,12 @@ kept_share = compiled(_kept)
 
 
 def _wheel_ways(
-    inputs: Floats, delay: float, lag: float, friction: float, sample_time: float
+    inputs: Floats,
+    delay: float,
+    lag: float,
+    friction: float,
+    acceleration: float,
+    sample_time: float,
 ) -> Floats:
     """How far wheels at rest turn in each sample under commands [rad], shape (n, 2).
 
@@ -112,9 +119,10 @@ def _wheel_ways(
         delay: [s].
         lag: [s].
         friction: [rad/s].
+        acceleration: [rad/s^2].
         sample_time: d_t [s].
     """
-    n = len(inputs)
+    n, most = len(inputs), acceleration * sample_time
     ways = np.empty((n, 2))
     whole, fraction = arriving(delay, sample_time)
     kept = kept_share(lag, sample_time)
@@ -122,9 +130,13 @@ def _wheel_ways(
         speed = 0.0
         for k in range(n):
             driven, _ = effective(arrived(inputs, k, wheel, whole, fraction), friction)
-            # The exact integral of a first-order lag over the sample.
-            ways[k, wheel] = sample_time * driven + (speed - driven) * lag * (1.0 - kept)
-            speed = kept * speed + (1.0 - kept) * driven
+            change = (1.0 - kept) * (driven - speed)
+            if abs(change) > most:
+                change = math.copysign(most, change)
+                ways[k, wheel] = sample_time * (speed + change / 2)
+            else:  # the exact integral of a first-order lag over the sample
+                ways[k, wheel] = sample_time * driven - lag * change
+            speed += change
     return ways
 
 
@@ -139,7 +151,8 @@ def steps_of(motor: Motor, inputs: Floats, sample_time: float) -> Floats:
         inputs: Wheel speeds sent [rad/s], shape (n, 2).
         sample_time: d_t [s].
     """
-    ways = wheel_ways(inputs, motor.delay, motor.lag, motor.friction, sample_time)
+    late = motor.delay, motor.lag, motor.friction, motor.acceleration
+    ways = wheel_ways(inputs, *late, sample_time)
     left, right = motor.left_radius * ways[:, 0], motor.right_radius * ways[:, 1]
     return np.stack([(left + right) / 2, (left - right) / (2 * motor.half_track)], axis=1)
 

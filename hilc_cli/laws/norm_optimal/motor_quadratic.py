@@ -35,7 +35,8 @@ def _linearised(
     states, controls = np.zeros((n, 7, 7)), np.zeros((n, 7, 2))
     whole, fraction = arriving(motor.delay, sample_time)
     kept = kept_share(motor.lag, sample_time)
-    by_speed = motor.lag * (1.0 - kept)  # way that a wheel's speed at the start is good for [s]
+    followed = motor.lag * (1.0 - kept)  # way that a wheel's speed at the start is good for [s]
+    most, speeds = motor.acceleration * sample_time, np.zeros(2)
     for k in range(n):
         dx, dy = poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1]
         turn = poses[k + 1, 2] - poses[k, 2]
@@ -50,7 +51,16 @@ def _linearised(
             states[k, state, state] = 1.0
         states[k, 0, 2], states[k, 1, 2] = -dy, dx
         for wheel in range(2):
-            _, slope = effective(arrived(inputs, k, wheel, whole, fraction), motor.friction)
+            driven, slope = effective(arrived(inputs, k, wheel, whole, fraction), motor.friction)
+            change, stays, by_speed = (1.0 - kept) * (driven - speeds[wheel]), kept, followed
+            if abs(change) > most:  # whatever is told, the wheel does no more
+                change, stays, by_speed, slope = (
+                    math.copysign(most, change),
+                    1.0,
+                    sample_time,
+                    0.0,
+                )
+            speeds[wheel] += change
             radius = motor.left_radius if wheel == 0 else motor.right_radius
             ahead = radius / 2
             turning = radius / (2 * motor.half_track) * (1.0 if wheel == 0 else -1.0)
@@ -60,7 +70,7 @@ def _linearised(
             states[k, 0, speed] = to_x * by_speed
             states[k, 1, speed] = to_y * by_speed
             states[k, 2, speed] = turning * by_speed
-            states[k, speed, speed] = kept
+            states[k, speed, speed] = stays
             by_command = (sample_time - by_speed) * slope
             for share, column in ((fraction, 0), (1.0 - fraction, 1)):
                 if column == 1 and k < whole:

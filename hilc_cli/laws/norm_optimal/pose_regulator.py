@@ -19,8 +19,12 @@ from hilc_cli.reference.sampled import Floats, Reference
 
 _IN_HAND = 0.7
 """Bandwidth times dead time: some 40 ms more delay than is known are borne at 0.1 s."""
-_FASTEST = 0.3
-"""Share of an error that one sample takes away at most."""
+_UNKNOWN, _UNKNOWN_SAMPLES, _BORNE = 0.04, 4, 1.5
+"""Delay [s] that is borne beside all that is known, even where that is next to nothing, or so many
+samples if that is less; and bandwidth times dead time with it, of which pi / 2 is the limit."""
+_FASTEST, _FASTEST_ASIDE = 0.6, 0.3
+"""Share of an error ahead that one sample takes away at most; and of one sideways, which is steered
+against by way of the heading."""
 _QUIETEST = 0.02
 """Share of the speed limit by which the readings' noise may move a wheel (standard deviation)."""
 _SLOW = 0.1
@@ -43,7 +47,7 @@ def bandwidths(
     most = fastest(motor, sample_time)
     ahead = min(most, _trust(noise.ahead, noise.position) / sample_time)
     aside = max(_trust(noise.turn, noise.heading), _trust(noise.left, noise.position))
-    aside = min(most, aside / sample_time)
+    aside = min(most, _FASTEST_ASIDE / sample_time, aside / sample_time)
     radius = math.sqrt(motor.left_radius * motor.right_radius)
     position, heading = math.sqrt(noise.position), math.sqrt(noise.heading)
     moves = math.hypot(ahead * position, aside * heading * motor.half_track) / radius
@@ -53,8 +57,9 @@ def bandwidths(
 
 def fastest(motor: Motor, sample_time: float) -> float:
     """Returns how fast errors may fall [1/s] on a robot that is so late, however noise is."""
-    dead = motor.delay + motor.lag
-    return min(_IN_HAND / (dead + sample_time), _FASTEST / sample_time)
+    dead = motor.delay + motor.lag + sample_time
+    unknown = min(_UNKNOWN, _UNKNOWN_SAMPLES * sample_time)
+    return min(_IN_HAND / dead, _BORNE / (dead + unknown), _FASTEST / sample_time)
 
 
 def _trust(motion: float, reading: float) -> float:

@@ -1,20 +1,13 @@
-"""Learning that does not run away: where it makes passes clearly worse it goes back.
-
-A single bad pass is bad luck: three in a row are looked at, by their median.
-"""
+"""Learning that does not run away: where it makes passes clearly worse it goes back."""
 
 from __future__ import annotations
 
-from collections import deque
 from typing import NamedTuple
 
 import numpy as np
 
+from hilc_cli.laws.safety_net import SMALLER, Judge
 from hilc_cli.reference.sampled import Floats
-
-_PASSES = 3
-_CLEARLY = 3.0
-"""So many times the error of the best passes is clearly worse."""
 
 
 class Learned(NamedTuple):
@@ -34,41 +27,40 @@ class Safeguard:
     """Watches passes, and says what the next one is to be planned from.
 
     Attributes:
-        step: Share of the way to what was learned anew that is gone after a pass: 1 until it has
+        share: Share of the way to what was learned anew that is gone after a pass: 1 until it has
             gone back, then half of it each time.
+        returns: How often it has gone back.
     """
 
     def __init__(self, at_first: Learned) -> None:
         """Begins with what is believed before any pass."""
-        self.step = 1.0
+        self.share, self.returns = 1.0, 0
         self._used = self._best = at_first
         self._least = np.inf
-        self._last: deque[tuple[float, Learned]] = deque(maxlen=_PASSES)
+        self._judge = Judge()
 
-    def next(self, error: float, learned: Learned) -> tuple[Learned, bool]:
-        """Returns what to plan the next pass from, and whether that is to go back.
+    def next(self, error: float, learned: Learned) -> Learned:
+        """Returns what to plan the next pass from.
 
         Args:
-            error: Of the pass that is over; 1 counts as one, and what is less is none.
+            error: Of the pass that is over; 1 counts as one, and what is less is as good.
             learned: What all passes so far tell.
         """
-        self._last.append((error, self._used))
-        if len(self._last) == _PASSES:
-            middle, used = sorted(self._last, key=lambda each: each[0])[_PASSES // 2]
-            if middle > _CLEARLY * max(self._least, 1.0):
-                # What comes now is judged anew: the robot itself may have changed.
-                self.step, self._least, self._used = self.step / 2, np.inf, self._best
-                self._last.clear()
-                return self._used, True
-            if middle < self._least:
-                self._least, self._best = middle, used
-        used, share = self._used, self.step
-        self._used = (
-            Learned(
-                used.parameters + share * (learned.parameters - used.parameters),
-                used.beside + share * (learned.beside - used.beside),
+        error = max(error, 1.0)
+        if self._judge.is_worse(error):
+            # What comes now is judged by itself: the robot may have changed for good.
+            self._judge, self._least, self._used = Judge(), np.inf, self._best
+            self.share *= SMALLER
+            self.returns += 1
+            return self._used
+        if error <= self._least:
+            self._least, self._best = error, self._used
+        if self.share == 1:
+            self._used = learned
+        else:
+            before, share = self._used, self.share
+            self._used = Learned(
+                before.parameters + share * (learned.parameters - before.parameters),
+                before.beside + share * (learned.beside - before.beside),
             )
-            if share < 1
-            else learned
-        )
-        return self._used, False
+        return self._used

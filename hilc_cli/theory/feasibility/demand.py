@@ -15,6 +15,7 @@ from hilc_cli.reference.sampled import Floats, Reference
 _ROUNDING = 16 * float(np.finfo(np.float64).eps)  # of a sine, a product and two differences
 _ALIKE = 1e-9  # relative: so near, two values are the same
 _ON_SAMPLE = 1e-6  # of a sample: so near, a place is passed at it
+_CONTINUOUS = 2.0  # times the change from step to step beside it, a wheel's speed may change by
 _UNEVEN = 1e-6  # relative: by so much a peak is off what constant speed and curvature need
 _Item = TypeVar("_Item")
 
@@ -165,6 +166,12 @@ class Demand:
         return sum(segment.length for segment in self.segments)
 
     @property
+    def in_short(self) -> str:
+        """Length and duration in words."""
+        where = f"{self.length:.4g} m in" if self.length else "on the spot for"
+        return f"{where} {self.duration:.4g} s"
+
+    @property
     def corners(self) -> tuple[Joint, ...]:
         """The joints at which the heading jumps."""
         return tuple(joint for joint in self.joints if joint.corner != 0)
@@ -225,7 +232,7 @@ def demand_of(reference: Reference, robot: Robot, names: Sequence[str]) -> Deman
         whole.jump(interval, joint.name, at_corner=at_corner)
         for joint in joints
         for interval, at_corner in _jumps_at(joint)
-        if 0 < interval < reference.samples
+        if 0 < interval < reference.samples and (at_corner or whole.breaks(interval))
     ]
     # One that is passed within a sampling interval changes the wheels before and behind it.
     jumps += [
@@ -297,6 +304,18 @@ class _Motion:
     def lateral(self, part: slice) -> float:
         """Largest absolute product of forward speed and yaw rate in that part [m/s^2]."""
         return float((self.speed[part] * np.abs(self.yaw_rate[part])).max())
+
+    def breaks(self, interval: int) -> bool:
+        """Whether a wheel's speed changes more before an interval than from step to step beside it.
+
+        Where it does not, it goes on as with a speed profile that accelerates.
+        """
+        for wheel in (self.left, self.right):
+            changes = np.abs(np.diff(wheel[max(interval - 2, 0) : interval + 2]))
+            at = min(interval, 2) - 1
+            if changes[at] > _CONTINUOUS * float(np.delete(changes, at).max(initial=0.0)):
+                return True
+        return False
 
     def jump(self, interval: int, name: str, *, at_corner: bool, inside: bool = False) -> Jump:
         """Returns the change of wheel speeds before an interval, at the first one from rest."""

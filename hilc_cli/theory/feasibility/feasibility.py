@@ -302,7 +302,7 @@ def _traction(feasibility: Feasibility) -> list[str]:
     if change <= step * (1 + _MARGIN):
         return []
     # How far a wheel gets off that accelerates with no more than the tyres hold.
-    behind = max(_left_behind(rim, step) for rim in rims) * demand.sample_time
+    behind = max(left_behind(rim, step) for rim in rims) * demand.sample_time
     if behind <= FAR_BEHIND * demand.extent:
         return []
     starts = [segment.first for segment in demand.segments]
@@ -315,7 +315,7 @@ def _traction(feasibility: Feasibility) -> list[str]:
     ]
 
 
-def _left_behind(wanted: Floats, step: float) -> float:
+def left_behind(wanted: Floats, step: float) -> float:
     """Returns the largest sum of what a speed lacks that changes by a step a sample at most."""
     speed = lacking = most = 0.0
     for each in wanted.tolist():

@@ -54,7 +54,7 @@ def planned_motion(experiment: Experiment, law: NormOptimalLaw) -> NormOptimalPl
     """Returns the motion that learning leads to, within the limit and without disturbances."""
     from hilc_cli.laws.norm_optimal.learner import NormOptimalLearner  # the compiler starts slowly
 
-    known = replace(law, model=experiment.robot)
+    known = replace(law, model=experiment.robot, drivetrain=None)
     learner = NormOptimalLearner(known, experiment.reference, experiment.speed_limit)
     return learner.plan(np.array(experiment.initial_pose))
 

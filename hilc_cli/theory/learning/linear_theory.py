@@ -247,6 +247,8 @@ def _errors_in_brief(found: Forecast, expected: ExpectedError, iterations: int) 
     if limited:
         within_limit = ", with b_w" if found.ensemble.is_limited else " (rough)"
     alone = ", undisturbed" if disturbed else ""
+    if transient.path_size_m == 0 and not errors.any():
+        return [("Predicted", told + alone), *disturbed]
     return [
         ("Predicted", f"{first}, {last} in iteration {reached}{within_limit}{alone}"),
         ("", told),

@@ -153,7 +153,8 @@ def test_pass_at_rest_teaches_nothing_but_where_the_robot_stands() -> None:
     believed["wheel_radius_per_half_track"] = 0.033 / 0.08
     motors = dict.fromkeys(("delay_and_lag_s", "delay_s", "lag_s", "friction_rad_s"), 0.0)
     assert at_first == pytest.approx(
-        {f"model_{key}": value for key, value in (believed | motors).items()} | {"went_back": 0}
+        {f"model_{key}": value for key, value in (believed | motors).items()}
+        | {"step_share": 1, "returns_to_best": 0}
     )
     assert tuple(trials[1].figures) == tuple(trials[0].figures)
     assert trials[1].figures["model_delay_standard_error_s"] < 0.01

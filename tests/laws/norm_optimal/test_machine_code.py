@@ -63,7 +63,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (POSES[0], INPUTS, POSES, FEEDBACK, MODEL),
     ),
     "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, MODEL)),
-    "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 0.01)),
+    "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 900.0, 0.01)),
     "moved": (motor.moved, (POSES[0], INPUTS / 100, DRIFT, 0.5)),
     "pose filter": (
         motion_filter.filtered,
@@ -71,7 +71,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "linearised": (
         motor_quadratic.linearised,
-        (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5), 0.01, 0.5),
+        (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), 0.01, 0.5),
     ),
     **{
         code.py_func.__name__: (code, (STATES, CONTROLS, *arguments))

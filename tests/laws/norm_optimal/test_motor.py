@@ -46,25 +46,35 @@ def integrated(commands: Floats, samples: int, lag: float) -> Floats:
 def test_ways_are_those_of_a_lag_behind_a_delay(lag: float) -> None:
     inputs = RANDOM.normal(0, 5, (12, 2))
     for samples in (0, 3):
-        ways = wheel_ways(inputs, samples * STEP, lag, 0.0, STEP)
+        ways = wheel_ways(inputs, samples * STEP, lag, 0.0, math.inf, STEP)
         for wheel in (0, 1):
             expected = integrated(inputs[:, wheel], samples, lag)
             assert ways[:, wheel] == pytest.approx(expected, abs=1e-8)
 
 
 def test_step_answers_as_the_closed_form_says() -> None:
-    ways = wheel_ways(np.full((40, 2), 3.0), 4 * STEP, 0.07, 0.0, STEP)
+    ways = wheel_ways(np.full((40, 2), 3.0), 4 * STEP, 0.07, 0.0, math.inf, STEP)
     times = (np.arange(41) * STEP - 4 * STEP).clip(0)
     turned = 3.0 * (times - 0.07 * (1 - np.exp(-times / 0.07)))
     assert ways == pytest.approx(np.stack([np.diff(turned)] * 2, axis=1), abs=1e-12)
-    assert wheel_ways(np.full((6, 2), 3.0), 0.0, 0.0, 0.0, STEP) == pytest.approx(3 * STEP)
+    assert wheel_ways(np.full((6, 2), 3.0), 0.0, 0.0, 0.0, math.inf, STEP) == pytest.approx(
+        3 * STEP
+    )
+
+
+def test_wheel_that_cannot_speed_up_as_fast_does_what_it_can() -> None:
+    # A change of 1 rad/s in each sample brings it from rest to 3 rad/s in three samples.
+    ways = wheel_ways(np.full((6, 2), 3.5), 0.0, 0.0, 0.0, 1.0 / STEP, STEP)
+    # The last half of it, without lag, it has at once.
+    expected = STEP * np.array([0.5, 1.5, 2.5, 3.5, 3.5, 3.5])
+    assert ways == pytest.approx(np.stack([expected] * 2, axis=1))
 
 
 def test_part_of_a_sample_of_delay_mixes_two_commands() -> None:
     inputs = RANDOM.normal(0, 5, (30, 2))
     for lag in (0.0, 0.05):
-        whole, next_one = (wheel_ways(inputs, m * STEP, lag, 0.0, STEP) for m in (2, 3))
-        mixed = wheel_ways(inputs, 2.3 * STEP, lag, 0.0, STEP)
+        whole, next_one = (wheel_ways(inputs, m * STEP, lag, 0.0, math.inf, STEP) for m in (2, 3))
+        mixed = wheel_ways(inputs, 2.3 * STEP, lag, 0.0, math.inf, STEP)
         assert mixed == pytest.approx(0.7 * whole + 0.3 * next_one, abs=1e-13)
         if not lag:  # then it is what really happens, sample by sample
             arrived = np.vstack([np.zeros((3, 2)), inputs])
@@ -72,8 +82,8 @@ def test_part_of_a_sample_of_delay_mixes_two_commands() -> None:
 
 
 def test_delay_longer_than_the_path_lets_nothing_arrive() -> None:
-    assert not wheel_ways(np.ones((5, 2)), 5 * STEP, 0.0, 0.0, STEP).any()
-    assert not wheel_ways(np.ones((5, 2)), 1e9, 0.1, 0.0, STEP).any()
+    assert not wheel_ways(np.ones((5, 2)), 5 * STEP, 0.0, 0.0, math.inf, STEP).any()
+    assert not wheel_ways(np.ones((5, 2)), 1e9, 0.1, 0.0, math.inf, STEP).any()
 
 
 @given(st.floats(-200, 200), st.floats(0, 10))

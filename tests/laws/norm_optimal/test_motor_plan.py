@@ -37,7 +37,8 @@ def dense(states: Floats, controls: Floats) -> Floats:
 
 @pytest.mark.parametrize("lead", [0.0, 0.5])
 @pytest.mark.parametrize(
-    "changes", [{}, {"delay": 0.1}, {"delay": 0.0, "lag": 0.0}, {"delay": 2.0}]
+    "changes",
+    [{}, {"delay": 0.1}, {"delay": 0.0, "lag": 0.0}, {"delay": 2.0}, {"acceleration": 40.0}],
 )
 def test_linearisation_is_that_of_the_motion(lead: float, changes: dict[str, float]) -> None:
     motor = MOTOR._replace(**changes)

@@ -40,16 +40,18 @@ def test_answer_is_not_longer_than_it_may_be() -> None:
 
 
 def test_bandwidth_is_held_back_by_delay_noise_and_the_sample_time() -> None:
-    fastest = 0.3 / STEP
-    assert bandwidths(MOTOR, LOUD, STEP, 1e3) == pytest.approx([fastest] * 2)
+    # 40 ms more delay than is known are borne, and half of the limit sideways.
+    fastest = [1.5 / (STEP + 0.04), 0.3 / STEP]
+    assert bandwidths(MOTOR, LOUD, STEP, 1e3) == pytest.approx(fastest)
+    assert bandwidths(MOTOR, LOUD, 0.1, 1e3) == pytest.approx([6.0, 3.0])
     late = MOTOR._replace(delay=0.1, lag=0.1)
     assert bandwidths(late, LOUD, STEP, 1e3) == pytest.approx([0.7 / 0.22] * 2)
     # Readings alone: nothing is to be answered.
     quiet = bandwidths(MOTOR, Noise(1e-20, 1e-20, 1e-20, 1e-4, 1e-4), STEP, 1e3)
     assert max(quiet) < 1e-5 / STEP
-    # And where motion has as much noise as readings, the gain of a Kalman filter is golden.
-    mixed = bandwidths(MOTOR, Noise(1e-6, 1e-6, 1e-6, 1e-6, 1e-6), 10.0, 1e6)
-    assert mixed == pytest.approx([0.03] * 2)
+    # And where motion has half as much noise as readings, the gain of a Kalman filter is a half.
+    mixed = bandwidths(MOTOR, Noise(5e-7, 5e-7, 5e-7, 1e-6, 1e-6), 10.0, 1e6)
+    assert mixed == pytest.approx([0.05, 0.03])
     # No more than a fiftieth of the limit comes of the readings' noise.
     noise = Noise(1e-4, 1e-4, 1e-4, 1e-4, 1e-4)
     ahead, aside = bandwidths(MOTOR, noise, STEP, 20.0)
