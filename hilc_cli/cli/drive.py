@@ -46,11 +46,13 @@ def drive(
       socat EXEC:'hilc drive lab' /dev/ttyUSB0,b115200,rawer
       hilc drive my-robot.yaml --set controller.law=feedback
     """
+    from hilc_cli.files import is_there
     from hilc_cli.labs.driving import Drive, serve
     from hilc_cli.labs.lab import Lab, check_limited
     from hilc_cli.scenario.loading import load_scenario
 
-    lab = Lab(source, trust=trust) if Path(source).is_dir() else None
+    is_lab = is_there(Path(source)) and Path(source).is_dir()
+    lab = Lab(source, trust=trust) if is_lab else None
     if lab is None:
         if source == "-":
             raise UsageError("standard input is for poses; give the scenario as a file")

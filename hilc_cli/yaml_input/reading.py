@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from hilc_cli.errors import FileAccessError, InvalidInputError, Problem, UsageError
-from hilc_cli.files import read_file, reason, resolved
+from hilc_cli.files import read_file, reading, reason, resolved
 from hilc_cli.shipped_files import (
     KINDS,
     LEADERBOARDS,
@@ -233,7 +233,9 @@ class Inputs:
         return with_entry(tree, "trajectory", trajectory, trajectory.place)
 
     def _of_file(self, path: Path, kinds: Sequence[str]) -> Node:
-        for kind in kinds if path.is_dir() else ():
+        with reading(path):
+            is_folder = path.is_dir()
+        for kind in kinds if is_folder else ():
             inside = path / f"{_ONE[kind]}.yaml"  # as result folders have it
             if inside.is_file():
                 raise UsageError(f"{path}: is a folder; give the {_ONE[kind]} in it, {inside}")

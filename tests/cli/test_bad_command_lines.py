@@ -375,12 +375,12 @@ USAGE: list[tuple[str, list[str], str]] = [
     (
         "example-far",
         ["run", "example:qqq"],
-        "hilc: example:qqq: there is no such example; known: corridor, feedback-circle, fig3-arc-and-line, fig3-cardioid, fig3-circle, fig3-spiral, fig4-compensated, fig4-uncompensated, fig5-arc-and-line, fig5-cardioid, fig5-spiral, fig6a, fig6b, fig6c, fig6d, fig6e, fig6f, fig6g, fig6h, fig6i, fig7a, fig7b, fig7c, fig7d, fig8a, fig8b, fig8c, figure-eight, gain-map, gain-map-no-limit, lateral-circle, norm-optimal-arc-and-line, parking, pd-arc-and-line, pid-figure-eight, rounded-square, slalom, small-robot, timed-lap, turn-in-place",
+        "hilc: example:qqq: there is no such example; known: corridor, feedback-circle, fig3-arc-and-line, fig3-cardioid, fig3-circle, fig3-spiral, fig4-compensated, fig4-uncompensated, fig5-arc-and-line, fig5-cardioid, fig5-spiral, fig6a, fig6b, fig6c, fig6d, fig6e, fig6f, fig6g, fig6h, fig6i, fig7a, fig7b, fig7c, fig7d, fig8a, fig8b, fig8c, figure-eight, gain-map, gain-map-no-limit, lateral-circle, mujoco-circle, norm-optimal-arc-and-line, parking, pd-arc-and-line, pid-figure-eight, real-robot, rounded-square, slalom, small-robot, timed-lap, turn-in-place",
     ),
     (
         "example-none",
         ["run", "example:"],
-        "hilc: example:: there is no such example; known: corridor, feedback-circle, fig3-arc-and-line, fig3-cardioid, fig3-circle, fig3-spiral, fig4-compensated, fig4-uncompensated, fig5-arc-and-line, fig5-cardioid, fig5-spiral, fig6a, fig6b, fig6c, fig6d, fig6e, fig6f, fig6g, fig6h, fig6i, fig7a, fig7b, fig7c, fig7d, fig8a, fig8b, fig8c, figure-eight, gain-map, gain-map-no-limit, lateral-circle, norm-optimal-arc-and-line, parking, pd-arc-and-line, pid-figure-eight, rounded-square, slalom, small-robot, timed-lap, turn-in-place",
+        "hilc: example:: there is no such example; known: corridor, feedback-circle, fig3-arc-and-line, fig3-cardioid, fig3-circle, fig3-spiral, fig4-compensated, fig4-uncompensated, fig5-arc-and-line, fig5-cardioid, fig5-spiral, fig6a, fig6b, fig6c, fig6d, fig6e, fig6f, fig6g, fig6h, fig6i, fig7a, fig7b, fig7c, fig7d, fig8a, fig8b, fig8c, figure-eight, gain-map, gain-map-no-limit, lateral-circle, mujoco-circle, norm-optimal-arc-and-line, parking, pd-arc-and-line, pid-figure-eight, real-robot, rounded-square, slalom, small-robot, timed-lap, turn-in-place",
     ),
     (
         "out-yaml",
