@@ -74,8 +74,7 @@ def motion_of_plan(run: RunData) -> Motion | None:
     plan = run.plan
     if plan is None:
         return None
-    samples = np.arange(-plan.lead_in, run.reference.samples + 1, dtype=np.float64)
-    times = samples * run.reference.sample_time
+    times = plan.times(run.reference.sample_time)
     return Motion("plan", times, plan.poses, plan.left, plan.right)
 
 

@@ -109,6 +109,15 @@ class Plan:
         left, right = np.array(limited).T.copy()
         return replace(self, left=left, right=right)
 
+    def times(self, sample_time: float) -> Floats:
+        """Returns the time of each pose [s], 0 where the trajectory begins, shape (n + 1,).
+
+        Args:
+            sample_time: d_t [s].
+        """
+        samples = np.arange(-self.lead_in, len(self.poses) - self.lead_in, dtype=np.float64)
+        return samples * sample_time
+
     def with_lead_in(self, samples: int) -> Plan:
         """Returns the feedforward of the plan with another lead-in.
 

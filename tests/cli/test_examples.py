@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 from pathlib import Path
 
-from hilc_cli.shipped_files import examples
+from hilc_cli.shipped_files import examples, programs
 from tests.cli.inputs import listing
 from tests.cli.processes import run_hilc
 from tests.conftest import Hilc, Outcome
@@ -52,7 +53,7 @@ def test_quiet_list_is_empty(hilc: Hilc) -> None:
 
 
 def test_copied_example_runs(hilc: Hilc, folder: Path) -> None:
-    others = [*examples("trajectories"), *examples("leaderboards")]
+    others = [*examples("trajectories"), *examples("leaderboards"), *programs()]
     count = len(SCENARIOS) + len(others)
     assert hilc("examples", "--copy", "mine") == Outcome(0, f"Wrote {count} files to mine\n", "")
     beside = len(list(examples("leaderboards")))
@@ -65,6 +66,19 @@ def test_copy_is_byte_for_byte(hilc: Hilc, folder: Path) -> None:
     for kind in ("scenarios", "trajectories"):
         for original in examples(kind):
             assert (folder / "mine" / kind / original.name).read_bytes() == original.read_bytes()
+    for program in programs():
+        assert (folder / "mine/programs" / program.name).read_bytes() == program.read_bytes()
+
+
+def test_players_of_plans_send_standstill_whatever_happens() -> None:
+    # They need a robot; what can be held to here is that they are Python, and stop in the end.
+    for program in programs():
+        tree = ast.parse(program.read_text(encoding="utf-8"))
+        assert ast.get_docstring(tree)
+        if program.name.startswith("play_plan"):
+            (guarded,) = [node for node in ast.walk(tree) if isinstance(node, ast.Try)]
+            last = "".join(map(ast.unparse, guarded.finalbody))
+            assert "send(0.0, 0.0)" in last or "send('0', '0')" in last
 
 
 def test_copy_as_json_names_the_files(hilc: Hilc, folder: Path) -> None:

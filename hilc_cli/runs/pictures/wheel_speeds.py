@@ -119,7 +119,7 @@ def _draw_aims(axes: Axes, runs: Sequence[RunData], wheel: int) -> None:
     plan = runs[0].plan
     if len(runs) == 1 and plan is not None:
         axes.plot(
-            *(runs[0].reference.times, held((plan.left, plan.right)[wheel])),
+            *(plan.times(runs[0].reference.sample_time), held((plan.left, plan.right)[wheel])),
             drawstyle="steps-post",
             color="black",
             linewidth=0.6 * style.THIN,
