@@ -35,7 +35,8 @@ def gains_of(k_x: float, k_y: float, k_theta: float, speed: float) -> Floats:
     """Those of law feedback at a speed, in the convention of the paper; shape (1, 2, 3)."""
     twist = np.array([[k_x, 0, 0], [0, speed * k_y, abs(speed) * k_theta]])
     wheels = np.array([[1, HALF_TRACK], [1, -HALF_TRACK]]) / RADIUS
-    return (wheels @ twist)[np.newaxis]
+    gains: Floats = (wheels @ twist)[np.newaxis]
+    return gains
 
 
 @pytest.mark.parametrize("samples", [1, 2, 7, 40])
