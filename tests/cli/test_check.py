@@ -99,10 +99,11 @@ What do late wheels do, and what does a pass tell of the robot?
 
   Delay margin      none needed: nothing in a pass answers to its errors
   50 ms untold      delay 0.167 m off; lag 0.166 m off
-  A pass tells to   wheel radius 3.1 %, left by right radius 0.97 %, delay and lag 1.5 ms; not half track, friction
+  A pass tells to   wheel radius 3.1 %, left by right radius 0.97 %, delay and lag 1.5 ms
+    tells not       half track, friction
     hardly apart    delay and lag
 
-"""  # noqa: E501
+"""
 # In Eq. 19 rho = |1 - l1|, with the sample time 1 - l1 d. B of Eq. 9 is R / 2 times
 # [[1, 1], [0, 0], [1 / B, -1 / B]], of norm sqrt 2 / B; from the sum of both wheels
 # sqrt(1 + 1 / B^2). L1 is 0.5 / R [[1, 0, B], [1, 0, -B]]; h2 = 1 + C_B b_ud, h1 = b_L1 h2, and

@@ -11,7 +11,8 @@ import hilc_cli as hilc
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.theory.identifiable import MOVED, READ_POSITION, Identifiable
 
-ROBOT = {"wheel_radius": 0.05, "half_track": 0.1, "turn_convention": "ros"}
+RADIUS, HALF_TRACK = 0.05, 0.1
+ROBOT = {"wheel_radius": RADIUS, "half_track": HALF_TRACK, "turn_convention": "ros"}
 LINE = {"line": {"length": 2, "speed": 0.4}}
 ARC = {"arc": {"radius": 0.5, "turn": "left", "sweep": "pi", "speed": 0.4}}
 BEND = {"arc": {"radius": 0.4, "turn": "right", "sweep": "pi", "speed": 0.2}}
@@ -67,7 +68,7 @@ def test_standard_error_of_the_veer_on_a_line_is_that_of_a_random_walk() -> None
     )
     walk = 1e-3 / math.sqrt(3)  # a uniform draw, each sample
     samples, way = 100, 0.02
-    turned = way / (2 * ROBOT["half_track"]) * math.sqrt(samples) / walk  # type: ignore[operator]
+    turned = way / (2 * HALF_TRACK) * math.sqrt(samples) / walk
     # The heading's prior belief in the radii is far wider, but counts.
     expected = 1 / math.sqrt(turned**2 + 0.05**-2)
     assert quiet.of_a_pass.errors[3] == pytest.approx(expected, rel=0.02)
@@ -111,7 +112,7 @@ def test_errors_are_those_that_runs_make() -> None:
         run = hilc.run(data)
         assert run.learning is not None
         made.append([run.learning[name][-1] for name in names])
-    off = np.array(made) / [ROBOT["wheel_radius"], ROBOT["half_track"]] - 1
+    off = np.array(made) / [RADIUS, HALF_TRACK] - 1
     foretold = Identifiable(
         experiment(LINE, ARC, BEND, disturbance={"seed": 1, **disturbance})
     ).of_a_pass.errors[:2]
