@@ -324,7 +324,7 @@ TOGETHER = [
         scenario("b_w: 180", "h: 99\n  foo: 1"),
         TRAJECTORY + "closed: true\n",
         "path.yaml:5:5: trajectory.segments.0.line: ends 1 m from the start of the path, which is said to be closed; close the gap or set 'closed: false'\n"
-        "scenario.yaml:8:3: controller.foo: is an unknown key of law hybrid; known: b_w, compensation, gain_heading, gain_matrix, gains, h, law, switch_tolerance",
+        "scenario.yaml:8:3: controller.foo: is an unknown key of law hybrid; known: b_w, compensation, gain_heading, gain_matrix, gains, h, law, safety_net, switch_tolerance",
     ),
     (
         "broken trajectory",
