@@ -229,7 +229,7 @@ CASES = [
     (
         "unknown-top-far",
         plus("zzz: 3\n"),
-        "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory",
+        "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, safety, sweep, trajectory",
     ),
     (
         "unknown-nested",
@@ -782,7 +782,7 @@ CASES = [
     (
         "key-number",
         plus("1: 2\n"),
-        "scenario.yaml:8:1: 1: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory",
+        "scenario.yaml:8:1: 1: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, safety, sweep, trajectory",
     ),
     (
         "key-list",
@@ -792,7 +792,7 @@ CASES = [
     (
         "key-null",
         plus("? \n: 2\n"),
-        "scenario.yaml:8:2: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory",
+        "scenario.yaml:8:2: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, safety, sweep, trajectory",
     ),
     (
         "tab",
@@ -966,7 +966,7 @@ CASES = [
             "scenario.yaml:3:23: robot.wheel_radius: must be above 0, got -1; give a number above 0, such as 0.2 or 20 cm\n"
             "scenario.yaml:4:13: iterations: must be a whole number, got 1.5; give a whole number from 0 up, such as 100\n"
             "scenario.yaml:6:15: controller.gains.l1: has the unknown name 'a', got 'a'; give a number from 0 up, such as 0.5\n"
-            "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory"
+            "scenario.yaml:8:1: zzz: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, safety, sweep, trajectory"
         ),
     ),
 ]

@@ -621,7 +621,7 @@ CASES: list[tuple[list[str], int, str]] = [
         (
             "--vary controller.gains.l1=a: controller.gains.l1: has the unknown name 'a', got 'a'; give a number from 0 up, such as 0.5\n"
             "--vary controller.h=0: controller.h: must be at least 1, got 0; give a whole number from 1 up, such as 200\n"
-            "--vary foo=1: foo: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory"
+            "--vary foo=1: foo: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, safety, sweep, trajectory"
         ),
     ),
     (
@@ -978,7 +978,7 @@ CASES: list[tuple[list[str], int, str]] = [
         (
             "--vary controller.gains.l1=1:0:3: controller.gains.l1: must rise, got '1:0:3'; give the smaller number first, such as 0.1:10:20\n"
             "--vary controller.h=0: controller.h: must be at least 1, got 0; give a whole number from 1 up, such as 200\n"
-            "--vary foo.x=1: foo: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory"
+            "--vary foo.x=1: foo: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, safety, sweep, trajectory"
         ),
     ),
     (
@@ -1274,7 +1274,7 @@ SECTIONS: list[tuple[str, str]] = [
         (
             "scenario.yaml:10:26: controller.gains.l1: must be at least 0, got -1; give a number from 0 up, such as 0.5\n"
             "scenario.yaml:11:19: controller.h: must be at least 1, got 0; give a whole number from 1 up, such as 200\n"
-            "scenario.yaml:12:10: foo: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, sweep, trajectory"
+            "scenario.yaml:12:10: foo: is an unknown key; known: controller, description, disturbance, initial_input, initial_pose, initial_trial, iterations, model, name, record, robot, safety, sweep, trajectory"
         ),
     ),
     (
