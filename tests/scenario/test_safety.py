@@ -53,7 +53,8 @@ def test_a_section_that_is_none_is_told() -> None:
     with pytest.raises(InvalidInputError) as told:
         load_scenario(scenario(safety="fast"))
     assert str(told.value) == (
-        "scenario: safety: must be a mapping of keys and values, got 'fast'; write its keys below it"
+        "scenario: safety: must be a mapping of keys and values, got 'fast'; write its keys below "
+        "it"
     )
 
 
