@@ -64,8 +64,10 @@ def test_leaderboard_of_the_overview_is_whole_and_runs(folder: Path) -> None:
     Path("mine.yaml").write_text(block)
     leaderboard = hilc_api.load_leaderboard("mine.yaml")
     assert leaderboard.spec.model_fields_set == set(type(leaderboard.spec).model_fields)
-    assert leaderboard.size == 16
-    contest = list(leaderboard.contests())[-1]  # the best law with noise, on the circle
+    assert leaderboard.size == 24
+    assert leaderboard.cases["late"].spec.robot.imperfections() == {"motor.delay": 0.05}
+    # The best law with noise, on the circle.
+    contest = [each for each in leaderboard.contests() if each.case == "circle-off"][-1]
     entry = compete(contest, [1, 2], 0.01)
     assert entry.keeps_limit
     assert entry.max_m[1] < 0.1

@@ -11,8 +11,8 @@ import numpy as np
 
 from hilc_cli.errors import UsageError
 from hilc_cli.identification.believed import Believed, believed_of
+from hilc_cli.identification.blind_path import as_believed, blind_rms
 from hilc_cli.identification.search import SPREAD, found_robot
-from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.logs.fitting import (
     DELAY,
     FRICTION,
@@ -23,7 +23,6 @@ from hilc_cli.logs.fitting import (
     RATIO,
     ROBOT,
     TRACK,
-    Belief,
     Drive,
     Fitted,
     run,
@@ -32,7 +31,6 @@ from hilc_cli.logs.log import Log, Twists, WheelSpeeds
 from hilc_cli.logs.options import ReadOptions
 from hilc_cli.logs.pose_filter import RollingNoise
 from hilc_cli.logs.reading import read_log
-from hilc_cli.reference.sampled import Floats
 from hilc_cli.scenario.loading import Overrides
 from hilc_cli.wording import counted, in_short
 
@@ -155,7 +153,7 @@ def identified(logs: Sequence[Log], believed: Believed) -> Identification:
         sum(_way(drive) for drive in drives),
         sum(float(np.ptp(drive.times)) for drive in drives),
         blind_rms(fitted.belief, drives),
-        None if start is None else blind_rms(_as_believed(fitted.belief, start), drives),
+        None if start is None else blind_rms(as_believed(fitted.belief, start), drives),
         fitted.noise,
         tuple(_unknown(fitted, one_clock=one_clock, measured=measured)),
         tuple(notes),
@@ -371,42 +369,3 @@ def _is_alike(fitted: Fitted, drives: Sequence[Drive]) -> bool:
             ):
                 return True
     return False
-
-
-def blind_rms(belief: Belief, drives: Sequence[Drive]) -> float:
-    """Returns how far the driven path is from that which a robot drives blindly [m, RMS].
-
-    Each drive as a whole is moved and turned to where it fits best.
-    """
-    blind = RollingNoise(0.0, 0.0, 0.0, 1e18, 1e18)
-    squares, count = 0.0, 0
-    for index, drive in enumerate(drives):
-        own = run(belief, drive, index, blind, keep=True).states[:, :2]
-        away = _moved_onto(own, drive.readings[:, :2])
-        squares += float((away**2).sum())
-        count += len(away)
-    return math.sqrt(squares / count)
-
-
-def _moved_onto(points: Floats, others: Floats) -> Floats:
-    """What is left between points and others, once they are moved and turned onto these.
-
-    Source:
-        Umeyama: Least-squares estimation of transformation parameters between two point patterns.
-        IEEE Transactions on Pattern Analysis and Machine Intelligence 13 (1991), 376-380.
-    """
-    one, other = points - points.mean(axis=0), others - others.mean(axis=0)
-    dot = float((one * other).sum())
-    cross = float((one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
-    turn = math.atan2(cross, dot)
-    cos, sin = math.cos(turn), math.sin(turn)
-    left: Floats = one @ np.array([[cos, sin], [-sin, cos]]) - other
-    return left
-
-
-def _as_believed(belief: Belief, motor: Motor) -> Belief:
-    values = belief.values.copy()
-    values[: len(ROBOT)] = 0.0
-    values[DELAY], values[LAG] = motor.delay, motor.lag
-    values[MARKER] = belief.values[MARKER]
-    return Belief(motor, values, belief.believed, belief.spread, belief.free)

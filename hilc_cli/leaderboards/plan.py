@@ -256,12 +256,20 @@ def _cases(spec: LeaderboardSpec, tree: Node, trust: bool) -> dict[str, Scenario
         try:
             cases[name] = load_scenario(where, robot, trust=trust)
         except InvalidInputError as error:
-            problems += error.problems
+            problems += [_of_case(problem, tree, name, robot) for problem in error.problems]
         except HilcError as error:
             problems.append(Problem(str(place), f"cases.{name}", str(error)))
     if problems:
         raise InvalidInputError(problems)
     return cases
+
+
+def _of_case(problem: Problem, tree: Node, case: str, robot: Mapping[str, object]) -> Problem:
+    """Points at what a leaderboard says of a case's robot; the rest stands in the scenario."""
+    if not any(problem.where == f"override {key}" for key in robot):
+        return problem
+    keys = ("cases", case, *problem.path.split("."))
+    return Problem(str(nearest(tree, keys)[1]), ".".join(keys), problem.message)
 
 
 def _misfits(spec: LeaderboardSpec, cases: dict[str, Scenario], tree: Node) -> list[Problem]:

@@ -105,6 +105,7 @@ class Identifiable:
         return rolled * experiment.reference.sample_time
 
     @cached_property
+    @np.errstate(all="ignore")
     def of_a_pass(self) -> PassInformation:
         """What one pass tells."""
         # The compiler starts slowly.
@@ -133,30 +134,32 @@ class Identifiable:
         return PassInformation(sure.told_errors, tuple(alike))
 
     @property
-    @np.errstate(all="ignore")
-    def rows(self) -> Rows:
-        """What one pass tells, and what it hardly tells apart."""
-        alike = ", ".join(" and ".join(pair) for pair in self.of_a_pass.alike)
-        return [*self.brief, ("  hardly apart", alike or "nothing")]
+    def _sure(self) -> dict[str, bool]:
+        """Whether a pass tells each of `TOLD`."""
+        return dict(zip(TOLD, np.isfinite(self.of_a_pass.errors).tolist(), strict=True))
 
     @property
-    @np.errstate(all="ignore")
-    def brief(self) -> Rows:
-        """What one pass tells, in one row."""
-        found = self.of_a_pass
-        sure = dict(zip(TOLD, np.isfinite(found.errors).tolist(), strict=True))
+    def hidden(self) -> list[str]:
+        """What a pass does not tell, not even together with something else."""
+        sure = self._sure
         together = {part for whole, parts in _OF_TWO.items() if sure[whole] for part in parts}
-        told, hidden = [], []
-        for (name, unit), error in zip(TOLD.items(), found.errors.tolist(), strict=True):
-            parts = _OF_TWO.get(name, ())
-            if sure[name] and not (parts and all(sure[part] for part in parts)):
-                told.append(f"{name} {_SCALES[unit] * error:.2g} {unit}")
-            elif not sure[name] and not parts and name not in together:
-                hidden.append(name)
-        text = ", ".join(told) or "nothing"
-        if hidden:
-            text += f"; not {', '.join(hidden)}"
-        return [("A pass tells to", text)]
+        return [name for name in TOLD if not sure[name] and name not in {*_OF_TWO, *together}]
+
+    @property
+    def rows(self) -> Rows:
+        """What one pass tells, what not, and what it hardly tells apart."""
+        sure, found = self._sure, self.of_a_pass
+        told = [
+            f"{name} {_SCALES[unit] * error:.2g} {unit}"
+            for (name, unit), error in zip(TOLD.items(), found.errors.tolist(), strict=True)
+            if sure[name] and not (name in _OF_TWO and all(sure[part] for part in _OF_TWO[name]))
+        ]
+        alike = [" and ".join(pair) for pair in found.alike]
+        return [
+            ("A pass tells to", ", ".join(told) or "nothing"),
+            ("  tells not", ", ".join(self.hidden) or "-"),
+            ("  hardly apart", ", ".join(alike) or "-"),
+        ]
 
     @property
     @np.errstate(all="ignore")
@@ -168,6 +171,7 @@ class Identifiable:
                 name: None if math.isnan(error) else error
                 for name, error in zip(TOLD, found.errors.tolist(), strict=True)
             },
+            "not_told": self.hidden,
             "hardly_apart": [list(pair) for pair in found.alike],
             "noise": {name: math.sqrt(variance) for name, variance in noise._asdict().items()},
         }

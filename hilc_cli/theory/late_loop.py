@@ -245,7 +245,7 @@ def believed_robot(experiment: Experiment) -> tuple[Robot, Drivetrain | None]:
     law = experiment.law
     if isinstance(law, ArrivingLaw):
         return law.model, law.drivetrain
-    return getattr(law, "model", experiment.robot), None
+    return getattr(law, "model", experiment.robot), getattr(law, "drivetrain", None)
 
 
 def planned_task(experiment: Experiment) -> Task:

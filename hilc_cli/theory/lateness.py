@@ -11,6 +11,7 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.arriving import ArrivingLaw
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
+from hilc_cli.laws.safety_net import SafetyNetLaw
 from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
 from hilc_cli.plants.motor import Motor
@@ -53,8 +54,10 @@ class Lateness:
     @property
     def is_known(self) -> bool:
         """Whether the law is one of hilc's own, of which all this can be told."""
-        law = self._experiment.law
-        return hasattr(law.law if isinstance(law, ArrivingLaw) else law, "theory")
+        law: object = self._experiment.law
+        while isinstance(law, ArrivingLaw | SafetyNetLaw):
+            law = law.law
+        return hasattr(law, "theory")
 
     @cached_property
     def loops(self) -> list[LateLoop] | None:
@@ -186,7 +189,10 @@ class Lateness:
         """The same in short: nothing where there is no feedback, and late is late."""
         if not self.is_known or not self.has_feedback:
             return []
-        return [("Delay margin", self._margin_text()), (f"{_time(UNTOLD)} untold", self._effects())]
+        margin = ("Delay margin", self._margin_text())
+        if isinstance(self._experiment.law, NormOptimalLaw):  # a pass tells it of delay and lag
+            return [margin]
+        return [margin, (f"{_time(UNTOLD)} untold", self._effects())]
 
     def _margin_text(self) -> str:
         if not self.has_feedback:

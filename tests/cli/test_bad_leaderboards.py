@@ -46,6 +46,10 @@ CASES = [
     ("case-example", GOOD.replace("scenario.yaml", "example:fig3-circel"), f"{HERE}:2:15: cases.path: example:fig3-circel: there is no such example; did you mean 'fig3-circle'?"),
     ("case-leaderboard", GOOD.replace("scenario.yaml", "example:leaderboard"),
      f"{HERE}:2:15: cases.path: example:leaderboard: is a leaderboard, not a scenario; give it to hilc compare --laws"),
+    ("case-robot", GOOD.replace("scenario.yaml", "{scenario: scenario.yaml, robot: {motor: {dely: 1}}}"),
+     f"{HERE}:2:63: cases.path.robot.motor.dely: is an unknown key; did you mean 'delay'?"),
+    ("case-key", GOOD.replace("scenario.yaml", "{scenario: scenario.yaml, robo: {}}"), f"{HERE}:2:41: cases.path.robo: is an unknown key; did you mean 'robot'?"),
+    ("case-kind", GOOD.replace("scenario.yaml", "3"), f"{HERE}:2:15: cases.path: must be text, got 3; put it in quotes"),
     ("case-bad", GOOD.replace("scenario.yaml", "bad.yaml"), "bad.yaml:1:1: controller: is missing; give it"),
 ]  # fmt: skip
 
@@ -68,7 +72,7 @@ def test_message(hilc: Hilc, write: Write, content: str, message: str) -> None:
         (["--laws", "none.yaml"], "none.yaml: there is no such file; check the path"),
         (
             ["--laws", "example:qqq"],
-            "example:qqq: there is no such example; known: leaderboard, leaderboard-robots and small-robot-laws",
+            "example:qqq: there is no such example; known: leaderboard, leaderboard-robots, small-robot-laws",
         ),
     ],
 )

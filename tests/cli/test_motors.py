@@ -34,6 +34,9 @@ controller: {law: norm-optimal, b_w: 15}
 """
 
 
+AT_LIMIT = ("--set", "robot.motor.acceleration=8")
+
+
 @pytest.fixture
 def scenario(write: Write) -> str:
     write({"scenario.yaml": SCENARIO})
@@ -85,11 +88,12 @@ def test_robot_that_does_what_the_model_does_not_know_is_told(
 ) -> None:
     run = ("run", scenario, "--no-plots", "--force", "--set", "iterations=6")
     assert hilc(*run).err == ""
-    outcome = hilc(*run, "--set", "robot.motor.acceleration=8")
-    (line,) = outcome.err.splitlines()
+    outcome = hilc(*run, *AT_LIMIT)
+    before, line = outcome.err.splitlines()
+    assert "robot.motor.acceleration allows 8 rad/s^2" in before  # the path asks for more
     assert line.startswith(
-        "hilc: warning: the robot does something the model does not know: what its passes have in "
-        "common beyond it in moving ahead is "
+        "hilc: warning: the robot does something the model does not know, the same in each pass: "
+        "ahead "
     )
     assert "a limit to its acceleration" in line
-    assert line.removeprefix("hilc: ") in outcome.out
+    assert json.loads(hilc(*run, "--json", *AT_LIMIT).out)["warnings"][-1] in line

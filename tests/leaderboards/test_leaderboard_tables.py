@@ -7,7 +7,13 @@ from dataclasses import replace
 
 from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
 from hilc_cli.leaderboards.contests import Entry, LeaderboardData
-from hilc_cli.leaderboards.tables import entries_table, laws_table, settings_records, settings_table
+from hilc_cli.leaderboards.tables import (
+    cases_table,
+    entries_table,
+    laws_table,
+    settings_records,
+    settings_table,
+)
 from tests.leaderboards.test_contests import ENTRY, FAST
 
 
@@ -78,6 +84,28 @@ def test_worst_errors_by_belief_and_disturbance() -> None:
         {"law": "fast", "belief": "exact", "disturbance": "none", name: 0.004},
         {"law": "fast", "belief": "wrong", "disturbance": "noise", name: 0.004},
     ]
+
+
+def test_errors_case_by_case_are_the_worst_of_all_beliefs() -> None:
+    wrong = replace(ENTRY, belief="wrong", max_m=(9.0, 0.75))
+    others = [replace(FAST, case="line"), replace(ENTRY, case="line", disturbance="noise")]
+    told = data(ENTRY, FAST, wrong, *others, replace(ENTRY, case="line"))
+    told = data(*told.entries, replace(FAST, case="line", disturbance="noise", max_m=(1.0, 2.0)))
+    table = cases_table(told)
+    assert [column.name for column in table.columns] == [
+        "law",
+        f"{ENTRY.case}/none",
+        "line/none",
+        "line/noise",
+    ]
+    assert [row.values for row in table.rows] == [
+        ("slow", 0.75, 0.5, 0.5),
+        ("fast", 0.004, 0.004, 2),
+    ]
+    assert table.best(1) == {1}
+    assert table.best(3) == {0}
+    assert table.note == "The worst of all beliefs."
+    assert cases_table(data(ENTRY, FAST)).note == ""
 
 
 def test_names_with_hyphens_are_not_mixed_up() -> None:

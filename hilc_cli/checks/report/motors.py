@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.reporting.terminal import Section
 
 if TYPE_CHECKING:
@@ -19,7 +18,6 @@ def motors_section(check: Check, *, whole: bool = False) -> Section:
         whole: All of it; else what a report of one screen has.
     """
     late, identifiable = check.lateness, check.identifiable
-    identifies = isinstance(check.law.experiment.law, NormOptimalLaw)
     return Section(
         "motors",
         "What do late wheels do, and what does a pass tell of the robot?",
@@ -27,5 +25,5 @@ def motors_section(check: Check, *, whole: bool = False) -> Section:
         document={"lateness": late.document, "a_pass_tells": identifiable.document}
         if whole
         else {},
-        brief=[*late.brief, *(identifiable.brief if identifies else [])],
+        brief=late.brief,
     )

@@ -167,10 +167,7 @@ class NormOptimalController(Controller):
         """What is learned, how, and how long an initial error may last."""
         answers = "no feedback" if self.feedback == "none" else "feedback as delay and noise let it"
         h = _within(self.h, setting.reference)
-        return (
-            f"norm-optimal learning of the robot and its motors; {answers}, rectified within {h} "
-            "samples"
-        )
+        return f"norm-optimal learning of robot and motors; {answers}, rectified within {h} samples"
 
     def resolved(self, reference: Reference) -> dict[str, Any]:
         """The parameters as plain data with every default filled in."""

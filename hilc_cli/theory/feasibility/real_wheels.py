@@ -23,17 +23,11 @@ class RealWheels:
         fastest: Largest speed that either is told [rad/s]: less is left by slip and friction.
         ideal: The same of equal wheels without slip and friction [rad/s].
         speed_limit: b_w [rad/s]; infinity for none.
-        change: Largest change of the speed of either from one sample to the next [rad/s].
-        acceleration: The most that the motor does [rad/s^2]; infinity for no limit.
-        late: How long the motor takes for that change, beyond a sample [s].
     """
 
     fastest: float
     ideal: float
     speed_limit: float
-    change: float
-    acceleration: float
-    late: float
 
     @property
     def within_limit(self) -> bool:
@@ -43,19 +37,12 @@ class RealWheels:
     @property
     def findings(self) -> Findings:
         """What the motors cannot do."""
-        warnings = []
-        if not self.within_limit:
-            warnings.append(
-                f"with its own wheels, slip and dead zone the robot needs {self.fastest:.4g} rad/s,"
-                f" above b_w of {self.speed_limit:g} rad/s: it stays behind there; drive slower"
-            )
-        if self.late > 0:
-            warnings.append(
-                f"robot.motor.acceleration of {self.acceleration:g} rad/s^2 is less than the "
-                f"trajectory asks for: a change of {self.change:.4g} rad/s in one sample takes "
-                f"{self.late:.3g} s longer; lead up to speeds slowly (timing.wheel_acceleration)"
-            )
-        return Findings(warnings=tuple(warnings))
+        if self.within_limit:
+            return Findings()
+        return Findings.warning(
+            f"with its own wheels, slip and dead zone the robot needs {self.fastest:.4g} rad/s,"
+            f" above b_w of {self.speed_limit:g} rad/s: it stays behind there; drive slower"
+        )
 
     @property
     def rows(self) -> Rows:
@@ -70,9 +57,6 @@ class RealWheels:
         """The same as JSON."""
         return {
             "max_wheel_speed_rad_s": self.fastest,
-            "max_change_rad_s": self.change,
-            "acceleration_rad_s2": self.acceleration,
-            "late_s": self.late,
         }
 
 
@@ -81,14 +65,12 @@ def real_wheels(experiment: Experiment) -> RealWheels | None:
     plant, reference = experiment.plant, experiment.reference
     if not isinstance(plant, ImperfectPlant):
         return None
-    drivetrain, motor = plant.drivetrain, plant.drivetrain.motor
+    drivetrain = plant.drivetrain
     ideal = feedforward(reference, experiment.robot)
     shares = drivetrain.shares(experiment.robot.wheel_radius)
     # What is true of either wheel: beyond slip and size it has to be told what friction takes.
     wheels = np.stack([wheel / share for wheel, share in zip(ideal, shares, strict=True)])
-    told = motor.against_friction(wheels)
-    change = float(np.abs(np.diff(wheels, axis=1, prepend=0.0)).max())
-    late = max(change / motor.acceleration - reference.sample_time, 0.0)
+    told = drivetrain.motor.against_friction(wheels)
     fastest = float(np.abs(told).max())
     of_ideal = float(np.abs(ideal).max())
-    return RealWheels(fastest, of_ideal, experiment.speed_limit, change, motor.acceleration, late)
+    return RealWheels(fastest, of_ideal, experiment.speed_limit)

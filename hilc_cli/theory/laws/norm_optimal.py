@@ -12,6 +12,7 @@ from typing import cast
 
 from hilc_cli.laws.norm_optimal.law import NormOptimalLaw
 from hilc_cli.theory.findings import ExpectedError, Findings, Rows, expected_rows, joined
+from hilc_cli.theory.identifiable import Identifiable
 from hilc_cli.theory.law_theory import LawTheory
 from hilc_cli.theory.laws.norm_optimal_merging import Merging, merging, merging_findings
 from hilc_cli.theory.laws.norm_optimal_noise import expected_of_norm_optimal
@@ -79,7 +80,7 @@ class NormOptimalTheory(LawTheory):
         """The way in and what learning does in short, and the error to be expected."""
         found, told = (
             self.merging,
-            self._learning("Learning", "identifies the robot and its motors"),
+            self._learning("Learning", f"identifies the robot and its motors{self._not_told()}"),
         )
         if found.is_off:
             planned = _merge(found)
@@ -103,6 +104,10 @@ class NormOptimalTheory(LawTheory):
             "merge_sample": found.planned,
             "believed_max_wheel_speed_rad_s": found.fastest_believed,
         }
+
+    def _not_told(self) -> str:
+        hidden = Identifiable(self.experiment).hidden
+        return f"; a pass tells no {', '.join(hidden)}" if hidden else ""
 
     def _learning(self, label: str, text: str) -> Rows:
         found, rows = self.merging, [(label, text)]

@@ -14,7 +14,8 @@ N = 200
 def test_noise_is_no_misfit(passes: int) -> None:
     random = np.random.default_rng(passes)
     found = [misfits(random.normal(size=(passes, N, 3))) for _ in range(200)]
-    assert np.max(found) < 1
+    # In one of some 4000: eight octaves of three components, of which 1 in 100,000 exceeds it.
+    assert np.mean(np.max(found, axis=1) > 1) <= 0.01
     # The mean power of an octave is one, of which twice as much is allowed.
     assert np.median(found) > 0.3
 
