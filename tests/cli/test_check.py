@@ -544,6 +544,10 @@ TIMED = {
     ),
     "circle-from-rest": (0.5 * (1 + 0.25) / 0.101, 0.5**2 / 9.80665),  # of another robot
     "parking": at_most(np.array([0, 1 / 0.35]), 0.1, math.inf),
+    "smooth-lap": (  # of yet another
+        0.15 * (1 + 0.08 * math.pi / 0.9) / 0.033,
+        0.15**2 * math.pi / 0.9 / 9.80665,
+    ),
 }
 
 
