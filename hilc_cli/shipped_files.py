@@ -27,7 +27,7 @@ def examples_folder() -> Path:
 def examples(kind: str = SCENARIOS) -> Iterator[Path]:
     """The example files of one kind, by name."""
     folder = examples_folder() / (TRAJECTORIES if kind == TRAJECTORIES else SCENARIOS)
-    files = sorted(folder.glob("*.yaml"))
+    files = sorted(folder.glob("*.yaml"), key=lambda file: file.stem)
     if kind == TRAJECTORIES:
         return iter(files)
     return (file for file in files if (file.stem in _BESIDE_SCENARIOS) == (kind == LEADERBOARDS))

@@ -212,4 +212,4 @@ def test_the_citation_file_is_one_of_cff_1_2_0() -> None:
 def test_each_table_of_a_leaderboard_has_a_label_of_its_own() -> None:
     text = LawComparison(DATA, "", {}).text("latex")
     labels = re.findall(r"\\label\{tab:(.*)\}", text)
-    assert labels == ["test-none", "test-noise", "test-worst"]
+    assert labels == ["test-none", "test-noise", "test-worst", "test-cases"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from statistics import median
 
@@ -192,7 +193,7 @@ def cases_table(data: LeaderboardData) -> ComparisonTable:
         worst = dict.fromkeys(pairs, 0.0)
         for disturbance, case in pairs:
             errors = [each.max_m[-1] for each in data.of(law, disturbance) if each.case == case]
-            worst[disturbance, case] = max(errors)
+            worst[disturbance, case] = max(errors, default=math.nan)
         rows.append(Row((law, *worst.values())))
     title = (
         f"{data.name}, error of the second half after {counted(data.after[-1], 'iteration')}, case "

@@ -32,7 +32,6 @@ _MOTOR = {
 Delay and lag are hardly told apart, but surely together, and are taken together."""
 _CLEARLY = 2.0
 """So many standard errors from a motor's or a wheel's being ideal are worth telling."""
-_EXCLUDED = ("wheel_radius", "half_track", "wheel_separation", "motor")
 _NOTHING = Scalar(Place(Source("", Path())), None, "")
 _REMEDY = "name the folder of a run whose law identifies, such as norm-optimal"
 

@@ -807,8 +807,8 @@ def test_check_imports_neither_pictures_nor_compilers(tmp_path: Path) -> None:
         ),
         (
             "norm-optimal-arc-and-line",
-            "norm-optimal learning of the robot and its motors; feedback as delay and noise let "
-            "it, rectified within 200 samples",
+            "norm-optimal learning of robot and motors; feedback as delay and noise let it, "
+            "rectified within 200 samples",
         ),
     ],
 )

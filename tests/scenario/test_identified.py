@@ -134,9 +134,12 @@ def test_wheels_and_motors_come_with_it(here: Path) -> None:
         "model_wheel_radius_m": 0.03,
         "model_half_track_m": 0.08,
         "model_left_per_right_radius": 1.1,
+        "model_left_per_right_radius_standard_error": 0.01,
+        "model_delay_and_lag_standard_error_s": 0.001,
         "model_delay_s": 0.09,
         "model_lag_s": 0.05,
         "model_friction_rad_s": 0.2,
+        "model_friction_standard_error_rad_s": 0.01,
     }
     names, values = ",".join(columns), ",".join(map(repr, columns.values()))
     (here / "run/learning.csv").write_text(f"iteration,{names}\n0,{values}\n")

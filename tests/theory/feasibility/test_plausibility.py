@@ -24,7 +24,8 @@ def told(
     headings: Mapping[str, float] | None = None,
 ) -> list[str]:
     reference = build_reference("path", (0, 0, 0), plans, 0.05)
-    names = [f"segments.{index}.piece" for index in range(len(plans))]
+    kinds = ("arc" if isinstance(plan, ArcPlan) else "line" for plan in plans)
+    names = [f"segments.{index}.{kind}" for index, kind in enumerate(kinds)]
     demand = demand_of(reference, robot, names)
     return implausible(demand, robot, robot if model is None else model, headings or {})
 
@@ -96,7 +97,7 @@ def test_path_below_the_robot() -> None:
 def test_angles_in_degrees(angle: float, turns: str) -> None:
     meant = f"{angle:g} rad, which is {turns} turns; {angle:g} deg?"
     arc = ArcPlan(angle, "right", radius=1.0, duration=500.0)
-    assert told(plans=[LINE, arc]) == [f"trajectory.segments.1.piece.sweep is {meant}"]
+    assert told(plans=[LINE, arc]) == [f"trajectory.segments.1.arc.sweep is {meant}"]
     assert told(headings={"initial_pose.heading": angle}) == [f"initial_pose.heading is {meant}"]
     (text,) = told(headings={"trajectory.start.heading": -angle})
     assert text.startswith(f"trajectory.start.heading is -{angle:g} rad, which is {turns} turns; ")
