@@ -174,6 +174,11 @@ def _misled(
     roots = vectors * np.sqrt(values.clip(min=0.0))
     errors = roots @ random.standard_normal((len(values), seeds))
     errors[:, 0] = 0.0
+    passes = _moving_passes(experiment)
+    if given.state.repeat and not given.output.active and passes >= _TOLD:
+        # It comes back in each pass as well, and is learned as far as they have the same inputs:
+        # all but the first have nearly.
+        errors /= passes
     inputs = np.stack([plan.left, plan.right], axis=1)
     ahead, turn = np.moveaxis(
         belief.step_slopes(inputs, experiment.reference.sample_time) @ errors, 1, 0
