@@ -52,7 +52,6 @@ def test_run_tells_and_draws_what_was_identified(hilc: Hilc, folder: Path, scena
     assert list(rows) == [
         *("wheel radius", "half track", "left per right radius"),
         *("delay and lag", "delay", "lag", "friction"),
-        *("misfit ahead", "misfit sideways", "misfit turning", "step share", "returns to best"),
         *("merge time", "search settled"),
     ]
     assert (

@@ -85,7 +85,6 @@ def test_what_was_not_measured_is_not_told_as_learned(
         **dict.fromkeys(("delay and lag", "delay", "lag"), f"{untold}0 s"),
         "friction": f"{untold}0 rad/s",
         "step share": "1",
-        "returns to best": "0",
     }
 
 
