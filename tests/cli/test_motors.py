@@ -52,6 +52,7 @@ def test_run_tells_and_draws_what_was_identified(hilc: Hilc, folder: Path, scena
     assert list(rows) == [
         *("wheel radius", "half track", "left per right radius"),
         *("delay and lag", "delay", "lag", "friction"),
+        *("misfit ahead", "misfit sideways", "misfit turning", "step share"),
         *("merge time", "search settled"),
     ]
     assert (
