@@ -14,7 +14,7 @@ from hilc_cli.reference.profiled import Profile
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.theory.feasibility.demand import Demand
 
-_ON_THE_SPOT = 1e-3  # of the path's size: an arc of a smaller radius is a way to turn in place
+_ON_THE_SPOT = 1e-3, 1e-3  # [m], and of the path's size: arcs of smaller radii turn in place
 _STRAIGHT = 1e-9  # curvature by that of a circle of the path's size: what bends less does not
 _CONTINUOUS = 2.0  # times the change from step to step beside it, a speed may change by
 _EXACT = 1e-6  # relative, of speeds and places
@@ -71,7 +71,8 @@ def motion_of(reference: Reference, demand: Demand, robot: Robot) -> Motion:
     chord = np.where(reference.directions != 0, reference.steps, 0.0)
     # A chord is shorter than its arc by the sine of half the turn; beyond half a turn it is no arc.
     arc = chord / np.where(np.abs(turn) < np.pi, np.sinc(turn / (2 * np.pi)), 1.0)
-    moves = np.abs(arc) > _ON_THE_SPOT * reference.size * np.abs(turn)
+    in_place = min(_ON_THE_SPOT[0], _ON_THE_SPOT[1] * reference.size)
+    moves = np.abs(arc) > in_place * np.abs(turn)
     moves &= chord != 0
     curvature = np.full(len(turn), np.nan)
     np.divide(turn, arc, out=curvature, where=moves)

@@ -148,7 +148,7 @@ def test_turns_in_place_are_learned_as_the_sum_of_their_errors(law: dict[str, An
     drawn = np.asarray(axes.lines[0].get_ydata())
     np.testing.assert_array_equal(drawn, run.metrics["max_abs_error_heading_rad"])
     predicted = f"heading {FIRST:.4g} rad in iteration 0, {turned:.4g} rad in iteration 5"
-    assert ("", predicted) in (hilc.check(run.scenario).law.brief or [])
+    assert ("Predicted", predicted) in (hilc.check(run.scenario).law.brief or [])
 
 
 def test_turns_in_place_by_the_other_laws() -> None:
