@@ -182,10 +182,11 @@ def test_robot_that_looks_back_does_all_that_one_does_that_looks_ahead(
     trials = [
         list(simulate(load_scenario(name).experiment())) for name in ("ahead.yaml", "back.yaml")
     ]
+    # The search for the robot ends where it gains a thousandth of what noise is, on either side.
+    near = 1e-4 if "norm-optimal" in law else 1e-7
     for ahead_trial, back_trial in zip(*trials, strict=True):
-        # The search for the robot ends where it gains no more, which is not at the same bit.
-        np.testing.assert_allclose(back_trial.x, ahead_trial.x, atol=1e-6)
-        np.testing.assert_allclose(back_trial.left, -ahead_trial.right, atol=1e-4)
+        np.testing.assert_allclose(back_trial.x, ahead_trial.x, atol=near)
+        np.testing.assert_allclose(back_trial.left, -ahead_trial.right, atol=100 * near)
 
 
 def assert_alike(one: object, other: object) -> None:

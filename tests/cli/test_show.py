@@ -336,7 +336,12 @@ def test_of_two_examples_of_one_name_the_scenario_is_meant() -> None:
 
 def test_names_of_both_kinds_are_completed() -> None:
     found = complete_path("example:c")
-    assert found == ["example:corridor", "example:cardioid", "example:circle"]
+    assert found == [
+        "example:corridor",
+        "example:cardioid",
+        "example:circle",
+        "example:circle-from-rest",
+    ]
     assert complete_path("example:figure-e") == ["example:figure-eight"]
 
 
