@@ -45,7 +45,7 @@ def test_robot_is_found_from_one_pass_without_noise(
     expected = [left, right, -0.1, motor.delay, motor.lag, motor.dead_zone]
     # A dead zone is rounded off in the model, and that is all that keeps it from being exact.
     near = 3e-3 if motor.dead_zone else 1e-5
-    assert list(belief.motor) == pytest.approx(expected, rel=near, abs=near / 10)
+    assert list(belief.motor[:6]) == pytest.approx(expected, rel=near, abs=near / 10)
     if near < 1e-3:
         assert np.sqrt(belief.noise).max() < 1e-5
 
@@ -133,7 +133,7 @@ def test_a_few_samples_tell_next_to_nothing_but_do_no_harm(n: int) -> None:
     belief = identified(
         [driven(real_robot(motor=RealMotor(delay=0.1)), wandering(n) + 1.0, noise=1e-3)]
     )
-    assert np.isfinite([*belief.motor, *belief.noise, *belief.errors]).all()
+    assert np.isfinite([*belief.motor[:6], *belief.noise, *belief.errors]).all()
     assert np.all(belief.errors <= np.array(PRIOR) * 1.01)
 
 
@@ -141,4 +141,4 @@ def test_readings_a_kilometre_off_do_no_harm() -> None:
     made = driven(real_robot(), wandering(40))
     for measured in (made.measured * 1e3, made.measured + 1e3):
         belief = identified([Pass(measured, made.sent), made])
-        assert np.isfinite([*belief.motor, *belief.noise, *belief.errors]).all()
+        assert np.isfinite([*belief.motor[:6], *belief.noise, *belief.errors]).all()
