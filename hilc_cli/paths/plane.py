@@ -33,6 +33,7 @@ NUMBER = "value"  # stands in a panel on purpose
 
 _BAR_WIDTH, _BAR_GAP = 0.12, 0.1  # [inch]
 _LINE = 2.2  # of the path [pt]
+_BACKWARD_LINE, _BELOW = 3.6, 1.8  # wider and below, to be seen where it is driven both ways
 _MOST_PIECES = 1500  # of a path whose speed changes
 _EVEN = 1e-3  # relative: speeds that differ by less have one colour
 _ONE_SPEED = 0.01  # relative: with less between them, as whole samples make of one, there is no bar
@@ -57,10 +58,14 @@ def draw_path(axes: Axes, path: ShownPath) -> None:
     view.show(axes, view.view_of([reference], []))
     title, scale = "Path", _speed_scale(path)
     if scale is not None:
-        pieces, values = _pieces(path)
-        lines = LineCollection(pieces, linewidths=_LINE, capstyle="butt", label="_path")
-        lines.set_color(style.iteration_colors()(scale(values)))
-        axes.add_collection(lines, autolim=False)
+        pieces, values, backward = _pieces(path)
+        widths = np.where(backward, _BACKWARD_LINE, _LINE)
+        for order, which in ((_BELOW, backward), (2.0, ~backward)):
+            chosen = [piece for piece, is_it in zip(pieces, which, strict=True) if is_it]
+            lines = LineCollection(chosen, linewidths=widths[which], capstyle="butt", label="_path")
+            lines.set_color(style.iteration_colors()(scale(values[which])))
+            lines.set_zorder(order)
+            axes.add_collection(lines, autolim=False)
     elif (motion.speed != 0).any():
         speed = labels.number_text(float(np.abs(motion.speed).max()), 3)
         title = f"Path, driven at {speed} m/s"
@@ -69,12 +74,13 @@ def draw_path(axes: Axes, path: ShownPath) -> None:
         axes.plot(
             *(reference.x[first : end + 1], reference.y[first : end + 1]),
             color="white",
-            linewidth=_LINE + 0.4,
-            linestyle=(0, (1.3, 2.2)),
+            linewidth=_BACKWARD_LINE + 0.4,
+            linestyle=(0, (0.8, 1.4)),
             label="_backward",
+            zorder=_BELOW if scale is not None else 2.0,
         )
         if number == 0:
-            axes.plot([], [], color="black", linewidth=_LINE, linestyle=(0, (2.2, 1.3)))
+            axes.plot([], [], color="black", linewidth=_BACKWARD_LINE, linestyle=(0, (1.4, 0.8)))
             axes.lines[-1].set_label(BACKWARD)
     _draw_arrows(axes, path)
     _draw_joints(axes, path)
@@ -97,8 +103,8 @@ def _speed_scale(path: ShownPath) -> Normalize | None:
     return Normalize(0.0, float(moving.max()))
 
 
-def _pieces(path: ShownPath) -> tuple[list[Floats], Floats]:
-    """The path in pieces of one direction and about one speed, and the speeds [m/s]."""
+def _pieces(path: ShownPath) -> tuple[list[Floats], Floats, Truths]:
+    """The path in pieces of one direction and speed, the speeds [m/s], and which are backward."""
     speed = path.motion.speed
     stride = -(-len(speed) // _MOST_PIECES)
     block = np.arange(len(speed)) // stride
@@ -111,7 +117,7 @@ def _pieces(path: ShownPath) -> tuple[list[Floats], Floats]:
     points = path.reference.poses[:, :2]
     pieces = [points[start : end + 1] for start, end in zip(starts, ends, strict=True)]
     values = np.maximum.reduceat(np.abs(speed), starts)
-    return pieces, values
+    return pieces, values, speed[starts] < 0
 
 
 def add_speed_colors(axes: Axes, path: ShownPath) -> None:

@@ -34,13 +34,18 @@ def test_path_alone_is_coloured_by_speed_and_tells_backward_stop_and_turn() -> N
     plane = panel(figure, "Path")
     assert plane.get_aspect() == 1
     assert figure.axes[1].get_ylabel() == "Speed [m/s]"  # of the colours
-    (pieces,) = [each for each in plane.collections if isinstance(each, LineCollection)]
-    ends = [segment[[0, -1]] for segment in pieces.get_segments()]
+    back, forth = (each for each in plane.collections if isinstance(each, LineCollection))
+    # Where both lie on each other, both are seen.
+    assert back.get_zorder() < forth.get_zorder()
+    assert min(back.get_linewidths()) > max(forth.get_linewidths())
+    pieces = [*forth.get_segments(), *back.get_segments()]
+    ends = [segment[[0, -1]] for segment in pieces]
     # A piece for each stretch of one speed and direction, end to end.
     assert len(ends) == 5
     for one, other in pairwise(ends):
         np.testing.assert_allclose(one[1], other[0], atol=1e-12)
-    assert len(np.unique(np.array(pieces.get_colors()), axis=0)) == 5
+    colors = np.concatenate([np.array(each.get_colors()) for each in (forth, back)])
+    assert len(np.unique(colors, axis=0)) == 5
     reference = path.reference
     (dashes,) = lines(plane, "_backward")
     np.testing.assert_array_equal(dashes.get_xdata(), reference.x[350:])
