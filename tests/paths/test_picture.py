@@ -37,7 +37,7 @@ def test_path_alone_is_coloured_by_speed_and_tells_backward_stop_and_turn() -> N
     back, forth = (each for each in plane.collections if isinstance(each, LineCollection))
     # Where both lie on each other, both are seen.
     assert back.get_zorder() < forth.get_zorder()
-    assert min(back.get_linewidths()) > max(forth.get_linewidths())
+    assert np.min(back.get_linewidth()) > np.max(forth.get_linewidth())
     pieces = [*forth.get_segments(), *back.get_segments()]
     ends = [segment[[0, -1]] for segment in pieces]
     # A piece for each stretch of one speed and direction, end to end.
