@@ -18,7 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hilc_cli.compiling import cached, compiled
+from hilc_cli.compiling import cached
+from hilc_cli.laws.norm_optimal.motion_filter import put
 from hilc_cli.laws.norm_optimal.motor import NO_LAG, chord, effective
 from hilc_cli.reference.sampled import Floats
 
@@ -86,16 +87,6 @@ class FilteredPoses(NamedTuple):
     covariances: Floats
     foreseen: Floats
     foreseen_covariances: Floats
-
-
-def _put(matrix: Floats, xx: float, xy: float, xh: float, yy: float, yh: float, hh: float) -> None:
-    """Writes a symmetric matrix from its upper half."""
-    matrix[0, 0], matrix[0, 1], matrix[0, 2] = xx, xy, xh
-    matrix[1, 0], matrix[1, 1], matrix[1, 2] = xy, yy, yh
-    matrix[2, 0], matrix[2, 1], matrix[2, 2] = xh, yh, hh
-
-
-put = compiled(_put)
 
 
 def _filtered(
@@ -232,7 +223,7 @@ def _filtered(
     return white, likelihood, states, covariances, foreseen, foreseen_covariances
 
 
-filtered = cached(_filtered, parts=[chord, effective])
+filtered = cached(_filtered, parts=[put, chord, effective])
 
 
 def filter_poses(
