@@ -180,9 +180,8 @@ def _misled(
         # all but the first have nearly.
         errors /= passes
     inputs = np.stack([plan.left, plan.right], axis=1)
-    ahead, turn = np.moveaxis(
-        belief.step_slopes(inputs, experiment.reference.sample_time) @ errors, 1, 0
-    )
+    _, slopes = belief.steps_and_slopes(inputs, experiment.reference.sample_time)
+    ahead, turn = np.moveaxis(slopes @ errors, 1, 0)
     heading = plan.poses[:-1, 2] + law.lead * np.diff(plan.poses[:, 2])
     cos, sin = np.cos(heading)[:, None], np.sin(heading)[:, None]
     return np.stack([ahead * cos, ahead * sin, turn], axis=1)
