@@ -264,7 +264,9 @@ class NormOptimalLearner:
         """The bandwidths of the feedback about a plan, see `bandwidths`."""
         limit = self._speed_limit if self._speed_limit < _LIMIT else float(np.abs(inputs).max())
         motor, sample_time = self._belief.motor, self._reference.sample_time
-        if not self._seen:
+        if self._safeguard.share < 1:  # it is not what passes have made it be
+            motor = self._belief.with_parameters(self._learned.parameters).motor
+        if not self._seen or self._safeguard.share < 1:
             untold = min(_UNTOLD, _UNTOLD_SHARE * self._reference.samples * sample_time)
             motor = motor._replace(delay=motor.delay + untold)
         return bandwidths(motor, self._noise_with_drift(inputs), sample_time, limit)
