@@ -31,7 +31,7 @@ def _innovation_slopes(
     """White innovations of one pass, shape (n, 3), and their slopes, shape (n, 3, m).
 
     Args:
-        measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
+        measured: As `run_filter` takes them, shape (n + 1, 3).
         steps: Way ahead [m] and turn [rad] that the model expects in each sample, shape (n, 2).
         step_slopes: Derivatives of the steps by m parameters, shape (n, 2, m).
         lead: See `motor.moved`.
@@ -45,11 +45,14 @@ def _innovation_slopes(
     for k in range(n):
         way, turn, x, y = steps[k, 0], steps[k, 1], pose[0], pose[1]
         pose, covariance, cos, sin = foreseen_pose(pose, covariance, way, turn, lead, noise)
+        is_read = not math.isnan(measured[k + 1, 0])
         root, gain = weighed(covariance, cos, sin, noise)
         off_x, off_y = measured[k + 1, 0] - pose[0], measured[k + 1, 1] - pose[1]
         own = whitened(
             off_x * cos + off_y * sin, off_y * cos - off_x * sin, measured[k + 1, 2] - pose[2], root
         )
+        if not is_read:
+            own = (0.0, 0.0, 0.0)
         white[k, 0], white[k, 1], white[k, 2] = own
         dx, dy, half = pose[0] - x, pose[1] - y, lead * turn
         share = chord(half)
@@ -63,12 +66,15 @@ def _innovation_slopes(
             mx = moved[0, i] + ahead * cos - dy * along
             my = moved[1, i] + ahead * sin + dx * along
             mh = moved[2, i] + by_turn
-            w0, w1, w2 = whitened(-mx * cos - my * sin, mx * sin - my * cos, -mh, root)
+            w0, w1, w2 = 0.0, 0.0, 0.0
+            if is_read:
+                w0, w1, w2 = whitened(-mx * cos - my * sin, mx * sin - my * cos, -mh, root)
             slopes[k, 0, i], slopes[k, 1, i], slopes[k, 2, i] = w0, w1, w2
             moved[0, i] = mx + gain[0] * w0 + gain[1] * w1 + gain[2] * w2
             moved[1, i] = my + gain[3] * w0 + gain[4] * w1 + gain[5] * w2
             moved[2, i] = mh + gain[6] * w0 + gain[7] * w1 + gain[8] * w2
-        pose, covariance = corrected(pose, covariance, own, gain)
+        if is_read:
+            pose, covariance = corrected(pose, covariance, own, gain)
     return white, slopes
 
 
@@ -86,7 +92,7 @@ def _noise_score(
     by dx + dP T'w + G (u - D w); P by A dP A' + K dR K', since K makes P least.
 
     Args:
-        measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
+        measured: As `run_filter` takes them, shape (n + 1, 3).
         steps: Way ahead [m] and turn [rad] that the model expects in each sample, shape (n, 2).
         lead: See `motor.moved`.
         noise: The variances.
@@ -117,8 +123,12 @@ def _noise_score(
         own = whitened(
             off_x * cos + off_y * sin, off_y * cos - off_x * sin, measured[k + 1, 2] - pose[2], root
         )
+        is_read = not math.isnan(measured[k + 1, 0])
+        if not is_read:
+            own = (0.0, 0.0, 0.0)
         w0, w1, w2 = own
-        likelihood -= (w0 * w0 + w1 * w1 + w2 * w2) / 2 - math.log(root[0] * root[3] * root[5])
+        if is_read:
+            likelihood -= (w0 * w0 + w1 * w1 + w2 * w2) / 2 - math.log(root[0] * root[3] * root[5])
         dx, dy = pose[0] - x, pose[1] - y
         # T by columns: L^-1 times those of M.
         tx0, tx1, tx2 = whitened(cos, -sin, 0.0, root)
@@ -187,6 +197,11 @@ def _noise_score(
                 r_position = noise.position
             else:
                 r_heading = noise.heading
+            if not is_read:
+                moved[i, 0], moved[i, 1], moved[i, 2] = mx, my, mh
+                of_p[i, 0], of_p[i, 1], of_p[i, 2] = pxx, pxy, pxh
+                of_p[i, 3], of_p[i, 4], of_p[i, 5] = pyy, pyh, phh
+                continue
             # u, and D = T (dP + dR) T'.
             u0, u1, u2 = whitened(-mx * cos - my * sin, mx * sin - my * cos, -mh, root)
             qxx, qyy, qhh = pxx + r_position, pyy + r_position, phh + r_heading
@@ -250,6 +265,8 @@ def _noise_score(
                 of_p[i, 3] += r_heading * kyh * kyh
                 of_p[i, 4] += r_heading * kyh * khh
                 of_p[i, 5] += r_heading * khh * khh
+        if not is_read:
+            continue
         for i in range(VARIANCES):
             for j in range(i + 1):
                 own_share = 0.0

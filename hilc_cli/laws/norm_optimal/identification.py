@@ -24,7 +24,8 @@ class Pass(NamedTuple):
     """What is learned from: one pass.
 
     Attributes:
-        measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
+        measured: Measured poses, the heading not wrapped, shape (n + 1, 3); not-a-number where none
+            was, but not at sample 0.
         sent: Wheel speeds sent, after the limit [rad/s], shape (n, 2).
     """
 
@@ -34,6 +35,9 @@ class Pass(NamedTuple):
 
 NAMES = ("mean radius", "radius ratio", "half track", "delay", "lag", "friction")
 """The parameters: two radii as their geometric mean and their ratio, and B, by their logarithms."""
+
+AT_LEAST_NONE = [3, 4, 5]
+"""Places of those that are not below 0."""
 
 TOLD = np.array(
     [
@@ -207,9 +211,13 @@ class Identification:
         return self._improved(best, passes, rounds=_ROUNDS)
 
     def innovations(self, belief: MotorBelief, passes: Sequence[Pass]) -> Floats:
-        """Returns what the belief did not expect of passes, by its deviation, (passes, n, 3)."""
+        """Returns what the belief did not expect of passes, by its deviation, (passes, n, 3).
+
+        Not-a-number where nothing was measured.
+        """
         white = self._white(belief.first, belief.parameters, belief.noise, passes)
-        return white.reshape(len(passes), -1, 3)
+        read = np.array([np.isfinite(each.measured[1:, :1]) for each in passes])
+        return np.where(read, white.reshape(len(passes), -1, 3), np.nan)
 
     def expected_covariance(self, belief: MotorBelief, like: Pass, passes: int) -> Floats:
         """Returns the covariance of what so many passes like one would tell, shape (6, 6).

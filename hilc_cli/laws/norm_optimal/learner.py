@@ -40,6 +40,8 @@ _UNTOLD = 0.2
 _UNTOLD_SHARE = 1 / 30
 """The same as a share of the path's time, if that is less: short paths are for quick robots."""
 _ON_IT = 1e-4  # [m and rad]; a start no further off is on the trajectory
+_CLEARLY = 3.0
+"""So many standard errors off the trajectory a start is taken for what it looks like."""
 _VAGUE = 1e-3  # [m and rad]: noise before anything was measured
 _FARTHEST = 1e3
 """A pass that is off by more than so many sizes of the path, meters or radians teaches nothing."""
@@ -106,7 +108,10 @@ class NormOptimalLearner:
     def learn(self, iteration: Iteration) -> Figures:
         """Takes in a pass that is over."""
         error = np.stack(iteration.errors, axis=1)
-        latest = Pass(self._target - error, np.stack([iteration.left, iteration.right], axis=1))
+        measured = self._target - error
+        if iteration.read is not None:  # what lies between readings tells nothing new
+            measured[1:][~iteration.read[1:]] = np.nan
+        latest = Pass(measured, np.stack([iteration.left, iteration.right], axis=1))
         plan, self._plan = self._plan, None
         returns = self._safeguard.returns
         misfit = np.full(len(MISFITS), np.nan)
@@ -116,7 +121,7 @@ class NormOptimalLearner:
             if latest.sent.any():
                 misfit = self._take_in(latest)
             else:
-                self._starts.append(latest.measured.mean(axis=0))
+                self._starts.append(np.nanmean(latest.measured, axis=0))
         merge_time, settled = self._of_plan(plan)
         return {
             **self._identified(),
@@ -171,7 +176,8 @@ class NormOptimalLearner:
 
     def _surprise(self, latest: Pass) -> float:
         """Mean square of a pass's innovations: about 1 where the belief explains it."""
-        return float(np.square(self._identification.innovations(self._belief, [latest])).mean())
+        innovations = self._identification.innovations(self._belief, [latest])
+        return float(np.nanmean(np.square(innovations)))
 
     def _error(self, poses: Floats) -> float:
         """RMS of what was off in a pass, from a start off the trajectory in its second half.
@@ -180,9 +186,21 @@ class NormOptimalLearner:
         """
         position, heading = self._law.squared_weights
         squares = np.square(poses - self._target) @ [position, position, heading]
-        if not self._is_on_it(np.mean(self._starts, axis=0)):
+        if not self._is_on_it(self._usual_start()):
             squares = squares[len(squares) // 2 :]
         return float(np.sqrt(squares.mean()))
+
+    def _usual_start(self) -> Floats:
+        """Pose from which passes start: that of the trajectory unless they clearly tell another."""
+        if not self._starts:
+            return self._target[0]
+        starts, noise = np.array(self._starts), self._belief.noise
+        variances = np.array([noise.position, noise.position, noise.heading])
+        if len(starts) > 1:
+            variances = np.maximum(variances, starts.var(axis=0, ddof=1))
+        mean: Floats = starts.mean(axis=0)
+        clearly = np.abs(mean - self._target[0]) > _CLEARLY * np.sqrt(variances / len(starts))
+        return mean if clearly.any() else self._target[0]
 
     def _is_on_it(self, start: Floats) -> bool:
         """Whether the trajectory begins at a start."""
@@ -225,7 +243,7 @@ class NormOptimalLearner:
         reference, law = self._reference, self._law
         motor = self._belief.with_parameters(self._learned.parameters).motor
         if start is None:
-            start = np.mean(self._starts, axis=0) if self._starts else self._target[0]
+            start = self._usual_start()
         way_in = self._way_in(motor, start)
         found = motor_plan(
             motor,

@@ -44,7 +44,7 @@ class Filtered(NamedTuple):
 
     Attributes:
         white: Innovations ahead, to the left and in turning, by their standard deviation, shape
-            (n, 3).
+            (n, 3); 0 where nothing was measured.
         log_likelihood: Of the readings, without constants.
         states: Poses given the readings so far, shape (n + 1, 3); of sample 0 alone if not kept.
         covariances: Of their errors, shape (n + 1, 3, 3).
@@ -200,7 +200,8 @@ def _filtered(
     """Runs the filter forward over one pass.
 
     Args:
-        measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
+        measured: Measured poses, the heading not wrapped, shape (n + 1, 3); not-a-number where
+            none was, but not at sample 0.
         steps: Way ahead [m] and turn [rad] that the model expects in each sample, shape (n, 2).
         lead: Share of a sample's turn after which its way is gone, see `motor.moved`.
         noise: The variances.
@@ -228,6 +229,12 @@ def _filtered(
         if keep:
             foreseen[k + 1, 0], foreseen[k + 1, 1], foreseen[k + 1, 2] = pose
             put(foreseen_covariances[k + 1], covariance)
+        if math.isnan(measured[k + 1, 0]):
+            white[k] = 0.0
+            if keep:
+                states[k + 1, 0], states[k + 1, 1], states[k + 1, 2] = pose
+                put(covariances[k + 1], covariance)
+            continue
         root, gain = weighed(covariance, cos, sin, noise)
         off_x, off_y = measured[k + 1, 0] - pose[0], measured[k + 1, 1] - pose[1]
         own = whitened(
