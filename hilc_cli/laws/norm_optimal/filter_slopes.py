@@ -14,6 +14,7 @@ import numpy as np
 from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.motion_filter import (
     Noise,
+    at_start,
     corrected,
     foreseen_pose,
     weighed,
@@ -26,7 +27,12 @@ VARIANCES = 5  # of `Noise`
 
 
 def _innovation_slopes(
-    measured: Floats, steps: Floats, step_slopes: Floats, lead: float, noise: Noise
+    measured: Floats,
+    steps: Floats,
+    step_slopes: Floats,
+    lead: float,
+    noise: Noise,
+    start_share: float,
 ) -> tuple[Floats, Floats]:
     """White innovations of one pass, shape (n, 3), and their slopes, shape (n, 3, m).
 
@@ -36,11 +42,12 @@ def _innovation_slopes(
         step_slopes: Derivatives of the steps by m parameters, shape (n, 2, m).
         lead: See `motor.moved`.
         noise: The variances.
+        start_share: Share of a reading's variance that the first pose is known to.
     """
     n, count = len(steps), step_slopes.shape[2]
     white, slopes = np.empty((n, 3)), np.empty((n, 3, count))
     pose = (measured[0, 0], measured[0, 1], measured[0, 2])
-    covariance = (noise.position, 0.0, 0.0, noise.position, 0.0, noise.heading)
+    covariance = at_start(noise, start_share)
     moved = np.zeros((3, count))  # of the pose
     for k in range(n):
         way, turn, x, y = steps[k, 0], steps[k, 1], pose[0], pose[1]
@@ -82,7 +89,7 @@ innovation_slopes = cached(_innovation_slopes, parts=[chord, foreseen_pose])
 
 
 def _noise_score(
-    measured: Floats, steps: Floats, lead: float, noise: Noise
+    measured: Floats, steps: Floats, lead: float, noise: Noise, start_share: float
 ) -> tuple[float, Floats, Floats]:
     """What the readings of one pass say of the noise.
 
@@ -96,6 +103,7 @@ def _noise_score(
         steps: Way ahead [m] and turn [rad] that the model expects in each sample, shape (n, 2).
         lead: See `motor.moved`.
         noise: The variances.
+        start_share: Share of a reading's variance that the first pose is known to.
 
     Returns:
         The logarithm of the likelihood, its derivatives by the logarithms of the variances, shape
@@ -107,11 +115,11 @@ def _noise_score(
     """
     score, information = np.zeros(VARIANCES), np.zeros((VARIANCES, VARIANCES))
     pose = (measured[0, 0], measured[0, 1], measured[0, 2])
-    covariance = (noise.position, 0.0, 0.0, noise.position, 0.0, noise.heading)
+    covariance = at_start(noise, start_share)
     likelihood = 0.0
     moved, of_p = np.zeros((VARIANCES, 3)), np.zeros((VARIANCES, 6))  # dx, and half of dP
-    of_p[3, 0] = of_p[3, 3] = noise.position
-    of_p[4, 5] = noise.heading
+    of_p[3, 0] = of_p[3, 3] = start_share * noise.position
+    of_p[4, 5] = start_share * noise.heading
     shifted, white_of_s = np.empty((VARIANCES, 3)), np.empty((VARIANCES, 6))  # u, and half of D
     for k in range(len(steps)):
         x, y, before = pose[0], pose[1], covariance

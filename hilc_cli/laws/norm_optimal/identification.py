@@ -27,10 +27,12 @@ class Pass(NamedTuple):
         measured: Measured poses, the heading not wrapped, shape (n + 1, 3); not-a-number where none
             was, but not at sample 0.
         sent: Wheel speeds sent, after the limit [rad/s], shape (n, 2).
+        start_share: Share of a reading's variance that the first pose is known to.
     """
 
     measured: Floats
     sent: Floats
+    start_share: float = 1.0
 
 
 NAMES = ("mean radius", "radius ratio", "half track", "delay", "lag", "friction")
@@ -257,7 +259,7 @@ class Identification:
         steps = self._steps(first, parameters, passes)
         return np.concatenate(
             [
-                run_filter(each.measured, own, self._lead, noise).white.ravel()
+                run_filter(each.measured, own, self._lead, noise, each.start_share).white.ravel()
                 for each, own in zip(passes, steps, strict=True)
             ]
         )
@@ -265,7 +267,9 @@ class Identification:
     def _likelihood(self, belief: MotorBelief, passes: Sequence[Pass]) -> float:
         steps = self._steps(belief.first, belief.parameters, passes)
         return sum(
-            run_filter(each.measured, own, self._lead, belief.noise).log_likelihood
+            run_filter(
+                each.measured, own, self._lead, belief.noise, each.start_share
+            ).log_likelihood
             for each, own in zip(passes, steps, strict=True)
         )
 
@@ -280,14 +284,18 @@ class Identification:
     ) -> Noise:
         """The likeliest variances with the parameters as they are."""
         rows = [
-            (each.measured, own, self._lead)
+            (each.measured, own, self._lead, each.start_share)
             for each, own in zip(passes, self._steps(first, parameters, passes), strict=True)
         ]
 
         def told(logarithms: Floats) -> tuple[float, Floats, Floats]:
             tried = Noise(*np.exp(logarithms).tolist())
             likelihoods, scores, informations = zip(
-                *(noise_score(*row, tried) for row in rows), strict=True
+                *(
+                    noise_score(measured, own, lead, tried, share)
+                    for measured, own, lead, share in rows
+                ),
+                strict=True,
             )
             return sum(likelihoods), sum(scores), sum(informations)
 
@@ -339,7 +347,9 @@ class Identification:
         found = []
         for each in passes:
             steps = belief.steps_and_slopes(each.sent, self._sample_time)
-            found.append(innovation_slopes(each.measured, *steps, self._lead, noise))
+            found.append(
+                innovation_slopes(each.measured, *steps, self._lead, noise, each.start_share)
+            )
         white, slopes = zip(*found, strict=True)
         return np.concatenate(white).ravel(), np.concatenate(slopes).reshape(-1, len(NAMES))
 

@@ -8,6 +8,7 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import gammainccinv
 
 from hilc_cli.laws.law import Figures, Iteration, Plan
 from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
@@ -42,6 +43,8 @@ _UNTOLD_SHARE = 1 / 30
 _ON_IT = 1e-4  # [m and rad]; a start no further off is on the trajectory
 _CLEARLY = 3.0
 """So many standard errors off the trajectory a start is taken for what it looks like."""
+_RARELY = 1e-3
+"""How often readings of one start scatter more than is taken for that."""
 _VAGUE = 1e-3  # [m and rad]: noise before anything was measured
 _FARTHEST = 1e3
 """A pass that is off by more than so many sizes of the path, meters or radians teaches nothing."""
@@ -156,14 +159,14 @@ class NormOptimalLearner:
         """Learns from a pass, and returns by how much the model does not fit, see `misfits`."""
         self._passes.append(latest)
         self._seen += 1
-        passes = list(self._passes)
+        passes = self._placed()
         early = self._seen <= _ALWAYS or self._seen & (self._seen - 1) == 0
-        if early or self._surprise(latest) > _NEW * self._usual:
+        if early or self._surprise(passes[-1]) > _NEW * self._usual:
             self._belief = self._identification.update(self._belief, passes)
-            self._usual = max(self._surprise(latest), 1.0)
+            self._usual = max(self._surprise(passes[-1]), 1.0)
             self._driven = deque((self._smoothed(each) for each in passes), maxlen=MEMORY)
         else:
-            self._driven.append(self._smoothed(latest))
+            self._driven.append(self._smoothed(passes[-1]))
         self._starts = deque((poses[0] for poses, _ in self._driven), maxlen=MEMORY)
         beside = repeating(
             np.array([beyond for _, beyond in self._driven]),
@@ -173,6 +176,29 @@ class NormOptimalLearner:
         error = self._error(self._driven[-1][0])
         self._learned = self._safeguard.next(error, learned)
         return misfits(self._identification.innovations(self._belief, passes))
+
+    def _placed(self) -> list[Pass]:
+        """The passes, with what they tell together of where they start.
+
+        As long as starts differ no more than readings of them would, all are at one place, which
+        so many readings tell.
+        """
+        passes, noise = list(self._passes), self._belief.noise
+        if len(passes) < 2:
+            return passes
+        starts = np.array([each.measured[0] for each in passes])
+        freedom = len(starts) - 1
+        usual = 2 * float(gammainccinv(freedom / 2, _RARELY)) / freedom
+        read = np.array([noise.position, noise.position, noise.heading])
+        if np.any(starts.var(axis=0, ddof=1) > usual * read):
+            return passes
+        start = starts.mean(axis=0) if self._is_clearly_off(starts) else self._target[0]
+        return [
+            each._replace(
+                measured=np.vstack([start, each.measured[1:]]), start_share=1 / len(passes)
+            )
+            for each in passes
+        ]
 
     def _surprise(self, latest: Pass) -> float:
         """Mean square of a pass's innovations: about 1 where the belief explains it."""
@@ -186,39 +212,40 @@ class NormOptimalLearner:
         """
         position, heading = self._law.squared_weights
         squares = np.square(poses - self._target) @ [position, position, heading]
-        if not self._is_on_it(self._usual_start()):
+        if not self._start_on_it():
             squares = squares[len(squares) // 2 :]
         return float(np.sqrt(squares.mean()))
 
     def _usual_start(self) -> Floats:
-        """Pose from which passes start: that of the trajectory unless they clearly tell another."""
-        if not self._starts:
-            return self._target[0]
-        starts, noise = np.array(self._starts), self._belief.noise
+        """Pose from which passes start."""
+        starts: Floats = np.array(self._starts) if self._starts else self._target[:1]
+        return starts.mean(axis=0)
+
+    def _start_on_it(self) -> bool:
+        """Whether passes start on the trajectory, as far as they clearly tell."""
+        return not self._starts or not self._is_clearly_off(np.array(self._starts))
+
+    def _is_clearly_off(self, starts: Floats) -> bool:
+        """Whether some starts tell another one than the trajectory's."""
+        noise = self._belief.noise
         variances = np.array([noise.position, noise.position, noise.heading])
         if len(starts) > 1:
             variances = np.maximum(variances, starts.var(axis=0, ddof=1))
-        mean: Floats = starts.mean(axis=0)
-        clearly = np.abs(mean - self._target[0]) > _CLEARLY * np.sqrt(variances / len(starts))
-        return mean if clearly.any() else self._target[0]
-
-    def _is_on_it(self, start: Floats) -> bool:
-        """Whether the trajectory begins at a start."""
-        return float(np.abs(start - self._target[0]).max()) <= _ON_IT
+        off = np.abs(starts.mean(axis=0) - self._target[0])
+        return bool(np.any(off > _CLEARLY * np.sqrt(variances / len(starts)) + _ON_IT))
 
     def _smoothed(self, each: Pass) -> tuple[Floats, Floats]:
         """The likeliest poses of a pass, and what it did beyond the model, shape (n, 3)."""
         belief, lead = self._belief, self._law.lead
         steps = steps_of(belief.motor, each.sent, self._reference.sample_time)
-        poses = smoothed_poses(run_filter(each.measured, steps, lead, belief.noise, keep=True))
+        seen = run_filter(each.measured, steps, lead, belief.noise, each.start_share, keep=True)
+        poses = smoothed_poses(seen)
         beyond = body_steps(poses, lead)
         beyond[:, [0, 2]] -= steps
         return poses, beyond
 
     def _way_in(self, motor: Motor, start: Floats) -> WayIn:
-        """The trajectory, or from a start off it a way into it."""
-        if self._is_on_it(start):
-            return WayIn(self._target, settled=True)
+        """A way into the trajectory from a start off it."""
         radius = (motor.left_radius + motor.right_radius) / 2
         gains = step_gains(radius, motor.half_track, self._reference.sample_time)
         drift = np.zeros((self._reference.samples, 3))
@@ -242,9 +269,9 @@ class NormOptimalLearner:
         """
         reference, law = self._reference, self._law
         motor = self._belief.with_parameters(self._learned.parameters).motor
-        if start is None:
-            start = self._usual_start()
-        way_in = self._way_in(motor, start)
+        on_it = self._start_on_it() if start is None else _is_near(start, self._target[0])
+        start = self._usual_start() if start is None else start
+        way_in = WayIn(self._target, settled=True) if on_it else self._way_in(motor, start)
         found = motor_plan(
             motor,
             way_in.poses,
@@ -306,3 +333,7 @@ class NormOptimalLearner:
             left=noise.left + max(x, y) / n,
             turn=noise.turn + (heading + turn) / n,
         )
+
+
+def _is_near(start: Floats, other: Floats) -> bool:
+    return float(np.abs(start - other).max()) <= _ON_IT

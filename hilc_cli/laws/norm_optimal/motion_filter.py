@@ -194,8 +194,17 @@ def _corrected(
 corrected = compiled(_corrected)
 
 
+def _at_start(noise: Noise, share: float) -> Symmetric:
+    """P before the first sample, where the start is known to a share of a reading's variance."""
+    position, heading = share * noise.position, share * noise.heading
+    return position, 0.0, 0.0, position, 0.0, heading
+
+
+at_start = compiled(_at_start)
+
+
 def _filtered(
-    measured: Floats, steps: Floats, lead: float, noise: Noise, keep: bool
+    measured: Floats, steps: Floats, lead: float, noise: Noise, start_share: float, keep: bool
 ) -> tuple[Floats, float, Floats, Floats, Floats, Floats]:
     """Runs the filter forward over one pass.
 
@@ -205,6 +214,7 @@ def _filtered(
         steps: Way ahead [m] and turn [rad] that the model expects in each sample, shape (n, 2).
         lead: Share of a sample's turn after which its way is gone, see `motor.moved`.
         noise: The variances.
+        start_share: Share of a reading's variance that the first pose is known to.
         keep: Whether the states are kept, for `smoothed_poses`.
 
     Returns:
@@ -217,8 +227,7 @@ def _filtered(
     states, foreseen = np.empty((rows, 3)), np.zeros((rows, 3))
     covariances, foreseen_covariances = np.empty((rows, 3, 3)), np.zeros((rows, 3, 3))
     pose = (measured[0, 0], measured[0, 1], measured[0, 2])
-    # The first reading is all that is known of the start.
-    covariance = (noise.position, 0.0, 0.0, noise.position, 0.0, noise.heading)
+    covariance = at_start(noise, start_share)
     states[0, 0], states[0, 1], states[0, 2] = pose
     put(covariances[0], covariance)
     likelihood = 0.0
@@ -254,10 +263,16 @@ filtered = cached(_filtered, parts=[chord])
 
 
 def run_filter(
-    measured: Floats, steps: Floats, lead: float, noise: Noise, *, keep: bool = False
+    measured: Floats,
+    steps: Floats,
+    lead: float,
+    noise: Noise,
+    start_share: float = 1.0,
+    *,
+    keep: bool = False,
 ) -> Filtered:
     """Returns what the filter says of one pass; the arguments are those of `_filtered`."""
-    return Filtered(*filtered(measured, steps, lead, noise, keep))
+    return Filtered(*filtered(measured, steps, lead, noise, start_share, keep))
 
 
 def _carried_back(poses: Floats, foreseen: Floats, gains: Floats) -> None:

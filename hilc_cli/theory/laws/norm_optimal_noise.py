@@ -86,9 +86,15 @@ def noisy_passes(
     plant = linearise(experiment)
     seen = _carried(plant.states, _mean(draws.state, n, memory, nothing[1:]))
     seen = seen + _mean(draws.output, n + 1, memory, nothing)
-    errors = _identified_errors(experiment, law, plan, belief, seen)
+    share, passes = 1.0, max(1, _moving_passes(experiment))
+    scatters = experiment.disturbance.initial_pose
+    if passes > 1 and (scatters.repeat or not scatters.active):
+        share = 1 / passes  # all start at one place, which so many readings tell
+        if not starts_off(experiment):
+            seen[0] = 0.0
+    errors = _identified_errors(experiment, law, plan, belief, seen, share)
     if experiment.disturbance.output.active:
-        left = _smoothed(experiment, law, plan, belief, seen, errors)
+        left = _smoothed(experiment, law, plan, belief, seen, errors, share)
         if not experiment.disturbance.output.repeat:
             left[1:] = 0.0
     start, state, output = draws.start.drawn(1), draws.state.drawn(n), draws.output.drawn(n + 1)
@@ -195,6 +201,7 @@ def _identified_errors(
     plan: NormOptimalPlan,
     belief: MotorBelief,
     seen: Floats,
+    share: float,
 ) -> Floats:
     """Errors of the parameters that passes tell, shape (6, seeds).
 
@@ -208,6 +215,7 @@ def _identified_errors(
         plan: What is driven.
         belief: What is known after all passes.
         seen: How far readings are off the plan, on average over the passes, (n + 1, 3, seeds).
+        share: Share of a reading's variance that the start is known to.
     """
     from hilc_cli.laws.norm_optimal.filter_slopes import (
         innovation_slopes,
@@ -219,7 +227,7 @@ def _identified_errors(
     errors = np.zeros((len(onto), seen.shape[2]))
     for seed in np.flatnonzero(seen.any(axis=(0, 1))).tolist():
         measured = plan.poses + seen[:, :, seed]
-        white, slopes = innovation_slopes(measured, *steps, law.lead, belief.noise)
+        white, slopes = innovation_slopes(measured, *steps, law.lead, belief.noise, share)
         found = -onto @ np.einsum("kci,kc->i", slopes, white)
         errors[:, seed] = _nearest_possible(belief.covariance, found)
     return errors
@@ -288,6 +296,7 @@ def _smoothed(
     belief: MotorBelief,
     seen: Floats,
     errors: Floats,
+    share: float,
 ) -> Floats:
     """Returns what the law's smoother leaves of readings off the plan, shape (n + 1, 3, seeds).
 
@@ -303,7 +312,7 @@ def _smoothed(
     found = np.empty_like(seen)
     for seed in range(seen.shape[2]):
         measured, believed = plan.poses + seen[:, :, seed], steps + slopes @ errors[:, seed]
-        kept = run_filter(measured, believed, law.lead, belief.noise, keep=True)
+        kept = run_filter(measured, believed, law.lead, belief.noise, share, keep=True)
         found[:, :, seed] = smoothed_poses(kept) - plan.poses
     return found
 

@@ -69,13 +69,13 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "moved": (motor.moved, (POSES[0], INPUTS / 100, DRIFT, 0.5)),
     "pose filter": (
         motion_filter.filtered,
-        (POSES, INPUTS / 100, 0.5, NOISE, True),
+        (POSES, INPUTS / 100, 0.5, NOISE, 0.3, True),
     ),
     "innovation_slopes": (
         filter_slopes.innovation_slopes,
-        (POSES, INPUTS / 100, RANDOM.normal(0, 1, (N, 2, 3)), 0.5, NOISE),
+        (POSES, INPUTS / 100, RANDOM.normal(0, 1, (N, 2, 3)), 0.5, NOISE, 0.3),
     ),
-    "noise_score": (filter_slopes.noise_score, (POSES, INPUTS / 100, 0.5, NOISE)),
+    "noise_score": (filter_slopes.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
     "linearised": (
         motor_quadratic.linearised,
         (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), 0.01, 0.5),
