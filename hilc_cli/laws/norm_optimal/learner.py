@@ -41,7 +41,7 @@ _UNTOLD = 0.2
 _UNTOLD_SHARE = 1 / 30
 """The same as a share of the path's time, if that is less: short paths are for quick robots."""
 _ON_IT = 1e-4  # [m and rad]; a start no further off is on the trajectory
-_CLEARLY = 3.0
+CLEARLY = 3.0
 """So many standard errors off the trajectory a start is taken for what it looks like."""
 _RARELY = 1e-3
 """How often readings of one start scatter more than is taken for that."""
@@ -232,7 +232,7 @@ class NormOptimalLearner:
         if len(starts) > 1:
             variances = np.maximum(variances, starts.var(axis=0, ddof=1))
         off = np.abs(starts.mean(axis=0) - self._target[0])
-        return bool(np.any(off > _CLEARLY * np.sqrt(variances / len(starts)) + _ON_IT))
+        return bool(np.any(off > CLEARLY * np.sqrt(variances / len(starts)) + _ON_IT))
 
     def _smoothed(self, each: Pass) -> tuple[Floats, Floats]:
         """The likeliest poses of a pass, and what it did beyond the model, shape (n, 3)."""

@@ -20,6 +20,7 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.engine.experiment import Experiment
@@ -80,27 +81,31 @@ def noisy_passes(
     belief = _belief(experiment, law, plan)
     nothing = np.zeros((n + 1, 3, seeds))
     start_before = _mean(draws.start, 1, memory, nothing[:1])[0]
-    state_before, left = nothing[1:], nothing
-    if experiment.disturbance.state.repeat and memory >= _TOLD:
-        state_before = _mean(draws.state, n, 1, state_before)
-    plant = linearise(experiment)
-    seen = _carried(plant.states, _mean(draws.state, n, memory, nothing[1:]))
-    seen = seen + _mean(draws.output, n + 1, memory, nothing)
+    left, plant = nothing, linearise(experiment)
     share, passes = 1.0, max(1, _moving_passes(experiment))
-    scatters = experiment.disturbance.initial_pose
-    if passes > 1 and (scatters.repeat or not scatters.active):
+    given = experiment.disturbance
+    # What comes back in each pass is told apart from what the robot is.
+    if given.state.repeat and passes >= _TOLD:
+        state_before, seen = _mean(draws.state, n, 1, nothing[1:]), nothing
+    else:
+        state_before = nothing[1:]
+        seen = _carried(plant.states, _mean(draws.state, n, memory, state_before))
+    seen = seen + _mean(draws.output, n + 1, memory, nothing)
+    if passes > 1 and (given.initial_pose.repeat or not given.initial_pose.active):
         share = 1 / passes  # all start at one place, which so many readings tell
         if not starts_off(experiment):
-            seen[0] = 0.0
+            seen[0] *= _clearly_off(seen[0], np.array(deviations(given.output)), passes)
     errors = _identified_errors(experiment, law, plan, belief, seen, share)
-    if experiment.disturbance.output.active:
+    if given.output.repeat and passes >= _TOLD:
+        errors = np.zeros_like(errors)
+    if given.output.active:
         left = _smoothed(experiment, law, plan, belief, seen, errors, share)
-        if not experiment.disturbance.output.repeat:
+        if not given.output.repeat:
             left[1:] = 0.0
     start, state, output = draws.start.drawn(1), draws.state.drawn(n), draws.output.drawn(n + 1)
 
     pushed = -state_before - _misled(experiment, law, plan, belief, errors)
-    if experiment.disturbance.output.repeat:
+    if given.output.repeat:
         pushed += np.ascontiguousarray(plant.states) @ left[:-1] - left[1:]
     if state is not None:
         pushed = pushed + state
@@ -139,6 +144,14 @@ def _mean(source: NoiseDraws, samples: int, memory: int, nothing: Floats) -> Flo
             return nothing
         total = total + drawn
     return total / memory
+
+
+def _clearly_off(off: Floats, deviations: Floats, passes: int) -> NDArray[np.bool_]:
+    """Whether the law takes a start for off the trajectory, by what passes tell, (seeds,)."""
+    from hilc_cli.laws.norm_optimal.learner import CLEARLY  # the compiler starts slowly
+
+    told = CLEARLY * deviations / math.sqrt(passes)
+    return np.asarray(np.any(np.abs(off) > told[:, None], axis=0))
 
 
 def _carried(states: Floats, pushed: Floats) -> Floats:
@@ -182,11 +195,6 @@ def _misled(
     errors: Floats,
 ) -> Floats:
     """Returns what is driven otherwise since the robot is identified with errors, (n, 3, seeds)."""
-    given, passes = experiment.disturbance, _moving_passes(experiment)
-    if given.state.repeat and not given.output.active and passes >= _TOLD:
-        # It comes back in each pass as well, and is learned as far as they have the same inputs:
-        # all but the first have nearly.
-        errors = errors / passes
     inputs = np.stack([plan.left, plan.right], axis=1)
     _, slopes = belief.steps_and_slopes(inputs, experiment.reference.sample_time)
     ahead, turn = np.moveaxis(slopes @ errors, 1, 0)
