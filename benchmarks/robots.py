@@ -19,6 +19,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -45,8 +46,7 @@ RADIUS, HALF_TRACK, LIMIT = 0.1, 0.2, 25.0  # [m], [m], [rad/s]
 STEPS = 10  # of the integrator in a sample
 
 
-@njit
-def integrate(
+def _integrate(
     state: Floats,
     sent: Floats,
     k: int,
@@ -94,6 +94,9 @@ def integrate(
         state[0] += ahead * cos - aside * sin
         state[1] += ahead * sin + aside * cos
         state[2] += turn
+
+
+integrate: Any = njit(_integrate)
 
 
 @dataclass(frozen=True)

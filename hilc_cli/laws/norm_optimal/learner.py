@@ -219,7 +219,8 @@ class NormOptimalLearner:
     def _usual_start(self) -> Floats:
         """Pose from which passes start."""
         starts: Floats = np.array(self._starts) if self._starts else self._target[:1]
-        return starts.mean(axis=0)
+        mean: Floats = starts.mean(axis=0)
+        return mean
 
     def _start_on_it(self) -> bool:
         """Whether passes start on the trajectory, as far as they clearly tell."""
