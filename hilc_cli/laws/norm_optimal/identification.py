@@ -230,7 +230,7 @@ class Identification:
             passes: Their number.
         """
         _, slopes = self._white_and_slopes(belief.first, belief.parameters, belief.noise, [like])
-        normal = passes * slopes.T @ slopes + np.diag(PRIOR**-2)
+        normal = passes * _summed(slopes, slopes) + np.diag(PRIOR**-2)
         return np.asarray(np.linalg.inv(normal), dtype=np.float64)
 
     def quietest(self, noise: Noise) -> Noise:
@@ -323,12 +323,12 @@ class Identification:
         at, slopes = told(parameters)
         damping = 0.0
         for _ in range(_NEWTON_STEPS):
-            normal, pull = slopes.T @ slopes, slopes.T @ at
+            normal, pull = _summed(slopes, slopes), np.einsum("ki,k->i", slopes, at)
             for _ in range(10):
                 damped = normal + damping * np.diag(np.diag(normal))
                 tried = _possible(parameters - np.linalg.solve(damped, pull))
                 there, slopes_there = told(tried)
-                gain = float(at @ at - there @ there) / 2
+                gain = float(np.square(at).sum() - np.square(there).sum()) / 2
                 if gain >= 0:
                     break
                 damping = max(10 * damping, 1e-3)
@@ -427,12 +427,12 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
         consistent covariance matrix. Econometrica 55 (1987), 703-708.
     """
     count = slopes.shape[1]
-    covariance = np.linalg.inv(slopes.T @ slopes)
+    covariance = np.linalg.inv(_summed(slopes, slopes))
     scores = (slopes * at[:, None])[:-count].reshape(passes, -1, 3, count).sum(axis=(0, 2))
     reach = math.ceil(4 * (len(scores) / 100) ** (1 / 3)) * 4
-    spread = scores.T @ scores
+    spread = _summed(scores, scores)
     for lag in range(1, min(reach, len(scores) - 1) + 1):
-        across = scores[:-lag].T @ scores[lag:]
+        across = _summed(scores[:-lag], scores[lag:])
         spread += (1 - lag / (reach + 1)) * (across + across.T)
     robust = covariance @ spread @ covariance
     usual = np.diag(covariance)
@@ -440,3 +440,8 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
     larger = np.sqrt(np.maximum(share, 1.0))
     widened: Floats = covariance * np.outer(larger, larger)
     return widened
+
+
+def _summed(one: Floats, other: Floats) -> Floats:
+    """Sums of products over the rows, without BLAS, whose threads cost more than they save here."""
+    return np.asarray(np.einsum("ki,kj->ij", one, other))
