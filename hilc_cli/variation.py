@@ -311,7 +311,9 @@ class Cases:
         """What one key is in all cases."""
         number = list(self.axes).index(key)
         if self.sampling == "grid":
-            return self._of_grid(number, 0, len(self))
+            inner = math.prod(self.shape[number + 1 :])
+            once = [value for value in self.ladders[number] for _ in range(inner)]
+            return once * (len(self) // len(once))
         points = self._points(0, len(self))
         return [self.axes[key].drawn(unit) for unit in points[:, number].tolist()]
 
