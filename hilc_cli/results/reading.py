@@ -58,7 +58,7 @@ class Document(BaseModel):
     Nothing is converted, and all numbers are finite.
     """
 
-    model_config = ConfigDict(strict=True, allow_inf_nan=False, frozen=True)
+    model_config = ConfigDict(strict=True, allow_inf_nan=False, frozen=True, defer_build=True)
 
 
 Name = Annotated[str, AfterValidator(check_name)]

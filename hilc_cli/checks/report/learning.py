@@ -138,7 +138,7 @@ def _predicted(transient: Transient, iterations: int) -> list[str]:
 
 def _predicted_with_limit(found: Forecast) -> list[str]:
     """Returns the column of what is predicted with the limit, of the scenario's iterations."""
-    errors, size = found.errors_m, found.transient.path_size_m
+    errors, size = found.errors_m, found.path_size_m
     first, peak = float(errors[0]), float(errors.max())
     settled = (settled_at(errors, share * size) for share in RELATIVE_TOLERANCES.values())
     return [
