@@ -36,7 +36,8 @@ def settle() -> None:
     """Sets the environment of this process, and of those that it starts, for the libraries.
 
     Called by the program alone, whose results, output and errors are not to depend on settings of
-    Numba; who calls hilc from Python may have code of his own that they are meant for. One thread
+    Numba, nor on plug-ins of Pydantic, for which all installed packages would be looked through;
+    who calls hilc from Python may have code of his own that they are meant for. One thread
     for linear algebra, if nothing else is asked for, since several make small things slower, not
     each process may have them, and workers would have them all at once.
     """
@@ -46,6 +47,7 @@ def settle() -> None:
     if os.environ.get("NUMBA_DISABLE_JIT") != "1":
         os.environ.pop("NUMBA_DISABLE_JIT", None)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"
 
 
 def _put(variables: Mapping[str, str | None]) -> None:

@@ -69,16 +69,16 @@ class Choices:
             return (min(self.values), max(self.values))  # type: ignore[type-var]
         return self.values
 
-    def ladder(self) -> list[Value]:
+    def ladder(self) -> Sequence[Value]:
         """All values of a grid in order."""
-        return list(self.values)
+        return self.values
 
     def drawn(self, unit: float) -> Value:
         """The value at a fraction, 0 < unit < 1, of the way through."""
         return self.values[min(int(unit * len(self.values)), len(self.values) - 1)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Range:
     """Numbers from one to another, both included.
 
@@ -105,7 +105,7 @@ class Range:
         if self.spacing == "integer":
             return int(self.high) - int(self.low) + 1
         if self.whole and self.values_asked is not None:
-            return len(self.ladder())
+            return len(self._numbered)
         return self.values_asked
 
     @property
@@ -123,18 +123,28 @@ class Range:
         """The smallest and the largest value."""
         return (self._rounded(self.low), self._rounded(self.high))
 
-    def ladder(self) -> list[Value]:
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What makes the same range elsewhere, its values not among it."""
+        ends = (self.low, self.high)
+        return type(self), (*ends, self.spacing, self.values_asked, self.whole, self.written)
+
+    def ladder(self) -> Sequence[Value]:
         """All values of a grid in order; the ends are exactly as given.
 
         Raises:
             ValueError: The range has no count.
         """
+        return self._numbered
+
+    @cached_property
+    def _numbered(self) -> Sequence[Value]:
+        """The values of a grid, made once for all who ask."""
         if self.spacing == "integer":
-            return list(range(int(self.low), int(self.high) + 1))
+            return range(int(self.low), int(self.high) + 1)
         if self.values_asked is None:
             raise ValueError("a range without a count has no numbered values")
-        numbers = (self._spread(index, self.values_asked - 1) for index in range(self.values_asked))
-        return list(dict.fromkeys(map(round, numbers))) if self.whole else list(numbers)
+        numbers = [self.low, *self._between(self.values_asked - 1), self.high]
+        return tuple(dict.fromkeys(map(round, numbers)) if self.whole else numbers)
 
     def drawn(self, unit: float) -> Value:
         """The value at a fraction, 0 < unit < 1, of the way through."""
@@ -148,20 +158,25 @@ class Range:
             number = self.low + (self.high - self.low) * unit
         return self._rounded(min(max(number, self.low), self.high))
 
-    def _spread(self, index: int, last: int) -> float:
-        """Number ``index`` of those from 0 to ``last``; the ends are exactly as given."""
-        if index == 0:
-            return self.low
-        if index == last:
-            return self.high
+    def _between(self, last: int) -> list[float]:
+        """Numbers 1 to ``last - 1`` of those from 0, the low end, to ``last``, the high one."""
         if self.spacing == "log":
             # By exponents of ten, so that 1:1000:4 gives 10 and 100.
             below, above = math.log10(self.low), math.log10(self.high)
-            number = float(10 ** ((below * (last - index) + above * index) / last))
-            return min(max(number, self.low), self.high)
-        # With the decimals that people write, rounded once: 0.05:1:20 gives 0.1 and 0.15.
+            return [
+                min(
+                    max(10 ** ((below * (last - index) + above * index) / last), self.low),
+                    self.high,
+                )
+                for index in range(1, last)
+            ]
+        # With the decimals that people write, and rounded once, as quotients of whole numbers are:
+        # 0.05:1:20 gives 0.1 and 0.15.
         start, end = Fraction(repr(self.low)), Fraction(repr(self.high))
-        return float((start * (last - index) + end * index) / last)
+        common = math.lcm(start.denominator, end.denominator)
+        first, final = int(start * common), int(end * common)
+        parts = common * last
+        return [(first * (last - i) + final * i) / parts for i in range(1, last)]
 
     def _rounded(self, number: float) -> float:
         return round(number) if self.whole or self.spacing == "integer" else number
@@ -296,7 +311,9 @@ class Cases:
         """What one key is in all cases."""
         number = list(self.axes).index(key)
         if self.sampling == "grid":
-            return self._of_grid(number, 0, len(self))
+            inner = math.prod(self.shape[number + 1 :])
+            once = [value for value in self.ladders[number] for _ in range(inner)]
+            return once * (len(self) // len(once))
         points = self._points(0, len(self))
         return [self.axes[key].drawn(unit) for unit in points[:, number].tolist()]
 
@@ -305,7 +322,7 @@ class Cases:
         return [ladder[case // inner % len(ladder)] for case in range(first, last)]
 
     @cached_property
-    def ladders(self) -> list[list[Value]]:
+    def ladders(self) -> list[Sequence[Value]]:
         """The values of each key of a grid in order."""
         return [axis.ladder() for axis in self.axes.values()]
 

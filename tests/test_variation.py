@@ -5,7 +5,9 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import pickle
 from collections.abc import Mapping
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -45,13 +47,34 @@ def whole_ranges(draw: st.DrawFn) -> Range:
 
 
 def test_linear_range_has_the_decimals_that_people_write() -> None:
-    assert Range(0.05, 1.0, "linear", 20).ladder() == [round(0.05 * k, 2) for k in range(1, 21)]
-    assert Range(-1.0, 1.0, "linear", 5).ladder() == [-1, -0.5, 0, 0.5, 1]
-    assert Range(0.1, 0.7, "linear", 7).ladder() == [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]
+    assert _ladder(Range(0.05, 1.0, "linear", 20)) == [round(0.05 * k, 2) for k in range(1, 21)]
+    assert _ladder(Range(-1.0, 1.0, "linear", 5)) == [-1, -0.5, 0, 0.5, 1]
+    assert _ladder(Range(0.1, 0.7, "linear", 7)) == [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]
+
+
+def _ladder(axis: Axis) -> list[Value]:
+    return list(axis.ladder())
+
+
+@given(ranges("linear"))
+def test_values_of_a_linear_range_are_rounded_once(axis: Range) -> None:
+    low, high = Fraction(repr(axis.low)), Fraction(repr(axis.high))
+    last = len(axis.ladder()) - 1
+    exact = [float(low + (high - low) * Fraction(index, last)) for index in range(1, last)]
+    assert _ladder(axis)[1:-1] == exact
+
+
+def test_values_of_a_large_range_are_made_once_and_stay_where_they_are() -> None:
+    axis = Range(1.0, 1e6, "linear", 10**6, whole=True)
+    assert axis.ladder() is axis.ladder()
+    assert axis.count == 10**6
+    elsewhere = pickle.dumps(axis)
+    assert len(elsewhere) < 1000
+    assert pickle.loads(elsewhere).ladder() == axis.ladder() == tuple(range(1, 10**6 + 1))
 
 
 def test_logarithmic_range_has_the_powers_of_ten() -> None:
-    assert Range(1e-3, 1e3, "log", 7).ladder() == [1e-3, 1e-2, 0.1, 1, 10, 100, 1000]
+    assert _ladder(Range(1e-3, 1e3, "log", 7)) == [1e-3, 1e-2, 0.1, 1, 10, 100, 1000]
 
 
 @given(ranges("linear"))
@@ -79,7 +102,7 @@ def test_range_rises_from_end_to_end(axis: Range) -> None:
 
 @given(whole_ranges())
 def test_whole_numbers_are_rounded_and_taken_once(axis: Range) -> None:
-    ladder = axis.ladder()
+    ladder = _ladder(axis)
     assert all(isinstance(value, int) for value in ladder)
     assert ladder == sorted({round(float(v)) for v in _spread(axis)})
     assert axis.count == len(ladder) <= (axis.values_asked or 0)
@@ -95,14 +118,14 @@ def _spread(axis: Range) -> list[float]:
 
 def test_whole_numbers_of_a_logarithmic_range() -> None:
     axis = Range(1.0, 10.0, "log", 8, whole=True)
-    assert axis.ladder() == [1, 2, 3, 4, 5, 7, 10]
+    assert _ladder(axis) == [1, 2, 3, 4, 5, 7, 10]
     assert axis.count == 7
 
 
 @given(st.integers(-(10**9), 10**9), st.integers(0, 300))
 def test_integers_are_all_there(low: int, more: int) -> None:
     axis = Range(low, low + more, "integer")
-    assert axis.ladder() == list(range(low, low + more + 1))
+    assert _ladder(axis) == list(range(low, low + more + 1))
     assert axis.count == more + 1
 
 
@@ -141,9 +164,9 @@ def test_range_without_a_count_is_only_drawn_from() -> None:
 
 def test_values_one_by_one_keep_their_order() -> None:
     axis = Choices((3, 1, 2))
-    assert (axis.ladder(), axis.count, axis.ends) == ([3, 1, 2], 3, (1, 3))
+    assert (_ladder(axis), axis.count, axis.ends) == ([3, 1, 2], 3, (1, 3))
     words = Choices(("b", None, "a"))
-    assert (words.ladder(), words.is_numeric, words.ends) == (["b", None, "a"], False, words.values)
+    assert (_ladder(words), words.is_numeric, words.ends) == (["b", None, "a"], False, words.values)
 
 
 @pytest.mark.parametrize(

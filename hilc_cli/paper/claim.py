@@ -78,6 +78,8 @@ class Claim:
         criterion: When it holds and when it holds in part; stated before measuring, and the same
             for every reading.
         judge: Measures and decides.
+        needs_runs: Whether it looks at the runs of the shipped scenarios; if not, it is judged
+            beside them.
     """
 
     name: str
@@ -86,3 +88,4 @@ class Claim:
     measured: str
     criterion: str
     judge: Callable[[Evidence], Finding]
+    needs_runs: bool = True

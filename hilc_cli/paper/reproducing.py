@@ -29,7 +29,7 @@ from hilc_cli.paper.contents import (
 )
 from hilc_cli.paper.panel import Panel, PanelRow, write_panel
 from hilc_cli.paper.plan import ReproductionPlan
-from hilc_cli.paper.reading import READINGS, Reading
+from hilc_cli.paper.reading import READINGS, Reading, readings_named
 from hilc_cli.paper.texts import gains_text, group_text, index_text, situation_text
 from hilc_cli.results.folder import DRAWN_WITH, origin, versions
 from hilc_cli.results.look import USUAL, Look
@@ -175,13 +175,16 @@ def reproduce(
         WorkersError: Worker processes, which share many runs out, cannot do anything here.
     """
     started, clock = datetime.now(UTC), time.perf_counter()
-    runs = _simulate(plan, on_step)
+    runs, known = _simulate(plan, on_step)
     simulated = time.perf_counter()
     judged: list[tuple[Claim, Mapping[str, Finding]]] = []
     for claim in plan.claims:
         findings: dict[str, Finding] = {}
         for reading in plan.readings:
-            findings[reading.name] = claim.judge(Evidence(reading, runs[reading.name]))
+            finding = known.get((claim.name, reading.name))
+            if finding is None:
+                finding = claim.judge(Evidence(reading, runs[reading.name]))
+            findings[reading.name] = finding
             on_step()
         judged.append((claim, findings))
     timings = {"simulation": simulated - clock, "claims": time.perf_counter() - simulated}
@@ -189,39 +192,67 @@ def reproduce(
 
 
 @dataclass(frozen=True, slots=True)
-class _Runs:
-    """What a worker gets, the scenarios, and does: it runs the one of a number.
+class _Work:
+    """What a worker gets, and does: it judges a claim, or runs a scenario, by their number.
 
     Nobody asks for the plan of one more iteration, which is code and cannot be sent.
+
+    Attributes:
+        claims: That need no runs, each with the name of a reading. They come first, since they
+            take longest.
+        scenarios: To be run.
     """
 
+    claims: tuple[tuple[Claim, str], ...]
     scenarios: tuple[Scenario, ...]
 
-    def __call__(self, number: int) -> Run:
-        return replace(run(self.scenarios[number]), plan=None)
+    def __len__(self) -> int:
+        return len(self.claims) + len(self.scenarios)
+
+    def __call__(self, number: int) -> Finding | Run:
+        if number < len(self.claims):
+            claim, reading = self.claims[number]
+            return claim.judge(Evidence(readings_named(reading)[0], {}))
+        return replace(run(self.scenarios[number - len(self.claims)]), plan=None)
 
 
-def _simulate(plan: ReproductionPlan, on_step: Callable[[], None]) -> dict[str, dict[str, Run]]:
-    """All runs of a plan, in worker processes where that is worth their start."""
+def _simulate(
+    plan: ReproductionPlan, on_step: Callable[[], None]
+) -> tuple[dict[str, dict[str, Run]], dict[tuple[str, str], Finding]]:
+    """All runs of a plan, in worker processes where that is worth their start.
+
+    Returns:
+        The runs by reading and name, and what is found of the claims that need none, by claim and
+        reading.
+    """
     keys = [(reading, name) for reading, named in plan.scenarios.items() for name in named]
-    work = _Runs(tuple(plan.scenarios[reading][name] for reading, name in keys))
+    claims = [(c, each.name) for c in plan.claims if not c.needs_runs for each in plan.readings]
+    titles = [f"{claim.name} ({reading})" for claim, reading in claims]
+    titles += [f"{name} ({reading})" for reading, name in keys]
+    work = _Work(tuple(claims), tuple(plan.scenarios[reading][name] for reading, name in keys))
     iterations = sum(scenario.spec.iterations + 1 for scenario in work.scenarios)
-    workers = min(available_cores(), len(keys)) if iterations >= _MANY else 1
-    crew: Crew[int, Run] = Alone(work) if workers == 1 else Processes(work, workers)
-    found: dict[int, Run] = {}
+    workers = min(available_cores(), len(work)) if iterations >= _MANY else 1
+    crew: Crew[int, Finding | Run] = Alone(work) if workers == 1 else Processes(work, workers)
+    found: dict[int, Finding | Run] = {}
     try:
-        for outcome in hand_out(range(len(keys)), crew, lambda: None):
+        for outcome in hand_out(range(len(work)), crew, lambda: None):
             if outcome.result is None:
-                reading, name = keys[outcome.piece]
-                raise outcome.error or WorkersError(f"{name} ({reading}): {outcome.reason}")
+                raise outcome.error or WorkersError(f"{titles[outcome.piece]}: {outcome.reason}")
             found[outcome.piece] = outcome.result
-            on_step()
+            if isinstance(outcome.result, Run):
+                on_step()
     finally:
         crew.dismiss()
     runs: dict[str, dict[str, Run]] = {reading: {} for reading in plan.scenarios}
-    for number, (reading, name) in enumerate(keys):
-        runs[reading][name] = found[number]
-    return runs
+    findings: dict[tuple[str, str], Finding] = {}
+    for number, result in sorted(found.items()):
+        if isinstance(result, Run):
+            reading, name = keys[number - len(claims)]
+            runs[reading][name] = result
+        else:
+            claim, reading = claims[number]
+            findings[claim.name, reading] = result
+    return runs, findings
 
 
 def check_reproduction(plan: ReproductionPlan, folder: str | Path, *, force: bool = False) -> None:

@@ -25,6 +25,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file
 from hilc_cli.names import check_name
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.plain_tables import plain_table
 
 MAX_CSV_BYTES = 2_000_000_000
 MAX_JSON_BYTES = 100_000_000
@@ -57,7 +58,7 @@ class Document(BaseModel):
     Nothing is converted, and all numbers are finite.
     """
 
-    model_config = ConfigDict(strict=True, allow_inf_nan=False, frozen=True)
+    model_config = ConfigDict(strict=True, allow_inf_nan=False, frozen=True, defer_build=True)
 
 
 Name = Annotated[str, AfterValidator(check_name)]
@@ -295,9 +296,20 @@ def read_numbers(
         UsageError: It is no such table, or damaged.
         HilcError: It cannot be read.
     """
-    rows = table_rows(path, [name for name, _ in columns], content)
+    content = read_file(path, MAX_CSV_BYTES) if content is None else content
+    header = [name for name, _ in columns]
+    plain = plain_table(content, header)
+    if plain is not None and (plain.is_full or _may_be_empty(columns)):
+        check_columns(path, columns, plain.numbers)
+        return plain.numbers
+    rows = table_rows(path, header, content)
     next(rows)
     return parse_numbers(path, columns, rows)
+
+
+def _may_be_empty(columns: Sequence[tuple[str, Numbers]]) -> bool:
+    """Whether some cells of a table may be empty."""
+    return any(kind.empty for _, kind in columns)
 
 
 def parse_numbers(
@@ -308,7 +320,7 @@ def parse_numbers(
     Raises:
         UsageError: A cell is none of its column.
     """
-    numbers, may_be_empty = array("d"), any(kind.empty for _, kind in columns)
+    numbers, may_be_empty = array("d"), _may_be_empty(columns)
     try:
         for row in rows:
             numbers.extend(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,11 @@ from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
 from hilc_cli.plants.drivetrain import Drivetrain
-from hilc_cli.plants.kinematic import feedforward
 from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.learning import BELIEVED, MODEL, TRUE
 from hilc_cli.scenario.identified import FROM
+from hilc_cli.scenario.making import ExperimentMaker, first_input
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.theory.feasibility.demand import Demand, demand_of
 from hilc_cli.theory.feasibility.feasibility import Feasibility, Limits
@@ -39,14 +38,6 @@ _DELAY = "model_delay_s"
 """What a law that finds out by itself how late inputs arrive tells."""
 _LONGEST_DELAY = 0.4  # [s] that such a law can make up for
 _ON_ARCS = 0.5  # lead of robots that drive, see `Setting.lead`
-
-
-@lru_cache(maxsize=16)
-def _nothing(samples: int) -> Floats:
-    """Wheels at rest, one array for all the cases of a sweep."""
-    nothing = np.zeros(samples)
-    nothing.setflags(write=False)
-    return nothing
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -105,21 +96,7 @@ class Scenario:
 
     def experiment(self) -> Experiment:
         """The scenario with every number resolved."""
-        spec, setting = self.spec, self.setting
-        reference = setting.reference
-        left, right = self._first_input(setting)
-        return Experiment(
-            reference=reference,
-            plant=spec.robot.as_plant(),
-            law=spec.controller.law_on(setting),
-            initial_pose=spec.start_pose,
-            initial_left=left,
-            initial_right=right,
-            learn_in_first=spec.learns_in_first,
-            iterations=spec.iterations,
-            speed_limit=math.inf if self.speed_limit is None else self.speed_limit,
-            disturbance=spec.disturbance.disturbance(),
-        )
+        return ExperimentMaker().experiment(self.spec, self.initial_input)
 
     def learner(self) -> Learning:
         """Returns the law at work, for trials that are driven elsewhere: nothing is simulated."""
@@ -132,7 +109,7 @@ class Scenario:
         setting = replace(self.setting, reference=reference, lead=_ON_ARCS)
         left, right = (
             np.concatenate([np.zeros(reference.samples - len(wheel)), wheel])
-            for wheel in self._first_input(setting)
+            for wheel in first_input(spec, self.initial_input, setting)
         )
         limits = spec.safety_limits
         experiment = replace(
@@ -156,27 +133,7 @@ class Scenario:
     @property
     def setting(self) -> Setting:
         """What the law may depend on beside its own parameters."""
-        spec, robot = self.spec, self.spec.robot.robot()
-        return Setting(
-            spec.reference,
-            spec.model.model(robot),
-            spec.initial_error,
-            spec.disturbance.initial_pose.bound,
-            spec.robot.lead,
-            spec.model.drivetrain(robot),
-        )
-
-    def _first_input(self, setting: Setting) -> tuple[Floats, Floats]:
-        reference, model, drivetrain = setting.reference, setting.model, setting.drivetrain
-        if self.initial_input is not None:
-            return self.initial_input
-        if self.spec.initial_input == "feedforward":
-            wheels = feedforward(reference, model)
-            if drivetrain is None:
-                return wheels
-            return drivetrain.sent_for(*wheels, model.wheel_radius, reference.sample_time)
-        nothing = _nothing(reference.samples)
-        return nothing, nothing
+        return ExperimentMaker().setting(self.spec)
 
     def warnings(self) -> list[str]:
         """What is legal but probably not meant."""

@@ -1,7 +1,7 @@
 """What a sweep is to compute, in full: any worker can do its part of it.
 
 A value is validated like one in a file before anything runs, which takes about a millisecond. A
-case of a sweep then only puts validated values in their place, which takes some microseconds.
+case of a sweep then only puts validated values in their place (`cases.py`).
 """
 
 from __future__ import annotations
@@ -21,17 +21,20 @@ from pydantic import BaseModel, ValidationError
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import HilcError, InvalidInputError
 from hilc_cli.numba_loading import DISABLED
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.timing import TimingError
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.scenario.experiment import Scenario
+from hilc_cli.scenario.making import ExperimentMaker
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.scenario.sweep_section import SweepSpec, axis_text
 from hilc_cli.scenario.trajectory import TrajectorySpec
+from hilc_cli.sweeps.cases import CaseSpecs
 from hilc_cli.sweeps.data import SEED_KEY
 from hilc_cli.variation import Axis, Cases, Value, axis_to_data
 from hilc_cli.version import __version__
 from hilc_cli.wording import in_short, listed
-from hilc_cli.yaml_input.nodes import MapNode, Node, PathKeys, Place, Source, from_data, to_data
+from hilc_cli.yaml_input.nodes import MapNode, Node, Place, Source, from_data, to_data
 from hilc_cli.yaml_input.problems import problems_of
 from hilc_cli.yaml_input.reading import apply_override
 from hilc_cli.yaml_input.tree import to_yaml
@@ -51,9 +54,6 @@ CANNOT_BE_MADE = (HilcError, ValueError, ArithmeticError)
 """What making the experiment of a case raises if its values do not fit together."""
 _MOST_SAMPLES = 1_000_000
 """The most samples of all trajectories that are kept for the cases to come."""
-
-_KeyTree = dict[str | int, Any]
-"""A tree of keys: for each part the whole key, or what lies below it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -138,13 +138,8 @@ class Plan:
         Raises:
             InvalidInputError: They do not fit together.
         """
-        spec = self.scenario.spec
-        of_path = {key: value for key, value in values.items() if root(key) == TRAJECTORY}
-        if of_path:
-            spec = spec.model_copy(update={TRAJECTORY: self._trajectory(of_path)})
-        spec = _with_values(spec, self._tree, values)
-        given = None if "initial_input" in values else self.scenario.initial_input
-        return replace(self.scenario, spec=spec, initial_input=given)
+        spec = self._spec(values)
+        return replace(self.scenario, spec=spec, initial_input=self._given_input(values))
 
     def experiment(self, values: Mapping[str, Value]) -> Experiment:
         """The experiment with these values.
@@ -153,21 +148,30 @@ class Plan:
             InvalidInputError: They do not fit together.
             ValueError: An entry of the gain matrix is not finite.
         """
-        scenario = self.case(values)
-        given = scenario.initial_input
+        spec, given = self._spec(values), self._given_input(values)
         try:
-            reference = scenario.spec.reference
+            reference = self._maker.reference(spec)
         except TimingError as error:
             path = ".".join(filter(None, (TRAJECTORY, "timing", error.field)))
             raise InvalidInputError.of("", path, str(error)) from None
-        samples = reference.samples
-        for at, problem, remedy in scenario.spec.controller.misfits_on(reference):
+        for at, problem, remedy in spec.controller.misfits_on(reference):
             path = ".".join(map(str, ("controller", *at)))
             raise InvalidInputError.of("", path, f"{problem}; {remedy}")
-        if given is not None and len(given[0]) != samples:
-            message = f"has {len(given[0])} samples, but the trajectory has {samples}"
+        if given is not None and len(given[0]) != reference.samples:
+            message = f"has {len(given[0])} samples, but the trajectory has {reference.samples}"
             raise InvalidInputError.of("", "initial_input", message)
-        return scenario.experiment()
+        return self._maker.experiment(spec, given)
+
+    def _spec(self, values: Mapping[str, Value]) -> ScenarioSpec:
+        """What the scenario of a case says."""
+        of_path = {key: values[key] for key in self._path_keys if key in values}
+        if not of_path:
+            return self._specs.of(values)
+        return self._specs.of(values, trajectory=self._trajectory(of_path))
+
+    def _given_input(self, values: Mapping[str, Value]) -> tuple[Floats, Floats] | None:
+        """The first input of a file that the scenario names, if the case has no other one."""
+        return None if "initial_input" in values else self.scenario.initial_input
 
     def _trajectory(self, values: Mapping[str, Value]) -> TrajectorySpec:
         given = tuple(values.values())
@@ -185,18 +189,20 @@ class Plan:
         return self._paths[given]
 
     @cached_property
-    def _tree(self) -> _KeyTree:
-        """The keys outside the trajectory as a tree: what they share is then gone through once."""
-        tree: _KeyTree = {}
-        for key in (key for key in self.axes if root(key) != TRAJECTORY):
-            branch = tree
-            *above, last = parts(key)
-            for part in above:
-                below = branch.setdefault(part, {})
-                assert isinstance(below, dict)  # no key leads into the value of another one
-                branch = below
-            branch[last] = key
-        return tree
+    def _path_keys(self) -> tuple[str, ...]:
+        """The varied keys of the trajectory."""
+        return tuple(key for key in self.axes if root(key) == TRAJECTORY)
+
+    @cached_property
+    def _specs(self) -> CaseSpecs:
+        """Puts values outside the trajectory in their places."""
+        others = [key for key in self.axes if root(key) != TRAJECTORY]
+        return CaseSpecs(self.scenario.spec, others)
+
+    @cached_property
+    def _maker(self) -> ExperimentMaker:
+        """Makes the experiments of all cases."""
+        return ExperimentMaker()
 
     @cached_property
     def _paths(self) -> dict[tuple[Value, ...], TrajectorySpec]:
@@ -277,20 +283,6 @@ class Plan:
 def keys_without_effect(spec: ScenarioSpec) -> tuple[str, ...]:
     """Keys on which the results of a case do not depend."""
     return (*_WITHOUT_EFFECT, *(f"robot.{key}" for key in spec.robot.without_effect))
-
-
-def _with_values(part: Any, tree: _KeyTree, values: Mapping[str, Value]) -> Any:
-    """The part with validated values in their places, all else as it was."""
-    changes: dict[Any, Any] = {}
-    for at, below in tree.items():
-        if isinstance(below, str):
-            if below in values:
-                changes[at] = values[below]
-        else:
-            changes[at] = _with_values(value_at(part, (at,)), below, values)
-    if isinstance(part, BaseModel):
-        return part.model_copy(update=changes)
-    return tuple(changes.get(index, old) for index, old in enumerate(part))
 
 
 _START = ("initial_pose", TRAJECTORY)
@@ -389,15 +381,3 @@ def changes_path(spec: ScenarioSpec, key: str) -> bool:
 def root(key: str) -> str:
     """The first part of a dotted key."""
     return key.partition(".")[0]
-
-
-def parts(key: str) -> PathKeys:
-    """The parts of a dotted key; numbers are places in a list."""
-    return tuple(int(part) if part.isdecimal() else part for part in key.split("."))
-
-
-def value_at(part: Any, keys: PathKeys) -> Any:
-    """What stands at a path in a valid scenario."""
-    for key in keys:
-        part = getattr(part, str(key)) if isinstance(part, BaseModel) else part[key]
-    return part

@@ -20,17 +20,16 @@ from hilc_cli.scenario.path_files import with_path_files
 from hilc_cli.scenario.scenario import RecordSpec, ScenarioSpec
 from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec, read_axis, shown_axis
 from hilc_cli.scenario.trajectory import TrajectorySpec
+from hilc_cli.sweeps.cases import parts, value_at
 from hilc_cli.sweeps.plan import (
     TRAJECTORY,
     Change,
     Plan,
     changes_path,
     keys_without_effect,
-    parts,
     root,
     scenario_of,
     validated,
-    value_at,
     with_changes,
 )
 from hilc_cli.sweeps.search import require_optuna

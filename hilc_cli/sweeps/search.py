@@ -19,6 +19,7 @@ from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import needed
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, MAX_ERROR
+from hilc_cli.sweeps.cases import parts
 from hilc_cli.sweeps.chunks import Chunk, Store
 from hilc_cli.sweeps.compute import (
     Execution,
@@ -29,7 +30,7 @@ from hilc_cli.sweeps.compute import (
     run_chunk,
 )
 from hilc_cli.sweeps.data import OwnValues, SweepData
-from hilc_cli.sweeps.plan import TRAJECTORY, Plan, parts
+from hilc_cli.sweeps.plan import TRAJECTORY, Plan
 from hilc_cli.variation import Axis, Cases, Choices, ListedCases, Value
 from hilc_cli.yaml_input.tree import to_yaml
 

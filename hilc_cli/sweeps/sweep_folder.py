@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import PlainValidator
 
 from hilc_cli.errors import UsageError, needed
-from hilc_cli.files import merge_folder
+from hilc_cli.files import merge_folder, read_file
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.look import USUAL, Look
@@ -23,11 +23,14 @@ from hilc_cli.results.metrics import (
     PEAK,
 )
 from hilc_cli.results.picture_kinds import SWEEP_PICTURES
+from hilc_cli.results.plain_tables import PlainTable, plain_table
 from hilc_cli.results.reading import (
+    MAX_CSV_BYTES,
     Document,
     Length,
     Name,
     Numbers,
+    check_columns,
     check_counted,
     damaged,
     one_of,
@@ -164,6 +167,8 @@ BANDS_HEADER = (
     "cases",
     *(f"max_position_error_m_p{round(100 * quantile):02d}" for quantile in QUANTILES),
 )
+_EXACT = 2.0**53
+"""Whole numbers below it are floats."""
 _BLOCK = 10_000
 """Rows that are put into words at a time, so that a million cases need little memory."""
 
@@ -236,10 +241,19 @@ def read_cases(
     Raises:
         UsageError: It is no such table, or damaged.
     """
-    rows = table_rows(path)
+    content = read_file(path, MAX_CSV_BYTES)
     keys, first = list(axes), 1 + len(axes)
-    header = next(rows)
-    if header != [CASE, *map(unrun, keys), *CASE_COLUMNS]:
+    header = [CASE, *map(unrun, keys), *CASE_COLUMNS]
+    columns = [(CASE, Numbers(0, whole=True)), *CASE_NUMBERS]
+    plain = plain_table(content, header)
+    known = None if plain is None else _plain_values(plain, axes, is_grid=is_grid)
+    if plain is not None and known is not None:
+        checked = [columns[0], *((key, Numbers()) for key in keys), *columns[1:]]
+        check_columns(path, checked, plain.numbers)
+        check_counted(path, CASE, plain.numbers[:, 0])
+        return known, _columns(plain.numbers[:, first:])
+    rows = table_rows(path, content=content)
+    if next(rows) != header:
         raise UsageError(f"{path}: is no table of these cases; its first line does not fit")
     raw: list[list[Value]] = [[] for _ in keys]
     readers = list(zip(raw, map(_reader, axes.values()), keys, strict=True))
@@ -253,7 +267,6 @@ def read_cases(
                     raise damaged(path, f"{key} has no such value", line) from None
             yield [row[0], *row[first:]]
 
-    columns = [(CASE, Numbers(0, whole=True)), *CASE_NUMBERS]
     numbers = parse_numbers(path, columns, numbers_of_rows())
     check_counted(path, CASE, numbers[:, 0])
     if len(numbers) == 0:
@@ -261,7 +274,48 @@ def read_cases(
     if is_grid:
         _check_grid(path, axes, raw)
     values = {key: as_numbers(store) for key, store in zip(keys, raw, strict=True)}
-    return values, {name: numbers[:, 1 + i].copy() for i, name in enumerate(CASE_COLUMNS)}
+    return values, _columns(numbers[:, 1:])
+
+
+def _columns(numbers: Floats) -> dict[str, Floats]:
+    """What was computed of each case, by the names of the columns."""
+    return {name: column.copy() for name, column in zip(CASE_COLUMNS, numbers.T, strict=True)}
+
+
+def _plain_values(
+    table: PlainTable, axes: Mapping[str, Axis], *, is_grid: bool
+) -> dict[str, NumberArray | list[Value]] | None:
+    """What each key is in the cases of a table, if all are numbers that its axis has.
+
+    Args:
+        table: With the keys in its columns from the second on.
+        axes: What each varied key takes.
+        is_grid: Whether the cases are those of a grid.
+
+    Returns:
+        The same as strict reading, by key; None if that is to find out what is wrong.
+    """
+    if len(table.numbers) == 0:
+        return None
+    cases, found = Cases(axes), dict[str, NumberArray | list[Value]]()
+    if is_grid and len(cases) != len(table.numbers):
+        return None
+    for column, (key, axis) in enumerate(axes.items(), 1):
+        numbers, whole = table.numbers[:, column], bool(table.whole[column])
+        if not axis.is_numeric or not (np.abs(numbers) < _EXACT).all():
+            return None
+        if isinstance(axis, Choices):
+            whole = isinstance(axis.values[0], int)
+            if any(isinstance(value, int) is not whole for value in axis.values):
+                return None
+            if not np.isin(numbers, np.array(axis.values, np.float64)).all():
+                return None
+        elif not ((axis.low <= numbers) & (numbers <= axis.high)).all():
+            return None
+        if is_grid and (numbers != np.array(cases.column(key), np.float64)).any():
+            return None
+        found[key] = numbers.astype(np.int64) if whole else numbers.copy()
+    return found
 
 
 def _check_grid(path: Path, axes: Mapping[str, Axis], raw: Sequence[list[Value]]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated, Any, ClassVar, Self, TypeVar, get_args, get_origin
 
 from pydantic import (
@@ -35,7 +36,8 @@ Located = tuple[PathKeys, str, str]
 class Model(BaseModel):
     """Frozen, and with no keys but its own; a key with nothing behind it has its default."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    # Built when something is first validated by it: most commands need few of all the models.
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     exactly_one: ClassVar[tuple[tuple[str, ...], ...]] = ()
     """Groups of keys of which each must have exactly one."""
@@ -110,12 +112,18 @@ class Model(BaseModel):
         }
 
 
+@lru_cache(maxsize=256)
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    """What validates values of a type, which takes longer to make than to use."""
+    return TypeAdapter(kind)
+
+
 def valid(kind: Any, value: Any) -> Any:
     """The value of a part that is there and valid by itself; None otherwise."""
     if value is None:
         return None
     try:
-        return TypeAdapter(kind).validate_python(value)
+        return _adapter(kind).validate_python(value)
     except ValidationError:
         return None
 

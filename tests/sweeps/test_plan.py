@@ -15,6 +15,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from hilc_cli.errors import InvalidInputError
 from hilc_cli.reference.path import PathBuilder
 from hilc_cli.scenario.loading import load_scenario
+from hilc_cli.sweeps.cases import CaseSpecs
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.planning import plan_sweep
 from hilc_cli.variation import Cases
@@ -218,15 +219,34 @@ def test_case_is_the_scenario_with_its_values(
 ) -> None:
     plan = plan_sweep(load_scenario("base.yaml"), vary)
     cases = Cases(plan.axes)
-    number = data.draw(st.integers(0, len(cases) - 1))
-    case = cases.values(number, number + 1)[0]
-    indices = np.unravel_index(number, [len(values) for values in vary.values()])
-    overrides = {key: vary[key][index] for key, index in zip(vary, indices, strict=True)}
-    # The trajectory first: as an override it replaces what stands below it.
-    expected = load_scenario("base.yaml", dict(sorted(overrides.items())))
-    assert_same(plan.experiment(case), expected.experiment())
-    worker = pickle.loads(pickle.dumps(plan))
-    assert_same(worker.experiment(case), expected.experiment())
+    numbers = data.draw(st.lists(st.integers(0, len(cases) - 1), min_size=1, max_size=4))
+    for number in numbers:  # what a case has in common with the one before is kept
+        case = cases.values(number, number + 1)[0]
+        indices = np.unravel_index(number, [len(values) for values in vary.values()])
+        overrides = {key: vary[key][index] for key, index in zip(vary, indices, strict=True)}
+        # The trajectory first: as an override it replaces what stands below it.
+        expected = load_scenario("base.yaml", dict(sorted(overrides.items())))
+        assert_same(plan.experiment(case), expected.experiment())
+        worker = pickle.loads(pickle.dumps(plan))
+        assert_same(worker.experiment(case), expected.experiment())
+
+
+def test_case_keeps_what_it_shares_with_the_one_before() -> None:
+    vary = {"disturbance.seed": [1, 2], "controller.gains.l1": [0.1, 0.2]}
+    sweep = plan_sweep(load_scenario("base.yaml"), vary)
+    first, second, third = (sweep.experiment(case) for case in sweep.cases.values(0, 3))
+    assert first.law is not second.law
+    assert first.disturbance is second.disturbance is not third.disturbance
+    assert first.plant is third.plant
+    assert first.reference is third.reference
+
+
+def test_equal_values_of_other_types_are_other_values() -> None:
+    vary = {"iterations": [1, 3], "controller.gains.l1": [1, 2]}
+    specs = CaseSpecs(load_scenario("base.yaml").spec, vary)
+    for l1 in (1, 1.0, True):
+        made = specs.of({"controller.gains.l1": l1}).controller.model_dump()["gains"]["l1"]
+        assert type(made) is type(l1)
 
 
 OTHER_LAWS: list[tuple[Mapping[str, object], Mapping[str, list[object]]]] = [
@@ -384,7 +404,7 @@ def test_trajectories_written_out_are_named(write: Write) -> None:
         "segments": [{"line": {"length": 1, "duration": 2}}],
     }
     plan = plan_sweep(load_scenario("scenario.yaml"), {"trajectory": ["path.yaml", path]})
-    assert plan.axes["trajectory"].ladder() == ["path", "other"]
+    assert plan.axes["trajectory"].ladder() == ("path", "other")
     assert plan.experiment({"trajectory": "other"}).reference.samples == 2
 
 

@@ -9,7 +9,7 @@ from hilc_cli.reporting.terminal import Grid, Section
 from hilc_cli.results.metrics import settled_at
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 from hilc_cli.scenario.units import unit_of
-from hilc_cli.theory.findings import expected_document, length_text
+from hilc_cli.theory.findings import Rows, expected_document, length_text
 from hilc_cli.theory.matrices import knows_plant
 from hilc_cli.theory.noise import wheel_document, wheel_rows
 
@@ -28,17 +28,35 @@ def learning_section(check: Check) -> Section:
         document["expected"] = expected_document(theory.expected)
     if check.simulated is not None:
         document["simulated"] = _summary_document(check.simulated.summary)
-    rows = [*theory.rows, *wheel_rows(theory.wheels)]
-    left_out = in_words(check.scenario.spec.robot.imperfections())
+    left_out = _left_out(check)
     if left_out:
         document["left_out"] = left_out
-    if not theory.is_known:
-        text = f"nothing is known of {_unknown(check)} before it is run"
-        shows = "" if check.simulated is not None else "; --simulate shows it"
-        ideal = "; what the path asks of wheels is told of a robot without" if left_out else ""
-        rows = [("Theory", text + shows + ideal)]
     grids = [] if errors is None else [errors]
-    return Section("learning", theory.title, rows, grids, document, (), theory.brief)
+    return Section("learning", theory.title, _rows(check), grids, document, (), theory.brief)
+
+
+def learning_in_brief(check: Check) -> Rows:
+    """Returns what the report of one screen has of that section, without making all of it.
+
+    The rest looks far ahead, which takes longer than everything that is told here.
+    """
+    brief = check.law.brief
+    return _rows(check) if brief is None else brief
+
+
+def _rows(check: Check) -> Rows:
+    theory = check.law
+    if theory.is_known:
+        return [*theory.rows, *wheel_rows(theory.wheels)]
+    text = f"nothing is known of {_unknown(check)} before it is run"
+    shows = "" if check.simulated is not None else "; --simulate shows it"
+    ideal = "; what the path asks of wheels is told of a robot without" if _left_out(check) else ""
+    return [("Theory", text + shows + ideal)]
+
+
+def _left_out(check: Check) -> list[str]:
+    """Returns what the robot has of which theory does not speak."""
+    return in_words(check.scenario.spec.robot.imperfections())
 
 
 def _unknown(check: Check) -> str:
@@ -138,7 +156,7 @@ def _predicted(transient: Transient, iterations: int) -> list[str]:
 
 def _predicted_with_limit(found: Forecast) -> list[str]:
     """Returns the column of what is predicted with the limit, of the scenario's iterations."""
-    errors, size = found.errors_m, found.transient.path_size_m
+    errors, size = found.errors_m, found.path_size_m
     first, peak = float(errors[0]), float(errors.max())
     settled = (settled_at(errors, share * size) for share in RELATIVE_TOLERANCES.values())
     return [

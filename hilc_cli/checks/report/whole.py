@@ -8,7 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hilc_cli.checks.report.feasibility import feasibility_section
-from hilc_cli.checks.report.learning import errors_grid, in_words, learning_section
+from hilc_cli.checks.report.learning import (
+    errors_grid,
+    in_words,
+    learning_in_brief,
+    learning_section,
+)
 from hilc_cli.checks.report.motors import motors_section
 from hilc_cli.checks.report.theory import theory_section
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
@@ -115,7 +120,7 @@ def _rows(check: Check) -> list[tuple[str, str]]:
         *rows,
         ("Law", scenario.law_in_words),
         *feasibility_section(check).in_brief,
-        *learning_section(check).in_brief,
+        *learning_in_brief(check),
         *motors_section(check).in_brief,
     ]
 

@@ -152,6 +152,7 @@ CLAIMS = (
         f"holds: at most {_CONVERGED:.1%} of the path's size for all gains and trajectories; in "
         "part: for some gains",
         _without_initial_error,
+        needs_runs=False,
     ),
     Claim(
         "T2",
@@ -162,5 +163,6 @@ CLAIMS = (
         "reachable for the Euler plant; beside the equilibrium of Eq. 21",
         f"holds: at most {TRACKED:.0%} of the path's size in all four; in part: in some",
         _with_initial_error,
+        needs_runs=False,
     ),
 )

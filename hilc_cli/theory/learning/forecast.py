@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from hilc_cli.theory.learning.gains import MARGIN, RippleGrowth, ripple_growth
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.learning.norms import SingularValue, SpectralRadius
 from hilc_cli.theory.learning.outcome import Outcome, Prospects, predicted_outcome
-from hilc_cli.theory.learning.transient import Transient, predict_transient
+from hilc_cli.theory.learning.transient import Transient, horizon, predict_transient
 from hilc_cli.theory.linear_law import linear_law
 from hilc_cli.wording import counted, in_short
 
@@ -25,30 +26,28 @@ _SELDOM = 0.02
 """Share of an iteration's samples at the limit that a prediction without it need not mind."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Forecast:
     """Learning along the reference.
 
     Attributes:
-        iterations: Number of learning updates of the experiment.
+        experiment: What is to be learned.
         extent_m: Beside which errors are large or small.
         radius: Spectral radius of one iteration; below 1 learning settles in the end.
         singular_value: The largest one of an iteration; below 1 each brings the input nearer to
             the one where learning rests.
         ripple: The ripple of the wheel speeds that fares worst in an iteration.
-        transient: Predicted errors without the speed limit and disturbances.
         ensemble: Predicted errors with both, of the experiment's iterations.
         rest: Where learning rests; None if that is no single motion, or not evaluated.
         rest_from: The first sample at which an initial error should be gone there.
         smooths: Whether the law has a Q-filter, with which it is not known where learning rests.
     """
 
-    iterations: int
+    experiment: Experiment
     extent_m: float
     radius: SpectralRadius
     singular_value: SingularValue
     ripple: RippleGrowth
-    transient: Transient
     ensemble: NoisyLearning
     rest: FixedPoint | None
     rest_from: int
@@ -62,6 +61,25 @@ class Forecast:
             f"{len(errors) - 1}",
             f"spectral radius {self.spectral_radius:.6g}",
         )
+
+    @property
+    def iterations(self) -> int:
+        """Number of learning updates of the experiment."""
+        return self.experiment.iterations
+
+    @property
+    def path_size_m(self) -> float:
+        """Longer side of the trajectory's bounding box."""
+        return self.experiment.reference.size
+
+    @cached_property
+    def transient(self) -> Transient:
+        """Predicted errors without the speed limit and disturbances.
+
+        They are predicted when they are asked for: of thousands of iterations that takes longer
+        than all else, and where the limit acts to the end they tell nothing of later iterations.
+        """
+        return predict_transient(self.experiment)
 
     @property
     def spectral_radius(self) -> float:
@@ -105,7 +123,7 @@ class Forecast:
 
         With the speed limit, as far as it can be followed.
         """
-        last = min(self.iterations, self.transient.iterations)
+        last = min(self.iterations, horizon(self.experiment))
         if self.is_limited or self.ensemble.iterations > last:
             return self.ensemble.position_m[:, 0]
         return self.transient.max_position_error_m[: last + 1]
@@ -117,13 +135,14 @@ class Forecast:
             return np.zeros(0)
         return self.transient.max_position_error_m[self.iterations + 1 :]
 
-    @property
+    @cached_property
     def outcome(self) -> Outcome:
         """What is expected of the experiment."""
-        rest, transient, ensemble = self.rest, self.transient, self.ensemble
-        if self.iterations and not self.settles and transient.path_size_m == 0:
+        rest, ensemble = self.rest, self.ensemble
+        if self.iterations and not self.settles and self.path_size_m == 0:
             return Outcome.CANNOT_CONVERGE  # on the spot no position tells what becomes of it
-        near = rest is None or rest.max_position_error_m <= transient.range_m
+        first = predict_transient(self.experiment, 0)
+        near = rest is None or rest.max_position_error_m <= first.range_m
         is_disturbed = ensemble.seeds > 1
         return predicted_outcome(
             Prospects(
@@ -148,12 +167,11 @@ def forecast(experiment: Experiment) -> Forecast:
     """
     lifted, law = LiftedIteration(experiment), linear_law(experiment)
     return Forecast(
-        experiment.iterations,
+        experiment,
         extent(experiment),
         lifted.spectral_radius(),
         lifted.largest_singular_value(),
         ripple_growth(experiment),
-        predict_transient(experiment),
         noisy_learning(experiment),
         fixed_point(experiment),
         law.rest_from,

@@ -188,7 +188,7 @@ class LinearTheory(LawTheory):
             return "at no single motion"
         if not rest.is_finite:
             return "at no finite motion"
-        size = found.transient.path_size_m
+        size = found.path_size_m
         text = f"up to {_metres(rest.max_position_error_m, size)} off"
         after, settled = "sample h" if found.rest_from > 1 else "the start", found.rest_error_m
         if settled is not None and settled < rest.max_position_error_m:
@@ -218,18 +218,19 @@ def _verdict(found: Forecast, iterations: int) -> str:
 
 def _errors_in_brief(found: Forecast, expected: ExpectedError, iterations: int) -> Rows:
     """Returns the predicted errors in a few rows, with the speed limit where it acts."""
-    transient, errors = found.transient, np.concatenate([found.errors_m, found.later_m])
+    errors = np.concatenate([found.errors_m, found.later_m])
     first, limited = f"{length_text(errors[0])} in iteration 0", found.is_limited
     disturbed = disturbed_rows(expected)
     if not iterations:
         return [("Predicted", first), *disturbed]
     reached = len(found.errors_m) - 1
     last = length_text(found.errors_m[-1])
-    if not limited and transient.rough_from is not None and reached >= transient.rough_from:
-        last += " (rough)"
+    if not limited:
+        rough = found.transient.rough_from
+        last += " (rough)" if rough is not None and reached >= rough else ""
     half = next((i for i, error in enumerate(errors) if error <= errors[0] / 2), None)
     halves = "does not halve" if half is None else f"halves by iteration {half}"
-    bound, share = NEAR * transient.path_size_m, f"within {NEAR:.0%} of the path's size"
+    bound, share = NEAR * found.path_size_m, f"within {NEAR:.0%} of the path's size"
     small, early = settled_at(errors, bound), first_within(errors, bound)
     if small is not None:
         within = f"{share} after {small}"
@@ -239,7 +240,7 @@ def _errors_in_brief(found: Forecast, expected: ExpectedError, iterations: int) 
         until = early + int((errors[early:] > bound).argmax()) - 1
         within = f"{share} from {early} to {until}"
     told = f"{halves}; {within}"
-    if transient.path_size_m == 0:  # on the spot it is the heading that learns
+    if found.path_size_m == 0:  # on the spot it is the heading that learns
         turned = found.ensemble.heading_rad[:, 0]
         told = f"heading {turned[0]:.4g} rad in iteration 0, {turned[-1]:.4g} rad in iteration "
         told += f"{len(turned) - 1}"
@@ -247,7 +248,7 @@ def _errors_in_brief(found: Forecast, expected: ExpectedError, iterations: int) 
     if limited:
         within_limit = ", with b_w" if found.ensemble.is_limited else " (rough)"
     alone = ", undisturbed" if disturbed else ""
-    if transient.path_size_m == 0 and not errors.any():
+    if found.path_size_m == 0 and not errors.any():
         return [("Predicted", told + alone), *disturbed]
     return [
         ("Predicted", f"{first}, {last} in iteration {reached}{within_limit}{alone}"),
@@ -373,12 +374,14 @@ def _of_rest(theory: LinearTheory) -> list[str]:
 def _of_filter(theory: LinearTheory) -> list[str]:
     """Returns where errors with a Q-filter end, if they do so as far as they are predicted."""
     experiment, found = theory.experiment, theory.forecast
+    if not found.smooths:
+        return []
     errors, start = found.transient.max_position_error_m[-2:], experiment.initial_pose
     reference = experiment.reference
     initial = math.dist((reference.x[0], reference.y[0]), start[:2])
     last = float(errors[-1])
     # An initial error is the largest of all for good, whatever is learned.
-    rests = found.smooths and np.ptp(errors) <= MARGIN * last and last > initial * (1 + MARGIN)
+    rests = np.ptp(errors) <= MARGIN * last and last > initial * (1 + MARGIN)
     if not rests or last <= _FAR * reference.size:
         return []
     return [
