@@ -415,8 +415,8 @@ def test_paths_of_trajectories_start_at_what_names_them(write: Write, folder: Pa
         plus("sweep: {vary: {trajectory: [near.yaml]}}\n").replace("path.yaml", "../path.yaml")
     )
     scenario = load_scenario("deep/scenario.yaml")
-    assert plan_sweep(scenario).axes["trajectory"].ladder() == ["path"]
-    assert plan_sweep(scenario, ["trajectory=path.yaml"]).axes["trajectory"].ladder() == ["path"]
+    assert plan_sweep(scenario).axes["trajectory"].ladder() == ("path",)
+    assert plan_sweep(scenario, ["trajectory=path.yaml"]).axes["trajectory"].ladder() == ("path",)
 
 
 def test_a_path_is_built_once(monkeypatch: pytest.MonkeyPatch) -> None:
