@@ -13,8 +13,8 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import BatchResult, is_compiled, simulate_batch, simulate_many
+from hilc_cli.engine.lanes.kinds import Kind, knows
 from hilc_cli.engine.lanes.lanes import LANES
-from hilc_cli.engine.lanes.packs import Kind, knows
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, METRICS

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from hilc_cli.compiling import is_at_hand
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.iterations import run_iterations
+from hilc_cli.engine.lanes.kinds import Kind, knows
 from hilc_cli.engine.lanes.lanes import LANES, SUM_ROWS
-from hilc_cli.engine.lanes.packs import NEVER as NEVER, Kind, Pack, knows
+from hilc_cli.engine.lanes.packs import NEVER as NEVER, Pack
 from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.numba_loading import typeof
 from hilc_cli.reference.sampled import Floats
@@ -155,6 +156,9 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
         (kind.disturbed or heading != "measured") or None,
         (heading == "reference") or None,
         (heading == "previous") or None,
+        pack.late,
+        pack.late_alike,
+        kind.wheels or 0,
         kind.disturbed or None,
         kind.drawn or None,
         kind.learn_in_first,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hilc_cli.disturbance.streams import Stream, Words as WordArray
 from hilc_cli.engine.lanes.kernel import (
@@ -30,6 +29,7 @@ from hilc_cli.engine.lanes.kernel import (
     SATURATED,
     SHIFTED,
     SQUARE_SUM,
+    Integers,
     M,
     W,
     X,
@@ -40,10 +40,9 @@ from hilc_cli.engine.lanes.kernel import (
 from hilc_cli.engine.lanes.lanes import SUM_ROWS, Field, Noise, Words
 from hilc_cli.engine.lanes.machine_code import cached, compiled, source
 from hilc_cli.engine.lanes.noise import FORMULAS as NOISE_FORMULAS, draw_output, draw_pose
+from hilc_cli.engine.lanes.wheels import FORMULAS as WHEEL_FORMULAS, move, stop
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import is_finite
-
-Integers = NDArray[np.int64]
 
 L1, POSE = int(Field.L1) * W, int(Field.POSE_X) * W
 FREQUENCY, PASS = int(Words.FREQUENCY) * W, int(Words.PASS) * W
@@ -64,6 +63,7 @@ def _begin(
     own_heading: bool,
     reference_heading: bool,
     previous_heading: bool,
+    real_wheels: bool,
     iteration: int,
     closed: bool,
     drawn: bool | None,
@@ -71,6 +71,8 @@ def _begin(
     pose_kind: int,
 ) -> None:
     """Sets lanes to the start of an iteration; the reference is given at its first sample."""
+    if real_wheels:
+        stop(lanes)
     if drawn is not None:
         for j in range(3 * W):
             words[PASS + j] = words[FREQUENCY + j] * np.uint64(iteration)
@@ -187,6 +189,9 @@ def _run_iterations(
     own_heading: bool | None,
     reference_heading: bool | None,
     previous_heading: bool | None,
+    late: Integers | None,
+    late_alike: int,
+    wheels: int,
     disturbed: bool | None,
     drawn: bool | None,
     learn_in_first: bool,
@@ -202,7 +207,7 @@ def _run_iterations(
         _compiled_begin(
             lanes, words, noise, history, x_desired[0], y_desired[0], heading_desired[0],
             full_matrix is not None, own_heading is not None,
-            reference_heading is not None, previous_heading is not None,
+            reference_heading is not None, previous_heading is not None, late is not None,
             iteration, iteration > 0 or learn_in_first, drawn, output_kind, pose_kind,
         )  # fmt: skip
         ends = False
@@ -212,13 +217,15 @@ def _run_iterations(
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
                 decay, directions, derivative, full_matrix, own_heading,
-                reference_heading, previous_heading, disturbed, True, state_kind, output_kind,
+                reference_heading, previous_heading, late, late_alike, wheels, disturbed, True,
+                state_kind, output_kind,
             )  # fmt: skip
         else:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
                 decay, directions, derivative, full_matrix, own_heading,
-                reference_heading, previous_heading, disturbed, None, state_kind, output_kind,
+                reference_heading, previous_heading, late, late_alike, wheels, disturbed, None,
+                state_kind, output_kind,
             )  # fmt: skip
         goes_on = _compiled_note(
             lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], n, iteration
@@ -226,6 +233,9 @@ def _run_iterations(
         iteration += 1
 
 
-_PARTS = (*KERNEL_FORMULAS, *NOISE_FORMULAS, source(follow), source(draw_pose))
+_PARTS = (
+    *(*KERNEL_FORMULAS, *NOISE_FORMULAS, *WHEEL_FORMULAS),
+    *(source(follow), source(draw_pose), source(move)),
+)
 _CONSTANTS = (Field, Stream, is_finite)
 run_iterations = cached(_run_iterations, (*_PARTS, *_CONSTANTS))

@@ -8,11 +8,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hilc_cli.disturbance.streams import Words
 from hilc_cli.engine.lanes.lanes import BLOCK, HISTORY_FIELDS, LANES, Field, History, Noise
 from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use_widest_vectors
 from hilc_cli.engine.lanes.noise import draw_output, draw_state
 from hilc_cli.engine.lanes.trigonometry import cos_sin_near_zero, reduced, turned
+from hilc_cli.engine.lanes.wheels import ARRIVED, move
 from hilc_cli.laws.gain_matrix import wheel_correction
 from hilc_cli.laws.hybrid import (
     compensated_error,
@@ -52,6 +56,8 @@ FORMULAS = (
 # May take it that nothing is not-a-number, so that products with a constant 0 vanish: a lane in
 # which that is not so has been noted as diverged before.
 _wheel_correction = formula(wheel_correction, liberties=LIBERTIES | {"nnan"})
+
+Integers = NDArray[np.int64]
 
 # Plain numbers: the compiler folds them.
 W = LANES
@@ -94,6 +100,9 @@ def _follow(
     own_heading: bool | None,
     reference_heading: bool | None,
     previous_heading: bool | None,
+    late: Integers | None,
+    late_alike: int,
+    wheels: int,
     disturbed: bool | None,
     all_metrics: bool | None,
     state_kind: int,
@@ -121,6 +130,10 @@ def _follow(
         reference_heading: Anything: the gain matrix is taken at the reference's heading.
         previous_heading: Anything: it is taken at the heading measured in the iteration before;
             both None: at the heading measured in this one.
+        late: By how many numbers of the history each lane's wheels are late, LANES whole numbers;
+            None: wheels do at once what they are told, and roll without slip.
+        late_alike: The same of all lanes; -1 where they differ.
+        wheels: What there is of wheels, see `wheels.parts_of`.
         disturbed: Anything: there are disturbances of state or output.
         all_metrics: Anything: measure all metrics; None: only the largest position error.
         state_kind: Distribution of the state's disturbance, see `noise`.
@@ -229,6 +242,19 @@ def _follow(
                 within = _limit_wheel_means(mean, difference, lanes[LIMIT + j])
                 history[row + MEAN + j] = within[0] if over else mean
                 history[row + DIFFERENCE + j] = within[1] if over else difference
+        if late is not None:
+            # Before the start nothing was sent: the first row is all 0.
+            if late_alike >= 0:
+                arrived = max(row - late_alike, 0)
+                for j in range(W):
+                    lanes[ARRIVED + j] = history[arrived + MEAN + j]
+                    lanes[ARRIVED + W + j] = history[arrived + DIFFERENCE + j]
+            else:
+                for j in range(W):
+                    arrived = max(row - late[j], 0)
+                    lanes[ARRIVED + j] = history[arrived + MEAN + j]
+                    lanes[ARRIVED + W + j] = history[arrived + DIFFERENCE + j]
+            move(lanes, wheels)
         for j in range(W):
             mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
             if all_metrics is not None:
@@ -239,11 +265,14 @@ def _follow(
                 )
                 fastest = abs(mean) + abs(difference)
                 lanes[FASTEST_WHEEL + j] = max(lanes[FASTEST_WHEEL + j], fastest)
-            x, y, heading = _advance(
-                lanes[X + j], lanes[Y + j], lanes[HEADING + j],
-                lanes[COS + j], lanes[SIN + j],
-                lanes[DISTANCE + j] * mean, lanes[TURN + j] * difference,
-            )  # fmt: skip
+            if late is not None:
+                x, y, heading = lanes[X + j], lanes[Y + j], lanes[HEADING + j]
+            else:
+                x, y, heading = _advance(
+                    lanes[X + j], lanes[Y + j], lanes[HEADING + j],
+                    lanes[COS + j], lanes[SIN + j],
+                    lanes[DISTANCE + j] * mean, lanes[TURN + j] * difference,
+                )  # fmt: skip
             if disturbed is not None:
                 x += noise[STATE_NOISE + offset + j]
                 y += noise[STATE_NOISE + offset + W + j]

@@ -28,40 +28,58 @@ class Field(IntEnum):
     POSE_X = 11  # then y, heading: without its disturbance
     MATRIX = 14  # 18 rows: the row of the mean, then that of half the difference
     LATERAL = 32  # what an error of 1 m to the left adds to the mean, then half the difference
+    # Of robots as they are, see `LaneWheels`.
+    LEFT_GAIN = 34
+    RIGHT_GAIN = 35
+    PER_HALF_TRACK = 36
+    DRIFT_GAIN = 37
+    LEAD = 38  # share of a sample's turn after which its way is gone
+    FRACTION = 39
+    DEAD_ZONE = 40
+    FOLLOWED = 41
+    MOST = 42
+    LAG = 43
+    SAMPLE_TIME = 44
     # Parameters of the disturbances, see `NoiseField`.
-    STATE = 34
-    OUTPUT = 46
-    POSE = 58
+    STATE = 45
+    OUTPUT = 57
+    POSE = 69
     # Gains of the running iteration, times the entries of Eq. 45 if the matrix has that form.
-    POSITION_GAINS = 70  # of the three errors of Eq. 17
-    HEADING_GAINS = 73
+    POSITION_GAINS = 81  # of the three errors of Eq. 17
+    HEADING_GAINS = 84
     # Running state.
-    X = 76
-    Y = 77
-    HEADING = 78
-    INITIAL_ERROR = 79  # e_i(0): x, y, heading
-    PAST_ERROR = 82  # e_i(k): likewise, of the iteration before
-    COS = 85
-    SIN = 86
-    PAST_MEAN = 87  # (left + right) / 2 in the iteration before
-    PAST_HALF_DIFFERENCE = 88  # (left - right) / 2, likewise
+    X = 87
+    Y = 88
+    HEADING = 89
+    INITIAL_ERROR = 90  # e_i(0): x, y, heading
+    PAST_ERROR = 93  # e_i(k): likewise, of the iteration before
+    COS = 96
+    SIN = 97
+    PAST_MEAN = 98  # (left + right) / 2 in the iteration before
+    PAST_HALF_DIFFERENCE = 99  # (left - right) / 2, likewise
     # What metrics of the running iteration are made of, in the order of `Sums`.
-    LARGEST_SQUARE = 89
-    ERROR_SUM = 90
-    SQUARE_SUM = 91
-    LARGEST_ERRORS = 92  # x, y, heading
-    FASTEST_WHEEL = 95
-    SATURATED = 96
-    CHANGE_SQUARES = 97
-    LATER_LARGEST_SQUARE = 98  # of the second half
-    LATER_ERROR_SUM = 99
-    FINAL_ERROR = 100
+    LARGEST_SQUARE = 100
+    ERROR_SUM = 101
+    SQUARE_SUM = 102
+    LARGEST_ERRORS = 103  # x, y, heading
+    FASTEST_WHEEL = 106
+    SATURATED = 107
+    CHANGE_SQUARES = 108
+    LATER_LARGEST_SQUARE = 109  # of the second half
+    LATER_ERROR_SUM = 110
+    FINAL_ERROR = 111
     # The heading, reduced for the cosine; second rows: that of the gain matrix.
-    REST = 101
-    SHIFTED = 103
+    REST = 112
+    SHIFTED = 114
+    # Of robots as they are: inputs that arrive, as mean and half difference; then by wheels what
+    # has arrived in the sample before, the speed, and the way.
+    ARRIVED = 116
+    ARRIVED_BEFORE = 118
+    WHEEL_SPEED = 120
+    WAY = 122
 
 
-FIELDS = Field.SHIFTED + 2
+FIELDS = Field.WAY + 2
 SUM_ROWS = Field.REST - Field.LARGEST_SQUARE
 
 

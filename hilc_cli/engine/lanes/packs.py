@@ -1,9 +1,9 @@
-"""Experiments as vector lanes: what can share them, and how its numbers get there."""
+"""Experiments as vector lanes: how their numbers get there."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hilc_cli.disturbance.normal import probabilities
 from hilc_cli.disturbance.streams import Bounded, round_keys
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.kinds import Kind, known_parameters, lane_gains, lane_wheels
 from hilc_cli.engine.lanes.lanes import (
     FIELDS,
     HISTORY_FIELDS,
@@ -21,11 +22,9 @@ from hilc_cli.engine.lanes.lanes import (
     Field,
     History,
 )
-from hilc_cli.engine.lanes.noise import NONE, NORMAL, UNIFORM
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.gain_matrix import GainHeading, LaneParameters
 from hilc_cli.laws.hybrid import with_lateral_gain
-from hilc_cli.numba_loading import DISABLED
+from hilc_cli.plants.drivetrain import LaneWheels
 from hilc_cli.reference.sampled import Floats, Reference
 
 NEVER = -1
@@ -36,94 +35,8 @@ _BY_WHEELS = [
     for row, rows in ((Field.MATRIX, 9), (Field.LATERAL, 1))
 ]
 """Parameters of the left wheel and of the right; in the lanes of the mean and half difference."""
+_WHEEL_ROWS = Field.STATE - Field.LEFT_GAIN
 _LINE = 64  # bytes; vectors that lie across two cache lines take twice as long
-
-
-class Kind(NamedTuple):
-    """What experiments in the lanes of one pack have in common, beside the reference.
-
-    Attributes:
-        compensation: Whether they run Eq. 21, not Eq. 17.
-        derivative: Whether they learn from the derivative of the error as well.
-        gain_heading: As in `LaneParameters`.
-        lateral: Whether an error aside turns the wheels as well.
-        full_matrix: Whether the gain matrix has another form than that of Eq. 45.
-        learn_in_first: As in `Experiment`.
-        state: NONE, UNIFORM or NORMAL: the distribution of the state's disturbance.
-        output: The distribution of the output's disturbance.
-        pose: The distribution of the initial pose's disturbance.
-    """
-
-    compensation: bool
-    derivative: bool
-    gain_heading: GainHeading
-    lateral: bool
-    full_matrix: bool
-    learn_in_first: bool
-    state: int
-    output: int
-    pose: int
-
-    @classmethod
-    def of(cls, experiment: Experiment) -> Kind:
-        """The kind of an experiment.
-
-        Raises:
-            UsageError: It has a law that the batch engine does not know.
-        """
-        law, disturbance = _known_parameters(experiment), experiment.disturbance
-        return cls(
-            law.compensation is not None,
-            law.derivative != 0,
-            law.gain_heading,
-            law.lateral != 0,
-            law.lateral != 0 or not law.matrix.is_kinematic,
-            experiment.learn_in_first,
-            _distribution(disturbance.state),
-            _distribution(disturbance.output),
-            _distribution(disturbance.initial_pose),
-        )
-
-    @property
-    def disturbed(self) -> bool:
-        """Whether anything is drawn at each sample."""
-        return self.state != NONE or self.output != NONE
-
-    @property
-    def drawn(self) -> bool:
-        """Whether anything is drawn at all."""
-        return self.disturbed or self.pose != NONE
-
-
-def knows(experiment: Experiment) -> bool:
-    """Whether the batch engine runs here, and knows the experiment's law and plant."""
-    offered = _lane_parameters(experiment) is not None and _lane_gains(experiment) is not None
-    return offered and not DISABLED
-
-
-def _lane_gains(experiment: Experiment) -> tuple[float, float] | None:
-    """Returns the gains of the experiment's plant; None if it moves in a way not known here."""
-    return experiment.plant.lane_gains(experiment.reference.sample_time)
-
-
-def _lane_parameters(experiment: Experiment) -> LaneParameters | None:
-    """Returns what the experiment's law offers to be run here; None if it offers nothing."""
-    offer = getattr(experiment.law, "lane_parameters", None)
-    return None if offer is None else offer()
-
-
-def _known_parameters(experiment: Experiment) -> LaneParameters:
-    """Returns the same of a law that offers something; of another one raises a UsageError."""
-    parameters = _lane_parameters(experiment)
-    if parameters is None:
-        raise UsageError("the batch engine knows the hybrid law only")
-    return parameters
-
-
-def _distribution(source: Bounded) -> int:
-    if not source.active:
-        return NONE
-    return UNIFORM if source.distribution == "uniform" else NORMAL
 
 
 class Pack:
@@ -142,6 +55,9 @@ class Pack:
         history: See `History`.
         sums: What metrics are made of in each lane's last iteration, in the order of `Sums`.
         last: Each lane's last iteration, shape (LANES,).
+        late: By how many numbers of the history each lane's wheels are late, shape (LANES,); None
+            for the paper's robot.
+        late_alike: The same of all lanes; -1 where they differ.
         diverged_at: The iteration that left the finite numbers, NEVER if none, shape (LANES,).
     """
 
@@ -156,6 +72,8 @@ class Pack:
         self.sums = np.empty(SUM_ROWS * LANES)
         self.last = np.empty(LANES, dtype=np.int64)
         self.diverged_at = np.empty(LANES, dtype=np.int64)
+        self.late = None if kind.wheels is None else np.empty(LANES, dtype=np.int64)
+        self.late_alike = -1
         self.decay = np.exp(-reference.times[:-1]) if kind.compensation else None
         self.directions: Floats | None = None
         self._direction = 0.0  # with which a lateral gain is in the matrix already
@@ -178,6 +96,11 @@ class Pack:
             rows[:, by_left], rows[:, by_right] = (left + right) / 2, (left - right) / 2
         lanes[: rows.shape[1], :cases] = rows.T
         lanes[: rows.shape[1], cases:] = rows[-1][:, np.newaxis]
+        if self.late is not None:
+            self.late[:cases] = list(map(self._numbers_late, experiments))
+            self.late[cases:] = self.late[cases - 1]
+            first = int(self.late[0])
+            self.late_alike = first if (self.late == first).all() else -1
         if self.kind.drawn:
             words = np.array([_word_rows(experiment) for experiment in experiments], np.uint64)
             places = self.words.reshape(WORD_ROWS, LANES)
@@ -205,10 +128,8 @@ class Pack:
 
     def _parameters(self, experiment: Experiment) -> list[float]:
         """The rows of the lane array up to Field.POSITION_GAINS; the matrix still by wheels."""
-        law, gains = _known_parameters(experiment), _lane_gains(experiment)
-        if gains is None:
-            raise UsageError("the batch engine does not know the plant")
-        distance_gain, turn_gain = gains
+        law = known_parameters(experiment)
+        distance_gain, turn_gain, *wheels = self._motion(experiment)
         sample_time, limit = self.sample_time, experiment.speed_limit
         length = law.compensation or 1  # which Eq. 17 does not look at
         peak = (law.derivative or 1.0) * (2 / (sample_time * length))
@@ -219,12 +140,37 @@ class Pack:
             *experiment.initial_pose,
             *with_lateral_gain(law.matrix, self._direction * law.lateral).coefficients,
             law.lateral * law.matrix.left[2].constant, law.lateral * law.matrix.right[2].constant,
+            *wheels,
         ]  # fmt: skip
         if self.kind.drawn:
             disturbance = experiment.disturbance
             for source in (disturbance.state, disturbance.output, disturbance.initial_pose):
                 parameters += _noise_rows(source)
         return parameters
+
+    def _motion(self, experiment: Experiment) -> list[float]:
+        """The rows of the lane array of an experiment's plant: its gains, then its wheels."""
+        wheels, gains = lane_wheels(experiment), lane_gains(experiment)
+        if wheels is not None:
+            return [0.0, 0.0, *_wheel_rows(wheels, self.sample_time)]
+        if gains is not None:
+            return [*gains, *[0.0] * _WHEEL_ROWS]
+        raise UsageError("the batch engine does not know the plant")
+
+    def _numbers_late(self, experiment: Experiment) -> int:
+        """How many numbers of the history an experiment's wheels are late, at most all of them."""
+        wheels = lane_wheels(experiment)
+        assert wheels is not None  # of such a kind
+        return min(wheels.whole, experiment.reference.samples + 1) * HISTORY_FIELDS * LANES
+
+
+def _wheel_rows(wheels: LaneWheels, sample_time: float) -> list[float]:
+    """The rows of the lane array from Field.LEFT_GAIN on."""
+    return [
+        wheels.left_gain, wheels.right_gain, wheels.per_half_track, wheels.drift_gain,
+        0.5 if wheels.exact else 0.0, wheels.fraction,
+        wheels.dead_zone, wheels.followed, wheels.most, wheels.lag, sample_time,
+    ]  # fmt: skip
 
 
 def _noise_rows(source: Bounded) -> list[float]:

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
+from hilc_cli.engine.lanes.kinds import Kind
 from hilc_cli.engine.lanes.lanes import BLOCK, LANES, WORD_ROWS, Field, Noise, Words
 from hilc_cli.engine.lanes.noise import NONE, draw_output, draw_pose, draw_state
-from hilc_cli.engine.lanes.packs import Kind, Pack
+from hilc_cli.engine.lanes.packs import Pack
 from hilc_cli.reference.sampled import Floats
 from tests.engine.experiments import experiment_of, law_of
 from tests.reference.paths import paper_reference

@@ -1,0 +1,110 @@
+"""What experiments must have in common to share vector lanes, and which the batch engine knows."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from hilc_cli.disturbance.streams import Bounded
+from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.noise import NONE, NORMAL, UNIFORM
+from hilc_cli.engine.lanes.wheels import parts_of
+from hilc_cli.errors import UsageError
+from hilc_cli.laws.gain_matrix import GainHeading, LaneParameters
+from hilc_cli.numba_loading import DISABLED
+from hilc_cli.plants.drivetrain import LaneWheels
+
+
+class Kind(NamedTuple):
+    """What experiments in the lanes of one pack have in common, beside the reference.
+
+    Attributes:
+        compensation: Whether they run Eq. 21, not Eq. 17.
+        derivative: Whether they learn from the derivative of the error as well.
+        gain_heading: As in `LaneParameters`.
+        lateral: Whether an error aside turns the wheels as well.
+        full_matrix: Whether the gain matrix has another form than that of Eq. 45.
+        learn_in_first: As in `Experiment`.
+        state: NONE, UNIFORM or NORMAL: the distribution of the state's disturbance.
+        output: The distribution of the output's disturbance.
+        pose: The distribution of the initial pose's disturbance.
+        wheels: What there is of a robot as it is, see `parts_of`; None for the paper's.
+    """
+
+    compensation: bool
+    derivative: bool
+    gain_heading: GainHeading
+    lateral: bool
+    full_matrix: bool
+    learn_in_first: bool
+    state: int
+    output: int
+    pose: int
+    wheels: int | None = None
+
+    @classmethod
+    def of(cls, experiment: Experiment) -> Kind:
+        """The kind of an experiment.
+
+        Raises:
+            UsageError: It has a law that the batch engine does not know.
+        """
+        law, disturbance = known_parameters(experiment), experiment.disturbance
+        wheels = lane_wheels(experiment)
+        return cls(
+            law.compensation is not None,
+            law.derivative != 0,
+            law.gain_heading,
+            law.lateral != 0,
+            law.lateral != 0 or not law.matrix.is_kinematic,
+            experiment.learn_in_first,
+            _distribution(disturbance.state),
+            _distribution(disturbance.output),
+            _distribution(disturbance.initial_pose),
+            None if wheels is None else parts_of(wheels),
+        )
+
+    @property
+    def disturbed(self) -> bool:
+        """Whether anything is drawn at each sample."""
+        return self.state != NONE or self.output != NONE
+
+    @property
+    def drawn(self) -> bool:
+        """Whether anything is drawn at all."""
+        return self.disturbed or self.pose != NONE
+
+
+def knows(experiment: Experiment) -> bool:
+    """Whether the batch engine runs here, and knows the experiment's law and plant."""
+    moves = lane_wheels(experiment) is not None or lane_gains(experiment) is not None
+    return moves and _lane_parameters(experiment) is not None and not DISABLED
+
+
+def lane_wheels(experiment: Experiment) -> LaneWheels | None:
+    """Returns the wheels of the experiment's plant; None if it offers none to be run here."""
+    return experiment.plant.lane_wheels(experiment.reference.sample_time)
+
+
+def lane_gains(experiment: Experiment) -> tuple[float, float] | None:
+    """Returns the gains of the experiment's plant; None if it moves in a way not known here."""
+    return experiment.plant.lane_gains(experiment.reference.sample_time)
+
+
+def _lane_parameters(experiment: Experiment) -> LaneParameters | None:
+    """Returns what the experiment's law offers to be run here; None if it offers nothing."""
+    offer = getattr(experiment.law, "lane_parameters", None)
+    return None if offer is None else offer()
+
+
+def known_parameters(experiment: Experiment) -> LaneParameters:
+    """Returns the same of a law that offers something; of another one raises a UsageError."""
+    parameters = _lane_parameters(experiment)
+    if parameters is None:
+        raise UsageError("the batch engine knows the hybrid law only")
+    return parameters
+
+
+def _distribution(source: Bounded) -> int:
+    if not source.active:
+        return NONE
+    return UNIFORM if source.distribution == "uniform" else NORMAL
