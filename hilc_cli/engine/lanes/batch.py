@@ -19,11 +19,14 @@ from hilc_cli.engine.lanes.kinds import Kind, knows
 from hilc_cli.engine.lanes.lanes import LANES, SUM_ROWS
 from hilc_cli.engine.lanes.packs import NEVER as NEVER, Pack
 from hilc_cli.engine.loop import MeasuredTrials
+from hilc_cli.laws.pid import PidLaw
 from hilc_cli.numba_loading import typeof
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import MAX_ERROR, METRICS, Sums, metrics_of_sums
 
 Integers = NDArray[np.int64]
+_NO_END = 2**62
+"""A number of iterations that nobody runs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +54,7 @@ def simulate_batch(experiments: Sequence[Experiment]) -> BatchResult:
     The result of an experiment does not depend on which others are run with it.
 
     Args:
-        experiments: At least one, each with the hybrid law.
+        experiments: At least one, each with a law and a plant that this engine knows.
 
     Raises:
         UsageError: An experiment has a law that this engine does not know.
@@ -124,20 +127,36 @@ def _run(pack: Pack, experiments: Sequence[Experiment], errors: Floats) -> None:
     """Runs all iterations; lanes that have diverged are run again up to where they did."""
     pack.fill(experiments)
     errors[:] = np.nan
-    run_iterations(*arguments(pack, errors))
+    _run_passes(pack, errors)
     gone = pack.diverged_at != NEVER
     if gone.any():
         sums, diverged_at = pack.sums.reshape(-1, LANES).copy(), pack.diverged_at.copy()
         pack.restart(experiments)
         pack.last[:] = np.where(gone, diverged_at - 1, NEVER)
-        run_iterations(*arguments(pack, errors))
+        _run_passes(pack, errors)
         again = pack.sums.reshape(-1, LANES)
         again[:, ~gone] = sums[:, ~gone]
         pack.diverged_at[:] = diverged_at
 
 
+def _run_passes(pack: Pack, errors: Floats) -> None:
+    """Runs iterations as long as any lane goes on; where passes are planned, one at a time."""
+    values = arguments(pack, errors)
+    if not pack.kind.planned:
+        run_iterations(*values, 0, _NO_END)
+        return
+    goes_on, iteration = True, 0
+    while goes_on:
+        pack.plan(iteration)
+        goes_on = run_iterations(*values, iteration, iteration + 1)
+        iteration += 1
+
+
 def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
-    """The arguments of `run_iterations`: None for what the machine code is to be without."""
+    """The arguments of `run_iterations` but for which to run.
+
+    None stands for what the machine code is to be without.
+    """
     kind, heading = pack.kind, pack.kind.gain_heading
     return (
         pack.lanes,
@@ -156,6 +175,10 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
         (kind.disturbed or heading != "measured") or None,
         (heading == "reference") or None,
         (heading == "previous") or None,
+        pack.planned,
+        (kind.law is PidLaw and not kind.planned) or None,
+        kind.rectifying or None,
+        pack.twists,
         pack.late,
         pack.late_alike,
         kind.wheels or 0,
@@ -181,6 +204,6 @@ def is_compiled(experiments: Sequence[Experiment]) -> bool:
     signatures = set()
     for kind, members in groups(experiments):
         pack = Pack(experiments[members[0]].reference, kind)
-        values = arguments(pack, np.empty((1, LANES)))
+        values = *arguments(pack, np.empty((1, LANES))), 0, _NO_END
         signatures.add(tuple(map(typeof, values)))
     return all(is_at_hand(run_iterations, signature) for signature in signatures)

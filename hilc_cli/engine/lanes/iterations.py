@@ -17,6 +17,7 @@ from hilc_cli.engine.lanes.kernel import (
     HEADING,
     HEADING_GAINS,
     INITIAL,
+    KEPT,
     LARGEST,
     LARGEST_SQUARE,
     LATER_SQUARE,
@@ -29,6 +30,7 @@ from hilc_cli.engine.lanes.kernel import (
     SATURATED,
     SHIFTED,
     SQUARE_SUM,
+    TOTAL,
     Integers,
     M,
     W,
@@ -45,6 +47,7 @@ from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import is_finite
 
 L1, POSE = int(Field.L1) * W, int(Field.POSE_X) * W
+FORGOTTEN = int(Field.FORGOTTEN) * W
 FREQUENCY, PASS = int(Words.FREQUENCY) * W, int(Words.PASS) * W
 POSE_NOISE = int(Noise.POSE) * W
 SUMS = int(Field.LARGEST_SQUARE) * W
@@ -79,6 +82,7 @@ def _begin(
         draw_pose(noise, lanes, words, pose_kind, 0, 1)
         draw_output(noise, lanes, words, output_kind, 0, 1)
     for j in range(W):
+        lanes[KEPT + j] = 1.0 - lanes[FORGOTTEN + j] if closed else 1.0
         position, turning = 1.0, 1.0
         if not full_matrix:
             position, turning = lanes[M + W + j], lanes[M + 15 * W + j]
@@ -89,6 +93,7 @@ def _begin(
             lanes[X + c * W + j] = lanes[POSE + c * W + j] + noise[POSE_NOISE + c * W + j]
             lanes[INITIAL + c * W + j] = history[ROW + ERROR + c * W + j]
             lanes[PAST_ERROR + c * W + j] = history[ROW + ERROR + c * W + j]
+            lanes[TOTAL + c * W + j] = history[ROW + ERROR + c * W + j]
         error_x = x_desired - lanes[X + j]
         error_y = y_desired - lanes[Y + j]
         heading = lanes[HEADING + j]
@@ -189,6 +194,10 @@ def _run_iterations(
     own_heading: bool | None,
     reference_heading: bool | None,
     previous_heading: bool | None,
+    planned: Floats | None,
+    pid: bool | None,
+    pulsed: bool | None,
+    twists: Floats | None,
     late: Integers | None,
     late_alike: int,
     wheels: int,
@@ -198,12 +207,19 @@ def _run_iterations(
     state_kind: int,
     output_kind: int,
     pose_kind: int,
-) -> None:
-    """Runs all iterations of a pack; see `kernel._follow` and `_note` for the arguments."""
+    iteration: int,
+    end: int,
+) -> bool:
+    """Runs iterations of a pack, from one to before another, or as long as any lane goes on.
+
+    See `kernel._follow` and `_note` for the other arguments.
+
+    Returns:
+        Whether any lane goes on.
+    """
     n = len(x_desired) - 1
-    # As a plain 0 the first iteration would be a type of its own, compiled for itself.
-    goes_on, iteration = True, np.int64(0)
-    while goes_on:
+    goes_on = True
+    while goes_on and iteration < end:
         _compiled_begin(
             lanes, words, noise, history, x_desired[0], y_desired[0], heading_desired[0],
             full_matrix is not None, own_heading is not None,
@@ -217,20 +233,23 @@ def _run_iterations(
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
                 decay, directions, derivative, full_matrix, own_heading,
-                reference_heading, previous_heading, late, late_alike, wheels, disturbed, True,
+                reference_heading, previous_heading,
+                planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, True,
                 state_kind, output_kind,
             )  # fmt: skip
         else:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
                 decay, directions, derivative, full_matrix, own_heading,
-                reference_heading, previous_heading, late, late_alike, wheels, disturbed, None,
+                reference_heading, previous_heading,
+                planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, None,
                 state_kind, output_kind,
             )  # fmt: skip
         goes_on = _compiled_note(
             lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], n, iteration
         )
         iteration += 1
+    return goes_on
 
 
 _PARTS = (

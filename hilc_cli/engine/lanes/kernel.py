@@ -17,6 +17,7 @@ from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use
 from hilc_cli.engine.lanes.noise import draw_output, draw_state
 from hilc_cli.engine.lanes.trigonometry import cos_sin_near_zero, reduced, turned
 from hilc_cli.engine.lanes.wheels import ARRIVED, move
+from hilc_cli.laws.feedback import tracking_twist
 from hilc_cli.laws.gain_matrix import wheel_correction
 from hilc_cli.laws.hybrid import (
     compensated_error,
@@ -25,6 +26,7 @@ from hilc_cli.laws.hybrid import (
     steered,
     with_derivative,
 )
+from hilc_cli.laws.pid import combined, pulse_at
 from hilc_cli.plants.kinematic import advance, limit_wheel_means
 from hilc_cli.reference.sampled import Floats
 
@@ -39,6 +41,9 @@ FORMULAS = (
     advance,
     limit_wheel_means,
     steered,
+    combined,
+    pulse_at,
+    tracking_twist,
     wheel_correction,
 )
 (
@@ -52,6 +57,9 @@ FORMULAS = (
     _advance,
     _limit_wheel_means,
     _steered,
+    _combined,
+    _pulse_at,
+    _tracking_twist,
 ) = [formula(function) for function in FORMULAS[:-1]]
 # May take it that nothing is not-a-number, so that products with a constant 0 vanish: a lane in
 # which that is not so has been noted as diverged before.
@@ -69,6 +77,8 @@ M, LATERAL = int(Field.MATRIX) * W, int(Field.LATERAL) * W
 GAINS, HEADING_GAINS = int(Field.POSITION_GAINS) * W, int(Field.HEADING_GAINS) * W
 X, Y, HEADING = int(Field.X) * W, int(Field.Y) * W, int(Field.HEADING) * W
 INITIAL, PAST_ERROR = int(Field.INITIAL_ERROR) * W, int(Field.PAST_ERROR) * W
+K_X, KEPT = int(Field.K_X) * W, int(Field.KEPT) * W
+TOTAL = int(Field.ERROR_TOTAL) * W
 COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
 REST, SHIFTED = int(Field.REST) * W, int(Field.SHIFTED) * W
 PAST_MEAN, PAST_DIFFERENCE = int(Field.PAST_MEAN) * W, int(Field.PAST_HALF_DIFFERENCE) * W
@@ -100,6 +110,10 @@ def _follow(
     own_heading: bool | None,
     reference_heading: bool | None,
     previous_heading: bool | None,
+    planned: Floats | None,
+    pid: bool | None,
+    pulsed: bool | None,
+    twists: Floats | None,
     late: Integers | None,
     late_alike: int,
     wheels: int,
@@ -130,6 +144,12 @@ def _follow(
         reference_heading: Anything: the gain matrix is taken at the reference's heading.
         previous_heading: Anything: it is taken at the heading measured in the iteration before;
             both None: at the heading measured in this one.
+        planned: What the law knows before the pass, in the order of the history: wheel speeds to be
+            corrected and weighted errors, n rows; None: that is made of the history.
+        pid: Anything: the lanes run PID-type learning.
+        pulsed: Anything: it acts against the initial error, too.
+        twists: Speed and yaw rate of the reference, cosine and sine of its heading, sample by
+            sample: the lanes run the tracking controller.
         late: By how many numbers of the history each lane's wheels are late, LANES whole numbers;
             None: wheels do at once what they are told, and roll without slip.
         late_alike: The same of all lanes; -1 where they differ.
@@ -152,6 +172,9 @@ def _follow(
             count = min(BLOCK, steps - k)
             draw_state(noise, lanes, words, state_kind, k, count)
             draw_output(noise, lanes, words, output_kind, k + 1, count)
+        if twists is not None:
+            speed_desired, yaw_rate_desired = twists[4 * k], twists[4 * k + 1]
+            cos_desired, sin_desired = twists[4 * k + 2], twists[4 * k + 3]
         limited = False
         later = 1.0 if 2 * (k + 1) >= steps else 0.0
         for j in range(W):
@@ -174,7 +197,37 @@ def _follow(
                 past_y = _with_derivative(past_y, now_y, rate)
                 past_heading = _with_derivative(past_heading, now_heading, rate)
             l1, heading_l1 = lanes[GAINS + j], lanes[HEADING_GAINS + j]
-            if decay is not None:
+            if planned is not None:
+                weighted_x = l1 * planned[before + ERROR + j]
+                weighted_y = l1 * planned[before + ERROR + W + j]
+                weighted_heading = heading_l1 * planned[before + ERROR + 2 * W + j]
+            elif pid is not None:
+                ki, kd = lanes[GAINS + W + j], lanes[GAINS + 2 * W + j]
+                heading_ki = lanes[HEADING_GAINS + W + j]
+                heading_kd = lanes[HEADING_GAINS + 2 * W + j]
+                total_x = lanes[TOTAL + j] + past_x
+                total_y = lanes[TOTAL + W + j] + past_y
+                total_heading = lanes[TOTAL + 2 * W + j] + past_heading
+                change_x = past_x - lanes[PAST_ERROR + j]
+                change_y = past_y - lanes[PAST_ERROR + W + j]
+                change_heading = past_heading - lanes[PAST_ERROR + 2 * W + j]
+                lanes[TOTAL + j], lanes[TOTAL + W + j] = total_x, total_y
+                lanes[TOTAL + 2 * W + j] = total_heading
+                lanes[PAST_ERROR + j], lanes[PAST_ERROR + W + j] = past_x, past_y
+                lanes[PAST_ERROR + 2 * W + j] = past_heading
+                if pulsed is not None:
+                    pulse = _pulse_at(k + 0.5, lanes[PEAK + j], lanes[H + j])
+                    change_x += pulse * lanes[INITIAL + j]
+                    change_y += pulse * lanes[INITIAL + W + j]
+                    change_heading += pulse * lanes[INITIAL + 2 * W + j]
+                weighted_x = _combined(l1, past_x, ki, total_x, kd, change_x)
+                weighted_y = _combined(l1, past_y, ki, total_y, kd, change_y)
+                weighted_heading = _combined(
+                    heading_l1, past_heading,
+                    heading_ki, total_heading,
+                    heading_kd, change_heading,
+                )  # fmt: skip
+            elif decay is not None:
                 weight = _compensation_weight(
                     float(k), lanes[H + j], lanes[PEAK + j], lanes[SLOPE + j], decay[k]
                 )
@@ -220,14 +273,32 @@ def _follow(
                     directions[k] * lanes[LATERAL + j],
                     directions[k] * lanes[LATERAL + W + j],
                 )
-            mean_correction, difference_correction = _wheel_correction(
-                matrix, cos, sin, weighted_x, weighted_y, weighted_heading
-            )
+            if twists is not None:
+                error_x, error_y = history[row + ERROR + j], history[row + ERROR + W + j]
+                speed, yaw_rate = _tracking_twist(
+                    lanes[K_X + j], lanes[K_X + W + j], lanes[K_X + 2 * W + j],
+                    speed_desired, yaw_rate_desired, cos, sin, error_x, error_y,
+                    # The heading's error is the difference of two angles.
+                    cos_desired * cos + sin_desired * sin, sin_desired * cos - cos_desired * sin,
+                )  # fmt: skip
+                mean_correction, difference_correction = l1 * speed, heading_l1 * yaw_rate
+            else:
+                mean_correction, difference_correction = _wheel_correction(
+                    matrix, cos, sin, weighted_x, weighted_y, weighted_heading
+                )
             if all_metrics is not None:
                 lanes[PAST_MEAN + j] = history[row + MEAN + j]
                 lanes[PAST_DIFFERENCE + j] = history[row + DIFFERENCE + j]
-            mean = history[row + MEAN + j] + mean_correction
-            difference = history[row + DIFFERENCE + j] + difference_correction
+            if planned is not None:
+                mean = planned[before + MEAN + j] + mean_correction
+                difference = planned[before + DIFFERENCE + j] + difference_correction
+            elif pid is not None or twists is not None:
+                kept = lanes[KEPT + j]
+                mean = kept * history[row + MEAN + j] + mean_correction
+                difference = kept * history[row + DIFFERENCE + j] + difference_correction
+            else:
+                mean = history[row + MEAN + j] + mean_correction
+                difference = history[row + DIFFERENCE + j] + difference_correction
             history[row + MEAN + j], history[row + DIFFERENCE + j] = mean, difference
             limited |= abs(mean) + abs(difference) > lanes[TOLERATED + j]
         # Rarely so, and then in few samples: without the division the next cosine need not wait

@@ -40,43 +40,47 @@ class Field(IntEnum):
     MOST = 42
     LAG = 43
     SAMPLE_TIME = 44
+    FORGOTTEN = 45  # share of the last input that is not learned from
+    K_X = 46  # then k_y, k_theta of the tracking controller
     # Parameters of the disturbances, see `NoiseField`.
-    STATE = 45
-    OUTPUT = 57
-    POSE = 69
+    STATE = 49
+    OUTPUT = 61
+    POSE = 73
     # Gains of the running iteration, times the entries of Eq. 45 if the matrix has that form.
-    POSITION_GAINS = 81  # of the three errors of Eq. 17
-    HEADING_GAINS = 84
+    POSITION_GAINS = 85  # of the three errors of Eq. 17
+    HEADING_GAINS = 88
     # Running state.
-    X = 87
-    Y = 88
-    HEADING = 89
-    INITIAL_ERROR = 90  # e_i(0): x, y, heading
-    PAST_ERROR = 93  # e_i(k): likewise, of the iteration before
-    COS = 96
-    SIN = 97
-    PAST_MEAN = 98  # (left + right) / 2 in the iteration before
-    PAST_HALF_DIFFERENCE = 99  # (left - right) / 2, likewise
+    X = 91
+    Y = 92
+    HEADING = 93
+    INITIAL_ERROR = 94  # e_i(0): x, y, heading
+    PAST_ERROR = 97  # e_i(k): likewise, of the iteration before
+    ERROR_TOTAL = 100  # its sum up to sample k + 1
+    KEPT = 103  # share of the last input that is learned from in the running iteration
+    COS = 104
+    SIN = 105
+    PAST_MEAN = 106  # (left + right) / 2 in the iteration before
+    PAST_HALF_DIFFERENCE = 107  # (left - right) / 2, likewise
     # What metrics of the running iteration are made of, in the order of `Sums`.
-    LARGEST_SQUARE = 100
-    ERROR_SUM = 101
-    SQUARE_SUM = 102
-    LARGEST_ERRORS = 103  # x, y, heading
-    FASTEST_WHEEL = 106
-    SATURATED = 107
-    CHANGE_SQUARES = 108
-    LATER_LARGEST_SQUARE = 109  # of the second half
-    LATER_ERROR_SUM = 110
-    FINAL_ERROR = 111
+    LARGEST_SQUARE = 108
+    ERROR_SUM = 109
+    SQUARE_SUM = 110
+    LARGEST_ERRORS = 111  # x, y, heading
+    FASTEST_WHEEL = 114
+    SATURATED = 115
+    CHANGE_SQUARES = 116
+    LATER_LARGEST_SQUARE = 117  # of the second half
+    LATER_ERROR_SUM = 118
+    FINAL_ERROR = 119
     # The heading, reduced for the cosine; second rows: that of the gain matrix.
-    REST = 112
-    SHIFTED = 114
+    REST = 120
+    SHIFTED = 122
     # Of robots as they are: inputs that arrive, as mean and half difference; then by wheels what
     # has arrived in the sample before, the speed, and the way.
-    ARRIVED = 116
-    ARRIVED_BEFORE = 118
-    WHEEL_SPEED = 120
-    WAY = 122
+    ARRIVED = 124
+    ARRIVED_BEFORE = 126
+    WHEEL_SPEED = 128
+    WAY = 130
 
 
 FIELDS = Field.WAY + 2

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.disturbance.normal import probabilities
-from hilc_cli.disturbance.streams import Bounded, round_keys
+from hilc_cli.disturbance.streams import round_keys
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.lanes.kinds import Kind, known_parameters, lane_gains, lane_wheels
+from hilc_cli.engine.lanes.between import Planner
+from hilc_cli.engine.lanes.kinds import Kind, lane_wheels
 from hilc_cli.engine.lanes.lanes import (
     FIELDS,
     HISTORY_FIELDS,
@@ -22,20 +22,17 @@ from hilc_cli.engine.lanes.lanes import (
     Field,
     History,
 )
-from hilc_cli.errors import UsageError
-from hilc_cli.laws.hybrid import with_lateral_gain
-from hilc_cli.plants.drivetrain import LaneWheels
+from hilc_cli.engine.lanes.parameters import parameter_rows
+from hilc_cli.laws.feedback import FeedbackLaw
+from hilc_cli.plants.kinematic import reference_twist
 from hilc_cli.reference.sampled import Floats, Reference
 
 NEVER = -1
-_ROUNDING = 2.0**-50
-"""What the absolute values of a mean and half a difference may add to what they are made of."""
 _BY_WHEELS = [
     (slice(row, row + rows), slice(row + rows, row + 2 * rows))
     for row, rows in ((Field.MATRIX, 9), (Field.LATERAL, 1))
 ]
 """Parameters of the left wheel and of the right; in the lanes of the mean and half difference."""
-_WHEEL_ROWS = Field.STATE - Field.LEFT_GAIN
 _LINE = 64  # bytes; vectors that lie across two cache lines take twice as long
 
 
@@ -44,7 +41,6 @@ class Pack:
 
     Attributes:
         kind: What the experiments have in common.
-        sample_time: d_t [s] of the reference.
         desired: x [m], y [m] and heading [rad] of the reference, shape (n + 1,) each.
         decay: exp(-k d_t), shape (n,); None with Eq. 17.
         directions: Those of the reference, shape (n,), where a lateral gain follows them; None
@@ -55,6 +51,10 @@ class Pack:
         history: See `History`.
         sums: What metrics are made of in each lane's last iteration, in the order of `Sums`.
         last: Each lane's last iteration, shape (LANES,).
+        planned: What is known before a pass where laws filter whole passes, rows as in the history;
+            None where they do not.
+        twists: Speed [m/s] and yaw rate [rad/s] of the reference, cosine and sine of its heading,
+            four numbers for each sample; None for other laws than the tracking controller.
         late: By how many numbers of the history each lane's wheels are late, shape (LANES,); None
             for the paper's robot.
         late_alike: The same of all lanes; -1 where they differ.
@@ -62,7 +62,7 @@ class Pack:
     """
 
     def __init__(self, reference: Reference, kind: Kind) -> None:
-        self.kind, self.sample_time = kind, reference.sample_time
+        self.kind = kind
         # Copies, so that the machine code need not be compiled anew for arrays of another layout.
         self.desired = tuple(np.array(a) for a in (reference.x, reference.y, reference.heading))
         self.lanes = aligned(FIELDS * LANES, np.float64)
@@ -72,6 +72,10 @@ class Pack:
         self.sums = np.empty(SUM_ROWS * LANES)
         self.last = np.empty(LANES, dtype=np.int64)
         self.diverged_at = np.empty(LANES, dtype=np.int64)
+        steps = reference.samples
+        self.planned = aligned(steps * HISTORY_FIELDS * LANES, np.float64) if kind.planned else None
+        self._planner: Planner | None = None
+        self.twists = _twists(reference) if kind.law is FeedbackLaw else None
         self.late = None if kind.wheels is None else np.empty(LANES, dtype=np.int64)
         self.late_alike = -1
         self.decay = np.exp(-reference.times[:-1]) if kind.compensation else None
@@ -89,13 +93,17 @@ class Pack:
         cases = len(experiments)
         last = [experiment.iterations for experiment in experiments]
         self.last[:cases], self.last[cases:] = last, NEVER
-        rows = np.array([self._parameters(experiment) for experiment in experiments])
+        rows = np.array(
+            [parameter_rows(experiment, self.kind, self._direction) for experiment in experiments]
+        )
         lanes = self.lanes.reshape(FIELDS, LANES)
         for by_left, by_right in _BY_WHEELS:
             left, right = rows[:, by_left].copy(), rows[:, by_right]
             rows[:, by_left], rows[:, by_right] = (left + right) / 2, (left - right) / 2
         lanes[: rows.shape[1], :cases] = rows.T
         lanes[: rows.shape[1], cases:] = rows[-1][:, np.newaxis]
+        if self.planned is not None:
+            self._planner = Planner(experiments)
         if self.late is not None:
             self.late[:cases] = list(map(self._numbers_late, experiments))
             self.late[cases:] = self.late[cases - 1]
@@ -126,36 +134,14 @@ class Pack:
             if means is not None:
                 inputs[:, History.MEAN, lane], inputs[:, History.HALF_DIFFERENCE, lane] = means
 
-    def _parameters(self, experiment: Experiment) -> list[float]:
-        """The rows of the lane array up to Field.POSITION_GAINS; the matrix still by wheels."""
-        law = known_parameters(experiment)
-        distance_gain, turn_gain, *wheels = self._motion(experiment)
-        sample_time, limit = self.sample_time, experiment.speed_limit
-        length = law.compensation or 1  # which Eq. 17 does not look at
-        peak = (law.derivative or 1.0) * (2 / (sample_time * length))
-        parameters = [
-            *law.gains, limit, limit * (1 + _ROUNDING),
-            2 * distance_gain, 2 * turn_gain, length, peak, peak / length,
-            law.derivative / sample_time,
-            *experiment.initial_pose,
-            *with_lateral_gain(law.matrix, self._direction * law.lateral).coefficients,
-            law.lateral * law.matrix.left[2].constant, law.lateral * law.matrix.right[2].constant,
-            *wheels,
-        ]  # fmt: skip
-        if self.kind.drawn:
-            disturbance = experiment.disturbance
-            for source in (disturbance.state, disturbance.output, disturbance.initial_pose):
-                parameters += _noise_rows(source)
-        return parameters
-
-    def _motion(self, experiment: Experiment) -> list[float]:
-        """The rows of the lane array of an experiment's plant: its gains, then its wheels."""
-        wheels, gains = lane_wheels(experiment), lane_gains(experiment)
-        if wheels is not None:
-            return [0.0, 0.0, *_wheel_rows(wheels, self.sample_time)]
-        if gains is not None:
-            return [*gains, *[0.0] * _WHEEL_ROWS]
-        raise UsageError("the batch engine does not know the plant")
+    def plan(self, iteration: int) -> None:
+        """Plans an iteration where laws filter whole passes."""
+        if self._planner is None or self.planned is None:
+            return
+        if iteration == 0 and not self.kind.learn_in_first:
+            self._planner.first(self.planned)
+        else:
+            self._planner.plan(self.history, self.planned)
 
     def _numbers_late(self, experiment: Experiment) -> int:
         """How many numbers of the history an experiment's wheels are late, at most all of them."""
@@ -164,22 +150,11 @@ class Pack:
         return min(wheels.whole, experiment.reference.samples + 1) * HISTORY_FIELDS * LANES
 
 
-def _wheel_rows(wheels: LaneWheels, sample_time: float) -> list[float]:
-    """The rows of the lane array from Field.LEFT_GAIN on."""
-    return [
-        wheels.left_gain, wheels.right_gain, wheels.per_half_track, wheels.drift_gain,
-        0.5 if wheels.exact else 0.0, wheels.fraction,
-        wheels.dead_zone, wheels.followed, wheels.most, wheels.lag, sample_time,
-    ]  # fmt: skip
-
-
-def _noise_rows(source: Bounded) -> list[float]:
-    """The rows of `NoiseField`."""
-    if source.distribution == "uniform":
-        return [*source.bound, *[0.0] * 9]
-    pairs = [probabilities(b, d) for b, d in zip(source.bound, source.deviation, strict=True)]
-    inside, below = zip(*pairs, strict=True)
-    return [*source.bound, *inside, *below, *source.deviation]
+def _twists(reference: Reference) -> Floats:
+    """What `Pack.twists` tells of a reference, one sample after the other."""
+    heading = reference.heading[:-1]
+    columns = [*reference_twist(reference), np.cos(heading), np.sin(heading)]
+    return np.stack(columns, axis=1).ravel()
 
 
 def _word_rows(experiment: Experiment) -> list[int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Literal
 
 import numpy as np
 from hypothesis import assume, strategies as st
@@ -13,8 +14,11 @@ from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import NEVER, simulate_batch
 from hilc_cli.engine.loop import MeasuredTrials
+from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix, model_gain, unit_gain
 from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.law import Law
+from hilc_cli.laws.pid import PidLaw
 from hilc_cli.plants.drivetrain import Drivetrain, Slip
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
 from hilc_cli.plants.kinematic import Robot, TurnConvention
@@ -74,39 +78,57 @@ def disturbances() -> st.SearchStrategy[Disturbance]:
     return st.builds(Disturbance, seeds, bounded(), bounded(), bounded())
 
 
+LawName = Literal["hybrid", "pid", "feedback"]
+
+
 @dataclass(frozen=True)
 class Code:
     """What the lanes' machine code is compiled for: each mixture is compiled for itself."""
 
-    compensation: bool
-    full_matrix: bool
-    heading: GainHeading
-    disturbed: bool
+    law: LawName = "hybrid"
+    compensation: bool = False  # or the pulse of the law pid
+    full_matrix: bool = False
+    heading: GainHeading = "measured"
+    disturbed: bool = False
     derivative: bool = False
+    lateral: bool = False
+    filtered: bool = False
     real_robot: bool = False
 
 
 OF_SHIPPED = [
-    Code(False, False, "measured", False),
-    Code(True, False, "measured", False),
-    Code(False, True, "measured", False),
-    Code(False, False, "measured", True),
-    Code(False, False, "measured", False, real_robot=True),
+    Code(),
+    Code(compensation=True),
+    Code(full_matrix=True),
+    Code(disturbed=True),
+    Code(real_robot=True),
 ]
 """Those of the shipped scenarios, which other tests compile as well."""
 
 SOME = [
     *OF_SHIPPED,
-    Code(True, False, "reference", False, derivative=True),
-    Code(True, True, "previous", False),
+    Code(compensation=True, heading="reference", derivative=True),
+    Code(compensation=True, full_matrix=True, heading="previous"),
+    Code("pid", real_robot=True),
+    Code("pid", compensation=True, full_matrix=True, heading="previous", filtered=True),
+    Code("feedback", disturbed=True, real_robot=True),
 ]
-"""Each choice at least once; all mixtures take minutes to compile."""
+"""Each choice at least once; all mixtures take many minutes to compile."""
 
 FLAGS = [False, True]
 HEADINGS: list[GainHeading] = ["measured", "previous", "reference"]
+MIXTURES = list(product(FLAGS, FLAGS, HEADINGS, FLAGS))
 ALL = [
-    Code(*mixture, derivative=number % 3 == 1, real_robot=number % 2 == 0)
-    for number, mixture in enumerate(product(FLAGS, FLAGS, HEADINGS, FLAGS))
+    *(
+        Code("hybrid", *mixture, derivative=i % 3 == 1, lateral=i % 5 == 2, real_robot=i % 2 == 0)
+        for i, mixture in enumerate(MIXTURES)
+    ),
+    *(
+        Code("pid", *mixture, filtered=i % 3 == 1, real_robot=i % 2 == 1)
+        for i, mixture in enumerate(MIXTURES)
+        if i % 5 in (0, 2, 3)
+    ),
+    *(Code("feedback", disturbed=noise, real_robot=real) for noise in FLAGS for real in FLAGS),
 ]
 
 
@@ -136,8 +158,40 @@ def plants(draw: st.DrawFn, robot: Robot, real: bool) -> Plant:
         draw(or_none(st.floats(0.01, 2))),
     )
     slip = Slip(draw(or_none(st.floats(0.001, 0.2))), draw(or_none(st.floats(0.001, 0.1))))
-    radii = (robot.wheel_radius * draw(or_none(st.floats(0.9, 1.1), 1.0)) for _ in range(2))
-    return ImperfectPlant(robot, Drivetrain(*radii, motor, slip), draw(st.booleans()))
+    left, right = (robot.wheel_radius * draw(or_none(st.floats(0.9, 1.1), 1.0)) for _ in range(2))
+    return ImperfectPlant(robot, Drivetrain(left, right, motor, slip), draw(st.booleans()))
+
+
+@st.composite
+def laws(draw: st.DrawFn, reference: Reference, code: Code, model: Robot) -> Law:
+    h = draw(st.integers(1, reference.samples))
+    if code.law == "feedback":
+        gains = (draw(st.floats(0.1, 10)), draw(st.floats(0.1, 8)), draw(st.floats(0.1, 6)))
+        return FeedbackLaw(*gains, model)
+    matrix = draw(matrices(model, code.full_matrix and not code.lateral))
+    if code.law == "pid":
+        cutoff = draw(st.one_of(st.none(), st.floats(0.5, 0.4 / reference.sample_time)))
+        return PidLaw(
+            draw(or_none(st.floats(0.01, 1))),
+            draw(or_none(st.floats(0.01, 0.5))),
+            draw(or_none(st.floats(0.001, 0.2))),
+            draw(or_none(st.floats(0.01, 0.3))),
+            matrix,
+            code.heading,
+            cutoff if code.filtered else None,
+            h if code.compensation else None,
+        )
+    return HybridLaw(
+        draw(st.floats(0, 1)),
+        draw(st.floats(0, 2)),
+        draw(st.floats(0, 1)),
+        matrix,
+        code.heading,
+        code.compensation,
+        h,
+        draw(st.floats(1e-3, 0.1)) if code.derivative else 0.0,
+        draw(st.floats(1e-3, 2)) if code.lateral else 0.0,
+    )
 
 
 @st.composite
@@ -147,16 +201,7 @@ def experiments(draw: st.DrawFn, reference: Reference, code: Code) -> Experiment
     convention = draw(st.sampled_from(conventions))
     robot = Robot(draw(st.floats(0.05, 0.5)), draw(st.floats(0.2, 1)), convention)
     model = replace(robot, wheel_radius=draw(st.floats(0.05, 0.5)))
-    law = HybridLaw(
-        draw(st.floats(0, 1)),
-        draw(st.floats(0, 2)),
-        draw(st.floats(0, 1)),
-        draw(matrices(model, code.full_matrix)),
-        code.heading,
-        code.compensation,
-        draw(st.integers(1, reference.samples)),
-        draw(st.floats(1e-3, 0.1)) if code.derivative else 0.0,
-    )
+    law = draw(laws(reference, code, model))
     start = (float(reference.x[0]), float(reference.y[0]), float(reference.heading[0]))
     offset = draw(st.tuples(*[st.floats(-0.3, 0.3)] * 3))
     x, y, heading = (a + b for a, b in zip(start, offset, strict=True))

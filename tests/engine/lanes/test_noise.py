@@ -67,9 +67,7 @@ def test_lanes_scatter_the_initial_pose_like_the_loop_engine(distribution: Distr
 
 
 def test_nothing_is_drawn_without_a_disturbance() -> None:
-    pack = Pack(
-        paper_reference("circle", 0.1), Kind(False, False, "measured", False, False, False, 0, 0, 0)
-    )
+    pack = Pack(paper_reference("circle", 0.1), Kind())
     draw_state(pack.noise, pack.lanes, pack.words, NONE, 0, BLOCK)
     assert not pack.noise.any()
 
