@@ -50,9 +50,10 @@ class Planner:
     def first(self, planned: Floats) -> None:
         """Plans to send the first input as it is."""
         for number, lane in enumerate(self._lanes):
-            rows = planned.reshape(-1, HISTORY_FIELDS, LANES)[:, :, number:]
+            task = lane.task
+            rows = planned.reshape(-1, HISTORY_FIELDS, LANES)[: task.reference.samples, :, number:]
             rows[:, 0], rows[:, 1] = (
-                means[:, np.newaxis] for means in (lane.task.initial_left, lane.task.initial_right)
+                means[:, np.newaxis] for means in (task.initial_left, task.initial_right)
             )
             rows[:, 2:] = 0.0
 
@@ -69,10 +70,10 @@ class Planner:
         # On the way to divergence filters overflow; that shows in the state they lead to.
         with np.errstate(over="ignore", invalid="ignore"):
             for number, (lane, last) in enumerate(zip(self._lanes, passes, strict=False)):
-                errors = last[2:, 1:]
-                iteration = Iteration(last[0, 1:-1], last[1, 1:-1], *errors)
+                n = lane.task.reference.samples
+                iteration = Iteration(*last[:2, 1 : n + 1], *last[2:, 1 : n + 2])
                 mean, half_difference, past = lane.law.known_before(
                     iteration, lane.task, lane.smoothed
                 )
                 known = np.stack([mean, half_difference, *past], axis=1)
-                rows[:, :, number:] = known[:, :, np.newaxis]
+                rows[:n, :, number:] = known[:, :, np.newaxis]

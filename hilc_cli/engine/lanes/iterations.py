@@ -62,6 +62,7 @@ def _begin(
     x_desired: float,
     y_desired: float,
     heading_desired: float,
+    tracks: Floats | None,
     full_matrix: bool,
     own_heading: bool,
     reference_heading: bool,
@@ -94,6 +95,9 @@ def _begin(
             lanes[INITIAL + c * W + j] = history[ROW + ERROR + c * W + j]
             lanes[PAST_ERROR + c * W + j] = history[ROW + ERROR + c * W + j]
             lanes[TOTAL + c * W + j] = history[ROW + ERROR + c * W + j]
+        if tracks is not None:
+            x_desired, y_desired = tracks[j], tracks[W + j]
+            heading_desired = tracks[2 * W + j]
         error_x = x_desired - lanes[X + j]
         error_y = y_desired - lanes[Y + j]
         heading = lanes[HEADING + j]
@@ -132,6 +136,7 @@ def _note(
     diverged_at: Integers,
     x_desired: float,
     y_desired: float,
+    tracks: Floats | None,
     samples: int,
     iteration: int,
 ) -> bool:
@@ -145,6 +150,7 @@ def _note(
         diverged_at: The iteration that left the finite numbers, -1 so far.
         x_desired: Last sample of the reference [m].
         y_desired: Likewise.
+        tracks: See `kernel._follow`.
         samples: n.
         iteration: i.
     """
@@ -165,6 +171,9 @@ def _note(
             lanes[CHANGE_SQUARES + j] = 0.0
         # What the mean and half a difference are made of may be beyond the limit by a hair.
         lanes[FASTEST_WHEEL + j] = min(lanes[FASTEST_WHEEL + j], lanes[LIMIT + j])
+        if tracks is not None:
+            at = 3 * W * samples + j
+            x_desired, y_desired = tracks[at], tracks[at + W]
         lanes[FINAL_ERROR + j] = math.hypot(x_desired - x, y_desired - y)
         for row in range(SUM_ROWS):
             sums[row * W + j] = lanes[SUMS + row * W + j]
@@ -187,6 +196,7 @@ def _run_iterations(
     x_desired: Floats,
     y_desired: Floats,
     heading_desired: Floats,
+    tracks: Floats | None,
     decay: Floats | None,
     directions: Floats | None,
     derivative: bool | None,
@@ -222,7 +232,7 @@ def _run_iterations(
     while goes_on and iteration < end:
         _compiled_begin(
             lanes, words, noise, history, x_desired[0], y_desired[0], heading_desired[0],
-            full_matrix is not None, own_heading is not None,
+            tracks, full_matrix is not None, own_heading is not None,
             reference_heading is not None, previous_heading is not None, late is not None,
             iteration, iteration > 0 or learn_in_first, drawn, output_kind, pose_kind,
         )  # fmt: skip
@@ -232,7 +242,7 @@ def _run_iterations(
         if ends:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                decay, directions, derivative, full_matrix, own_heading,
+                tracks, decay, directions, derivative, full_matrix, own_heading,
                 reference_heading, previous_heading,
                 planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, True,
                 state_kind, output_kind,
@@ -240,13 +250,13 @@ def _run_iterations(
         else:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                decay, directions, derivative, full_matrix, own_heading,
+                tracks, decay, directions, derivative, full_matrix, own_heading,
                 reference_heading, previous_heading,
                 planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, None,
                 state_kind, output_kind,
             )  # fmt: skip
         goes_on = _compiled_note(
-            lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], n, iteration
+            lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], tracks, n, iteration
         )
         iteration += 1
     return goes_on

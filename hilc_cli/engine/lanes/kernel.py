@@ -77,6 +77,7 @@ M, LATERAL = int(Field.MATRIX) * W, int(Field.LATERAL) * W
 GAINS, HEADING_GAINS = int(Field.POSITION_GAINS) * W, int(Field.HEADING_GAINS) * W
 X, Y, HEADING = int(Field.X) * W, int(Field.Y) * W, int(Field.HEADING) * W
 INITIAL, PAST_ERROR = int(Field.INITIAL_ERROR) * W, int(Field.PAST_ERROR) * W
+SAMPLES, POSE_BEFORE = int(Field.SAMPLES) * W, int(Field.POSE_BEFORE) * W
 K_X, KEPT = int(Field.K_X) * W, int(Field.KEPT) * W
 TOTAL = int(Field.ERROR_TOTAL) * W
 COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
@@ -103,6 +104,7 @@ def _follow(
     x_desired: Floats,
     y_desired: Floats,
     heading_desired: Floats,
+    tracks: Floats | None,
     decay: Floats | None,
     directions: Floats | None,
     derivative: bool | None,
@@ -133,6 +135,9 @@ def _follow(
         x_desired: Reference [m], n + 1 numbers.
         y_desired: Reference [m], likewise.
         heading_desired: Reference [rad], likewise.
+        tracks: x, y and heading of a reference of each lane's own, n + 1 rows of three: the three
+            arguments before tell only n, the samples of the longest, and the others stand at their
+            ends. What else follows from the reference then has numbers for each lane, too.
         decay: exp(-k d_t), n numbers: the lanes run Eq. 21; None: they run Eq. 17.
         directions: 1, 0 or -1 by which way each step is driven, n numbers: a lateral gain comes to
             the gain matrix with that sign; None: there is none, or it is in the matrix.
@@ -172,7 +177,7 @@ def _follow(
             count = min(BLOCK, steps - k)
             draw_state(noise, lanes, words, state_kind, k, count)
             draw_output(noise, lanes, words, output_kind, k + 1, count)
-        if twists is not None:
+        if twists is not None and tracks is None:
             speed_desired, yaw_rate_desired = twists[4 * k], twists[4 * k + 1]
             cos_desired, sin_desired = twists[4 * k + 2], twists[4 * k + 3]
         limited = False
@@ -268,12 +273,15 @@ def _follow(
                     lanes[M + 15 * W + j], lanes[M + 16 * W + j], lanes[M + 17 * W + j],
                 )  # fmt: skip
             if directions is not None:
+                direction = directions[k] if tracks is None else directions[k * W + j]
                 matrix = _steered(
-                    matrix,
-                    directions[k] * lanes[LATERAL + j],
-                    directions[k] * lanes[LATERAL + W + j],
+                    matrix, direction * lanes[LATERAL + j], direction * lanes[LATERAL + W + j]
                 )
             if twists is not None:
+                if tracks is not None:
+                    twist = 4 * W * k + j
+                    speed_desired, yaw_rate_desired = twists[twist], twists[twist + W]
+                    cos_desired, sin_desired = twists[twist + 2 * W], twists[twist + 3 * W]
                 error_x, error_y = history[row + ERROR + j], history[row + ERROR + W + j]
                 speed, yaw_rate = _tracking_twist(
                     lanes[K_X + j], lanes[K_X + W + j], lanes[K_X + 2 * W + j],
@@ -299,6 +307,8 @@ def _follow(
             else:
                 mean = history[row + MEAN + j] + mean_correction
                 difference = history[row + DIFFERENCE + j] + difference_correction
+            if tracks is not None and k >= lanes[SAMPLES + j]:
+                mean, difference = 0.0, 0.0
             history[row + MEAN + j], history[row + DIFFERENCE + j] = mean, difference
             limited |= abs(mean) + abs(difference) > lanes[TOLERATED + j]
         # Rarely so, and then in few samples: without the division the next cosine need not wait
@@ -325,6 +335,9 @@ def _follow(
                     arrived = max(row - late[j], 0)
                     lanes[ARRIVED + j] = history[arrived + MEAN + j]
                     lanes[ARRIVED + W + j] = history[arrived + DIFFERENCE + j]
+            if tracks is not None:
+                for j in range(3 * W):
+                    lanes[POSE_BEFORE + j] = lanes[X + j]
             move(lanes, wheels)
         for j in range(W):
             mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
@@ -348,12 +361,23 @@ def _follow(
                 x += noise[STATE_NOISE + offset + j]
                 y += noise[STATE_NOISE + offset + W + j]
                 heading += noise[STATE_NOISE + offset + 2 * W + j]
+            if tracks is not None:
+                at = 3 * W * (k + 1) + j
+                next_x, next_y, next_heading = tracks[at], tracks[at + W], tracks[at + 2 * W]
+                counts = 1.0 if k < lanes[SAMPLES + j] else 0.0
+                later = counts if 2 * (k + 1) >= lanes[SAMPLES + j] else 0.0
+                place = X if late is None else POSE_BEFORE
+                x = x if counts > 0 else lanes[place + j]
+                y = y if counts > 0 else lanes[place + W + j]
+                heading = heading if counts > 0 else lanes[place + 2 * W + j]
             lanes[X + j], lanes[Y + j], lanes[HEADING + j] = x, y, heading
             error_x, error_y, error_heading = next_x - x, next_y - y, next_heading - heading
             square = error_x * error_x + error_y * error_y
             lanes[LARGEST_SQUARE + j] = max(square, lanes[LARGEST_SQUARE + j])
             if all_metrics is not None:
                 distance = math.sqrt(square)
+                if tracks is not None:
+                    distance, square = counts * distance, counts * square
                 lanes[ERROR_SUM + j] += distance
                 lanes[LATER_SUM + j] += later * distance
                 lanes[LATER_SQUARE + j] = max(later * square, lanes[LATER_SQUARE + j])

@@ -36,6 +36,7 @@ class Kind(NamedTuple):
         output: The distribution of the output's disturbance.
         pose: The distribution of the initial pose's disturbance.
         wheels: What there is of a robot as it is, see `parts_of`; None for the paper's.
+        own_reference: Whether each lane has a reference of its own.
     """
 
     law: type[LaneLaw] = LaneParameters
@@ -51,10 +52,11 @@ class Kind(NamedTuple):
     output: int = NONE
     pose: int = NONE
     wheels: int | None = None
+    own_reference: bool = False
 
     @classmethod
-    def of(cls, experiment: Experiment) -> Kind:
-        """The kind of an experiment.
+    def of(cls, experiment: Experiment, own_reference: bool = False) -> Kind:
+        """The kind of an experiment, whose lane may have a reference of its own.
 
         Raises:
             UsageError: It has a law that the batch engine does not know.
@@ -68,6 +70,7 @@ class Kind(NamedTuple):
             output=_distribution(disturbance.output),
             pose=_distribution(disturbance.initial_pose),
             wheels=None if wheels is None else parts_of(wheels),
+            own_reference=own_reference,
         )
         if isinstance(law, FeedbackLaw):
             return kind

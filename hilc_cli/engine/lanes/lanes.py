@@ -42,45 +42,47 @@ class Field(IntEnum):
     SAMPLE_TIME = 44
     FORGOTTEN = 45  # share of the last input that is not learned from
     K_X = 46  # then k_y, k_theta of the tracking controller
+    SAMPLES = 49  # of a reference of its own
     # Parameters of the disturbances, see `NoiseField`.
-    STATE = 49
-    OUTPUT = 61
-    POSE = 73
+    STATE = 50
+    OUTPUT = 62
+    POSE = 74
     # Gains of the running iteration, times the entries of Eq. 45 if the matrix has that form.
-    POSITION_GAINS = 85  # of the three errors of Eq. 17
-    HEADING_GAINS = 88
+    POSITION_GAINS = 86  # of the three errors of Eq. 17
+    HEADING_GAINS = 89
     # Running state.
-    X = 91
-    Y = 92
-    HEADING = 93
-    INITIAL_ERROR = 94  # e_i(0): x, y, heading
-    PAST_ERROR = 97  # e_i(k): likewise, of the iteration before
-    ERROR_TOTAL = 100  # its sum up to sample k + 1
-    KEPT = 103  # share of the last input that is learned from in the running iteration
-    COS = 104
-    SIN = 105
-    PAST_MEAN = 106  # (left + right) / 2 in the iteration before
-    PAST_HALF_DIFFERENCE = 107  # (left - right) / 2, likewise
+    X = 92
+    Y = 93
+    HEADING = 94
+    POSE_BEFORE = 95  # a sample before: x, y, heading
+    INITIAL_ERROR = 98  # e_i(0): x, y, heading
+    PAST_ERROR = 101  # e_i(k): likewise, of the iteration before
+    ERROR_TOTAL = 104  # its sum up to sample k + 1
+    KEPT = 107  # share of the last input that is learned from in the running iteration
+    COS = 108
+    SIN = 109
+    PAST_MEAN = 110  # (left + right) / 2 in the iteration before
+    PAST_HALF_DIFFERENCE = 111  # (left - right) / 2, likewise
     # What metrics of the running iteration are made of, in the order of `Sums`.
-    LARGEST_SQUARE = 108
-    ERROR_SUM = 109
-    SQUARE_SUM = 110
-    LARGEST_ERRORS = 111  # x, y, heading
-    FASTEST_WHEEL = 114
-    SATURATED = 115
-    CHANGE_SQUARES = 116
-    LATER_LARGEST_SQUARE = 117  # of the second half
-    LATER_ERROR_SUM = 118
-    FINAL_ERROR = 119
+    LARGEST_SQUARE = 112
+    ERROR_SUM = 113
+    SQUARE_SUM = 114
+    LARGEST_ERRORS = 115  # x, y, heading
+    FASTEST_WHEEL = 118
+    SATURATED = 119
+    CHANGE_SQUARES = 120
+    LATER_LARGEST_SQUARE = 121  # of the second half
+    LATER_ERROR_SUM = 122
+    FINAL_ERROR = 123
     # The heading, reduced for the cosine; second rows: that of the gain matrix.
-    REST = 120
-    SHIFTED = 122
+    REST = 124
+    SHIFTED = 126
     # Of robots as they are: inputs that arrive, as mean and half difference; then by wheels what
     # has arrived in the sample before, the speed, and the way.
-    ARRIVED = 124
-    ARRIVED_BEFORE = 126
-    WHEEL_SPEED = 128
-    WAY = 130
+    ARRIVED = 128
+    ARRIVED_BEFORE = 130
+    WHEEL_SPEED = 132
+    WAY = 134
 
 
 FIELDS = Field.WAY + 2

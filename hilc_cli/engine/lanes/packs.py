@@ -41,7 +41,10 @@ class Pack:
 
     Attributes:
         kind: What the experiments have in common.
-        desired: x [m], y [m] and heading [rad] of the reference, shape (n + 1,) each.
+        desired: x [m], y [m] and heading [rad] of the reference, shape (n + 1,) each; where lanes
+            have references of their own, of the longest.
+        tracks: The same of each lane where they do, n + 1 rows of three; None where they share
+            one. `twists` and `directions` then have numbers for each lane, too.
         decay: exp(-k d_t), shape (n,); None with Eq. 17.
         directions: Those of the reference, shape (n,), where a lateral gain follows them; None
             without one, and where they are all the same, so that the gain matrix has it.
@@ -73,15 +76,21 @@ class Pack:
         self.last = np.empty(LANES, dtype=np.int64)
         self.diverged_at = np.empty(LANES, dtype=np.int64)
         steps = reference.samples
+        own = kind.own_reference
+        self.tracks = aligned(3 * (steps + 1) * LANES, np.float64) if own else None
         self.planned = aligned(steps * HISTORY_FIELDS * LANES, np.float64) if kind.planned else None
         self._planner: Planner | None = None
-        self.twists = _twists(reference) if kind.law is FeedbackLaw else None
+        self.twists: Floats | None = None
+        if kind.law is FeedbackLaw:
+            self.twists = aligned(4 * steps * LANES, np.float64) if own else _twists(reference)
         self.late = None if kind.wheels is None else np.empty(LANES, dtype=np.int64)
         self.late_alike = -1
         self.decay = np.exp(-reference.times[:-1]) if kind.compensation else None
         self.directions: Floats | None = None
         self._direction = 0.0  # with which a lateral gain is in the matrix already
-        if kind.lateral:
+        if kind.lateral and own:
+            self.directions = aligned(steps * LANES, np.float64)
+        elif kind.lateral:
             directions = reference.directions
             if (directions == directions[0]).all():
                 self._direction = float(directions[0])
@@ -102,6 +111,9 @@ class Pack:
             rows[:, by_left], rows[:, by_right] = (left + right) / 2, (left - right) / 2
         lanes[: rows.shape[1], :cases] = rows.T
         lanes[: rows.shape[1], cases:] = rows[-1][:, np.newaxis]
+        if self.tracks is not None:
+            for lane, experiment in enumerate(experiments):
+                self._lay(experiment.reference, lane)
         if self.planned is not None:
             self._planner = Planner(experiments)
         if self.late is not None:
@@ -132,7 +144,29 @@ class Pack:
                 known[both] = None if zero else ((left + right) / 2, (left - right) / 2)
             means = known[both]
             if means is not None:
-                inputs[:, History.MEAN, lane], inputs[:, History.HALF_DIFFERENCE, lane] = means
+                own = inputs[: len(left), :, lane]
+                own[:, History.MEAN], own[:, History.HALF_DIFFERENCE] = means
+
+    @property
+    def reached(self) -> tuple[Floats, ...]:
+        """`desired` up to the last sample that any lane reaches."""
+        if not self.kind.own_reference:
+            return self.desired
+        most = int(self.lanes[Field.SAMPLES * LANES :][:LANES].max())
+        return tuple(part[: most + 1] for part in self.desired)
+
+    def _lay(self, reference: Reference, lane: int) -> None:
+        """Puts a reference into a lane and those behind it; at its end it stands for ever."""
+        n = reference.samples
+        assert self.tracks is not None
+        rows = self.tracks.reshape(-1, 3, LANES)[:, :, lane:]
+        rows[: n + 1], rows[n + 1 :] = reference.poses[..., np.newaxis], rows[n]
+        if self.twists is not None:
+            twists = self.twists.reshape(-1, 4, LANES)[:, :, lane:]
+            twists[:n], twists[n:] = _twists(reference).reshape(-1, 4, 1), 0.0
+        if self.directions is not None:
+            directions = self.directions.reshape(-1, LANES)[:, lane:]
+            directions[:n], directions[n:] = reference.directions[:, np.newaxis], 0.0
 
     def plan(self, iteration: int) -> None:
         """Plans an iteration where laws filter whole passes."""

@@ -43,6 +43,7 @@ def parameter_rows(experiment: Experiment, kind: Kind, direction: float) -> list
     parameters = [
         *law.gains, limit, limit * (1 + _ROUNDING), *gains, *law.falling, law.rate,
         *experiment.initial_pose, *law.matrix, *law.lateral, *wheels, law.forgotten, *law.tracking,
+        experiment.reference.samples,
     ]  # fmt: skip
     if kind.drawn:
         disturbance = experiment.disturbance

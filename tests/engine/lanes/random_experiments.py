@@ -94,6 +94,7 @@ class Code:
     lateral: bool = False
     filtered: bool = False
     real_robot: bool = False
+    own_reference: bool = False
 
 
 OF_SHIPPED = [
@@ -120,15 +121,26 @@ HEADINGS: list[GainHeading] = ["measured", "previous", "reference"]
 MIXTURES = list(product(FLAGS, FLAGS, HEADINGS, FLAGS))
 ALL = [
     *(
-        Code("hybrid", *mixture, derivative=i % 3 == 1, lateral=i % 5 == 2, real_robot=i % 2 == 0)
+        Code(
+            "hybrid",
+            *mixture,
+            derivative=i % 3 == 1,
+            lateral=i % 5 == 2,
+            real_robot=i % 2 == 0,
+            own_reference=i % 4 == 3,
+        )
         for i, mixture in enumerate(MIXTURES)
     ),
     *(
-        Code("pid", *mixture, filtered=i % 3 == 1, real_robot=i % 2 == 1)
+        Code("pid", *mixture, filtered=i % 3 == 1, real_robot=i % 2 == 1, own_reference=i % 7 == 3)
         for i, mixture in enumerate(MIXTURES)
         if i % 5 in (0, 2, 3)
     ),
-    *(Code("feedback", disturbed=noise, real_robot=real) for noise in FLAGS for real in FLAGS),
+    *(
+        Code("feedback", disturbed=noise, real_robot=real, own_reference=noise != real)
+        for noise in FLAGS
+        for real in FLAGS
+    ),
 ]
 
 
@@ -253,7 +265,7 @@ def check_random_experiment(data: st.DataObject, codes: list[Code]) -> None:
     assume(count > 0)
     # One case for each number of iterations: their last iterations are all iterations.
     cases = [replace(experiment, iterations=last) for last in range(count)]
-    result = simulate_batch(cases)
+    result = simulate_batch(cases, code.own_reference)
     for case in range(count):
         row = expected.row(case)
         assert_agree(result.final[case], np.array([row[name] for name in METRICS]))
