@@ -3,10 +3,11 @@
 Usage: python benchmarks/sweep.py [--most N] [--repeats N]
 
 101 iterations of 2000 samples of Eq. 17 on the circle. First an experiment in each engine, on one
-core unless the row says otherwise: the smallest of some short runs; the ratio to C is what carries
-over to other machines. Then other laws and robots as they are, beside the same C program, which
-has the paper's law and robot alone. Then whole sweeps by the command, from 100 cases to N (a million by default,
-which takes some minutes). Needs a C compiler, and GNU Octave for its row.
+core unless the row says otherwise: the smallest processor time of some short runs; the ratio to C
+is what carries over to other machines. Then other laws and robots as they are, beside the same C
+program, which has the paper's law and robot alone. Then whole sweeps by the command, from 100
+cases to N (a million by default, which takes some minutes), on the clock. Needs a C compiler, and
+GNU Octave for its row.
 """
 
 import argparse
@@ -42,8 +43,8 @@ HILC = (
     *(sys.executable, "-m", "hilc_cli", "sweep", "example:fig8a"),
     *("--vary", "controller.gains.l1=0.05:1", "--vary", "controller.gains.l2=0:1"),
 )
-LATE = {"robot.motor.delay": "25 ms", "robot.motor.lag": "50 ms"}
-REAL = {
+LATE: dict[str, object] = {"robot.motor.delay": "25 ms", "robot.motor.lag": "50 ms"}
+REAL: dict[str, object] = {
     **LATE,
     "robot.motor.acceleration": 2000,
     "robot.motor.dead_zone": 1,
@@ -52,8 +53,8 @@ REAL = {
     "robot.slip": {"longitudinal": 0.02, "lateral": "20 ms"},
     "robot.integration": "exact",
 }
-PID = {"law": "pid", "gains": {"kp": 0.5, "ki": "0.1 1/s", "kd": "50 ms"}, "b_w": 180}
-FEEDBACK = {"law": "feedback", "b_w": 180}
+PID: dict[str, object] = {"law": "pid", "gains": {"kp": 0.5, "ki": 0.1, "kd": "50 ms"}, "b_w": 180}
+FEEDBACK: dict[str, object] = {"law": "feedback", "b_w": 180}
 OTHERS: dict[str, dict[str, object]] = {
     "hybrid, delay and lag": LATE,
     "hybrid, robot as it is": REAL,
@@ -105,13 +106,13 @@ def octave() -> Row:
 
 
 def seconds(action: Callable[[], object], repeats: int) -> float:
-    """The smallest of some runs, after one that may compile."""
+    """The smallest processor time of some runs, after one that may compile."""
     action()
     times = []
     for _ in range(repeats):
-        start = time.perf_counter()
+        start = time.process_time()
         action()
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     return min(times)
 
 

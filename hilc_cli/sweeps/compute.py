@@ -34,6 +34,7 @@ _LOOKED_AT, _MOST_VALUES = 16, 500
 # Orders of magnitude, on one core of a machine of 2023 [s]; docs/performance.md has measured ones.
 _PER_SAMPLE = 4e-9
 _PER_DISTURBED_SAMPLE = 2e-8
+_PER_PLANNED_SAMPLE = 1e-7
 _PER_LOOPED_SAMPLE = 1.5e-6
 _PER_CASE = 1e-4
 _PER_PROFILE = 0.03
@@ -241,8 +242,20 @@ def seconds_per_case(plan: Plan) -> float:
     per_sample = _PER_DISTURBED_SAMPLE if disturbed or varied else _PER_SAMPLE
     if not plan.in_lanes:
         per_sample = _PER_LOOPED_SAMPLE
+    elif _filters_passes(plan):
+        per_sample += _PER_PLANNED_SAMPLE
     per_case = _PER_CASE + _PER_PROFILE * profiles_per_case(plan)
     return per_case + per_sample * samples_per_case(plan)
+
+
+def _filters_passes(plan: Plan) -> bool:
+    """Whether the law of the first or the last case plans whole passes between them."""
+    for number in {0, len(plan.cases) - 1}:
+        with suppress(*CANNOT_BE_MADE):
+            (values,) = plan.cases.values(number, number + 1)
+            if Kind.of(plan.experiment(values)).planned:
+                return True
+    return False
 
 
 def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
