@@ -3,9 +3,11 @@
 Usage: python benchmarks/sweep.py [--most N] [--repeats N]
 
 101 iterations of 2000 samples of Eq. 17 on the circle. First an experiment in each engine, on one
-core unless the row says otherwise: the smallest of some short runs; the ratio to C is what carries
-over to other machines. Then whole sweeps by the command, from 100 cases to N (a million by default,
-which takes some minutes). Needs a C compiler, and GNU Octave for its row.
+core unless the row says otherwise: the smallest processor time of some short runs; the ratio to C
+is what carries over to other machines. Then other laws and robots as they are, beside the same C
+program, which has the paper's law and robot alone. Then whole sweeps by the command, from 100
+cases to N (a million by default, which takes some minutes), on the clock. Needs a C compiler, and
+GNU Octave for its row.
 """
 
 import argparse
@@ -26,7 +28,10 @@ import hilc_cli as hilc
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import simulate_batch
 from hilc_cli.engine.lanes.lanes import LANES
+from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.hybrid import HybridLaw
+from hilc_cli.laws.law import Law
+from hilc_cli.laws.pid import PidLaw
 from hilc_cli.workers.crews import available_cores
 
 FOLDER = Path(__file__).parent
@@ -38,6 +43,28 @@ HILC = (
     *(sys.executable, "-m", "hilc_cli", "sweep", "example:fig8a"),
     *("--vary", "controller.gains.l1=0.05:1", "--vary", "controller.gains.l2=0:1"),
 )
+LATE: dict[str, object] = {"robot.motor.delay": "25 ms", "robot.motor.lag": "50 ms"}
+REAL: dict[str, object] = {
+    **LATE,
+    "robot.motor.acceleration": 2000,
+    "robot.motor.dead_zone": 1,
+    "robot.wheel_radius.left": 0.2,
+    "robot.wheel_radius.right": 0.201,
+    "robot.slip": {"longitudinal": 0.02, "lateral": "20 ms"},
+    "robot.integration": "exact",
+}
+PID: dict[str, object] = {"law": "pid", "gains": {"kp": 0.5, "ki": 0.1, "kd": "50 ms"}, "b_w": 180}
+FEEDBACK: dict[str, object] = {"law": "feedback", "b_w": 180}
+OTHERS: dict[str, dict[str, object]] = {
+    "hybrid, delay and lag": LATE,
+    "hybrid, robot as it is": REAL,
+    "pid": {"controller": PID},
+    "pid, delay and lag": {"controller": PID, **LATE},
+    "pid, Q-filter": {"controller": {**PID, "cutoff": 5}},
+    "feedback": {"controller": FEEDBACK},
+    "feedback, delay and lag": {"controller": FEEDBACK, **LATE},
+}
+"""What is changed of the benchmark's scenario."""
 KINDS = {"uniform": "uniform", "normal": "truncated-normal"}
 
 
@@ -79,28 +106,38 @@ def octave() -> Row:
 
 
 def seconds(action: Callable[[], object], repeats: int) -> float:
-    """The smallest of some runs, after one that may compile."""
+    """The smallest processor time of some runs, after one that may compile."""
     action()
     times = []
     for _ in range(repeats):
-        start = time.perf_counter()
+        start = time.process_time()
         action()
-        times.append(time.perf_counter() - start)
+        times.append(time.process_time() - start)
     return min(times)
 
 
 def varied(experiment: Experiment, cases: int) -> list[Experiment]:
     """Experiments that differ in a gain; the first is the given one."""
     law = experiment.law
-    assert isinstance(law, HybridLaw)
-    return [replace(experiment, law=replace(law, l1=law.l1 + 0.001 * i)) for i in range(cases)]
+    laws: list[Law]
+    match law:
+        case HybridLaw():
+            laws = [replace(law, l1=law.l1 + 0.001 * i) for i in range(cases)]
+        case PidLaw():
+            laws = [replace(law, kp=law.kp + 0.001 * i) for i in range(cases)]
+        case FeedbackLaw():
+            laws = [replace(law, k_x=law.k_x + 0.001 * i) for i in range(cases)]
+        case _:
+            raise TypeError(f"no gain of {law} is known here")
+    return [replace(experiment, law=law) for law in laws]
 
 
-def batch(name: str, scenario: hilc.Scenario, repeats: int) -> Row:
+def batch(name: str, scenario: hilc.Scenario, repeats: int, own_references: bool = False) -> Row:
     """The batch engine, some packs of experiments."""
     cases = varied(scenario.experiment(), PACKS * LANES)
-    last = float(simulate_batch(cases).errors[0, -1])
-    return Row(name, seconds(lambda: simulate_batch(cases), repeats) / len(cases), last)
+    last = float(simulate_batch(cases, own_references).errors[0, -1])
+    taken = seconds(lambda: simulate_batch(cases, own_references), repeats)
+    return Row(name, taken / len(cases), last)
 
 
 def sweep(name: str, workers: int) -> Row:
@@ -166,9 +203,9 @@ def simulated(cases: list[Experiment], times: int) -> None:
         simulate_batch(cases)
 
 
-def noisy(distribution: str) -> hilc.Scenario:
-    """The benchmark's scenario with disturbed state and output."""
-    values: dict[str, object] = {"disturbance.seed": SEED}
+def noisy(distribution: str, changes: dict[str, object] | None = None) -> hilc.Scenario:
+    """The benchmark's scenario, or a changed one, with disturbed state and output."""
+    values: dict[str, object] = {**(changes or {}), "disturbance.seed": SEED}
     for name, bound in (("state", STATE_BOUND), ("output", OUTPUT_BOUND)):
         values[f"disturbance.{name}.bound"] = [bound] * 3
         values[f"disturbance.{name}.distribution"] = distribution
@@ -200,6 +237,18 @@ def noisy_rows(kind: str, repeats: int) -> Iterable[Row]:
     last = float(hilc.run(scenario).metrics["max_position_error_m"][-1])
     yield Row("loop engine", seconds(lambda: hilc.run(scenario), 1), last)
     yield batch("batch engine", scenario, repeats)
+    for name in ("hybrid, robot as it is", "pid", "feedback"):
+        yield batch(f"batch engine, {name}", noisy(KINDS[kind], OTHERS[name]), repeats)
+
+
+def other_rows(repeats: int) -> Iterable[Row]:
+    """Other laws and robots, beside the paper's."""
+    yield Row("scalar C, the paper's", *scalar_c(repeats))
+    scenario = hilc.load_scenario("example:fig8a")
+    yield batch("Eq. 17", scenario, repeats)
+    yield batch("Eq. 17, references of their own", scenario, repeats, own_references=True)
+    for name, changes in OTHERS.items():
+        yield batch(name, hilc.load_scenario("example:fig8a", changes), repeats)
 
 
 def show(title: str, rows: Iterable[Row]) -> None:
@@ -221,6 +270,7 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=10)
     given = parser.parse_args()
     show("no disturbance", quiet_rows(given.repeats))
+    show("other laws and robots", other_rows(given.repeats))
     for kind, distribution in KINDS.items():
         show(f"state and output, {distribution}", noisy_rows(kind, given.repeats))
     growth(given.most)

@@ -22,6 +22,48 @@ from hilc_cli.yaml_input.quantities import (
 )
 
 
+def tracking_twist(
+    k_x: float,
+    k_y: float,
+    k_theta: float,
+    speed: float,
+    yaw_rate: float,
+    cos_heading: Number,
+    sin_heading: Number,
+    error_x: Number,
+    error_y: Number,
+    cos_error: Number,
+    sin_error: Number,
+) -> tuple[Number, Number]:
+    """Forward speed [m/s] and yaw rate [rad/s] that lead back to the reference.
+
+    Args:
+        k_x: Gain of the error ahead [1/s].
+        k_y: Gain of the error aside [rad/m^2].
+        k_theta: Gain of the error of the heading [rad/m].
+        speed: Of the reference [m/s], negative where it drives backward.
+        yaw_rate: Of the reference [rad/s].
+        cos_heading: Cosine of the measured heading.
+        sin_heading: Its sine.
+        error_x: Measured error [m].
+        error_y: Measured error [m].
+        cos_error: Cosine of the measured heading error.
+        sin_error: Its sine.
+
+    Source:
+        Kanayama, Kimura, Miyazaki and Noguchi 1990, A stable tracking control method for an
+        autonomous mobile robot.
+    """
+    ahead = cos_heading * error_x + sin_heading * error_y
+    aside = cos_heading * error_y - sin_heading * error_x
+    # Backward, a heading error is turned back all the same.
+    k_theta = math.copysign(k_theta, speed)
+    return (
+        speed * cos_error + k_x * ahead,
+        yaw_rate + speed * (k_y * aside + k_theta * sin_error),
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class FeedbackLaw:
     """The tracking controller of Kanayama et al. 1990; iterations do not depend on each other.
@@ -41,6 +83,10 @@ class FeedbackLaw:
     k_y: float
     k_theta: float
     model: Robot
+
+    def lane_parameters(self) -> FeedbackLaw:
+        """Returns what the batch engine runs: the law itself."""
+        return self
 
     def learner(self, task: Task) -> Learner:
         """The law, which will learn nothing."""
@@ -77,17 +123,10 @@ class FeedbackLaw:
             heading: Cosine and sine of the measured heading.
             error: Measured error in x and y [m].
             turned: Cosine and sine of the measured heading error.
-
-        Source:
-            Kanayama, Kimura, Miyazaki and Noguchi 1990, A stable tracking control method for an
-            autonomous mobile robot.
         """
-        (cos, sin), (error_x, error_y), (v_r, w_r) = heading, error, twist
-        ahead, aside = cos * error_x + sin * error_y, cos * error_y - sin * error_x
-        speed = v_r * turned[0] + self.k_x * ahead
-        # Backward, a heading error is turned back all the same.
-        k_theta = math.copysign(self.k_theta, v_r)
-        yaw_rate = w_r + v_r * (self.k_y * aside + k_theta * turned[1])
+        speed, yaw_rate = tracking_twist(
+            self.k_x, self.k_y, self.k_theta, *twist, *heading, *error, *turned
+        )
         model = self.model
         return wheel_speeds_from_twist(speed, yaw_rate, model.wheel_radius, model.signed_half_track)
 
@@ -123,6 +162,11 @@ class FeedbackController(Controller):
     law: Literal["feedback"]
     gains: FeedbackGains = FeedbackGains()
     b_w: SpeedLimit = None
+
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine knows the law."""
+        return True
 
     def law_for(self, setting: Setting) -> FeedbackLaw:
         """The law for the engines."""

@@ -15,6 +15,7 @@ from hilc_cli.laws.gain_matrix import (
     GainMatrix,
     GainMatrixChoice,
     GainsAlong,
+    PastErrors,
     corrected_plan,
     gain_matrix,
     matrix_misfits,
@@ -22,7 +23,7 @@ from hilc_cli.laws.gain_matrix import (
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
 from hilc_cli.laws.parameters import Setting, SpeedLimit, default_length, length_misfits
 from hilc_cli.laws.safety_net import WithSafetyNet
-from hilc_cli.plants.kinematic import Robot
+from hilc_cli.plants.kinematic import Number, Robot
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.yaml_input.model import Located, Model, valid
 from hilc_cli.yaml_input.quantities import (
@@ -53,8 +54,19 @@ def rectifying_pulse(h: int, steps: int, sample_time: float) -> Floats:
         Sun and Wang 2002, Iterative learning control with initial rectifying action, Automatica
         38, 1177-1182; Eq. 22 of Qiao et al. 2021 is the same pulse, taken at the samples.
     """
-    middle = np.arange(steps) + 0.5
-    return 2 / (sample_time * h) * np.maximum(1 - middle / h, 0.0)
+    return pulse_at(np.arange(steps, dtype=np.float64) + 0.5, 2 / (sample_time * h), h)
+
+
+def pulse_at(middle: Number, peak: float, h: float) -> Number:
+    """`rectifying_pulse` at the middle of a sample.
+
+    Args:
+        middle: Where that is, in samples.
+        peak: Of the pulse: 2 / T, in any unit.
+        h: Length of the pulse in samples.
+    """
+    pulse: Number = peak * np.maximum(1 - middle / h, 0.0)
+    return pulse
 
 
 class LowPass:
@@ -126,7 +138,14 @@ def weighted_error(
         rate = np.diff(error, axis=0) / sample_time
         if pulse is not None:
             rate += np.multiply.outer(pulse, error[0])
-    return kp * error[1:] + ki * total + kd * rate
+    return combined(kp, error[1:], ki, total, kd, rate)
+
+
+def combined(
+    kp: float, ahead: Number, ki: float, total: Number | float, kd: float, rate: Number | float
+) -> Number:
+    """w(k) of e(k+1), the sum of the error up to it, and its rate; units are the caller's."""
+    return kp * ahead + ki * total + kd * rate
 
 
 def next_error_gain(gains: tuple[float, float, float], sample_time: float) -> float:
@@ -183,11 +202,17 @@ class PidLaw:
             return None
         return rectifying_pulse(self.rectifying, steps, sample_time)
 
+    def lane_parameters(self) -> PidLaw:
+        """Returns what the batch engine runs: the law itself."""
+        return self
+
+    def smoothing(self, sample_time: float) -> Smoothing | None:
+        """The Q-filter for d_t [s]; None for none."""
+        return None if self.cutoff is None else LowPass(self.cutoff, sample_time)
+
     def learner(self, task: Task) -> Learner:
         """The law at the start of an experiment."""
-        smoothed: Smoothing | None = None
-        if self.cutoff is not None:
-            smoothed = LowPass(self.cutoff, task.reference.sample_time)
+        smoothed = self.smoothing(task.reference.sample_time)
         return LastIteration(task, lambda last: self.plan(last, task, smoothed))
 
     def plan(self, previous: Iteration, task: Task, smoothed: Smoothing | None = None) -> Plan:
@@ -199,6 +224,21 @@ class PidLaw:
             smoothed: The Q-filter; None for none.
         """
         reference = task.reference
+        left, right, past = self.known_before(previous, task, smoothed)
+        gains = GainsAlong.same(self.matrix, reference.samples)
+        return corrected_plan(gains, (left, right), past, self.gain_heading, previous, reference)
+
+    def known_before(
+        self, previous: Iteration, task: Task, smoothed: Smoothing | None
+    ) -> tuple[Floats, Floats, PastErrors]:
+        """Returns what of the next iteration is known before it runs, through the Q-filter.
+
+        All of it is linear in the wheels' speeds, so that these may be any mixtures of them.
+
+        Returns:
+            The wheels' speeds to be corrected [rad/s] and the weighted errors, shape (n,) each.
+        """
+        reference = task.reference
         left = self._remembered(previous.left, task.initial_left)
         right = self._remembered(previous.right, task.initial_right)
         pulse = self.pulse(reference.samples, reference.sample_time)
@@ -208,8 +248,7 @@ class PidLaw:
         ]
         if smoothed is not None:
             left, right, *past = smoothed(np.stack([left, right, *past]))
-        gains = GainsAlong.same(self.matrix, reference.samples)
-        return corrected_plan(gains, (left, right), past, self.gain_heading, previous, reference)
+        return left, right, past
 
     def _remembered(self, learned: Floats, initial: Floats) -> Floats:
         if self.forgetting == 0:
@@ -262,6 +301,11 @@ class PidController(WithSafetyNet):
     def misfits_on(self, reference: Reference) -> list[Located]:
         """What is too long or too fast for a trajectory."""
         return [*length_misfits(self.h, reference), *_cutoff_misfits(self.cutoff, reference)]
+
+    @property
+    def in_lanes(self) -> bool:
+        """Whether the batch engine knows the law."""
+        return not self.safety_net
 
     def law_for(self, setting: Setting) -> PidLaw:
         """The law for the engines."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +26,51 @@ class Slip:
 
 
 IDEAL_MOTOR, NO_SLIP = Motor(), Slip()
+
+
+class LaneWheels(NamedTuple):
+    """What the batch engine runs between the wheel speeds that are sent and the motion.
+
+    Attributes:
+        left_gain: What the left wheel's turn moves the wheel midpoint [m/rad].
+        right_gain: Likewise the right wheel's.
+        per_half_track: By which the difference of both ways turns the platform [rad/m].
+        drift_gain: See `drift_out_of_bend`; 0 for none.
+        exact: Whether the platform moves on an arc in each sample.
+        whole: Samples until an input begins to arrive.
+        fraction: Share of a sample that it arrives later.
+        dead_zone: See `wheel_turn`, as the next ones.
+        followed: Likewise.
+        most: Likewise.
+        lag: Likewise.
+    """
+
+    left_gain: float
+    right_gain: float
+    per_half_track: float
+    drift_gain: float
+    exact: bool
+    whole: int
+    fraction: float
+    dead_zone: float
+    followed: float
+    most: float
+    lag: float
+
+    @property
+    def is_late(self) -> bool:
+        """Whether inputs arrive late."""
+        return self.whole > 0 or self.fraction > 0
+
+    @property
+    def has_motors(self) -> bool:
+        """Whether wheels do not turn at once as fast as what has arrived."""
+        return self.lag > 0 or self.dead_zone > 0 or math.isfinite(self.most)
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether the platform moves otherwise than straight ahead in each sample."""
+        return self.exact or self.drift_gain > 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +157,29 @@ class Drivetrain:
         wheels = self.inputs_for(left, right, wheel_radius, sample_time)
         left, right = map(self.motor.against_friction, wheels)
         return left, right
+
+    def lane_wheels(self, signed_half_track: float, exact: bool, sample_time: float) -> LaneWheels:
+        """Returns the wheels of a platform for the batch engine.
+
+        Args:
+            signed_half_track: B_c [m].
+            exact: Whether it moves on an arc in each sample.
+            sample_time: d_t [s].
+        """
+        motor, slip = self.motor, self.slip
+        half = (1 - slip.longitudinal) / 2
+        return LaneWheels(
+            half * self.left_radius,
+            half * self.right_radius,
+            1 / signed_half_track,
+            slip.lateral / sample_time,
+            exact,
+            *motor.samples_late(sample_time),
+            motor.dead_zone,
+            motor.followed(sample_time),
+            motor.acceleration * sample_time,
+            motor.lag,
+        )
 
     def effective_limit(self, speed_limit: float, wheel_radius: float) -> float:
         """Returns the effective speed [rad/s] that either wheel can have within a speed limit."""

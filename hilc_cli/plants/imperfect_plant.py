@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from hilc_cli.plants.drivetrain import Drivetrain
+from hilc_cli.plants.drivetrain import Drivetrain, LaneWheels
 from hilc_cli.plants.kinematic import Robot, drifting_step
 from hilc_cli.plants.plant import Plant, Pose, Step
 
@@ -42,14 +42,39 @@ class ImperfectPlant(Plant):
             x, y, heading = pose
             left_way, right_way = left_gain * left_wheel(left), right_gain * right_wheel(right)
             distance, turn = left_way + right_way, (left_way - right_way) / half_track
-            drift_left = -drift_gain * distance * turn
+            drift_left = drift_out_of_bend(distance, turn, drift_gain)
             # On an arc the platform moves along its chord, which is shorter and turned half way.
             middle = turn / 2 if exact else 0.0
             if not math.isfinite(heading + middle):
                 middle = 0.0  # the pose is infinite in any case
-            chord = math.sin(middle) / middle if middle else 1.0
+            chord = chord_per_arc(middle, math.sin(middle))
             cos, sin = math.cos(heading + middle), math.sin(heading + middle)
             ahead, left_over = chord * distance, chord * drift_left
             return drifting_step(x, y, heading, cos, sin, ahead, turn, 0.0, left_over, 0.0)
 
         return step
+
+    def lane_wheels(self, sample_time: float) -> LaneWheels:
+        """Returns all that there is of wheels, motors and tyres."""
+        return self.drivetrain.lane_wheels(self.robot.signed_half_track, self.exact, sample_time)
+
+
+def drift_out_of_bend(distance: float, turn: float, drift_gain: float) -> float:
+    """How far the platform slides to its left in a sample [m].
+
+    Args:
+        distance: That it rolls ahead [m].
+        turn: By which it turns [rad].
+        drift_gain: Lateral slip by the sample time [1/rad].
+    """
+    return -drift_gain * distance * turn
+
+
+def chord_per_arc(half_turn: float, sin_half_turn: float) -> float:
+    """Length of an arc's chord by that of the arc.
+
+    Args:
+        half_turn: Half the angle by which the arc turns [rad].
+        sin_half_turn: Its sine, computed by the caller its own way.
+    """
+    return sin_half_turn / half_turn if half_turn else 1.0

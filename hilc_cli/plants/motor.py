@@ -84,6 +84,38 @@ class Motor:
         return early + fraction * _later(driving, whole + 1) if fraction else early
 
 
+def wheel_turn(
+    driving: float,
+    speed: float,
+    dead_zone: float,
+    followed: float,
+    most: float,
+    lag: float,
+    sample_time: float,
+) -> tuple[float, float]:
+    """How far a wheel turns in a sample [rad], and how fast it turns at its end [rad/s].
+
+    Args:
+        driving: What has arrived [rad/s], the mean over the sample.
+        speed: At which it turns at the start [rad/s].
+        dead_zone: What friction takes [rad/s], >= 0.
+        followed: Share of a change that it follows in one sample, see `Motor.followed`.
+        most: That its speed can change in one sample [rad/s]; infinity for no limit.
+        lag: Time constant [s], >= 0.
+        sample_time: d_t [s].
+    """
+    # What is no number stays none.
+    left = 0.0 if abs(driving) <= dead_zone else driving - math.copysign(dead_zone, driving)
+    change = followed * (left - speed)
+    if abs(change) > most:
+        change = math.copysign(most, change)
+        way = sample_time * (speed + change / 2)
+    else:
+        # The integral of speed + (driving - speed) (1 - exp(-t / lag)).
+        way = sample_time * left - lag * change
+    return way, speed + change
+
+
 class Wheel:
     """A wheel that begins at rest, with nothing sent to it.
 
@@ -113,19 +145,15 @@ class Wheel:
         arrived = self._under_way.popleft() if is_full else 0.0
         driving = self._fraction * self._before + (1 - self._fraction) * arrived
         self._before = arrived
-        if abs(driving) <= self._dead_zone:
-            driving = 0.0
-        else:  # what is no number stays none
-            driving -= math.copysign(self._dead_zone, driving)
-        speed = self._speed
-        change = self._followed * (driving - speed)
-        if abs(change) > self._most:
-            change = math.copysign(self._most, change)
-            way = self._sample_time * (speed + change / 2)
-        else:
-            # The integral of speed + (driving - speed) (1 - exp(-t / lag)).
-            way = self._sample_time * driving - self._lag * change
-        self._speed = speed + change
+        way, self._speed = wheel_turn(
+            driving,
+            self._speed,
+            self._dead_zone,
+            self._followed,
+            self._most,
+            self._lag,
+            self._sample_time,
+        )
         return way
 
     @property

@@ -150,7 +150,8 @@ class RobotSpec(Model):
     @property
     def in_lanes(self) -> bool:
         """Whether the batch engine can move the plant."""
-        return self.as_plant().lane_gains(1.0) is not None
+        plant = self.as_plant()
+        return plant.lane_gains(1.0) is not None or plant.lane_wheels(1.0) is not None
 
     def resolved(self) -> dict[str, Any]:
         """Returns the parameters as plain data with every default and relation filled in."""

@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 
+from hilc_cli.plants.drivetrain import LaneWheels
 from hilc_cli.plants.kinematic import Linearisation, Robot
 from hilc_cli.reference.sampled import Floats
 
@@ -73,5 +74,15 @@ class Plant(ABC):
         Returns:
             Distance per sum of the wheel speeds [m s] and turn per difference [s], as `advance`
             of the kinematic platform takes what comes of them.
+        """
+        return None
+
+    def lane_wheels(self, sample_time: float) -> LaneWheels | None:
+        """Returns what the batch engine may put between wheel speeds and motion; None for nothing.
+
+        A plant that offers it needs no `lane_gains`.
+
+        Args:
+            sample_time: d_t [s].
         """
         return None

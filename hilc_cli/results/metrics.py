@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.names import Named
 from hilc_cli.reference.sampled import Floats, Reference
@@ -56,8 +57,8 @@ class Sums(NamedTuple):
     """Iterations as metrics in the batch engine see them: an iteration of each case.
 
     Attributes:
-        samples: n, the same for all cases.
-        largest_square: Largest squared position error [m^2], shape (cases,), as all others.
+        samples: n, shape (cases,), as all others.
+        largest_square: Largest squared position error [m^2].
         errors: Sum of the position errors at samples 0..n [m].
         squares: Sum of their squares [m^2].
         largest_x: Largest absolute error in x [m].
@@ -72,7 +73,7 @@ class Sums(NamedTuple):
         final_error: Position error at sample n [m].
     """
 
-    samples: int
+    samples: NDArray[np.int64]
     largest_square: Floats
     errors: Floats
     squares: Floats

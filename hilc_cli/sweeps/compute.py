@@ -13,8 +13,8 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import BatchResult, is_compiled, simulate_batch, simulate_many
+from hilc_cli.engine.lanes.kinds import Kind, knows
 from hilc_cli.engine.lanes.lanes import LANES
-from hilc_cli.engine.lanes.packs import Kind, knows
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, METRICS
@@ -34,6 +34,7 @@ _LOOKED_AT, _MOST_VALUES = 16, 500
 # Orders of magnitude, on one core of a machine of 2023 [s]; docs/performance.md has measured ones.
 _PER_SAMPLE = 4e-9
 _PER_DISTURBED_SAMPLE = 2e-8
+_PER_PLANNED_SAMPLE = 1e-7
 _PER_LOOPED_SAMPLE = 1.5e-6
 _PER_CASE = 1e-4
 _PER_PROFILE = 0.03
@@ -172,10 +173,11 @@ def crew_for(plan: Plan, cases: int, how: Execution) -> Crew[Chunk, ChunkResult]
 def compile_for(plan: Plan, on_compile: Callable[[], None]) -> None:
     """Compiles here, and tells of it, what all workers would otherwise compile in silence."""
     looked_at = _some_experiments(plan) if plan.in_lanes else []
-    if looked_at and not is_compiled(looked_at):
+    if looked_at and not is_compiled(looked_at, plan.own_references):
         on_compile()
+        short = [replace(experiment, iterations=0) for experiment in looked_at]
         with suppress(Exception):  # what cannot be run is told when its case is computed
-            simulate_batch([replace(experiment, iterations=0) for experiment in looked_at])
+            simulate_batch(short, plan.own_references)
 
 
 def _some_experiments(plan: Plan) -> list[Experiment]:
@@ -202,7 +204,7 @@ def _some_experiments(plan: Plan) -> list[Experiment]:
 def samples_per_case(plan: Plan) -> float:
     """Samples of all iterations of a case, on average; of many cases estimated from some."""
     spec = plan.scenario.spec
-    keys = [key for key in plan.axes if key == "iterations" or changes_path(spec, key)]
+    keys = [key for key in plan.axes if key == "iterations" or key in plan.changes_path]
     cases = plan.cases
     if cases.sampling == "grid":
         # The other keys only repeat the combinations of these.
@@ -240,8 +242,20 @@ def seconds_per_case(plan: Plan) -> float:
     per_sample = _PER_DISTURBED_SAMPLE if disturbed or varied else _PER_SAMPLE
     if not plan.in_lanes:
         per_sample = _PER_LOOPED_SAMPLE
+    elif _filters_passes(plan):
+        per_sample += _PER_PLANNED_SAMPLE
     per_case = _PER_CASE + _PER_PROFILE * profiles_per_case(plan)
     return per_case + per_sample * samples_per_case(plan)
+
+
+def _filters_passes(plan: Plan) -> bool:
+    """Whether the law of the first or the last case plans whole passes between them."""
+    for number in {0, len(plan.cases) - 1}:
+        with suppress(*CANNOT_BE_MADE):
+            (values,) = plan.cases.values(number, number + 1)
+            if Kind.of(plan.experiment(values)).planned:
+                return True
+    return False
 
 
 def cases_per_chunk(plan: Plan, cases: int, workers: int) -> int:
@@ -270,12 +284,12 @@ def run_chunk(plan: Plan, chunk: Chunk, go_on: Callable[[], None] = lambda: None
         if not experiments:
             continue
         try:
-            result = simulate_many(list(experiments.values()))
+            result = simulate_many(list(experiments.values()), plan.own_references)
         except Exception:
-            failures += _left_out(experiments)
+            failures += _left_out(experiments, plan.own_references)
             if not experiments:
                 continue
-            result = simulate_many(list(experiments.values()))
+            result = simulate_many(list(experiments.values()), plan.own_references)
         numbers = np.array(list(experiments)) - chunk.first
         iterations = np.array([experiment.iterations for experiment in experiments.values()])
         found.rows[numbers] = _rows(result, iterations, plan.spec.tolerance)
@@ -304,13 +318,14 @@ def _values(plan: Plan, chunk: Chunk) -> list[dict[str, Value]]:
     return [dict(zip(plan.axes, values, strict=True)) for values in chunk.values]
 
 
-def _left_out(experiments: dict[int, Experiment]) -> list[Failure]:
+def _left_out(experiments: dict[int, Experiment], own_references: bool) -> list[Failure]:
     """Takes out those that cannot be run, whatever the reason: the others are to go on."""
     failures = []
     for case, experiment in list(experiments.items()):
         try:
             # In lanes what fails does so at the start; other laws may fail at any time.
-            simulate_many([replace(experiment, iterations=0) if knows(experiment) else experiment])
+            short = replace(experiment, iterations=0) if knows(experiment) else experiment
+            simulate_many([short], own_references)
         except Exception as error:
             failures.append(Failure(Chunk(case, case + 1), f"{type(error).__name__}: {error}"))
             del experiments[case]

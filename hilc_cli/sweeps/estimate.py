@@ -85,7 +85,7 @@ def _seconds_per_sample(plan: Plan) -> float:
     steps = made[0].reference.samples
     short = max(1, min(made[0].iterations, _TRIAL_SAMPLES // steps))
     trial = [replace(experiment, iterations=short) for experiment in made]
-    simulate_many(trial)
+    simulate_many(trial, plan.own_references)
     start = time.perf_counter()
-    simulate_many(trial)
+    simulate_many(trial, plan.own_references)
     return (time.perf_counter() - start) / (side_by_side * steps * (short + 1))

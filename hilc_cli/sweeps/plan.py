@@ -19,6 +19,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import HilcError, InvalidInputError
 from hilc_cli.numba_loading import DISABLED
 from hilc_cli.reference.sampled import Floats
@@ -54,6 +55,9 @@ CANNOT_BE_MADE = (HilcError, ValueError, ArithmeticError)
 """What making the experiment of a case raises if its values do not fit together."""
 _MOST_SAMPLES = 1_000_000
 """The most samples of all trajectories that are kept for the cases to come."""
+
+_FULL = 0.8
+"""Share of lanes that cases on the same trajectory have to fill, to share them."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,6 +103,31 @@ class Plan:
                 # Of which one value may make another plant or law than another.
                 specs += [self.case({key: end}).spec for end in axis.ends]
         return all(spec.in_lanes for spec in specs) and not DISABLED
+
+    @cached_property
+    def changes_path(self) -> Sequence[str]:
+        """Keys on which the reference of a case may depend."""
+        base = self.scenario.spec
+        specs = [base.model_copy(update={TRAJECTORY: path}) for path in self.trajectories.values()]
+        return [
+            key for key in self.axes if any(changes_path(spec, key) for spec in specs or [base])
+        ]
+
+    @cached_property
+    def own_references(self) -> bool:
+        """Whether each lane of the batch engine gets a reference of its own.
+
+        It does where cases next to each other are on different trajectories: too few on the same
+        one would share lanes. It follows from the plan alone, since last digits depend on it.
+        """
+        keys = self.changes_path
+        if not keys:
+            return False
+        if self.cases.sampling != "grid":
+            return True
+        last = max(list(self.axes).index(key) for key in keys)
+        alike = math.prod(self.cases.shape[last + 1 :])
+        return alike < _FULL * LANES * math.ceil(alike / LANES)
 
     @property
     def path_size(self) -> float:

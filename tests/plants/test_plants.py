@@ -15,7 +15,7 @@ import pytest
 import hilc_cli as hilc_api
 from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.lanes.batch import simulate_many
-from hilc_cli.engine.lanes.packs import knows
+from hilc_cli.engine.lanes.kinds import knows
 from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import InvalidInputError
 from hilc_cli.plants.kinematic import Robot

@@ -24,13 +24,18 @@ LAW = {"law": "pid", "gains": {"kp": 0.5, "kd": 0.1}, "cutoff": 2}
 @pytest.fixture
 def plan(write: Write) -> Plan:
     write()
-    changes = {"controller": LAW, "disturbance.output.bound": [0.01, 0.01, 0.01]}
+    changes = {
+        "controller": LAW,
+        "disturbance.output.bound": [0.01, 0.01, 0.01],
+        "model.motor.delay": 0.05,  # behind which no law runs in lanes
+    }
     vary = {"iterations": [0, 30], "controller.gains.kd": [0.1, 0.5, 1e9]}
     scenario = hilc_api.load_scenario("scenario.yaml", changes)
     return hilc_api.plan_sweep(scenario, vary, tolerance=0.6, bands=True)
 
 
 def test_rows_are_those_of_single_runs(plan: Plan) -> None:
+    assert not plan.in_lanes
     result = run_chunk(plan, Chunk(0, 6))
     for case, values in enumerate(plan.cases.values(0, 6)):
         found = hilc_api.run(plan.case(values))
@@ -76,7 +81,7 @@ def test_case_whose_law_fails_on_the_way_leaves_the_others(
 
     def experiment(self: Scenario) -> Experiment:
         found = made(self)
-        return replace(found, law=Failing(found)) if found.law.kd == 0.5 else found  # type: ignore[attr-defined]
+        return replace(found, law=Failing(found)) if found.law.law.kd == 0.5 else found  # type: ignore[attr-defined]
 
     monkeypatch.setattr(Scenario, "experiment", experiment)
     result = run_chunk(plan, Chunk(0, 6))

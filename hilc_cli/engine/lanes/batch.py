@@ -15,14 +15,18 @@ from numpy.typing import NDArray
 from hilc_cli.compiling import is_at_hand
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.iterations import run_iterations
+from hilc_cli.engine.lanes.kinds import Kind, knows
 from hilc_cli.engine.lanes.lanes import LANES, SUM_ROWS
-from hilc_cli.engine.lanes.packs import NEVER as NEVER, Kind, Pack, knows
+from hilc_cli.engine.lanes.packs import NEVER as NEVER, Pack
 from hilc_cli.engine.loop import MeasuredTrials
+from hilc_cli.laws.pid import PidLaw
 from hilc_cli.numba_loading import typeof
-from hilc_cli.reference.sampled import Floats
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import MAX_ERROR, METRICS, Sums, metrics_of_sums
 
 Integers = NDArray[np.int64]
+_NO_END = 2**62
+"""A number of iterations that nobody runs."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +46,7 @@ class BatchResult:
     diverged_at: Integers
 
 
-def simulate_batch(experiments: Sequence[Experiment]) -> BatchResult:
+def simulate_batch(experiments: Sequence[Experiment], own_references: bool = False) -> BatchResult:
     """Runs experiments side by side.
 
     Experiments that share their reference, law and kinds of disturbance share vector lanes;
@@ -50,7 +54,8 @@ def simulate_batch(experiments: Sequence[Experiment]) -> BatchResult:
     The result of an experiment does not depend on which others are run with it.
 
     Args:
-        experiments: At least one, each with the hybrid law.
+        experiments: At least one, each with a law and a plant that this engine knows.
+        own_references: Whether lanes have references of their own, see `simulate_many`.
 
     Raises:
         UsageError: An experiment has a law that this engine does not know.
@@ -60,9 +65,8 @@ def simulate_batch(experiments: Sequence[Experiment]) -> BatchResult:
     final = np.empty((cases, len(METRICS)))
     errors = np.empty((cases, most + 1))
     diverged_at = np.empty(cases, dtype=np.int64)
-    for kind, members in groups(experiments):
-        reference = experiments[members[0]].reference
-        pack = Pack(reference, kind)
+    for kind, members in groups(experiments, own_references):
+        pack = Pack(_longest(experiments, members), kind)
         sums = np.empty((SUM_ROWS, len(members)))
         noted = np.empty((most + 1, LANES))
         for first in range(0, len(members), LANES):
@@ -72,14 +76,21 @@ def simulate_batch(experiments: Sequence[Experiment]) -> BatchResult:
             sums[:, first : first + used] = pack.sums.reshape(-1, LANES)[:, :used]
             errors[numbers] = noted[:, :used].T
             diverged_at[numbers] = pack.diverged_at[:used]
-        final[members] = metrics_of_sums(Sums(reference.samples, *sums))
+        samples = np.array([experiments[number].reference.samples for number in members])
+        final[members] = metrics_of_sums(Sums(samples, *sums))
     return BatchResult(final, errors, diverged_at)
 
 
-def simulate_many(experiments: Sequence[Experiment]) -> BatchResult:
+def simulate_many(experiments: Sequence[Experiment], own_references: bool = False) -> BatchResult:
     """Runs experiments of any laws, at least one.
 
     The result of an experiment does not depend on which others are run with it.
+
+    Args:
+        experiments: What to run.
+        own_references: Whether lanes have references of their own, so that experiments on many
+            trajectories share them. That takes longer for those that share their trajectory, and
+            changes last digits: whoever compares results decides it for all of them.
     """
     cases = len(experiments)
     most = max(experiment.iterations for experiment in experiments)
@@ -90,7 +101,7 @@ def simulate_many(experiments: Sequence[Experiment]) -> BatchResult:
     )
     in_lanes = [number for number, each in enumerate(experiments) if knows(each)]
     if in_lanes:
-        batch = simulate_batch([experiments[number] for number in in_lanes])
+        batch = simulate_batch([experiments[number] for number in in_lanes], own_references)
         result.final[in_lanes] = batch.final
         result.errors[in_lanes, : batch.errors.shape[1]] = batch.errors
         result.diverged_at[in_lanes] = batch.diverged_at
@@ -109,34 +120,58 @@ def _one(experiment: Experiment, result: BatchResult, number: int) -> None:
         result.diverged_at[number] = trials.diverged_at
 
 
-def groups(experiments: Sequence[Experiment]) -> Iterator[tuple[Kind, list[int]]]:
-    """Numbers of the experiments that can share lanes, and their kind."""
-    found: dict[tuple[int, Kind], list[int]] = {}
+def groups(
+    experiments: Sequence[Experiment], own_references: bool = False
+) -> Iterator[tuple[Kind, list[int]]]:
+    """Numbers of the experiments that can share lanes, and their kind; the shortest first."""
+    found: dict[tuple[float, Kind], list[int]] = {}
     for number, experiment in enumerate(experiments):
-        key = id(experiment.reference), Kind.of(experiment)
-        found.setdefault(key, []).append(number)
+        reference = experiment.reference
+        shared = reference.sample_time if own_references else id(reference)
+        found.setdefault((shared, Kind.of(experiment, own_references)), []).append(number)
     for (_, kind), members in found.items():
-        yield kind, members
+        yield kind, sorted(members, key=lambda number: experiments[number].reference.samples)
+
+
+def _longest(experiments: Sequence[Experiment], numbers: Sequence[int]) -> Reference:
+    """The reference with the most samples."""
+    return max((experiments[number].reference for number in numbers), key=lambda r: r.samples)
 
 
 def _run(pack: Pack, experiments: Sequence[Experiment], errors: Floats) -> None:
     """Runs all iterations; lanes that have diverged are run again up to where they did."""
     pack.fill(experiments)
     errors[:] = np.nan
-    run_iterations(*arguments(pack, errors))
+    _run_passes(pack, errors)
     gone = pack.diverged_at != NEVER
     if gone.any():
         sums, diverged_at = pack.sums.reshape(-1, LANES).copy(), pack.diverged_at.copy()
         pack.restart(experiments)
         pack.last[:] = np.where(gone, diverged_at - 1, NEVER)
-        run_iterations(*arguments(pack, errors))
+        _run_passes(pack, errors)
         again = pack.sums.reshape(-1, LANES)
         again[:, ~gone] = sums[:, ~gone]
         pack.diverged_at[:] = diverged_at
 
 
+def _run_passes(pack: Pack, errors: Floats) -> None:
+    """Runs iterations as long as any lane goes on; where passes are planned, one at a time."""
+    values = arguments(pack, errors)
+    if not pack.kind.planned:
+        run_iterations(*values, 0, _NO_END)
+        return
+    goes_on, iteration = True, 0
+    while goes_on:
+        pack.plan(iteration)
+        goes_on = run_iterations(*values, iteration, iteration + 1)
+        iteration += 1
+
+
 def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
-    """The arguments of `run_iterations`: None for what the machine code is to be without."""
+    """The arguments of `run_iterations` but for which to run.
+
+    None stands for what the machine code is to be without.
+    """
     kind, heading = pack.kind, pack.kind.gain_heading
     return (
         pack.lanes,
@@ -147,7 +182,8 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
         pack.sums,
         pack.last,
         pack.diverged_at,
-        *pack.desired,
+        *pack.reached,
+        pack.tracks,
         pack.decay,
         pack.directions,
         kind.derivative or None,
@@ -155,6 +191,13 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
         (kind.disturbed or heading != "measured") or None,
         (heading == "reference") or None,
         (heading == "previous") or None,
+        pack.planned,
+        (kind.law is PidLaw and not kind.planned) or None,
+        kind.rectifying or None,
+        pack.twists,
+        pack.late,
+        pack.late_alike,
+        kind.wheels or 0,
         kind.disturbed or None,
         kind.drawn or None,
         kind.learn_in_first,
@@ -164,7 +207,7 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
     )
 
 
-def is_compiled(experiments: Sequence[Experiment]) -> bool:
+def is_compiled(experiments: Sequence[Experiment], own_references: bool = False) -> bool:
     """Whether `simulate_batch` could run these experiments without compiling anything.
 
     Compiling takes seconds and is done once for each law and kind of disturbance; the code is kept
@@ -175,8 +218,8 @@ def is_compiled(experiments: Sequence[Experiment]) -> bool:
         UsageError: An experiment has a law that the batch engine does not know.
     """
     signatures = set()
-    for kind, members in groups(experiments):
+    for kind, members in groups(experiments, own_references):
         pack = Pack(experiments[members[0]].reference, kind)
-        values = arguments(pack, np.empty((1, LANES)))
+        values = *arguments(pack, np.empty((1, LANES))), 0, _NO_END
         signatures.add(tuple(map(typeof, values)))
     return all(is_at_hand(run_iterations, signature) for signature in signatures)

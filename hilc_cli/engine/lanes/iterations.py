@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hilc_cli.disturbance.streams import Stream, Words as WordArray
 from hilc_cli.engine.lanes.kernel import (
@@ -18,6 +17,7 @@ from hilc_cli.engine.lanes.kernel import (
     HEADING,
     HEADING_GAINS,
     INITIAL,
+    KEPT,
     LARGEST,
     LARGEST_SQUARE,
     LATER_SQUARE,
@@ -30,6 +30,8 @@ from hilc_cli.engine.lanes.kernel import (
     SATURATED,
     SHIFTED,
     SQUARE_SUM,
+    TOTAL,
+    Integers,
     M,
     W,
     X,
@@ -40,12 +42,12 @@ from hilc_cli.engine.lanes.kernel import (
 from hilc_cli.engine.lanes.lanes import SUM_ROWS, Field, Noise, Words
 from hilc_cli.engine.lanes.machine_code import cached, compiled, source
 from hilc_cli.engine.lanes.noise import FORMULAS as NOISE_FORMULAS, draw_output, draw_pose
+from hilc_cli.engine.lanes.wheels import FORMULAS as WHEEL_FORMULAS, move, stop
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.trial import is_finite
 
-Integers = NDArray[np.int64]
-
 L1, POSE = int(Field.L1) * W, int(Field.POSE_X) * W
+FORGOTTEN = int(Field.FORGOTTEN) * W
 FREQUENCY, PASS = int(Words.FREQUENCY) * W, int(Words.PASS) * W
 POSE_NOISE = int(Noise.POSE) * W
 SUMS = int(Field.LARGEST_SQUARE) * W
@@ -60,10 +62,12 @@ def _begin(
     x_desired: float,
     y_desired: float,
     heading_desired: float,
+    tracks: Floats | None,
     full_matrix: bool,
     own_heading: bool,
     reference_heading: bool,
     previous_heading: bool,
+    real_wheels: bool,
     iteration: int,
     closed: bool,
     drawn: bool | None,
@@ -71,12 +75,15 @@ def _begin(
     pose_kind: int,
 ) -> None:
     """Sets lanes to the start of an iteration; the reference is given at its first sample."""
+    if real_wheels:
+        stop(lanes)
     if drawn is not None:
         for j in range(3 * W):
             words[PASS + j] = words[FREQUENCY + j] * np.uint64(iteration)
         draw_pose(noise, lanes, words, pose_kind, 0, 1)
         draw_output(noise, lanes, words, output_kind, 0, 1)
     for j in range(W):
+        lanes[KEPT + j] = 1.0 - lanes[FORGOTTEN + j] if closed else 1.0
         position, turning = 1.0, 1.0
         if not full_matrix:
             position, turning = lanes[M + W + j], lanes[M + 15 * W + j]
@@ -87,6 +94,10 @@ def _begin(
             lanes[X + c * W + j] = lanes[POSE + c * W + j] + noise[POSE_NOISE + c * W + j]
             lanes[INITIAL + c * W + j] = history[ROW + ERROR + c * W + j]
             lanes[PAST_ERROR + c * W + j] = history[ROW + ERROR + c * W + j]
+            lanes[TOTAL + c * W + j] = history[ROW + ERROR + c * W + j]
+        if tracks is not None:
+            x_desired, y_desired = tracks[j], tracks[W + j]
+            heading_desired = tracks[2 * W + j]
         error_x = x_desired - lanes[X + j]
         error_y = y_desired - lanes[Y + j]
         heading = lanes[HEADING + j]
@@ -125,6 +136,7 @@ def _note(
     diverged_at: Integers,
     x_desired: float,
     y_desired: float,
+    tracks: Floats | None,
     samples: int,
     iteration: int,
 ) -> bool:
@@ -138,6 +150,7 @@ def _note(
         diverged_at: The iteration that left the finite numbers, -1 so far.
         x_desired: Last sample of the reference [m].
         y_desired: Likewise.
+        tracks: See `kernel._follow`.
         samples: n.
         iteration: i.
     """
@@ -158,6 +171,9 @@ def _note(
             lanes[CHANGE_SQUARES + j] = 0.0
         # What the mean and half a difference are made of may be beyond the limit by a hair.
         lanes[FASTEST_WHEEL + j] = min(lanes[FASTEST_WHEEL + j], lanes[LIMIT + j])
+        if tracks is not None:
+            at = 3 * W * samples + j
+            x_desired, y_desired = tracks[at], tracks[at + W]
         lanes[FINAL_ERROR + j] = math.hypot(x_desired - x, y_desired - y)
         for row in range(SUM_ROWS):
             sums[row * W + j] = lanes[SUMS + row * W + j]
@@ -180,6 +196,7 @@ def _run_iterations(
     x_desired: Floats,
     y_desired: Floats,
     heading_desired: Floats,
+    tracks: Floats | None,
     decay: Floats | None,
     directions: Floats | None,
     derivative: bool | None,
@@ -187,22 +204,36 @@ def _run_iterations(
     own_heading: bool | None,
     reference_heading: bool | None,
     previous_heading: bool | None,
+    planned: Floats | None,
+    pid: bool | None,
+    pulsed: bool | None,
+    twists: Floats | None,
+    late: Integers | None,
+    late_alike: int,
+    wheels: int,
     disturbed: bool | None,
     drawn: bool | None,
     learn_in_first: bool,
     state_kind: int,
     output_kind: int,
     pose_kind: int,
-) -> None:
-    """Runs all iterations of a pack; see `kernel._follow` and `_note` for the arguments."""
+    iteration: int,
+    end: int,
+) -> bool:
+    """Runs iterations of a pack, from one to before another, or as long as any lane goes on.
+
+    See `kernel._follow` and `_note` for the other arguments.
+
+    Returns:
+        Whether any lane goes on.
+    """
     n = len(x_desired) - 1
-    # As a plain 0 the first iteration would be a type of its own, compiled for itself.
-    goes_on, iteration = True, np.int64(0)
-    while goes_on:
+    goes_on = True
+    while goes_on and iteration < end:
         _compiled_begin(
             lanes, words, noise, history, x_desired[0], y_desired[0], heading_desired[0],
-            full_matrix is not None, own_heading is not None,
-            reference_heading is not None, previous_heading is not None,
+            tracks, full_matrix is not None, own_heading is not None,
+            reference_heading is not None, previous_heading is not None, late is not None,
             iteration, iteration > 0 or learn_in_first, drawn, output_kind, pose_kind,
         )  # fmt: skip
         ends = False
@@ -211,21 +242,29 @@ def _run_iterations(
         if ends:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                decay, directions, derivative, full_matrix, own_heading,
-                reference_heading, previous_heading, disturbed, True, state_kind, output_kind,
+                tracks, decay, directions, derivative, full_matrix, own_heading,
+                reference_heading, previous_heading,
+                planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, True,
+                state_kind, output_kind,
             )  # fmt: skip
         else:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                decay, directions, derivative, full_matrix, own_heading,
-                reference_heading, previous_heading, disturbed, None, state_kind, output_kind,
+                tracks, decay, directions, derivative, full_matrix, own_heading,
+                reference_heading, previous_heading,
+                planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, None,
+                state_kind, output_kind,
             )  # fmt: skip
         goes_on = _compiled_note(
-            lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], n, iteration
+            lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], tracks, n, iteration
         )
         iteration += 1
+    return goes_on
 
 
-_PARTS = (*KERNEL_FORMULAS, *NOISE_FORMULAS, source(follow), source(draw_pose))
+_PARTS = (
+    *(*KERNEL_FORMULAS, *NOISE_FORMULAS, *WHEEL_FORMULAS),
+    *(source(follow), source(draw_pose), source(move)),
+)
 _CONSTANTS = (Field, Stream, is_finite)
 run_iterations = cached(_run_iterations, (*_PARTS, *_CONSTANTS))

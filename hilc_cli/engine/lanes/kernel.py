@@ -8,11 +8,16 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hilc_cli.disturbance.streams import Words
 from hilc_cli.engine.lanes.lanes import BLOCK, HISTORY_FIELDS, LANES, Field, History, Noise
 from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use_widest_vectors
 from hilc_cli.engine.lanes.noise import draw_output, draw_state
 from hilc_cli.engine.lanes.trigonometry import cos_sin_near_zero, reduced, turned
+from hilc_cli.engine.lanes.wheels import ARRIVED, move
+from hilc_cli.laws.feedback import tracking_twist
 from hilc_cli.laws.gain_matrix import wheel_correction
 from hilc_cli.laws.hybrid import (
     compensated_error,
@@ -21,6 +26,7 @@ from hilc_cli.laws.hybrid import (
     steered,
     with_derivative,
 )
+from hilc_cli.laws.pid import combined, pulse_at
 from hilc_cli.plants.kinematic import advance, limit_wheel_means
 from hilc_cli.reference.sampled import Floats
 
@@ -35,6 +41,9 @@ FORMULAS = (
     advance,
     limit_wheel_means,
     steered,
+    combined,
+    pulse_at,
+    tracking_twist,
     wheel_correction,
 )
 (
@@ -48,10 +57,15 @@ FORMULAS = (
     _advance,
     _limit_wheel_means,
     _steered,
+    _combined,
+    _pulse_at,
+    _tracking_twist,
 ) = [formula(function) for function in FORMULAS[:-1]]
 # May take it that nothing is not-a-number, so that products with a constant 0 vanish: a lane in
 # which that is not so has been noted as diverged before.
 _wheel_correction = formula(wheel_correction, liberties=LIBERTIES | {"nnan"})
+
+Integers = NDArray[np.int64]
 
 # Plain numbers: the compiler folds them.
 W = LANES
@@ -63,6 +77,9 @@ M, LATERAL = int(Field.MATRIX) * W, int(Field.LATERAL) * W
 GAINS, HEADING_GAINS = int(Field.POSITION_GAINS) * W, int(Field.HEADING_GAINS) * W
 X, Y, HEADING = int(Field.X) * W, int(Field.Y) * W, int(Field.HEADING) * W
 INITIAL, PAST_ERROR = int(Field.INITIAL_ERROR) * W, int(Field.PAST_ERROR) * W
+SAMPLES, POSE_BEFORE = int(Field.SAMPLES) * W, int(Field.POSE_BEFORE) * W
+K_X, KEPT = int(Field.K_X) * W, int(Field.KEPT) * W
+TOTAL = int(Field.ERROR_TOTAL) * W
 COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
 REST, SHIFTED = int(Field.REST) * W, int(Field.SHIFTED) * W
 PAST_MEAN, PAST_DIFFERENCE = int(Field.PAST_MEAN) * W, int(Field.PAST_HALF_DIFFERENCE) * W
@@ -87,6 +104,7 @@ def _follow(
     x_desired: Floats,
     y_desired: Floats,
     heading_desired: Floats,
+    tracks: Floats | None,
     decay: Floats | None,
     directions: Floats | None,
     derivative: bool | None,
@@ -94,6 +112,13 @@ def _follow(
     own_heading: bool | None,
     reference_heading: bool | None,
     previous_heading: bool | None,
+    planned: Floats | None,
+    pid: bool | None,
+    pulsed: bool | None,
+    twists: Floats | None,
+    late: Integers | None,
+    late_alike: int,
+    wheels: int,
     disturbed: bool | None,
     all_metrics: bool | None,
     state_kind: int,
@@ -110,6 +135,9 @@ def _follow(
         x_desired: Reference [m], n + 1 numbers.
         y_desired: Reference [m], likewise.
         heading_desired: Reference [rad], likewise.
+        tracks: x, y and heading of a reference of each lane's own, n + 1 rows of three: the three
+            arguments before tell only n, the samples of the longest, and the others stand at their
+            ends. What else follows from the reference then has numbers for each lane, too.
         decay: exp(-k d_t), n numbers: the lanes run Eq. 21; None: they run Eq. 17.
         directions: 1, 0 or -1 by which way each step is driven, n numbers: a lateral gain comes to
             the gain matrix with that sign; None: there is none, or it is in the matrix.
@@ -121,6 +149,16 @@ def _follow(
         reference_heading: Anything: the gain matrix is taken at the reference's heading.
         previous_heading: Anything: it is taken at the heading measured in the iteration before;
             both None: at the heading measured in this one.
+        planned: What the law knows before the pass, in the order of the history: wheel speeds to be
+            corrected and weighted errors, n rows; None: that is made of the history.
+        pid: Anything: the lanes run PID-type learning.
+        pulsed: Anything: it acts against the initial error, too.
+        twists: Speed and yaw rate of the reference, cosine and sine of its heading, sample by
+            sample: the lanes run the tracking controller.
+        late: By how many numbers of the history each lane's wheels are late, LANES whole numbers;
+            None: wheels do at once what they are told, and roll without slip.
+        late_alike: The same of all lanes; -1 where they differ.
+        wheels: What there is of wheels, see `wheels.parts_of`.
         disturbed: Anything: there are disturbances of state or output.
         all_metrics: Anything: measure all metrics; None: only the largest position error.
         state_kind: Distribution of the state's disturbance, see `noise`.
@@ -139,6 +177,9 @@ def _follow(
             count = min(BLOCK, steps - k)
             draw_state(noise, lanes, words, state_kind, k, count)
             draw_output(noise, lanes, words, output_kind, k + 1, count)
+        if twists is not None and tracks is None:
+            speed_desired, yaw_rate_desired = twists[4 * k], twists[4 * k + 1]
+            cos_desired, sin_desired = twists[4 * k + 2], twists[4 * k + 3]
         limited = False
         later = 1.0 if 2 * (k + 1) >= steps else 0.0
         for j in range(W):
@@ -161,7 +202,37 @@ def _follow(
                 past_y = _with_derivative(past_y, now_y, rate)
                 past_heading = _with_derivative(past_heading, now_heading, rate)
             l1, heading_l1 = lanes[GAINS + j], lanes[HEADING_GAINS + j]
-            if decay is not None:
+            if planned is not None:
+                weighted_x = l1 * planned[before + ERROR + j]
+                weighted_y = l1 * planned[before + ERROR + W + j]
+                weighted_heading = heading_l1 * planned[before + ERROR + 2 * W + j]
+            elif pid is not None:
+                ki, kd = lanes[GAINS + W + j], lanes[GAINS + 2 * W + j]
+                heading_ki = lanes[HEADING_GAINS + W + j]
+                heading_kd = lanes[HEADING_GAINS + 2 * W + j]
+                total_x = lanes[TOTAL + j] + past_x
+                total_y = lanes[TOTAL + W + j] + past_y
+                total_heading = lanes[TOTAL + 2 * W + j] + past_heading
+                change_x = past_x - lanes[PAST_ERROR + j]
+                change_y = past_y - lanes[PAST_ERROR + W + j]
+                change_heading = past_heading - lanes[PAST_ERROR + 2 * W + j]
+                lanes[TOTAL + j], lanes[TOTAL + W + j] = total_x, total_y
+                lanes[TOTAL + 2 * W + j] = total_heading
+                lanes[PAST_ERROR + j], lanes[PAST_ERROR + W + j] = past_x, past_y
+                lanes[PAST_ERROR + 2 * W + j] = past_heading
+                if pulsed is not None:
+                    pulse = _pulse_at(k + 0.5, lanes[PEAK + j], lanes[H + j])
+                    change_x += pulse * lanes[INITIAL + j]
+                    change_y += pulse * lanes[INITIAL + W + j]
+                    change_heading += pulse * lanes[INITIAL + 2 * W + j]
+                weighted_x = _combined(l1, past_x, ki, total_x, kd, change_x)
+                weighted_y = _combined(l1, past_y, ki, total_y, kd, change_y)
+                weighted_heading = _combined(
+                    heading_l1, past_heading,
+                    heading_ki, total_heading,
+                    heading_kd, change_heading,
+                )  # fmt: skip
+            elif decay is not None:
                 weight = _compensation_weight(
                     float(k), lanes[H + j], lanes[PEAK + j], lanes[SLOPE + j], decay[k]
                 )
@@ -202,19 +273,42 @@ def _follow(
                     lanes[M + 15 * W + j], lanes[M + 16 * W + j], lanes[M + 17 * W + j],
                 )  # fmt: skip
             if directions is not None:
+                direction = directions[k] if tracks is None else directions[k * W + j]
                 matrix = _steered(
-                    matrix,
-                    directions[k] * lanes[LATERAL + j],
-                    directions[k] * lanes[LATERAL + W + j],
+                    matrix, direction * lanes[LATERAL + j], direction * lanes[LATERAL + W + j]
                 )
-            mean_correction, difference_correction = _wheel_correction(
-                matrix, cos, sin, weighted_x, weighted_y, weighted_heading
-            )
+            if twists is not None:
+                if tracks is not None:
+                    twist = 4 * W * k + j
+                    speed_desired, yaw_rate_desired = twists[twist], twists[twist + W]
+                    cos_desired, sin_desired = twists[twist + 2 * W], twists[twist + 3 * W]
+                error_x, error_y = history[row + ERROR + j], history[row + ERROR + W + j]
+                speed, yaw_rate = _tracking_twist(
+                    lanes[K_X + j], lanes[K_X + W + j], lanes[K_X + 2 * W + j],
+                    speed_desired, yaw_rate_desired, cos, sin, error_x, error_y,
+                    # The heading's error is the difference of two angles.
+                    cos_desired * cos + sin_desired * sin, sin_desired * cos - cos_desired * sin,
+                )  # fmt: skip
+                mean_correction, difference_correction = l1 * speed, heading_l1 * yaw_rate
+            else:
+                mean_correction, difference_correction = _wheel_correction(
+                    matrix, cos, sin, weighted_x, weighted_y, weighted_heading
+                )
             if all_metrics is not None:
                 lanes[PAST_MEAN + j] = history[row + MEAN + j]
                 lanes[PAST_DIFFERENCE + j] = history[row + DIFFERENCE + j]
-            mean = history[row + MEAN + j] + mean_correction
-            difference = history[row + DIFFERENCE + j] + difference_correction
+            if planned is not None:
+                mean = planned[before + MEAN + j] + mean_correction
+                difference = planned[before + DIFFERENCE + j] + difference_correction
+            elif pid is not None or twists is not None:
+                kept = lanes[KEPT + j]
+                mean = kept * history[row + MEAN + j] + mean_correction
+                difference = kept * history[row + DIFFERENCE + j] + difference_correction
+            else:
+                mean = history[row + MEAN + j] + mean_correction
+                difference = history[row + DIFFERENCE + j] + difference_correction
+            if tracks is not None and k >= lanes[SAMPLES + j]:
+                mean, difference = 0.0, 0.0
             history[row + MEAN + j], history[row + DIFFERENCE + j] = mean, difference
             limited |= abs(mean) + abs(difference) > lanes[TOLERATED + j]
         # Rarely so, and then in few samples: without the division the next cosine need not wait
@@ -229,6 +323,22 @@ def _follow(
                 within = _limit_wheel_means(mean, difference, lanes[LIMIT + j])
                 history[row + MEAN + j] = within[0] if over else mean
                 history[row + DIFFERENCE + j] = within[1] if over else difference
+        if late is not None:
+            # Before the start nothing was sent: the first row is all 0.
+            if late_alike >= 0:
+                arrived = max(row - late_alike, 0)
+                for j in range(W):
+                    lanes[ARRIVED + j] = history[arrived + MEAN + j]
+                    lanes[ARRIVED + W + j] = history[arrived + DIFFERENCE + j]
+            else:
+                for j in range(W):
+                    arrived = max(row - late[j], 0)
+                    lanes[ARRIVED + j] = history[arrived + MEAN + j]
+                    lanes[ARRIVED + W + j] = history[arrived + DIFFERENCE + j]
+            if tracks is not None:
+                for j in range(3 * W):
+                    lanes[POSE_BEFORE + j] = lanes[X + j]
+            move(lanes, wheels)
         for j in range(W):
             mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
             if all_metrics is not None:
@@ -239,21 +349,35 @@ def _follow(
                 )
                 fastest = abs(mean) + abs(difference)
                 lanes[FASTEST_WHEEL + j] = max(lanes[FASTEST_WHEEL + j], fastest)
-            x, y, heading = _advance(
-                lanes[X + j], lanes[Y + j], lanes[HEADING + j],
-                lanes[COS + j], lanes[SIN + j],
-                lanes[DISTANCE + j] * mean, lanes[TURN + j] * difference,
-            )  # fmt: skip
+            if late is not None:
+                x, y, heading = lanes[X + j], lanes[Y + j], lanes[HEADING + j]
+            else:
+                x, y, heading = _advance(
+                    lanes[X + j], lanes[Y + j], lanes[HEADING + j],
+                    lanes[COS + j], lanes[SIN + j],
+                    lanes[DISTANCE + j] * mean, lanes[TURN + j] * difference,
+                )  # fmt: skip
             if disturbed is not None:
                 x += noise[STATE_NOISE + offset + j]
                 y += noise[STATE_NOISE + offset + W + j]
                 heading += noise[STATE_NOISE + offset + 2 * W + j]
+            if tracks is not None:
+                at = 3 * W * (k + 1) + j
+                next_x, next_y, next_heading = tracks[at], tracks[at + W], tracks[at + 2 * W]
+                counts = 1.0 if k < lanes[SAMPLES + j] else 0.0
+                later = counts if 2 * (k + 1) >= lanes[SAMPLES + j] else 0.0
+                place = X if late is None else POSE_BEFORE
+                x = x if counts > 0 else lanes[place + j]
+                y = y if counts > 0 else lanes[place + W + j]
+                heading = heading if counts > 0 else lanes[place + 2 * W + j]
             lanes[X + j], lanes[Y + j], lanes[HEADING + j] = x, y, heading
             error_x, error_y, error_heading = next_x - x, next_y - y, next_heading - heading
             square = error_x * error_x + error_y * error_y
             lanes[LARGEST_SQUARE + j] = max(square, lanes[LARGEST_SQUARE + j])
             if all_metrics is not None:
                 distance = math.sqrt(square)
+                if tracks is not None:
+                    distance, square = counts * distance, counts * square
                 lanes[ERROR_SUM + j] += distance
                 lanes[LATER_SUM + j] += later * distance
                 lanes[LATER_SQUARE + j] = max(later * square, lanes[LATER_SQUARE + j])

@@ -28,40 +28,64 @@ class Field(IntEnum):
     POSE_X = 11  # then y, heading: without its disturbance
     MATRIX = 14  # 18 rows: the row of the mean, then that of half the difference
     LATERAL = 32  # what an error of 1 m to the left adds to the mean, then half the difference
+    # Of robots as they are, see `LaneWheels`.
+    LEFT_GAIN = 34
+    RIGHT_GAIN = 35
+    PER_HALF_TRACK = 36
+    DRIFT_GAIN = 37
+    LEAD = 38  # share of a sample's turn after which its way is gone
+    FRACTION = 39
+    DEAD_ZONE = 40
+    FOLLOWED = 41
+    MOST = 42
+    LAG = 43
+    SAMPLE_TIME = 44
+    FORGOTTEN = 45  # share of the last input that is not learned from
+    K_X = 46  # then k_y, k_theta of the tracking controller
+    SAMPLES = 49  # of a reference of its own
     # Parameters of the disturbances, see `NoiseField`.
-    STATE = 34
-    OUTPUT = 46
-    POSE = 58
+    STATE = 50
+    OUTPUT = 62
+    POSE = 74
     # Gains of the running iteration, times the entries of Eq. 45 if the matrix has that form.
-    POSITION_GAINS = 70  # of the three errors of Eq. 17
-    HEADING_GAINS = 73
+    POSITION_GAINS = 86  # of the three errors of Eq. 17
+    HEADING_GAINS = 89
     # Running state.
-    X = 76
-    Y = 77
-    HEADING = 78
-    INITIAL_ERROR = 79  # e_i(0): x, y, heading
-    PAST_ERROR = 82  # e_i(k): likewise, of the iteration before
-    COS = 85
-    SIN = 86
-    PAST_MEAN = 87  # (left + right) / 2 in the iteration before
-    PAST_HALF_DIFFERENCE = 88  # (left - right) / 2, likewise
+    X = 92
+    Y = 93
+    HEADING = 94
+    POSE_BEFORE = 95  # a sample before: x, y, heading
+    INITIAL_ERROR = 98  # e_i(0): x, y, heading
+    PAST_ERROR = 101  # e_i(k): likewise, of the iteration before
+    ERROR_TOTAL = 104  # its sum up to sample k + 1
+    KEPT = 107  # share of the last input that is learned from in the running iteration
+    COS = 108
+    SIN = 109
+    PAST_MEAN = 110  # (left + right) / 2 in the iteration before
+    PAST_HALF_DIFFERENCE = 111  # (left - right) / 2, likewise
     # What metrics of the running iteration are made of, in the order of `Sums`.
-    LARGEST_SQUARE = 89
-    ERROR_SUM = 90
-    SQUARE_SUM = 91
-    LARGEST_ERRORS = 92  # x, y, heading
-    FASTEST_WHEEL = 95
-    SATURATED = 96
-    CHANGE_SQUARES = 97
-    LATER_LARGEST_SQUARE = 98  # of the second half
-    LATER_ERROR_SUM = 99
-    FINAL_ERROR = 100
+    LARGEST_SQUARE = 112
+    ERROR_SUM = 113
+    SQUARE_SUM = 114
+    LARGEST_ERRORS = 115  # x, y, heading
+    FASTEST_WHEEL = 118
+    SATURATED = 119
+    CHANGE_SQUARES = 120
+    LATER_LARGEST_SQUARE = 121  # of the second half
+    LATER_ERROR_SUM = 122
+    FINAL_ERROR = 123
     # The heading, reduced for the cosine; second rows: that of the gain matrix.
-    REST = 101
-    SHIFTED = 103
+    REST = 124
+    SHIFTED = 126
+    # Of robots as they are: inputs that arrive, as mean and half difference; then by wheels what
+    # has arrived in the sample before, the speed, and the way.
+    ARRIVED = 128
+    ARRIVED_BEFORE = 130
+    WHEEL_SPEED = 132
+    WAY = 134
 
 
-FIELDS = Field.SHIFTED + 2
+FIELDS = Field.WAY + 2
 SUM_ROWS = Field.REST - Field.LARGEST_SQUARE
 
 

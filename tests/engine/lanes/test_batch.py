@@ -1,177 +1,32 @@
 """The batch engine against the loop engine, which has an engine and tests of its own."""
 
-import math
 from dataclasses import replace
-from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings, strategies as st
+from hypothesis import given, settings, strategies as st
 
-from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
+from hilc_cli.disturbance.streams import Bounded, Disturbance
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import batch, iterations, kernel, noise
 from hilc_cli.engine.lanes.batch import NEVER, simulate_batch
 from hilc_cli.engine.lanes.lanes import LANES
-from hilc_cli.engine.loop import simulate
 from hilc_cli.errors import UsageError
-from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix, model_gain, unit_gain
+from hilc_cli.laws.gain_matrix import GainHeading, GainMatrix, model_gain
 from hilc_cli.laws.hybrid import HybridLaw
-from hilc_cli.plants.kinematic import Robot, TurnConvention
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.kinematic_plant import KinematicPlant
-from hilc_cli.reference.path import ArcPlan, LinePlan, build_reference
-from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.metrics import MAX_ERROR, METRICS, MetricsTable, measure
+from hilc_cli.results.metrics import METRICS
 from hilc_cli.runs.running import load_scenario, run
 from hilc_cli.shipped_files import examples
 from hilc_cli.yaml_input.expressions import Affine
-
-TOLERANCE = 1e-9
-
-CIRCLE = build_reference(
-    "circle",
-    (10.0, 0.0, math.pi / 2),
-    [ArcPlan(2 * math.pi, "left", (0.0, 0.0), None, 2.0)],
-    0.02,
+from tests.engine.lanes.random_experiments import (
+    ALL,
+    CIRCLE,
+    SOME,
+    assert_agree,
+    check_random_experiment,
 )
-BEND = build_reference(
-    "bend",
-    (1.0, 2.0, 0.3),
-    [LinePlan(length=3.0, duration=0.5), ArcPlan(2.0, "right", None, 1.5, 0.7)],
-    0.01,
-)
-
-
-def by_loop(experiment: Experiment) -> MetricsTable:
-    """All metrics of all iterations, from the loop engine."""
-    table, before = MetricsTable(), None
-    for trial in simulate(experiment):
-        table.append(measure(trial, experiment.reference, before))
-        before = trial
-    return table
-
-
-def assert_agree(found: Floats, expected: Floats) -> None:
-    """Equal up to rounding: relative, and absolute for values far below a millimetre."""
-    np.testing.assert_allclose(found, expected, rtol=TOLERANCE, atol=1e-12)
-
-
-def triples(largest: float) -> st.SearchStrategy[tuple[float, float, float]]:
-    part = st.floats(0, largest)
-    return st.tuples(part, part, part)
-
-
-@st.composite
-def bounded(draw: st.DrawFn) -> Bounded:
-    bound = draw(triples(1e-3))
-    deviation = (bound[0] / 3 or 1.0, bound[1] / 3 or 1.0, bound[2] / 3 or 1.0)
-    kinds: list[Distribution] = ["uniform", "truncated-normal"]
-    kind = draw(st.sampled_from(kinds))
-    return Bounded(bound, kind, deviation, draw(st.booleans()))
-
-
-def disturbances() -> st.SearchStrategy[Disturbance]:
-    seeds = st.integers(0, 2**64 - 1)
-    return st.builds(Disturbance, seeds, bounded(), bounded(), bounded())
-
-
-class Code(NamedTuple):
-    """What the lanes' machine code is compiled for: each mixture is compiled for itself."""
-
-    compensation: bool
-    full_matrix: bool
-    heading: GainHeading
-    disturbed: bool
-    derivative: bool = False
-
-
-OF_SHIPPED = [
-    Code(False, False, "measured", False),
-    Code(True, False, "measured", False),
-    Code(False, True, "measured", False),
-    Code(False, False, "measured", True),
-]
-"""Those of the shipped scenarios, which other tests compile as well."""
-
-SOME = [
-    *OF_SHIPPED,
-    Code(True, False, "reference", False, derivative=True),
-    Code(True, True, "previous", False),
-]
-"""Each choice at least once; all mixtures take minutes to compile."""
-
-FLAGS = [False, True]
-HEADINGS: list[GainHeading] = ["measured", "previous", "reference"]
-ALL = [
-    Code(*mixture, derivative=number % 3 == 1)
-    for number, mixture in enumerate(product(FLAGS, FLAGS, HEADINGS, FLAGS))
-]
-
-
-@st.composite
-def matrices(draw: st.DrawFn, model: Robot, full: bool) -> GainMatrix:
-    if not full:
-        return draw(st.sampled_from([model_gain, unit_gain]))(model)
-    small = st.floats(-1, 1)
-    entries = [Affine(draw(small), draw(small), draw(small)) for _ in range(6)]
-    a, b, c, d, e, f = entries
-    return GainMatrix((a, b, c), (d, e, f))
-
-
-@st.composite
-def experiments(draw: st.DrawFn, reference: Reference, code: Code) -> Experiment:
-    """Gentle enough that rounding errors do not grow: chaos would compare nothing."""
-    conventions: list[TurnConvention] = ["paper", "rep103"]
-    convention = draw(st.sampled_from(conventions))
-    robot = Robot(draw(st.floats(0.05, 0.5)), draw(st.floats(0.2, 1)), convention)
-    model = replace(robot, wheel_radius=draw(st.floats(0.05, 0.5)))
-    law = HybridLaw(
-        draw(st.floats(0, 1)),
-        draw(st.floats(0, 2)),
-        draw(st.floats(0, 1)),
-        draw(matrices(model, code.full_matrix)),
-        code.heading,
-        code.compensation,
-        draw(st.integers(1, reference.samples)),
-        draw(st.floats(1e-3, 0.1)) if code.derivative else 0.0,
-    )
-    start = (float(reference.x[0]), float(reference.y[0]), float(reference.heading[0]))
-    offset = draw(st.tuples(*[st.floats(-0.3, 0.3)] * 3))
-    x, y, heading = (a + b for a, b in zip(start, offset, strict=True))
-    wheels = st.floats(-30, 30)
-    left, right = draw(wheels), draw(wheels)
-    return Experiment(
-        reference,
-        KinematicPlant(robot),
-        law,
-        (x, y, heading),
-        np.full(reference.samples, left),
-        np.full(reference.samples, right),
-        draw(st.booleans()),
-        draw(st.integers(0, 5)),
-        draw(st.sampled_from([math.inf, 20.0, 180.0])),
-        draw(disturbances()) if code.disturbed else Disturbance(),
-    )
-
-
-def check_random_experiment(data: st.DataObject, codes: list[Code]) -> None:
-    """Both engines give the same metrics in each iteration of an experiment."""
-    reference, code = data.draw(st.sampled_from([CIRCLE, BEND])), data.draw(st.sampled_from(codes))
-    experiment = data.draw(experiments(reference, code))
-    expected = by_loop(experiment)
-    # Where a start that is off by a rounding leads elsewhere, rounding decides, in either engine.
-    x, y, heading = experiment.initial_pose
-    moved = by_loop(replace(experiment, initial_pose=(x + 1e-13, y, heading + 1e-13)))
-    assume(np.allclose(moved[MAX_ERROR], expected[MAX_ERROR], rtol=1e-10, atol=1e-12))
-    # One case for each number of iterations: their last iterations are all iterations.
-    cases = [replace(experiment, iterations=last) for last in range(experiment.iterations + 1)]
-    result = simulate_batch(cases)
-    for case in range(len(cases)):
-        row = expected.row(case)
-        assert_agree(result.final[case], np.array([row[name] for name in METRICS]))
-    assert_agree(result.errors[-1], expected["max_position_error_m"])
-    assert (result.diverged_at == NEVER).all()
 
 
 @given(data=st.data())

@@ -1,22 +1,32 @@
-"""Experiments of several laws at once: each gets what it gets alone."""
+"""Experiments in lanes and others at once: each gets what it gets alone."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from hilc_cli.engine.lanes.batch import NEVER, simulate_batch, simulate_many
+from hilc_cli.engine.lanes.kinds import knows
 from hilc_cli.results.metrics import METRICS
 from hilc_cli.runs.running import load_scenario, run
 
 PID = {"law": "pid", "gains": {"kp": 0.5, "kd": 0.2}, "b_w": 180}
 RUNAWAY = {"law": "pid", "gains": {"kp": 1e12, "kd": 1e9}}
+BELIEVED = {"model.motor.delay": 0.01}
 SCENARIOS = [
     load_scenario("example:fig6a", {"iterations": 3}),
-    load_scenario("example:fig6a", {"iterations": 2, "controller": PID}),
-    load_scenario("example:fig6a", {"iterations": 0, "controller": {"law": "feedback"}}),
-    load_scenario("example:fig6a", {"iterations": 30, "controller": RUNAWAY}),
+    load_scenario("example:fig6a", {"iterations": 2, "controller": {**PID, "safety_net": True}}),
+    load_scenario(
+        "example:fig6a", {"iterations": 0, "controller": {"law": "feedback"}, **BELIEVED}
+    ),
+    load_scenario("example:fig6a", {"iterations": 30, "controller": RUNAWAY, **BELIEVED}),
     load_scenario("example:fig6b", {"iterations": 1}),
 ]
+
+
+def test_safety_nets_and_believed_motors_are_left_to_the_loop_engine() -> None:
+    experiments = [scenario.experiment() for scenario in SCENARIOS]
+    assert [knows(experiment) for experiment in experiments] == [True, False, False, False, True]
+    assert [scenario.spec.in_lanes for scenario in SCENARIOS] == [True, False, False, False, True]
 
 
 def test_each_experiment_gets_what_it_gets_alone() -> None:

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
+from hilc_cli.engine.lanes.kinds import Kind
 from hilc_cli.engine.lanes.lanes import BLOCK, LANES, WORD_ROWS, Field, Noise, Words
 from hilc_cli.engine.lanes.noise import NONE, draw_output, draw_pose, draw_state
-from hilc_cli.engine.lanes.packs import Kind, Pack
+from hilc_cli.engine.lanes.packs import Pack
 from hilc_cli.reference.sampled import Floats
 from tests.engine.experiments import experiment_of, law_of
 from tests.reference.paths import paper_reference
@@ -66,9 +67,7 @@ def test_lanes_scatter_the_initial_pose_like_the_loop_engine(distribution: Distr
 
 
 def test_nothing_is_drawn_without_a_disturbance() -> None:
-    pack = Pack(
-        paper_reference("circle", 0.1), Kind(False, False, "measured", False, False, False, 0, 0, 0)
-    )
+    pack = Pack(paper_reference("circle", 0.1), Kind())
     draw_state(pack.noise, pack.lanes, pack.words, NONE, 0, BLOCK)
     assert not pack.noise.any()
 
