@@ -13,6 +13,7 @@ from hilc_cli.cli.identify import identify
 from hilc_cli.cli.learn import learn
 from hilc_cli.cli.options import Version
 from hilc_cli.cli.plot import plot
+from hilc_cli.cli.report import report
 from hilc_cli.cli.reproduce import reproduce
 from hilc_cli.cli.run import run
 from hilc_cli.cli.schema import schema
@@ -49,6 +50,7 @@ app.command()(show)
 app.command()(check)
 app.command()(plot)
 app.command()(compare)
+app.command()(report)
 app.command()(sweep)
 app.add_typer(learn, name="learn")
 app.command()(drive)
