@@ -12,6 +12,7 @@ from hilc_cli.drawing.looks import picture_look as picture_look
 from hilc_cli.engine.experiment import Learning as Learning
 from hilc_cli.errors import HilcError as HilcError
 from hilc_cli.exports.exporting import export as export
+from hilc_cli.html_reports.report import report as report
 from hilc_cli.identification.identifying import (
     Identification as Identification,
     identify as identify,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from functools import partial
 from pathlib import Path
@@ -124,10 +125,7 @@ def _iterations(run: RunData, name: str) -> Table:
     rows = tuple(
         (
             Cell(str(number)),
-            *(
-                Cell(str(int(value)) if METRICS[key].whole else number_text(value, _DIGITS))
-                for key, value in run.metrics.row(number).items()
-            ),
+            *(Cell(_number(key, value)) for key, value in run.metrics.row(number).items()),
         )
         for number in numbers
     )
@@ -141,6 +139,12 @@ def _iterations(run: RunData, name: str) -> Table:
         rows=rows,
     )
     return Table(f"All {name}s", (grid,), note, is_folded=True)
+
+
+def _number(metric: str, value: float) -> str:
+    if math.isnan(value):  # of a folder of before there was the metric
+        return "-"
+    return str(int(value)) if METRICS[metric].whole else number_text(value, _DIGITS)
 
 
 def _trials(folder: Path, count: int) -> Table:

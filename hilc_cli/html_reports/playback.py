@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hilc_cli.drawing.view import View, view_of
+from hilc_cli.drawing.view import View, leaving_note, view_of
 from hilc_cli.html_reports.thinning import Thinned, thinned
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.run import RunData
@@ -19,7 +19,7 @@ from hilc_cli.results.trial import Trial
 from hilc_cli.wording import counted
 
 MOST_ITERATIONS = 60
-_MOST_POINTS, _FEWEST_POINTS = 60_000, 120  # of all lines of a page, and of one line
+_MOST_POINTS, _FEWEST_POINTS = 90_000, 120  # of all lines of a page, and of one line
 _MOST_OF_A_LINE = 1_200
 _SEEN = 1 / 1500  # of a panel's side
 _SEEN_TURN = 0.01  # [rad]
@@ -84,7 +84,9 @@ def playback(
             for trial in trials
         ],
     }
-    return Playback(document, _notes(run, chosen, recorded, lines, all_of=iterations is None))
+    notes = _notes(run, chosen, recorded, lines, all_of=iterations is None)
+    leaving = leaving_note(view, run.reference, trials)
+    return Playback(document, [*notes, *(f"{each[:1].upper()}{each[1:]}." for each in leaving)])
 
 
 def _notes(
@@ -162,7 +164,7 @@ class _Lines:
         seen = np.log10(np.maximum(errors / largest, 10**-_DECADES)) / _SEEN_DECADES
         plain = errors / (_SEEN * largest)
         kept = self._kept(np.array([seen, plain]), counts=False)
-        values = [float(f"{value:.4g}") for value in errors[kept.samples].tolist()]
+        values = [float(f"{value:.5g}") for value in errors[kept.samples].tolist()]
         return {"at": kept.samples.tolist(), "value": values}
 
     def speeds(self, trial: Trial) -> dict[str, list[int]]:

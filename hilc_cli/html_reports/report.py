@@ -13,6 +13,7 @@ import hilc_cli.drawing  # noqa: F401  # loads Matplotlib, whatever is set for i
 
 import base64
 import hashlib
+import math
 import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -34,7 +35,7 @@ from hilc_cli.runs.running import as_runs
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.sweep_folder import is_sweep, read_sweep
 from hilc_cli.version import __version__
-from hilc_cli.wording import listed, printable
+from hilc_cli.wording import listed
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -153,9 +154,9 @@ def check_report_file(file: Path, *, force: bool = False) -> None:
         ExistingResultsError: Something else than a report stands there.
     """
     if not is_page(file):
-        raise UsageError(f"{printable(str(file))}: is no name of a page; give one as report.html")
+        raise UsageError(f"--out {file}: is no name of a page; give one such as report.html")
     if file.is_dir():
-        raise UsageError(f"{file}: is a folder; give the name of a file, such as report.html")
+        raise UsageError(f"--out {file}: is a folder; give the name of a file, such as report.html")
     if not force and _MARK.partition("{")[0] not in _begin_of(file):
         _check_free(file)
 
@@ -209,7 +210,7 @@ def _chapters(results: Results, iterations: Collection[int] | None) -> list[Chap
             run = results.runs[folder]
             # A run without any of them is shown as it is.
             shown = None if iterations is None else set(iterations) & set(run.trials) or None
-            share = 1 / len(runs)
+            share = 1 / math.sqrt(len(runs))
             chapters.append(run_chapter(run, folder, shown, share=share, in_short=in_short))
     return chapters
 

@@ -26,7 +26,7 @@ PARTS = [
     for command in group.typer_instance.registered_commands  # type: ignore[union-attr]
 ]
 PROJECT = Path(__file__).resolve().parents[2] / "pyproject.toml"
-HEAVY = {"numpy", "matplotlib", "pydantic", "yaml"}
+HEAVY = {"numpy", "matplotlib", "pydantic", "yaml", "jinja2"}
 
 
 @pytest.mark.parametrize("command", [[], *([command] for command in COMMANDS), *PARTS])

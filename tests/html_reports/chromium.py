@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import fcntl
 import json
 import os
 import select
@@ -142,11 +143,17 @@ def open_browser(program: str, home: Path) -> Iterator[Page]:
         "--remote-debugging-pipe",
         f"--user-data-dir={home}",
     ]
-    # The browser reads from descriptor 3 and writes to 4, whatever they are here.
-    script = f'exec "$0" "$@" 3<&{asks[0]} 4>&{answers[1]}'
+
+    def put_in_place() -> None:
+        """The browser reads from descriptor 3 and writes to 4, whatever they are here."""
+        ends = [fcntl.fcntl(end, fcntl.F_DUPFD, 10) for end in (asks[0], answers[1])]
+        for end, place in zip(ends, (3, 4), strict=True):
+            os.dup2(end, place)
+
     process = subprocess.Popen(
-        ["sh", "-c", script, program, *options],
-        pass_fds=(asks[0], answers[1]),
+        [program, *options],
+        close_fds=False,  # Python's own are closed anyway
+        preexec_fn=put_in_place,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         env={**os.environ, "HOME": str(home)},

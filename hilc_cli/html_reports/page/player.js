@@ -10,8 +10,9 @@ const SPEEDS = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
 const PASS_SECONDS = 4; // about so long a pass is played, unless somebody chooses
 const HOLD_SECONDS = 0.5; // between two passes
 const SMALLEST_ROBOT = 7; // pixels from its middle to a wheel
-const FAR_APART = 30; // largest errors of iterations, from which on a scale is logarithmic
-const SHOWN_DECADES = 2; // below the largest error of the best iteration
+const FAR_APART = 50; // the largest error and that of most samples of the best iteration, from
+// which on a scale is logarithmic
+const SHOWN = [30, 1e5]; // so many times smaller errors than these two are shown
 
 function element(parent, name, attributes = {}, text = "") {
   const made = name.startsWith("svg:")
@@ -45,6 +46,7 @@ function shortNumber(value, digits = 3) {
 }
 
 function inLength(meters) {
+  if (meters < 1e-6) return `${shortNumber(meters)} m`;
   if (meters < 1e-3) return `${shortNumber(meters * 1e6)} µm`;
   if (meters < 0.1) return `${shortNumber(meters * 1e3)} mm`;
   return `${shortNumber(meters)} m`;
@@ -133,10 +135,9 @@ class Player {
     this.place = this.data.iterations.length - 1;
     this.sample = this.data.samples;
     this.playing = false;
-    const largest = this.data.iterations.map((each) => Math.max(...each.error.value));
-    [this.least, this.most] = [Math.min(...largest.filter((each) => each > 0), 1e300),
-      Math.max(...largest)];
-    this.isLog = this.most / this.least > FAR_APART;
+    this.most = Math.max(...this.data.iterations.map((each) => Math.max(...each.error.value)));
+    this.usual = Math.min(...this.data.iterations.map((each) => this.medianError(each)));
+    this.isLog = this.most > FAR_APART * this.usual;
     root.tabIndex = 0;
     this.makeControls();
     this.makePanels();
@@ -148,6 +149,14 @@ class Player {
   get pass() { return this.data.iterations[this.place]; }
 
   get duration() { return this.data.samples * this.data.sampleTime; }
+
+  medianError(pass) {
+    const values = [];
+    for (let part = 0; part <= 200; part += 1) {
+      values.push(between(pass.error, pass.error.value, part / 200 * this.data.samples));
+    }
+    return values.sort((a, b) => a - b)[100];
+  }
 
   makeControls() {
     const controls = element(this.root, "div", { class: "controls" });
@@ -285,10 +294,10 @@ class Player {
 
   drawError(width, height) {
     const panel = this.error;
-    const largest = Math.max(...this.pass.error.value) || this.most || 1;
-    const [low, high] = this.isLog && this.most > 0
-      ? [this.least / 10 ** SHOWN_DECADES, this.most * 1.5] : [0, largest * 1.06];
     const isLog = this.isLog && this.most > 0;
+    const [low, high] = isLog
+      ? [Math.max(this.usual / SHOWN[0], this.most / SHOWN[1]), this.most * 1.5]
+      : [0, (this.most || 1) * 1.06];
     panel.clear(width, height, [0, this.duration, low, high], { log: isLog });
     const points = (line) => line.at.map((at, place) => [panel.x(at * this.data.sampleTime),
       panel.y(isLog ? Math.max(line.value[place], low / 10) : line.value[place])]);
