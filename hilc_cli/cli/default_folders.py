@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from hilc_cli.errors import UsageError
-from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.wording import printable
 
 RUNS = Path("runs")
@@ -121,7 +121,7 @@ def newest_results(folder: Path, kinds: Sequence[str] = ()) -> Path:
     Raises:
         UsageError: There is none.
     """
-    drawn = {_OF_RUNS: RUN_PICTURES, _OF_SWEEPS: SWEEP_PICTURES}
+    drawn = {_OF_RUNS: {**RUN_PICTURES, **MOVING_PICTURES}, _OF_SWEEPS: SWEEP_PICTURES}
     tables = [table for table in _TABLES if set(kinds) <= set(drawn.get(table, ()))]
     fitting = (
         (written, place)

@@ -13,7 +13,7 @@ import typer
 from hilc_cli.cli.completion import complete_font, complete_key, complete_scenario
 from hilc_cli.errors import UsageError
 from hilc_cli.results.look import LARGEST_TEXT, SMALLEST_TEXT, USUAL, Look
-from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.version import __version__
 
 
@@ -39,7 +39,8 @@ _FILE_ENDINGS = frozenset(
 if TYPE_CHECKING:
     PictureKind = str
 else:
-    PictureKind = StrEnum("PictureKind", {name: name for name in (*RUN_PICTURES, *SWEEP_PICTURES)})
+    _KINDS = (*RUN_PICTURES, *MOVING_PICTURES, *SWEEP_PICTURES)
+    PictureKind = StrEnum("PictureKind", {name: name for name in _KINDS})
 
 
 def _show_version(wanted: bool) -> None:
