@@ -33,6 +33,7 @@ from hilc_cli.leaderboards.plan import (
 from hilc_cli.logs.log import Log as Log
 from hilc_cli.logs.options import ReadOptions as ReadOptions
 from hilc_cli.logs.reading import read_log as read_log
+from hilc_cli.own_robots.writing import write_own_robot as write_own_robot
 from hilc_cli.paper.plan import (
     ReproductionPlan as ReproductionPlan,
     plan_reproduction as plan_reproduction,

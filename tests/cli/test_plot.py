@@ -244,19 +244,21 @@ def test_pictures_of_sweeps_are_told_as_such(hilc: Hilc, runs: Path) -> None:
 
 
 def test_animation_is_a_gif_of_the_run_folder(
-    hilc: Hilc, runs: Path, monkeypatch: pytest.MonkeyPatch
+    hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("hilc_cli.runs.pictures.animation._FRAMES", 2)
+    write()
+    assert hilc(*RUN, "runs/test").code == 0
     kinds = ("--kind", "animation", "--kind", "error", "--format", "svg")
     outcome = hilc("plot", "runs/test", *kinds, *COARSE)
     assert outcome == Outcome(0, "runs/test/error.svg\nruns/test/animation.gif\n", "")
-    assert (runs / "test/animation.gif").read_bytes().startswith(b"GIF89a")
+    film = folder / "runs/test/animation.gif"
+    assert film.read_bytes().startswith(b"GIF89a")
     # It stays as long as the tables do, and goes with them.
-    same = ("--set", "record.iterations=[1]", "--set", "iterations=4")
-    assert hilc(*RUN, "runs/test", *same).code == 0
-    assert (runs / "test/animation.gif").is_file()
+    assert hilc(*RUN, "runs/test").code == 0
+    assert film.is_file()
     assert hilc(*RUN, "runs/test", "--set", "iterations=3", "--force").code == 0
-    assert not (runs / "test/animation.gif").exists()
+    assert not film.exists()
 
 
 def test_animation_is_of_one_run(hilc: Hilc, runs: Path) -> None:
