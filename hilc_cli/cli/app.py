@@ -15,7 +15,7 @@ from hilc_cli.cli.export import export
 from hilc_cli.cli.identify import identify
 from hilc_cli.cli.learn import learn
 from hilc_cli.cli.new import new
-from hilc_cli.cli.options import Version
+from hilc_cli.cli.options import Verbose, Version
 from hilc_cli.cli.plot import plot
 from hilc_cli.cli.report import report
 from hilc_cli.cli.reproduce import reproduce
@@ -62,7 +62,7 @@ app = typer.Typer(
 
 
 @app.callback(invoke_without_command=True)
-def hilc(context: typer.Context, version: Version = False) -> None:
+def hilc(context: typer.Context, verbose: Verbose = False, version: Version = False) -> None:
     """Iterative learning control for differential-drive robots.
 
     \b

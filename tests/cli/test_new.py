@@ -61,7 +61,8 @@ def test_wheels_can_follow_whatever_the_robot(
     assert limit is not None
     assert 0.6 * limit < demand.fastest.value < 0.95 * limit
     assert demand.lateral.value <= 2.0 * 1.001
-    assert scenario.spec.controller.h < scenario.spec.reference.samples / 2  # type: ignore[attr-defined]
+    merge = scenario.spec.controller.model_dump()["h"]
+    assert merge < scenario.spec.reference.samples / 2
     assert scenario.spec.trajectory.sample_time == pytest.approx(1 / float(rate.split()[0]))
     assert not [each for each in scenario.warnings() if "safety" in each]
 
@@ -70,8 +71,8 @@ def test_numbers_are_those_of_the_data_sheet(hilc: Hilc, folder: Path) -> None:
     # 60 rpm are 2 pi rad/s: 0.2073 m/s with wheels of 33 mm.
     assert hilc("new", "r", *options("33mm", "16cm", "60rpm", "20"), "-q") == Outcome(0, "", "")
     spec = hilc_api.load_scenario("r.yaml").spec
-    assert (spec.model.wheel_radius, spec.robot.wheel_radius) == pytest.approx((0.033, 0.03201))  # type: ignore[attr-defined]
-    assert spec.controller.b_w == pytest.approx(6.283, abs=1e-3)  # type: ignore[attr-defined]
+    assert (spec.model.wheel_radius, spec.robot.wheel_radius) == pytest.approx((0.033, 0.03201))
+    assert spec.controller.b_w == pytest.approx(6.283, abs=1e-3)
 
 
 def test_files_elsewhere_and_json(hilc: Hilc, folder: Path) -> None:

@@ -12,7 +12,8 @@ import pytest
 from hilc_cli.html_reports.report import report
 from hilc_cli.plants.kinematic import Robot
 from tests.html_reports.chromium import Page, browser, open_browser
-from tests.html_reports.test_report import DATA, HOSTILE, a_sweep, results_of
+from tests.html_reports.test_report import HOSTILE, a_sweep, results_of
+from tests.leaderboards.test_leaderboard_folder import DATA
 from tests.made_up_runs import MakeRun
 
 PROGRAM = browser()

@@ -12,16 +12,17 @@ import pytest
 from hilc_cli.html_reports import playback as module
 from hilc_cli.html_reports.playback import playback
 from hilc_cli.plants.kinematic import Robot
-from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.run import RunData
 from tests.made_up_runs import MakeRun, circle
 
 SEEN = 1 / 1500
 
 
-def along(line: Mapping[str, Any], what: str, samples: int) -> np.ndarray:
+def along(line: Mapping[str, Any], what: str, samples: int) -> Floats:
     """A line at every sample, as the page sees it between those that were kept."""
-    return np.interp(np.arange(samples + 1), line["at"], line[what])
+    found: Floats = np.interp(np.arange(samples + 1), line["at"], line[what])
+    return found
 
 
 def fine_circle() -> Reference:
@@ -104,7 +105,7 @@ def test_path_that_flies_away_leaves_finite_numbers_and_is_told(make_run: MakeRu
 
 
 def test_robot_that_stands_still_without_an_error(make_run: MakeRun) -> None:
-    still = Reference("still", 0.1, *(np.zeros(11) for _ in range(3)))
+    still = Reference("still", 0.1, np.zeros(11), np.zeros(11), np.zeros(11))
     run = make_run(reference=still, factors=(1.0,), speed_limit=None)
     document = playback(run).document
     assert document["iterations"][0]["error"] == {"at": [0, 10], "value": [0.0, 0.0]}

@@ -7,11 +7,13 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numpy.typing import NDArray
 
 from hilc_cli.html_reports.thinning import thinned
+from hilc_cli.reference.sampled import Floats
 
 
-def off(lines: np.ndarray, samples: np.ndarray) -> float:
+def off(lines: Floats, samples: NDArray[np.int64]) -> float:
     """How far straight lines through some samples are off at most."""
     every = np.arange(lines.shape[1])
     return max(

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PIL import Image
 
 from hilc_cli.errors import UsageError
@@ -15,6 +16,7 @@ from hilc_cli.runs.pictures.animation import robot_outline
 from hilc_cli.runs.pictures.catalogue import save_figures
 from tests.made_up_runs import MakeRun
 
+Pixels = NDArray[np.int64]
 ORANGE = np.array([0xD5, 0x5E, 0x00])
 
 
@@ -24,16 +26,16 @@ def _few_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(animation, "_HELD", 0)
 
 
-def frames(file: Path) -> list[np.ndarray]:
-    found = []
+def frames(file: Path) -> list[Pixels]:
+    found: list[Pixels] = []
     with Image.open(file) as picture:
         for number in range(getattr(picture, "n_frames", 1)):
             picture.seek(number)
-            found.append(np.asarray(picture.convert("RGB")).astype(int))
+            found.append(np.asarray(picture.convert("RGB")).astype(np.int64))
     return found
 
 
-def orange(frame: np.ndarray) -> int:
+def orange(frame: Pixels) -> int:
     """Pixels that are about as orange as the path of this pass."""
     return int((np.abs(frame - ORANGE).sum(axis=2) < 60).sum())
 
@@ -65,7 +67,7 @@ def test_chosen_iterations_alone(make_run: MakeRun, tmp_path: Path) -> None:
 
 
 def test_outline_is_as_wide_as_the_track_and_points_ahead() -> None:
-    corners = robot_outline(Robot(0.2, 0.5)).vertices
+    corners = np.asarray(robot_outline(Robot(0.2, 0.5)).vertices, dtype=float)
     assert np.abs(corners[:, 1]).max() == pytest.approx(0.5 * 1.15)  # a wheel's half width more
     wheels = corners[np.abs(corners[:, 1]) > 0.43]
     assert np.abs(wheels[:, 0]).max() == pytest.approx(0.2)  # their radius
