@@ -5,14 +5,16 @@ from __future__ import annotations
 import base64
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 from hilc_cli.comparisons.formats import Cell, Grid, for_page, note_of
 from hilc_cli.comparisons.table import ComparisonTable
 from hilc_cli.drawing.save import render
 from hilc_cli.html_reports.playback import Playback
 from hilc_cli.results.look import Look
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _LOOK = Look(width=0.11)  # [m]
 

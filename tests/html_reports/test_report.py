@@ -17,10 +17,12 @@ import hilc_cli as hilc_api
 from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.html_reports import report as module
 from hilc_cli.html_reports.report import Results, read_results, report
+from hilc_cli.labs.lab import Lab
 from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import summarise
 from hilc_cli.sweeps.data import SweepData
+from tests.labs.robots import driven, scenario, write_log
 from tests.leaderboards.test_leaderboard_folder import DATA
 from tests.made_up_runs import MakeRun
 from tests.made_up_sweeps import L1, L2, numbers, sweep
@@ -235,3 +237,29 @@ def test_folders_without_results(folder: Path) -> None:
 
 def test_jinja_escapes_whatever_it_gets() -> None:
     assert module._template().environment.autoescape is True
+
+
+def test_lab_tells_its_logs(folder: Path) -> None:
+    lab = Lab.start(scenario(), folder / "lab")
+    with pytest.raises(UsageError, match="lab: has no trial yet; add the first with 'hilc learn"):
+        report(folder / "lab", folder / "lab.html")
+    for _ in range(2):
+        times, poses = driven(lab.plan)
+        lab.add_log(write_log(folder / "pass<1>.csv", times, poses))
+    page = Page(report(folder / "lab", folder / "lab.html"))
+    assert [each["aria-label"] for each in page.of("section")] == [lab.scenario.name]
+    assert "After 2 trials" in page.texts
+    assert page.texts.count("pass<1>.csv") == 2
+    played = json.loads(page.scripts[0])
+    assert [each["number"] for each in played["iterations"]] == [0, 1]
+    assert played["robot"]["wheelRadius"] == pytest.approx(0.033)
+
+
+def test_damaged_log_of_a_lab_is_told(folder: Path) -> None:
+    lab = Lab.start(scenario(), folder / "lab")
+    times, poses = driven(lab.plan)
+    lab.add(poses, times)
+    (folder / "lab/trials/000/report.json").write_text("{}", encoding="utf-8")
+    with pytest.raises(UsageError, match=r"trials/000/report\.json: is damaged"):
+        report(folder / "lab", folder / "lab.html")
+    assert not (folder / "lab.html").exists()
