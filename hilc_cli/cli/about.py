@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import re
 import sys
@@ -13,6 +12,7 @@ from pathlib import Path
 from hilc_cli.surroundings import numba_folders
 from hilc_cli.version import __version__
 from hilc_cli.wording import counted, printable
+from hilc_cli.workers.crews import available_cores
 
 _DISTRIBUTION = "hilc-cli"
 _DEVELOPERS = "dev"
@@ -29,7 +29,7 @@ def about() -> str:
         ("Installed in", str(Path(__file__).resolve().parents[1])),
         ("Python", f"{platform.python_version()} ({sys.executable})"),
         ("System", f"{platform.system()} {platform.release()}"),
-        ("Processor", f"{_processor()}, {counted(len(os.sched_getaffinity(0)), 'core')}"),
+        ("Processor", f"{_processor()}, {counted(available_cores(), 'core')}"),
         ("Packages", ", ".join(f"{name} {_version(name)}" for name in needed)),
         *((f"Extra {extra}", _extra(extra, name)) for extra, name in extras.items()),
         *(("Machine code", line) for line in _machine_code()),

@@ -174,9 +174,7 @@ def test_a_run_needs_no_compiler(tmp_path: Path) -> None:
     assert (done.stdout, done.stderr) == ("0 []\n", "")
 
 
-@pytest.mark.parametrize(
-    "command", [["--version", "-v"], ["-v", "--version"], ["run", "--version", "-qv"]]
-)
+@pytest.mark.parametrize("words", ["--version -v", "-v --version", "run --version -qv"])
 def test_version_of_all_that_takes_part(hilc: Hilc, words: str) -> None:
     outcome = hilc(*words.split())
     assert (outcome.code, outcome.err) == (0, "")
