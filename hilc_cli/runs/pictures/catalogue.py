@@ -67,6 +67,8 @@ def draw(
             there is no such picture of these runs.
     """
     _check(runs, [kind], iterations)
+    if kind in MOVING_PICTURES:
+        raise UsageError(f"picture '{kind}' moves: it is saved as a GIF, and not a figure")
     picture: RunPicture = RUN_PICTURES[kind].load()
     return picture.draw(runs, iterations, look)
 

@@ -13,7 +13,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.runs.pictures import animation
 from hilc_cli.runs.pictures.animation import robot_outline
-from hilc_cli.runs.pictures.catalogue import save_figures
+from hilc_cli.runs.pictures.catalogue import draw, save_figures
 from tests.made_up_runs import MakeRun
 
 Pixels = NDArray[np.int64]
@@ -81,3 +81,5 @@ def test_it_is_drawn_of_one_run_and_only_if_it_is_asked_for(
     assert not list(tmp_path.glob("*.gif"))
     with pytest.raises(UsageError, match="picture 'animation' is of one run, got 2"):
         save_figures([make_run(), make_run("b")], tmp_path, ["animation"])
+    with pytest.raises(UsageError, match="picture 'animation' moves"):
+        draw("animation", [make_run()])
