@@ -3,7 +3,8 @@
 python stand_in_robot.py plan.csv log.csv --delay 0.1 --unequal 0.02 --noise 0.002
 
 Nothing but files passes between it and hilc. Its motors answer late and slowly, its wheels are
-unequal, and its camera has noise, a rate and a clock of its own. Turning follows ROS REP-103.
+unequal, and its camera has noise, a rate and a clock of its own. With --mujoco it is a rigid body
+with tyres that slide and motors with a torque limit. Turning follows ROS REP-103.
 """
 
 import argparse
@@ -16,8 +17,7 @@ from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.motor import Motor
-
-STEP = 0.001  # [s]
+from hilc_cli.plants.mujoco_plant import MujocoSpec
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("plan", help="CSV with t_s, left_wheel_rad_s, right_wheel_rad_s")
@@ -27,7 +27,8 @@ parser.add_argument("--wheel-radius", type=float, default=0.033, help="m")
 parser.add_argument("--wheel-separation", type=float, default=0.16, help="m")
 parser.add_argument("--unequal", type=float, default=0.0, help="left larger, right smaller")
 parser.add_argument("--delay", type=float, default=0.0, help="from command to motor, s")
-parser.add_argument("--lag", type=float, default=0.03, help="time constant of the motors, s")
+parser.add_argument("--lag", type=float, default=0.03, help="of the motors, not with --mujoco: s")
+parser.add_argument("--mujoco", action="store_true", help="a rigid body; needs 'mujoco'")
 parser.add_argument("--start-scatter", type=float, default=0.0, help="m, and as many rad")
 parser.add_argument("--noise", type=float, default=0.0, help="of the camera: m, and as many rad")
 parser.add_argument("--rate", type=float, default=30.0, help="of the camera: pictures a second")
@@ -43,13 +44,22 @@ sample = float(np.median(np.diff(times)))
 
 random = np.random.default_rng(given.seed)
 radius, half_track = given.wheel_radius, given.wheel_separation / 2
-wheels = Drivetrain(
-    radius * (1 + given.unequal), radius * (1 - given.unequal), Motor(given.delay, given.lag)
-)
-plant = ImperfectPlant(Robot(radius, half_track, "rep103"), wheels, exact=True)
+left_radius, right_radius = radius * (1 + given.unequal), radius * (1 - given.unequal)
+if given.mujoco:
+    body = {
+        "plant": "mujoco",
+        "wheel_radius": {"left": left_radius, "right": right_radius},
+        "half_track": half_track,
+        "turn_convention": "rep103",
+        "motor": {"delay": given.delay},
+    }
+    plant, step_time = MujocoSpec.model_validate(body).as_plant(), 2e-3
+else:
+    wheels = Drivetrain(left_radius, right_radius, Motor(given.delay, given.lag))
+    plant, step_time = ImperfectPlant(Robot(radius, half_track, "rep103"), wheels, exact=True), 1e-3
 x, y, heading = np.array(given.start) + random.normal(0, given.start_scatter, 3)
 pose = (float(x), float(y), float(heading))
-drive = plant.start(pose, STEP)
+drive = plant.start(pose, step_time)
 
 STANDS = 0.6  # [s] before the plan and after it
 duration = STANDS - times[0] + times[-1] + sample + STANDS + given.delay
@@ -57,8 +67,8 @@ pictures = 0
 with open(given.log, "w", newline="") as file:
     log = csv.writer(file)
     log.writerow(["t_s", "x_m", "y_m", "heading_rad"])
-    for step in range(math.ceil(duration / STEP)):
-        now = step * STEP
+    for step in range(math.ceil(duration / step_time)):
+        now = step * step_time
         if pictures / given.rate <= now:
             seen = np.array(pose) + random.normal(0, given.noise, 3)
             seen[2] = math.remainder(seen[2], 2 * math.pi)

@@ -49,6 +49,11 @@ class Write(Protocol):
     def __call__(self, files: Mapping[str, str | bytes] | None = None) -> None: ...
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Pages of examples take longest and begin first: no process waits for them in the end."""
+    items.sort(key=lambda item: "test_examples_of_the_page" not in item.name)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _compiler_without_tracing() -> Iterator[None]:
     """Coverage does not look at calls within the compiler, which adds half to what it takes.

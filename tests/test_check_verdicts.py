@@ -208,7 +208,6 @@ def test_start_from_which_a_law_is_not_on_the_path_in_time_cannot_work(law: dict
         assert verdict_of(found) == "cannot work"
 
 
-@pytest.mark.xfail(strict=True, reason="foretold four times too high without feedback")
 @pytest.mark.parametrize(
     ("iterations", "bound"),
     [

@@ -112,6 +112,7 @@ class Learning:
             reference.x - trial.x,
             reference.y - trial.y,
             reference.heading - trial.heading,
+            trial.read,
         )
         self._plan = None
         with np.errstate(over="ignore", invalid="ignore"):

@@ -43,10 +43,8 @@ def with_standstill(reference: Reference, samples: int) -> Reference:
 
 def without_lead_in(trial: Trial, lead_in: int) -> Trial:
     """Returns a trial from the start of the trajectory on."""
-    return replace(
-        trial,
-        **{name: getattr(trial, name)[lead_in:] for name in ("x", "y", "heading", "left", "right")},
-    )
+    names = ["x", "y", "heading", "left", "right", *(["read"] if trial.read is not None else [])]
+    return replace(trial, **{name: getattr(trial, name)[lead_in:] for name in names})
 
 
 def _still_at_first(plan: Plan) -> Plan:

@@ -78,7 +78,7 @@ def logged_trial(
         warnings=list(trial.warnings),
     )
     first, last = trial.start_time + float(planned.times[0]), trial.start_time + planned.end
-    return LabTrial(motion, plan, report), table_of(log, log.sent(robot), first, last)
+    return LabTrial(motion, plan, report, trial.read), table_of(log, log.sent(robot), first, last)
 
 
 def motor_so_far(scenario: Scenario, learned: Mapping[str, float]) -> tuple[Motor, bool]:

@@ -10,13 +10,19 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, Strict
 
 from hilc_cli.files import read_file
 from hilc_cli.laws.law import Plan
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.reading import MAX_CSV_BYTES, Document, damaged, read_document
-from hilc_cli.results.tables import read_motion, write_motion, write_plan
+from hilc_cli.results.tables import (
+    read_motion,
+    read_trial as read_trial_table,
+    write_plan,
+    write_trial as write_trial_table,
+)
 from hilc_cli.results.trial import Trial
 from hilc_cli.wording import printable
 
@@ -62,11 +68,14 @@ class LabTrial:
         motion: Measured poses, and the wheel speeds that were sent, from the lead-in on.
         planned: What was to be sent, likewise, and the poses that were planned.
         report: How it was made of a log.
+        read: Whether a pose was measured at the sample, from the lead-in on; where not, it lies
+            between those of others.
     """
 
     motion: Plan
     planned: Plan
     report: Report
+    read: NDArray[np.bool_]
 
     def trial(self, number: int, speed_limit: float) -> Trial:
         """Returns the trial as laws learn from it, lead-in included.
@@ -79,7 +88,7 @@ class LabTrial:
         x, y, heading = motion.poses.T.copy()
         fastest = np.maximum(np.abs(motion.left), np.abs(motion.right))
         saturated = int(np.count_nonzero(fastest >= _AT_LIMIT * speed_limit))
-        return Trial(number, x, y, heading, motion.left, motion.right, saturated)
+        return Trial(number, x, y, heading, motion.left, motion.right, saturated, self.read)
 
 
 def trial_folder(lab: Path, number: int) -> Path:
@@ -98,7 +107,7 @@ def write_trial(folder: Path, trial: LabTrial, log: str, sample_time: float) -> 
     """
     (folder / LOG).write_text(log, encoding="ascii")
     write_plan(folder / PLANNED, sample_time, trial.planned)
-    write_motion(folder / MEASURED, sample_time, trial.motion)
+    write_trial_table(folder / MEASURED, sample_time, trial.motion, trial.read)
     checksums = {name: _checksum(folder / name) for name in (LOG, PLANNED, MEASURED)}
     document = trial.report.model_copy(update={"files_sha256": checksums}).model_dump(mode="json")
     (folder / REPORT).write_text(f"{json.dumps(document, indent=2)}\n", encoding="utf-8")
@@ -121,10 +130,10 @@ def read_trial(folder: Path, reference: Reference, lead_in: int) -> LabTrial:
         if _checksum(folder / name) != report.files_sha256.get(name):
             raise damaged(folder / name, f"it is not what {REPORT} says by its checksum")
     planned = read_motion(folder / PLANNED, reference).with_lead_in(lead_in)
-    motion = read_motion(folder / MEASURED, reference)
+    motion, read = read_trial_table(folder / MEASURED, reference)
     if motion.lead_in != lead_in:
         raise damaged(folder / MEASURED, f"it must begin {lead_in} samples before the trajectory")
-    return LabTrial(motion, planned, report)
+    return LabTrial(motion, planned, report, read)
 
 
 def read_reports(lab: Path, trials: int) -> list[Report]:

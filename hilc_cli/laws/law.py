@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.reference.sampled import Floats, Reference
@@ -42,6 +43,8 @@ class Iteration:
         error_x: Reference less measured output [m], shape (n + 1,).
         error_y: Likewise [m], shape (n + 1,).
         error_heading: Likewise [rad], shape (n + 1,).
+        read: Whether a pose was measured at the sample, shape (n + 1,); where not, its error lies
+            between those of others. None: at all.
     """
 
     left: Floats
@@ -49,6 +52,7 @@ class Iteration:
     error_x: Floats
     error_y: Floats
     error_heading: Floats
+    read: NDArray[np.bool_] | None = None
 
     @property
     def errors(self) -> tuple[Floats, Floats, Floats]:

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.logs.fitting import DELAY, HEADING, LAG, OFFSET, ROBOT, Drive, run
@@ -56,6 +57,7 @@ class AlignedTrial:
         x: Of the wheel midpoint [m], shape (n - first + 1,).
         y: Likewise.
         heading: Not wrapped, within half a turn of the reference at the start [rad], likewise.
+        read: Whether a pose was measured within half a sample, likewise; else it is interpolated.
         left: Speed of the left wheel that was sent [rad/s], shape (n - first,).
         right: Of the right wheel, likewise.
         reading_times: When poses were measured, from sample 0 [s], shape (m,).
@@ -73,6 +75,7 @@ class AlignedTrial:
     x: Floats
     y: Floats
     heading: Floats
+    read: NDArray[np.bool_]
     left: Floats
     right: Floats
     reading_times: Floats
@@ -113,7 +116,7 @@ def align(
     check_whole(log, plan, start, options.limits)
     reference = plan.reference
     samples = np.arange(-plan.before, reference.samples + 1.0) * reference.sample_time
-    poses, smoothed = _resampled(found, log, start, start + samples)
+    poses, read, smoothed = _resampled(found, start + samples)
     at_start, error = _start_pose(log, plan, found, start, smoothed[plan.before])
     turns = 2 * math.pi * round((float(reference.heading[0]) - at_start[2]) / (2 * math.pi))
     at_start = at_start + np.array([0.0, 0.0, turns])
@@ -132,6 +135,7 @@ def align(
         poses[:, 0],
         poses[:, 1],
         poses[:, 2],
+        read,
         left,
         right,
         log.poses.times[here] - start,
@@ -271,8 +275,15 @@ def _told(fit: FittedPass, motor: Motor) -> list[str]:
     return [*lines, f"{told} (standard deviations)"]
 
 
-def _resampled(found: _Found, log: Log, start: float, at: Floats) -> tuple[Floats, Floats]:
-    """Poses at given times: as they were read, and the likeliest ones, shape (m, 3) each."""
+def _resampled(found: _Found, at: Floats) -> tuple[Floats, NDArray[np.bool_], Floats]:
+    """Poses at given times, evenly spaced: as they were read, and the likeliest ones, (m, 3) each.
+
+    What was read within half a sample is carried to it along the likeliest motion, and is the mean
+    where it is more than one pose. Where nothing was, what is read lies between.
+
+    Returns:
+        Read poses, whether one was read there, and likeliest ones.
+    """
     drive = found.fit.drive
     times = np.union1d(drive.times, at[at > drive.times[0]])
     readings = np.full((len(times), 3), np.nan)
@@ -284,11 +295,14 @@ def _resampled(found: _Found, log: Log, start: float, at: Floats) -> tuple[Float
     smoothed = np.stack([np.interp(at, times, column) for column in likely.T], axis=1)
     off = drive.readings - likely[where]
     off = np.where(np.isnan(off), 0.0, off)
-    read = [
-        column + np.interp(at, drive.times, residual)
-        for column, residual in zip(smoothed.T, off.T, strict=True)
-    ]
-    return np.stack(read, axis=1), smoothed
+    residuals = np.stack([np.interp(at, drive.times, column) for column in off.T], axis=1)
+    nearest = np.rint((drive.times - at[0]) / (at[1] - at[0])).astype(np.int64)
+    here = (nearest >= 0) & (nearest < len(at))
+    count = np.bincount(nearest[here], minlength=len(at))
+    read = count > 0
+    sums = [np.bincount(nearest[here], column[here], len(at)) for column in off.T]
+    residuals[read] = np.stack(sums, axis=1)[read] / count[read, None]
+    return smoothed + residuals, read, smoothed
 
 
 def _start_pose(

@@ -123,7 +123,7 @@ def _filtered(
     if math.isnan(heading):
         heading, hh = start_heading, 0.0
     states[0, 0], states[0, 1], states[0, 2] = x, y, heading
-    put(covariances[0], xx, xy, xh, yy, yh, hh)
+    put(covariances[0], (xx, xy, xh, yy, yh, hh))
     arrivals, commands = rolling.arrivals, rolling.commands
     lag, slow = rolling.lag, rolling.lag > NO_LAG
     likelihood = 0.0
@@ -187,7 +187,7 @@ def _filtered(
             xh, yh, hh = xh + q_turn * shift_x, yh + q_turn * shift_y, hh + q_turn
         if keep:
             foreseen[k, 0], foreseen[k, 1], foreseen[k, 2] = x, y, heading
-            put(foreseen_covariances[k], xx, xy, xh, yy, yh, hh)
+            put(foreseen_covariances[k], (xx, xy, xh, yy, yh, hh))
         if not math.isnan(readings[k, 0]):
             # L L' is the innovation's covariance, w the innovation by it, and G = P L'^-1.
             l00 = math.sqrt(xx + noise.position)
@@ -219,7 +219,7 @@ def _filtered(
             hh -= gh0 * gh0 + gh1 * gh1 + gh2 * gh2
         if keep:
             states[k, 0], states[k, 1], states[k, 2] = x, y, heading
-            put(covariances[k], xx, xy, xh, yy, yh, hh)
+            put(covariances[k], (xx, xy, xh, yy, yh, hh))
     return white, likelihood, states, covariances, foreseen, foreseen_covariances
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file
@@ -38,6 +39,7 @@ SAMPLES_HEADER = (
 )  # fmt: skip
 INPUT_HEADER = ("sample", "t_s", "left_wheel_rad_s", "right_wheel_rad_s")
 PLAN_HEADER = (*INPUT_HEADER, "x_m", "y_m", "heading_rad")
+TRIAL_HEADER = (*PLAN_HEADER, "read")
 GRAVITY_CENTER_HEADER = ("iteration", "sample", "t_s", "x_m", "y_m", "heading_rad")
 
 FASTEST = 1e200
@@ -110,26 +112,30 @@ def write_plan(path: Path, sample_time: float, plan: Plan, *, stops: bool = Fals
         plan: What is to be sent; what it needs of its lead-in has negative times.
         stops: Whether the last row tells the wheels to stop; else it has none of their speeds.
     """
-    write_motion(path, sample_time, plan.shortest, "0.0,0.0" if stops else ",")
+    rows = _motion_rows(sample_time, plan.shortest, "0.0,0.0" if stops else ",")
+    _write(path, PLAN_HEADER, rows)
 
 
-def write_motion(path: Path, sample_time: float, plan: Plan, last: str = ",") -> None:
-    """Writes what was sent at each sample and the pose there: that of a plan, or of a trial.
+def write_trial(path: Path, sample_time: float, motion: Plan, read: NDArray[np.bool_]) -> None:
+    """Writes what was sent at each sample of a trial and the pose there.
 
     Args:
         path: The file.
         sample_time: d_t [s].
-        plan: Wheel speeds and poses from the lead-in on.
-        last: The wheel speeds at the last sample.
+        motion: Wheel speeds and poses from the lead-in on.
+        read: Whether a pose was measured there, shape (lead-in + n + 1,).
     """
+    rows = zip(_motion_rows(sample_time, motion, ","), read.tolist(), strict=True)
+    _write(path, TRIAL_HEADER, (f"{row},{int(own)}" for row, own in rows))
+
+
+def _motion_rows(sample_time: float, plan: Plan, last: str) -> Iterator[str]:
+    """Rows of a motion from the lead-in on, ``last`` being the wheel speeds at the last sample."""
     pairs = zip(*_lists(plan.left, plan.right), strict=True)
     wheels = [f"{left!r},{right!r}" for left, right in pairs]
     rows = zip([*wheels, last], plan.poses.tolist(), strict=True)
-    lines = (
-        f"{k},{k * sample_time!r},{speeds},{x!r},{y!r},{heading!r}"
-        for k, (speeds, (x, y, heading)) in enumerate(rows, -plan.lead_in)
-    )
-    _write(path, PLAN_HEADER, lines)
+    for k, (speeds, (x, y, heading)) in enumerate(rows, -plan.lead_in):
+        yield f"{k},{k * sample_time!r},{speeds},{x!r},{y!r},{heading!r}"
 
 
 def write_gravity_center(
@@ -313,7 +319,7 @@ def read_plan(path: Path, reference: Reference) -> Plan | None:
 
 
 def read_motion(path: Path, reference: Reference) -> Plan:
-    """Reads what `write_motion` has written.
+    """Reads what `write_plan` has written.
 
     Args:
         path: The file.
@@ -322,7 +328,25 @@ def read_motion(path: Path, reference: Reference) -> Plan:
     Raises:
         HilcError: There is no such file, it cannot be read, or it is damaged.
     """
-    table = read_numbers(path, _PLAN_COLUMNS)
+    return _motion(read_numbers(path, _PLAN_COLUMNS), path, reference)
+
+
+def read_trial(path: Path, reference: Reference) -> tuple[Plan, NDArray[np.bool_]]:
+    """Reads what `write_trial` has written: the motion, and where a pose was measured.
+
+    Args:
+        path: The file.
+        reference: What the motion was to follow.
+
+    Raises:
+        HilcError: There is no such file, it cannot be read, or it is damaged.
+    """
+    table = read_numbers(path, [*_PLAN_COLUMNS, (TRIAL_HEADER[-1], Numbers(0, 1, whole=True))])
+    return _motion(table[:, :-1], path, reference), table[:, -1] == 1
+
+
+def _motion(table: Floats, path: Path, reference: Reference) -> Plan:
+    """The motion that a table has, of a file that is told where it is damaged."""
     first = int(table[0, 0]) if len(table) else 0
     lead_in, rows = max(-first, 0), reference.samples + 1
     if len(table) != rows + lead_in:

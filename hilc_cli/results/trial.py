@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hilc_cli.reference.sampled import Floats
 
 LARGEST = 1e140
@@ -41,6 +44,8 @@ class Trial:
         left: Speed of the left wheel [rad/s], shape (n,), after the speed limit.
         right: Speed of the right wheel [rad/s], shape (n,), after the speed limit.
         saturated_samples: Number of samples at which the speed limit acted.
+        read: Whether a pose was measured at the sample, shape (n + 1,); where not, it lies between
+            those of others. None: at all.
         figures: What the law has to tell of the iteration, by column of ``learning.csv``.
     """
 
@@ -51,6 +56,7 @@ class Trial:
     left: Floats
     right: Floats
     saturated_samples: int = 0
+    read: NDArray[np.bool_] | None = None
     figures: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:

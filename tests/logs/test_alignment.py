@@ -51,3 +51,28 @@ def test_commands_of_the_log_tell_the_start_and_what_was_sent(tmp_path: Path) ->
     trial = align(log, plan, BELIEVED, ROBOT)
     assert trial.start_time == pytest.approx(1000.0, abs=1e-6)
     assert trial.left == pytest.approx(plan.left, abs=1e-6)
+
+
+@pytest.mark.parametrize(("rate", "sample_time"), [(30.0, 0.02), (100.0, 0.05), (50.0, 0.02)])
+def test_samples_have_the_readings_of_their_own_time_and_no_others(
+    tmp_path: Path, rate: float, sample_time: float
+) -> None:
+    plan = winding_plan(sample_time)
+    wheels = np.stack([plan.left, plan.right], axis=1)
+    seen = MadeUpRobot(rate=rate).drive(sample_time, wheels)
+    exact = MadeUpRobot(rate=1000.0, position_noise=0.0, heading_noise=0.0)
+    times, *true = exact.drive(sample_time, wheels).T
+    log = read_log(write_csv(tmp_path / "log.csv", seen))
+    options = AlignOptions(start_time=1000.0, lag_is_known=True)
+    trial = align(log, plan, BELIEVED, ROBOT, options)
+    at = np.arange(len(trial.x)) * sample_time
+    count = (np.abs(seen[:, :1] - 1000 - at) < sample_time / 2).sum(axis=0)
+    assert np.array_equal(trial.read, count > 0)
+    off = trial.poses - np.stack([np.interp(at + 1000, times, each) for each in true], axis=1)
+    # Each is the mean of its own readings, carried over some milliseconds of a known motion.
+    white = (off * np.sqrt(count)[:, None])[trial.read] / 2e-3
+    assert np.sqrt(np.square(white).mean()) == pytest.approx(1, abs=0.1)
+    following = trial.read[1:] & trial.read[:-1]
+    both = [(off * np.sqrt(count)[:, None])[rows] for rows in (slice(1, None), slice(None, -1))]
+    correlation = (both[0] * both[1])[following].mean() / 2e-3**2
+    assert abs(correlation) < 4 / np.sqrt(3 * following.sum())

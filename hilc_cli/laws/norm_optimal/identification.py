@@ -8,13 +8,13 @@ passes do not tell where it was believed.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize
 
+from hilc_cli.laws.norm_optimal.filter_slopes import innovation_slopes, noise_score
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
 from hilc_cli.laws.norm_optimal.motor import Motor, steps_of
 from hilc_cli.reference.sampled import Floats
@@ -24,16 +24,22 @@ class Pass(NamedTuple):
     """What is learned from: one pass.
 
     Attributes:
-        measured: Measured poses, the heading not wrapped, shape (n + 1, 3).
+        measured: Measured poses, the heading not wrapped, shape (n + 1, 3); not-a-number where none
+            was, but not at sample 0.
         sent: Wheel speeds sent, after the limit [rad/s], shape (n, 2).
+        start_share: Share of a reading's variance that the first pose is known to.
     """
 
     measured: Floats
     sent: Floats
+    start_share: float = 1.0
 
 
 NAMES = ("mean radius", "radius ratio", "half track", "delay", "lag", "friction")
 """The parameters: two radii as their geometric mean and their ratio, and B, by their logarithms."""
+
+AT_LEAST_NONE = [3, 4, 5]
+"""Places of those that are not below 0."""
 
 TOLD = np.array(
     [
@@ -60,10 +66,15 @@ _FARTHEST = np.array([1.5, 0.5, 1.5])  # from what was believed, in logarithms
 _MOST = np.array([1.0, 2.0, 10.0])  # delay [s], lag [s], friction [rad/s]
 _FIRST_DELAYS = (0.0, 0.1, 0.3)  # [s], since the likelihood may have a hill for each
 _FOR_NOISE = 4  # the last passes tell the noise
+_FURTHER_UP = 4.0  # in logarithms of variances
+_SCORING_STEPS = 40
+_LONGEST_STEP = 3.0  # of a logarithm
+_NO_INFORMATION = 1e-6  # what the readings say less than that of says nothing
 _QUIETER = 1e-3  # share of its variance that the noise of the motion then has for a start
 _ROUNDS = 2  # of noise and parameters in turn, for the first pass
 _NEWTON_STEPS = 12
-_SETTLED = 1e-3  # gain of half the squared innovations at which the search ends
+_SETTLED = 1e-3  # gain of the likelihood's logarithm at which a search ends
+_SETTLED_COARSELY = 0.3
 _SMALLEST = 1e-7  # share of the path's size below which nothing is called noise of the motion
 _FINEST = 1e-6  # likewise of the readings
 _SMALLEST_TURN, _FINEST_HEADING = 1e-7, 1e-6  # [rad]
@@ -115,19 +126,20 @@ class MotorBelief:
         """Returns the same with other parameters."""
         return replace(self, parameters=parameters)
 
-    def step_slopes(self, inputs: Floats, sample_time: float) -> Floats:
-        """How the parameters change the way [m] and the turn [rad] in each sample, (n, 2, 6).
+    def steps_and_slopes(self, inputs: Floats, sample_time: float) -> tuple[Floats, Floats]:
+        """The way [m] and the turn [rad] in each sample, (n, 2), and their slopes, (n, 2, 6).
 
         Args:
             inputs: Wheel speeds sent [rad/s], shape (n, 2).
             sample_time: d_t [s].
         """
-
-        def steps(parameters: Floats) -> Floats:
-            return steps_of(motor_of(self.first, parameters), inputs, sample_time).ravel()
-
-        slopes = _slopes(steps, self.parameters, steps(self.parameters))
-        return slopes.reshape(*inputs.shape, len(NAMES))
+        steps = steps_of(self.motor, inputs, sample_time)
+        slopes = np.empty((*steps.shape, len(NAMES)))
+        for index, step in enumerate(_STEP.tolist()):  # forwards, since nothing is below 0
+            tried = self.parameters.copy()
+            tried[index] += step
+            slopes[:, :, index] = steps_of(motor_of(self.first, tried), inputs, sample_time) - steps
+        return steps, slopes / _STEP
 
     def drift(self, inputs: Floats, sample_time: float) -> tuple[float, float]:
         """How far wheel speeds may lead elsewhere than is believed: variances, where most.
@@ -139,7 +151,8 @@ class MotorBelief:
         Returns:
             Of the way [m^2] and of the heading [rad^2].
         """
-        gone = np.cumsum(self.step_slopes(inputs, sample_time), axis=0).reshape(-1, len(NAMES))
+        _, slopes = self.steps_and_slopes(inputs, sample_time)
+        gone = np.cumsum(slopes, axis=0).reshape(-1, len(NAMES))
         variances = np.einsum("ki,ij,kj->k", gone, self.covariance, gone)
         way, turn = variances.reshape(-1, 2).max(axis=0).tolist()
         return way, turn
@@ -200,9 +213,13 @@ class Identification:
         return self._improved(best, passes, rounds=_ROUNDS)
 
     def innovations(self, belief: MotorBelief, passes: Sequence[Pass]) -> Floats:
-        """Returns what the belief did not expect of passes, by its deviation, (passes, n, 3)."""
+        """Returns what the belief did not expect of passes, by its deviation, (passes, n, 3).
+
+        Not-a-number where nothing was measured.
+        """
         white = self._white(belief.first, belief.parameters, belief.noise, passes)
-        return white.reshape(len(passes), -1, 3)
+        read = np.array([np.isfinite(each.measured[1:, :1]) for each in passes])
+        return np.where(read, white.reshape(len(passes), -1, 3), np.nan)
 
     def expected_covariance(self, belief: MotorBelief, like: Pass, passes: int) -> Floats:
         """Returns the covariance of what so many passes like one would tell, shape (6, 6).
@@ -212,12 +229,8 @@ class Identification:
             like: What such a pass is without noise.
             passes: Their number.
         """
-
-        def white(parameters: Floats) -> Floats:
-            return self._white(belief.first, parameters, belief.noise, [like])
-
-        slopes = _slopes(white, belief.parameters, white(belief.parameters))
-        normal = passes * slopes.T @ slopes + np.diag(PRIOR**-2)
+        _, slopes = self._white_and_slopes(belief.first, belief.parameters, belief.noise, [like])
+        normal = passes * _summed(slopes, slopes) + np.diag(PRIOR**-2)
         return np.asarray(np.linalg.inv(normal), dtype=np.float64)
 
     def quietest(self, noise: Noise) -> Noise:
@@ -246,7 +259,7 @@ class Identification:
         steps = self._steps(first, parameters, passes)
         return np.concatenate(
             [
-                run_filter(each.measured, own, self._lead, noise).white.ravel()
+                run_filter(each.measured, own, self._lead, noise, each.start_share).white.ravel()
                 for each, own in zip(passes, steps, strict=True)
             ]
         )
@@ -254,7 +267,9 @@ class Identification:
     def _likelihood(self, belief: MotorBelief, passes: Sequence[Pass]) -> float:
         steps = self._steps(belief.first, belief.parameters, passes)
         return sum(
-            run_filter(each.measured, own, self._lead, belief.noise).log_likelihood
+            run_filter(
+                each.measured, own, self._lead, belief.noise, each.start_share
+            ).log_likelihood
             for each, own in zip(passes, steps, strict=True)
         )
 
@@ -268,39 +283,31 @@ class Identification:
         coarsely: bool,
     ) -> Noise:
         """The likeliest variances with the parameters as they are."""
-        steps = self._steps(first, parameters, passes)
-        count = sum(map(len, steps))
+        rows = [
+            (each.measured, own, self._lead, each.start_share)
+            for each, own in zip(passes, self._steps(first, parameters, passes), strict=True)
+        ]
 
-        def cost(logarithms: Floats) -> float:
+        def told(logarithms: Floats) -> tuple[float, Floats, Floats]:
             tried = Noise(*np.exp(logarithms).tolist())
-            return -sum(
-                run_filter(each.measured, own, self._lead, tried).log_likelihood
-                for each, own in zip(passes, steps, strict=True)
-            ) / count  # fmt: skip
-
-        def cost_and_slope(logarithms: Floats) -> tuple[float, Floats]:
-            at = cost(logarithms)
-            tried = logarithms + 1e-4 * np.eye(5)
-            return at, np.array([(cost(each) - at) / 1e-4 for each in tried])
-
-        bounds = [(lowest, _NOISIEST) for lowest in self._floor.tolist()]
-        # From where it was, and from further up: at a floor there is no slope to leave it by.
-        # TNC is free of linear algebra, whose threads would take longer than all the rest.
-        starts = [np.log(noise)] if coarsely else [np.log(noise), np.log(noise) + 4.0]
-        most, exact = (20, 1e-3) if coarsely else (50, 1e-6)
-        found = [
-            minimize(
-                cost_and_slope,
-                start.clip(self._floor, _NOISIEST),
-                jac=True,
-                method="TNC",
-                bounds=bounds,
-                options={"maxfun": most, "ftol": exact},
+            likelihoods, scores, informations = zip(
+                *(
+                    noise_score(measured, own, lead, tried, share)
+                    for measured, own, lead, share in rows
+                ),
+                strict=True,
             )
+            return sum(likelihoods), sum(scores), sum(informations)
+
+        # From where it was, and from further up: at a floor there is no slope to leave it by.
+        starts = [np.log(noise)] if coarsely else [np.log(noise), np.log(noise) + _FURTHER_UP]
+        settled = _SETTLED_COARSELY if coarsely else _SETTLED
+        found = [
+            _likeliest(told, start.clip(self._floor, _NOISIEST), self._floor, settled)
             for start in starts
         ]
-        best = min(found, key=lambda each: float(each.fun))
-        return Noise(*np.exp(best.x).tolist())
+        best, _ = max(found, key=lambda each: each[1])
+        return Noise(*np.exp(best).tolist())
 
     def _likely_parameters(
         self, belief: MotorBelief, parameters: Floats, noise: Noise, passes: Sequence[Pass]
@@ -308,30 +315,82 @@ class Identification:
         """The likeliest parameters with the noise as it is, and the covariance of their errors."""
         believed = MotorBelief.at_first(belief.first, noise).parameters
 
-        def residuals(tried: Floats) -> Floats:
-            white = self._white(belief.first, tried, noise, passes)
-            return np.concatenate([white, (tried - believed) / PRIOR])
+        def told(tried: Floats) -> tuple[Floats, Floats]:
+            white, slopes = self._white_and_slopes(belief.first, tried, noise, passes)
+            unusual = np.append(white, (tried - believed) / PRIOR)
+            return unusual, np.concatenate([slopes, np.diag(1 / PRIOR)])
 
-        at = residuals(parameters)
+        at, slopes = told(parameters)
         damping = 0.0
         for _ in range(_NEWTON_STEPS):
-            slopes = _slopes(residuals, parameters, at)
-            normal = slopes.T @ slopes
+            normal, pull = _summed(slopes, slopes), np.einsum("ki,k->i", slopes, at)
             for _ in range(10):
                 damped = normal + damping * np.diag(np.diag(normal))
-                tried = _possible(parameters - np.linalg.solve(damped, slopes.T @ at))
-                there = residuals(tried)
-                gain = float(at @ at - there @ there) / 2
+                tried = _possible(parameters - np.linalg.solve(damped, pull))
+                there, slopes_there = told(tried)
+                gain = float(np.square(at).sum() - np.square(there).sum()) / 2
                 if gain >= 0:
                     break
                 damping = max(10 * damping, 1e-3)
             else:
                 break
-            parameters, at, damping = tried, there, damping / 10
+            parameters, at, slopes, damping = tried, there, slopes_there, damping / 10
             if gain < _SETTLED:
                 break
-        slopes = _slopes(residuals, parameters, at)
         return parameters, _covariance(slopes, at, len(passes))
+
+    def _white_and_slopes(
+        self, first: Motor, parameters: Floats, noise: Noise, passes: Sequence[Pass]
+    ) -> tuple[Floats, Floats]:
+        """The innovations of all passes in a row, and their slopes, shape (.., 6)."""
+        belief = MotorBelief(first, parameters, np.diag(PRIOR**2), noise)
+        found = []
+        for each in passes:
+            steps = belief.steps_and_slopes(each.sent, self._sample_time)
+            found.append(
+                innovation_slopes(each.measured, *steps, self._lead, noise, each.start_share)
+            )
+        white, slopes = zip(*found, strict=True)
+        return np.concatenate(white).ravel(), np.concatenate(slopes).reshape(-1, len(NAMES))
+
+
+def _likeliest(
+    told: Callable[[Floats], tuple[float, Floats, Floats]],
+    start: Floats,
+    lowest: Floats,
+    settled: float,
+) -> tuple[Floats, float]:
+    """The likeliest logarithms of variances near a start, by Fisher's scoring, and how likely.
+
+    Args:
+        told: Logarithm of the likelihood, score and information at some.
+        start: Logarithms.
+        lowest: Their floors.
+        settled: Gain of the likelihood's logarithm at which the search ends.
+    """
+    at, damping = start, 0.0
+    likelihood, score, information = told(at)
+    for _ in range(_SCORING_STEPS):
+        # What would leave its bounds stays there.
+        free = np.flatnonzero(((at > lowest) | (score > 0)) & ((at < _NOISIEST) | (score < 0)))
+        own = information[np.ix_(free, free)]
+        for _ in range(10):
+            damped = own + np.diag(damping * np.diag(own) + _NO_INFORMATION)
+            step = np.zeros(len(at))
+            step[free] = np.linalg.solve(damped, score[free]).clip(-_LONGEST_STEP, _LONGEST_STEP)
+            tried = (at + step).clip(lowest, _NOISIEST)
+            there = told(tried)
+            if there[0] >= likelihood:
+                break
+            damping = max(10 * damping, 1e-2)
+        else:
+            break
+        gain = there[0] - likelihood
+        at, damping = tried, damping / 10
+        likelihood, score, information = there
+        if gain < settled:
+            break
+    return at, likelihood
 
 
 def _with_delay(belief: MotorBelief, delay: float) -> MotorBelief:
@@ -351,17 +410,6 @@ def _possible(parameters: Floats) -> Floats:
     return np.concatenate([geometry, parameters[3:].clip(0.0, _MOST)])
 
 
-def _slopes(residuals: object, parameters: Floats, at: Floats) -> Floats:
-    """Derivatives of the residuals, shape (residuals, 6): forwards, since nothing is below 0."""
-    assert callable(residuals)
-    slopes = np.empty((len(at), len(parameters)))
-    for index, step in enumerate(_STEP.tolist()):
-        tried = parameters.copy()
-        tried[index] += step
-        slopes[:, index] = (residuals(tried) - at) / step
-    return slopes
-
-
 def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
     """Covariance of the parameters' errors, with the larger of two variances.
 
@@ -379,12 +427,12 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
         consistent covariance matrix. Econometrica 55 (1987), 703-708.
     """
     count = slopes.shape[1]
-    covariance = np.linalg.inv(slopes.T @ slopes)
+    covariance = np.linalg.inv(_summed(slopes, slopes))
     scores = (slopes * at[:, None])[:-count].reshape(passes, -1, 3, count).sum(axis=(0, 2))
     reach = math.ceil(4 * (len(scores) / 100) ** (1 / 3)) * 4
-    spread = scores.T @ scores
+    spread = _summed(scores, scores)
     for lag in range(1, min(reach, len(scores) - 1) + 1):
-        across = scores[:-lag].T @ scores[lag:]
+        across = _summed(scores[:-lag], scores[lag:])
         spread += (1 - lag / (reach + 1)) * (across + across.T)
     robust = covariance @ spread @ covariance
     usual = np.diag(covariance)
@@ -392,3 +440,8 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
     larger = np.sqrt(np.maximum(share, 1.0))
     widened: Floats = covariance * np.outer(larger, larger)
     return widened
+
+
+def _summed(one: Floats, other: Floats) -> Floats:
+    """Sums of products over the rows, without BLAS, whose threads cost more than they save here."""
+    return np.asarray(np.einsum("ki,kj->ij", one, other))

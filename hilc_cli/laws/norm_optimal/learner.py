@@ -8,6 +8,7 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import gammainccinv
 
 from hilc_cli.laws.law import Figures, Iteration, Plan
 from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
@@ -40,6 +41,10 @@ _UNTOLD = 0.2
 _UNTOLD_SHARE = 1 / 30
 """The same as a share of the path's time, if that is less: short paths are for quick robots."""
 _ON_IT = 1e-4  # [m and rad]; a start no further off is on the trajectory
+CLEARLY = 3.0
+"""So many standard errors off the trajectory a start is taken for what it looks like."""
+_RARELY = 1e-3
+"""How often readings of one start scatter more than is taken for that."""
 _VAGUE = 1e-3  # [m and rad]: noise before anything was measured
 _FARTHEST = 1e3
 """A pass that is off by more than so many sizes of the path, meters or radians teaches nothing."""
@@ -106,7 +111,10 @@ class NormOptimalLearner:
     def learn(self, iteration: Iteration) -> Figures:
         """Takes in a pass that is over."""
         error = np.stack(iteration.errors, axis=1)
-        latest = Pass(self._target - error, np.stack([iteration.left, iteration.right], axis=1))
+        measured = self._target - error
+        if iteration.read is not None:  # what lies between readings tells nothing new
+            measured[1:][~iteration.read[1:]] = np.nan
+        latest = Pass(measured, np.stack([iteration.left, iteration.right], axis=1))
         plan, self._plan = self._plan, None
         returns = self._safeguard.returns
         misfit = np.full(len(MISFITS), np.nan)
@@ -116,7 +124,7 @@ class NormOptimalLearner:
             if latest.sent.any():
                 misfit = self._take_in(latest)
             else:
-                self._starts.append(latest.measured.mean(axis=0))
+                self._starts.append(np.nanmean(latest.measured, axis=0))
         merge_time, settled = self._of_plan(plan)
         return {
             **self._identified(),
@@ -151,14 +159,14 @@ class NormOptimalLearner:
         """Learns from a pass, and returns by how much the model does not fit, see `misfits`."""
         self._passes.append(latest)
         self._seen += 1
-        passes = list(self._passes)
+        passes = self._placed()
         early = self._seen <= _ALWAYS or self._seen & (self._seen - 1) == 0
-        if early or self._surprise(latest) > _NEW * self._usual:
+        if early or self._surprise(passes[-1]) > _NEW * self._usual:
             self._belief = self._identification.update(self._belief, passes)
-            self._usual = max(self._surprise(latest), 1.0)
+            self._usual = max(self._surprise(passes[-1]), 1.0)
             self._driven = deque((self._smoothed(each) for each in passes), maxlen=MEMORY)
         else:
-            self._driven.append(self._smoothed(latest))
+            self._driven.append(self._smoothed(passes[-1]))
         self._starts = deque((poses[0] for poses, _ in self._driven), maxlen=MEMORY)
         beside = repeating(
             np.array([beyond for _, beyond in self._driven]),
@@ -169,9 +177,33 @@ class NormOptimalLearner:
         self._learned = self._safeguard.next(error, learned)
         return misfits(self._identification.innovations(self._belief, passes))
 
+    def _placed(self) -> list[Pass]:
+        """The passes, with what they tell together of where they start.
+
+        As long as starts differ no more than readings of them would, all are at one place, which
+        so many readings tell.
+        """
+        passes, noise = list(self._passes), self._belief.noise
+        if len(passes) < 2:
+            return passes
+        starts = np.array([each.measured[0] for each in passes])
+        freedom = len(starts) - 1
+        usual = 2 * float(gammainccinv(freedom / 2, _RARELY)) / freedom
+        read = np.array([noise.position, noise.position, noise.heading])
+        if np.any(starts.var(axis=0, ddof=1) > usual * read):
+            return passes
+        start = starts.mean(axis=0) if self._is_clearly_off(starts) else self._target[0]
+        return [
+            each._replace(
+                measured=np.vstack([start, each.measured[1:]]), start_share=1 / len(passes)
+            )
+            for each in passes
+        ]
+
     def _surprise(self, latest: Pass) -> float:
         """Mean square of a pass's innovations: about 1 where the belief explains it."""
-        return float(np.square(self._identification.innovations(self._belief, [latest])).mean())
+        innovations = self._identification.innovations(self._belief, [latest])
+        return float(np.nanmean(np.square(innovations)))
 
     def _error(self, poses: Floats) -> float:
         """RMS of what was off in a pass, from a start off the trajectory in its second half.
@@ -180,27 +212,41 @@ class NormOptimalLearner:
         """
         position, heading = self._law.squared_weights
         squares = np.square(poses - self._target) @ [position, position, heading]
-        if not self._is_on_it(np.mean(self._starts, axis=0)):
+        if not self._start_on_it():
             squares = squares[len(squares) // 2 :]
         return float(np.sqrt(squares.mean()))
 
-    def _is_on_it(self, start: Floats) -> bool:
-        """Whether the trajectory begins at a start."""
-        return float(np.abs(start - self._target[0]).max()) <= _ON_IT
+    def _usual_start(self) -> Floats:
+        """Pose from which passes start."""
+        starts: Floats = np.array(self._starts) if self._starts else self._target[:1]
+        mean: Floats = starts.mean(axis=0)
+        return mean
+
+    def _start_on_it(self) -> bool:
+        """Whether passes start on the trajectory, as far as they clearly tell."""
+        return not self._starts or not self._is_clearly_off(np.array(self._starts))
+
+    def _is_clearly_off(self, starts: Floats) -> bool:
+        """Whether some starts tell another one than the trajectory's."""
+        noise = self._belief.noise
+        variances = np.array([noise.position, noise.position, noise.heading])
+        if len(starts) > 1:
+            variances = np.maximum(variances, starts.var(axis=0, ddof=1))
+        off = np.abs(starts.mean(axis=0) - self._target[0])
+        return bool(np.any(off > CLEARLY * np.sqrt(variances / len(starts)) + _ON_IT))
 
     def _smoothed(self, each: Pass) -> tuple[Floats, Floats]:
         """The likeliest poses of a pass, and what it did beyond the model, shape (n, 3)."""
         belief, lead = self._belief, self._law.lead
         steps = steps_of(belief.motor, each.sent, self._reference.sample_time)
-        poses = smoothed_poses(run_filter(each.measured, steps, lead, belief.noise, keep=True))
+        seen = run_filter(each.measured, steps, lead, belief.noise, each.start_share, keep=True)
+        poses = smoothed_poses(seen)
         beyond = body_steps(poses, lead)
         beyond[:, [0, 2]] -= steps
         return poses, beyond
 
     def _way_in(self, motor: Motor, start: Floats) -> WayIn:
-        """The trajectory, or from a start off it a way into it."""
-        if self._is_on_it(start):
-            return WayIn(self._target, settled=True)
+        """A way into the trajectory from a start off it."""
         radius = (motor.left_radius + motor.right_radius) / 2
         gains = step_gains(radius, motor.half_track, self._reference.sample_time)
         drift = np.zeros((self._reference.samples, 3))
@@ -224,9 +270,9 @@ class NormOptimalLearner:
         """
         reference, law = self._reference, self._law
         motor = self._belief.with_parameters(self._learned.parameters).motor
-        if start is None:
-            start = np.mean(self._starts, axis=0) if self._starts else self._target[0]
-        way_in = self._way_in(motor, start)
+        on_it = self._start_on_it() if start is None else _is_near(start, self._target[0])
+        start = self._usual_start() if start is None else start
+        way_in = WayIn(self._target, settled=True) if on_it else self._way_in(motor, start)
         found = motor_plan(
             motor,
             way_in.poses,
@@ -264,7 +310,9 @@ class NormOptimalLearner:
         """The bandwidths of the feedback about a plan, see `bandwidths`."""
         limit = self._speed_limit if self._speed_limit < _LIMIT else float(np.abs(inputs).max())
         motor, sample_time = self._belief.motor, self._reference.sample_time
-        if not self._seen:
+        if self._safeguard.share < 1:  # it is not what passes have made it be
+            motor = self._belief.with_parameters(self._learned.parameters).motor
+        if not self._seen or self._safeguard.share < 1:
             untold = min(_UNTOLD, _UNTOLD_SHARE * self._reference.samples * sample_time)
             motor = motor._replace(delay=motor.delay + untold)
         return bandwidths(motor, self._noise_with_drift(inputs), sample_time, limit)
@@ -286,3 +334,7 @@ class NormOptimalLearner:
             left=noise.left + max(x, y) / n,
             turn=noise.turn + (heading + turn) / n,
         )
+
+
+def _is_near(start: Floats, other: Floats) -> bool:
+    return float(np.abs(start - other).max()) <= _ON_IT

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dct
-from scipy.stats import chi2
+from scipy.special import gammainccinv
 
 from hilc_cli.reference.sampled import Floats
 
@@ -26,7 +26,7 @@ def misfits(innovations: NDArray[np.float64]) -> Floats:
 
     Args:
         innovations: By their standard deviations, ahead, to the left and in turning, shape
-            (passes, n, 3).
+            (passes, n, 3); not-a-number where nothing was measured.
 
     Returns:
         The largest power of an octave by what noise may make there, of each component, shape (3,);
@@ -35,12 +35,15 @@ def misfits(innovations: NDArray[np.float64]) -> Floats:
     passes, n, _ = innovations.shape
     if passes < 2:
         return np.full(3, np.nan)
-    power = np.square(dct(innovations.mean(axis=0) * np.sqrt(passes), axis=0, norm="ortho"))
+    counts = np.isfinite(innovations[:, :, 0]).sum(axis=0)[:, None]
+    common = np.nansum(innovations, axis=0) / np.sqrt(counts.clip(min=1))
+    share = np.count_nonzero(counts) / n  # of the samples at which anything was measured
+    power = np.square(dct(common, axis=0, norm="ortho")) / max(share, 1 / n)
     found = np.zeros(3)
     lowest, beyond = 0, 1
     while lowest < n:
         band = power[lowest:beyond]
-        allowed = max(_CLEARLY, float(chi2.isf(_RARELY, len(band))) / len(band))
+        allowed = max(_CLEARLY, 2 * float(gammainccinv(len(band) / 2, _RARELY)) / len(band))
         found = np.maximum(found, band.mean(axis=0) / allowed)
         lowest, beyond = beyond, 2 * beyond
     return found

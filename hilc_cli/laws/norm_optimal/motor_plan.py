@@ -27,6 +27,8 @@ from hilc_cli.reference.sampled import Floats
 _MOST_STEPS = 30
 _SHORTEST = 2.0**-10  # of a step along the search direction
 _SETTLED = 1e-6  # relative gain of a step at which the search ends
+_STANDING = 1e6
+"""So many times more a command weighs where a robot is to stand, which friction makes it do."""
 _EXACT = 1e-9  # share of the cost that the bounded problem may miss
 
 
@@ -76,15 +78,18 @@ def motor_plan(
     pose_weights = np.array([position, position, heading])
     delayed, _ = arriving(motor.delay, sample_time)
     delayed = min(delayed, len(target) - 1)
-    wanted = (body_steps(target, lead) - beside)[:, [0, 2]]
-    easy = commands_for(motor, wanted, sample_time)
-    command = (free * float(np.abs(easy).max()) + 1e-9) ** -2
+    wanted = body_steps(target, lead)
+    # A robot that stands does nothing beside that; what passes show there is noise of readings.
+    beside = np.where(wanted.any(axis=1, keepdims=True), beside, 0.0)
+    easy = commands_for(motor, (wanted - beside)[:, [0, 2]], sample_time)
+    command = np.full_like(easy, (free * float(np.abs(easy).max()) + 1e-9) ** -2)
+    command[~easy.any(axis=1)] *= _STANDING
 
     def motion(inputs: Floats) -> tuple[Floats, float]:
         poses = moved(start, steps_of(motor, inputs, sample_time), beside, lead)
         error = (poses - target)[1:]
-        spent = command * np.square(inputs - easy).sum() + (np.square(error) @ pose_weights).sum()
-        return poses, float(spent) / 2
+        spent = (command * np.square(inputs - easy)).sum()
+        return poses, float(spent + (np.square(error) @ pose_weights).sum()) / 2
 
     inputs = easy.clip(-speed_limit, speed_limit)
     poses, cost = motion(inputs)
@@ -97,9 +102,9 @@ def motor_plan(
             states,
             controls,
             pose_weights,
-            np.full_like(inputs, command),
+            _arrived(command, delayed, command),
             pose_weights * (poses - target),
-            command * _arrived(inputs - easy, delayed),
+            _arrived(command * (inputs - easy), delayed),
         )
         lowest, highest = (
             _arrived(bound - inputs, delayed, bound)

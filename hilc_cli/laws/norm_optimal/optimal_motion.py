@@ -88,7 +88,7 @@ def bounded_changes(
     step = 0
     while step < MOST_NEWTON_STEPS:
         # The cost is above the least one by no more than this.
-        gap = float(np.vdot(below, push_up) + np.vdot(above, push_down))
+        gap = float((below * push_up + above * push_down).sum())
         if gap <= tolerance:
             break
         step += 1
@@ -101,8 +101,8 @@ def bounded_changes(
         up = -push_up - push_up / below * move
         down = -push_down + push_down / above * move
         length = _longest(below, move, above, push_up, up, push_down, down)
-        reached = np.vdot(below + length * move, push_up + length * up)
-        reached += np.vdot(above - length * move, push_down + length * down)
+        reached = ((below + length * move) * (push_up + length * up)).sum()
+        reached += ((above - length * move) * (push_down + length * down)).sum()
         # Corrector: towards equal products, what the predictor's moves make of them allowed for.
         centre = gap / (2 * below.size) * (reached / gap) ** 3
         up_product, down_product = centre - move * up, centre + move * down

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+from statistics import median
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +25,17 @@ class Learned(NamedTuple):
     beside: Floats
 
 
+_STRETCH = 7
+"""Passes that are held against the very first, by their median."""
+_NO_USE = 1.5
+"""Learning is of no use where they are worse than it by this factor."""
+
+
 class Safeguard:
     """Watches passes, and says what the next one is to be planned from.
+
+    Where passes get clearly worse it is what the best pass ran on; where they stay worse than the
+    very first, as on tyres that slide whatever is sent, what was believed then.
 
     Attributes:
         share: Share of the way to what was learned anew that is gone after a pass: 1 until it has
@@ -35,9 +46,11 @@ class Safeguard:
     def __init__(self, at_first: Learned) -> None:
         """Begins with what is believed before any pass."""
         self.share, self.returns = 1.0, 0
-        self._used = self._best = at_first
+        self._used = self._best = self._first = at_first
         self._least = np.inf
         self._judge = Judge()
+        self._least_use = np.inf  # error that passes must stay below to be of use
+        self._stretch: deque[float] = deque(maxlen=_STRETCH)
 
     def next(self, error: float, learned: Learned) -> Learned:
         """Returns what to plan the next pass from.
@@ -47,12 +60,15 @@ class Safeguard:
             learned: What all passes so far tell.
         """
         error = max(error, 1.0)
+        if not self._stretch and not self.returns:
+            self._least_use = _NO_USE * error
+        elif self._used is self._first and error > self._least_use:
+            self._least_use = np.inf  # The robot has changed for good.
+        self._stretch.append(error)
         if self._judge.is_worse(error):
-            # What comes now is judged by itself: the robot may have changed for good.
-            self._judge, self._least, self._used = Judge(), np.inf, self._best
-            self.share *= SMALLER
-            self.returns += 1
-            return self._used
+            return self._back_to(self._best)
+        if len(self._stretch) == _STRETCH and median(self._stretch) > self._least_use:
+            return self._back_to(self._first)
         if error <= self._least:
             self._least, self._best = error, self._used
         if self.share == 1:
@@ -64,3 +80,11 @@ class Safeguard:
                 before.beside + share * (learned.beside - before.beside),
             )
         return self._used
+
+    def _back_to(self, learned: Learned) -> Learned:
+        """Goes back; what comes then is judged by itself: the robot may have changed for good."""
+        self._judge, self._least, self._used = Judge(), np.inf, learned
+        self._stretch.clear()
+        self.share *= SMALLER
+        self.returns += 1
+        return learned

@@ -16,9 +16,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.disturbance.streams import Disturbance
 from hilc_cli.engine.experiment import Experiment
@@ -79,18 +81,31 @@ def noisy_passes(
     belief = _belief(experiment, law, plan)
     nothing = np.zeros((n + 1, 3, seeds))
     start_before = _mean(draws.start, 1, memory, nothing[:1])[0]
-    state_before, left = nothing[1:], nothing
-    if experiment.disturbance.state.repeat and memory >= _TOLD:
-        state_before = _mean(draws.state, n, 1, state_before)
-    if experiment.disturbance.output.active:
-        left = _smoothed(law, plan, belief, _mean(draws.output, n + 1, memory, nothing))
-        if not experiment.disturbance.output.repeat:
+    left, plant = nothing, linearise(experiment)
+    share, passes = 1.0, max(1, _moving_passes(experiment))
+    given = experiment.disturbance
+    # What comes back in each pass is told apart from what the robot is.
+    if given.state.repeat and passes >= _TOLD:
+        state_before, seen = _mean(draws.state, n, 1, nothing[1:]), nothing
+    else:
+        state_before = nothing[1:]
+        seen = _carried(plant.states, _mean(draws.state, n, memory, state_before))
+    seen = seen + _mean(draws.output, n + 1, memory, nothing)
+    if passes > 1 and (given.initial_pose.repeat or not given.initial_pose.active):
+        share = 1 / passes  # all start at one place, which so many readings tell
+        if not starts_off(experiment):
+            seen[0] *= _clearly_off(seen[0], np.array(deviations(given.output)), passes)
+    errors = _identified_errors(experiment, law, plan, belief, seen, share)
+    if given.output.repeat and passes >= _TOLD:
+        errors = np.zeros_like(errors)
+    if given.output.active:
+        left = _smoothed(experiment, law, plan, belief, seen, errors, share)
+        if not given.output.repeat:
             left[1:] = 0.0
     start, state, output = draws.start.drawn(1), draws.state.drawn(n), draws.output.drawn(n + 1)
 
-    plant = linearise(experiment)
-    pushed = -state_before - _misled(experiment, law, plan, belief, seeds)
-    if experiment.disturbance.output.repeat:
+    pushed = -state_before - _misled(experiment, law, plan, belief, errors)
+    if given.output.repeat:
         pushed += np.ascontiguousarray(plant.states) @ left[:-1] - left[1:]
     if state is not None:
         pushed = pushed + state
@@ -131,6 +146,23 @@ def _mean(source: NoiseDraws, samples: int, memory: int, nothing: Floats) -> Flo
     return total / memory
 
 
+def _clearly_off(off: Floats, deviations: Floats, passes: int) -> NDArray[np.bool_]:
+    """Whether the law takes a start for off the trajectory, by what passes tell, (seeds,)."""
+    from hilc_cli.laws.norm_optimal.learner import CLEARLY  # the compiler starts slowly
+
+    told = CLEARLY * deviations / math.sqrt(passes)
+    return np.asarray(np.any(np.abs(off) > told[:, None], axis=0))
+
+
+def _carried(states: Floats, pushed: Floats) -> Floats:
+    """Returns where pushes [m, m and rad] in each sample take a pass, shape (n + 1, 3, seeds)."""
+    gone = np.zeros((len(pushed) + 1, *pushed.shape[1:]))
+    if pushed.any():
+        for k, push in enumerate(pushed):
+            gone[k + 1] = states[k] @ gone[k] + push
+    return gone
+
+
 def _belief(experiment: Experiment, law: NormOptimalLaw, plan: NormOptimalPlan) -> MotorBelief:
     """Returns what the law believes of the robot and of the noise once it has seen some passes."""
     from hilc_cli.laws.norm_optimal.identification import (
@@ -160,32 +192,70 @@ def _misled(
     law: NormOptimalLaw,
     plan: NormOptimalPlan,
     belief: MotorBelief,
-    seeds: int,
+    errors: Floats,
 ) -> Floats:
-    """Returns what is driven otherwise since the robot is identified with an error, (n, 3, seeds).
-
-    Of the first seed nothing, and without noise of any.
-    """
-    given, n = experiment.disturbance, experiment.reference.samples
-    if not (given.state.active or given.output.active):
-        return np.zeros((n, 3, seeds))
-    random = np.random.default_rng(4)
-    values, vectors = np.linalg.eigh(belief.covariance)
-    roots = vectors * np.sqrt(values.clip(min=0.0))
-    errors = roots @ random.standard_normal((len(values), seeds))
-    errors[:, 0] = 0.0
-    passes = _moving_passes(experiment)
-    if given.state.repeat and not given.output.active and passes >= _TOLD:
-        # It comes back in each pass as well, and is learned as far as they have the same inputs:
-        # all but the first have nearly.
-        errors /= passes
+    """Returns what is driven otherwise since the robot is identified with errors, (n, 3, seeds)."""
     inputs = np.stack([plan.left, plan.right], axis=1)
-    ahead, turn = np.moveaxis(
-        belief.step_slopes(inputs, experiment.reference.sample_time) @ errors, 1, 0
-    )
+    _, slopes = belief.steps_and_slopes(inputs, experiment.reference.sample_time)
+    ahead, turn = np.moveaxis(slopes @ errors, 1, 0)
     heading = plan.poses[:-1, 2] + law.lead * np.diff(plan.poses[:, 2])
     cos, sin = np.cos(heading)[:, None], np.sin(heading)[:, None]
     return np.stack([ahead * cos, ahead * sin, turn], axis=1)
+
+
+def _identified_errors(
+    experiment: Experiment,
+    law: NormOptimalLaw,
+    plan: NormOptimalPlan,
+    belief: MotorBelief,
+    seen: Floats,
+    share: float,
+) -> Floats:
+    """Errors of the parameters that passes tell, shape (6, seeds).
+
+    To first order they are C J'w, with the innovations w that readings off the plan make, their
+    slopes J, and the covariance C. But delay, lag and friction, of which this robot has none, are
+    never found below none, which keeps what they are mixed up with in place as well.
+
+    Args:
+        experiment: The experiment.
+        law: Its law.
+        plan: What is driven.
+        belief: What is known after all passes.
+        seen: How far readings are off the plan, on average over the passes, (n + 1, 3, seeds).
+        share: Share of a reading's variance that the start is known to.
+    """
+    from hilc_cli.laws.norm_optimal.filter_slopes import (
+        innovation_slopes,
+    )  # the compiler starts slowly
+
+    inputs = np.stack([plan.left, plan.right], axis=1)
+    steps = belief.steps_and_slopes(inputs, experiment.reference.sample_time)
+    onto = max(1, _moving_passes(experiment)) * belief.covariance
+    errors = np.zeros((len(onto), seen.shape[2]))
+    for seed in np.flatnonzero(seen.any(axis=(0, 1))).tolist():
+        measured = plan.poses + seen[:, :, seed]
+        white, slopes = innovation_slopes(measured, *steps, law.lead, belief.noise, share)
+        found = -onto @ np.einsum("kci,kc->i", slopes, white)
+        errors[:, seed] = _nearest_possible(belief.covariance, found)
+    return errors
+
+
+def _nearest_possible(covariance: Floats, errors: Floats) -> Floats:
+    """The nearest parameters of which none is below what there may be."""
+    from hilc_cli.laws.norm_optimal.identification import AT_LEAST_NONE
+
+    best, least = errors, np.inf
+    for count in range(len(AT_LEAST_NONE) + 1):
+        for held in map(list, combinations(AT_LEAST_NONE, count)):
+            onto = covariance[:, held] @ np.linalg.inv(covariance[np.ix_(held, held)])
+            found = errors - onto @ errors[held]
+            far = float(
+                errors[held] @ np.linalg.solve(covariance[np.ix_(held, held)], errors[held])
+            )
+            if far < least and np.all(found[AT_LEAST_NONE] >= -1e-12):
+                best, least = found, far
+    return best
 
 
 def _gains(
@@ -228,20 +298,29 @@ def _linear(controller: WheelController, plan: NormOptimalPlan, n: int) -> Float
 
 
 def _smoothed(
-    law: NormOptimalLaw, plan: NormOptimalPlan, belief: MotorBelief, noise: Floats
+    experiment: Experiment,
+    law: NormOptimalLaw,
+    plan: NormOptimalPlan,
+    belief: MotorBelief,
+    seen: Floats,
+    errors: Floats,
+    share: float,
 ) -> Floats:
-    """Returns what the law's smoother leaves of the readings' noise, shape (n + 1, 3, seeds)."""
+    """Returns what the law's smoother leaves of readings off the plan, shape (n + 1, 3, seeds).
+
+    It takes the robot for what it is identified as, with errors.
+    """
     from hilc_cli.laws.norm_optimal.motion_filter import (
         run_filter,
         smoothed_poses,
     )  # the compiler starts slowly
-    from hilc_cli.laws.norm_optimal.motor import body_steps
 
-    steps = body_steps(plan.poses, law.lead)[:, [0, 2]]
-    found = np.empty_like(noise)
-    for seed in range(noise.shape[2]):
-        measured = plan.poses + noise[:, :, seed]
-        kept = run_filter(measured, steps, law.lead, belief.noise, keep=True)
+    inputs = np.stack([plan.left, plan.right], axis=1)
+    steps, slopes = belief.steps_and_slopes(inputs, experiment.reference.sample_time)
+    found = np.empty_like(seen)
+    for seed in range(seen.shape[2]):
+        measured, believed = plan.poses + seen[:, :, seed], steps + slopes @ errors[:, seed]
+        kept = run_filter(measured, believed, law.lead, belief.noise, share, keep=True)
         found[:, :, seed] = smoothed_poses(kept) - plan.poses
     return found
 

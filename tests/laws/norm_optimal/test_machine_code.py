@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.laws.norm_optimal import (
+    filter_slopes,
     linear_quadratic,
     motion_filter,
     motor,
@@ -30,6 +31,7 @@ FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3)
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
 STATES, CONTROLS = RANDOM.normal(0, 0.5, (N, 7, 7)), RANDOM.normal(0, 0.5, (N, 7, 2))
 GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
+NOISE = motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5)
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "factorised": (
@@ -67,8 +69,13 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "moved": (motor.moved, (POSES[0], INPUTS / 100, DRIFT, 0.5)),
     "pose filter": (
         motion_filter.filtered,
-        (POSES, INPUTS / 100, 0.5, motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5), True),
+        (POSES, INPUTS / 100, 0.5, NOISE, 0.3, True),
     ),
+    "innovation_slopes": (
+        filter_slopes.innovation_slopes,
+        (POSES, INPUTS / 100, RANDOM.normal(0, 1, (N, 2, 3)), 0.5, NOISE, 0.3),
+    ),
+    "noise_score": (filter_slopes.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
     "linearised": (
         motor_quadratic.linearised,
         (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), 0.01, 0.5),

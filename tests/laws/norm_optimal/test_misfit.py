@@ -20,6 +20,18 @@ def test_noise_is_no_misfit(passes: int) -> None:
     assert np.median(found) > 0.3
 
 
+def test_samples_without_a_reading_change_nothing_of_that() -> None:
+    random = np.random.default_rng(3)
+    found = []
+    for _ in range(200):
+        white = random.normal(size=(5, N, 3))
+        white[random.uniform(size=(5, N)) < 0.4] = np.nan
+        white[:, ::3] = np.nan  # in no pass
+        found.append(misfits(white))
+    assert np.mean(np.max(found, axis=1) > 1) <= 0.01
+    assert np.median(found) > 0.3
+
+
 @pytest.mark.parametrize("waves", [0, 3, 60])
 @pytest.mark.parametrize("component", [0, 1, 2])
 def test_what_comes_back_in_each_pass_shows_in_its_component(waves: int, component: int) -> None:

@@ -27,10 +27,13 @@ def drawn(seed: int, lead: float, noise: Noise = NOISE) -> tuple[Floats, Floats]
     return steps, poses + random.normal(0, 1, poses.shape) * deviations
 
 
-def at_once(steps: Floats, measured: Floats, lead: float, noise: Noise) -> tuple[float, Floats]:
+def at_once(
+    steps: Floats, measured: Floats, lead: float, noise: Noise, share: float
+) -> tuple[float, Floats]:
     """Log likelihood and mean of all poses given all readings but the first: dense matrices.
 
-    The start is known as well as its reading; the motion is linear about that without noise.
+    The start is known to a share of its reading's variance; the motion is linear about that without
+    noise.
     """
     readings = np.array([noise.position, noise.position, noise.heading])
     nominal = moved(measured[0], steps, np.zeros((N, 3)), lead)
@@ -38,6 +41,7 @@ def at_once(steps: Floats, measured: Floats, lead: float, noise: Noise) -> tuple
     size = 3 * (N + 1)
     onto, variances = np.zeros((size, size)), np.tile(readings, N + 1)
     onto[:3, :3] = np.eye(3)
+    variances[:3] *= share
     for k in range(N):
         (dx, dy), (turn, along) = (
             (nominal[k + 1] - nominal[k])[:2],
@@ -57,22 +61,26 @@ def at_once(steps: Floats, measured: Floats, lead: float, noise: Noise) -> tuple
         onto[there, there] = own
         variances[there] = noise[:3]
     prior = (onto * variances) @ onto.T
-    seen = slice(3, None)
-    covariance = prior[seen, seen] + np.diag(np.tile(readings, N))
-    away = (measured - nominal).ravel()[seen]
-    solved = np.linalg.solve(covariance, away)
-    likelihood = -(away @ solved + np.linalg.slogdet(covariance)[1]) / 2
+    away = (measured - nominal).ravel()
+    seen = np.flatnonzero(np.isfinite(away))[3:]
+    covariance = prior[np.ix_(seen, seen)] + np.diag(np.tile(readings, N + 1)[seen])
+    solved = np.linalg.solve(covariance, away[seen])
+    likelihood = -(away[seen] @ solved + np.linalg.slogdet(covariance)[1]) / 2
     return likelihood, nominal + (prior[:, seen] @ solved).reshape(-1, 3)
 
 
-def filtered(steps: Floats, measured: Floats, lead: float, noise: Noise = NOISE) -> Filtered:
-    return run_filter(measured, steps, lead, noise, keep=True)
+def filtered(
+    steps: Floats, measured: Floats, lead: float, noise: Noise = NOISE, share: float = 1.0
+) -> Filtered:
+    return run_filter(measured, steps, lead, noise, share, keep=True)
 
 
 KNOWN_HEADING = Noise(2e-2**2, 1e-2**2, 1e-40, 5e-2**2, 1e-40)
 """With it the motion is linear, however large the rest."""
 
 
+@pytest.mark.parametrize("share", [1.0, 0.05])
+@pytest.mark.parametrize("missing", [[], [1, 2, 7, 8, 9, 15, N]], ids=["all", "some"])
 @pytest.mark.parametrize(
     ("lead", "noise", "exact"),
     [
@@ -83,17 +91,18 @@ KNOWN_HEADING = Noise(2e-2**2, 1e-2**2, 1e-40, 5e-2**2, 1e-40)
     ],
 )
 def test_filter_and_smoother_are_the_gaussian_distribution(
-    lead: float, noise: Noise, exact: float
+    lead: float, noise: Noise, exact: float, missing: list[int], share: float
 ) -> None:
     steps, measured = drawn(1, lead, noise)
-    found = filtered(steps, measured, lead, noise)
-    likelihood, poses = at_once(steps, measured, lead, noise)
+    measured[missing] = np.nan  # no reading there
+    found = filtered(steps, measured, lead, noise, share)
+    likelihood, poses = at_once(steps, measured, lead, noise, share)
     assert found.log_likelihood == pytest.approx(likelihood, abs=exact)
     deviations = np.sqrt([noise.position] * 2)
     off = (smoothed_poses(found) - poses)[:, :2] / deviations
     assert off == pytest.approx(0, abs=exact)
     # It is worth it: the readings are much further off than the two are from each other.
-    assert np.abs((measured - poses)[:, :2] / deviations).max() > 1
+    assert np.nanmax(np.abs((measured - poses)[:, :2] / deviations)) > 1
     if noise is NOISE:
         headings = (smoothed_poses(found) - poses)[:, 2] / math.sqrt(noise.heading)
         assert headings == pytest.approx(0, abs=exact)

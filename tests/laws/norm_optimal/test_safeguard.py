@@ -47,7 +47,22 @@ def test_it_goes_back_to_the_best_and_takes_half_steps_from_there() -> None:
     assert found == [4, 5, 5.5]
 
 
-def test_robot_that_has_changed_for_good_is_gone_back_for_once() -> None:
+def test_robot_that_has_changed_for_good_is_gone_back_for_no_more() -> None:
     guard = Safeguard(learned(0))
-    used(guard, [5, 5, 5, *[40] * 12])
-    assert guard.returns == 1
+    # To the best, then to what was believed at first, which does not help either.
+    found = used(guard, [5, 5, 5, *[40] * 40])
+    assert (guard.returns, found.count(0)) == (2, 1)
+    assert found[-1] > 30
+
+
+def test_passes_that_stay_worse_than_the_first_end_at_what_was_believed_then() -> None:
+    guard = Safeguard(learned(0))
+    # Neither clearly worse than the best, which was luck, nor of any use.
+    assert used(guard, [10, 30, 9, 50, 20, 16, 18, 10, 30]) == [1, 2, 3, 4, 5, 6, 0, 4, 6.5]
+    assert (guard.share, guard.returns) == (0.5, 1)
+
+
+def test_where_the_first_pass_was_luck_it_is_not_gone_back_to() -> None:
+    guard = Safeguard(learned(0))
+    used(guard, [10, 14, 12, 16, 14, 11, 14, 13, 15, 14, 12])
+    assert guard.returns == 0
