@@ -12,6 +12,7 @@ from hilc_cli.drawing.looks import picture_look as picture_look
 from hilc_cli.engine.experiment import Learning as Learning
 from hilc_cli.errors import HilcError as HilcError
 from hilc_cli.exports.exporting import export as export
+from hilc_cli.html_reports.report import report as report
 from hilc_cli.identification.identifying import (
     Identification as Identification,
     identify as identify,
@@ -32,6 +33,7 @@ from hilc_cli.leaderboards.plan import (
 from hilc_cli.logs.log import Log as Log
 from hilc_cli.logs.options import ReadOptions as ReadOptions
 from hilc_cli.logs.reading import read_log as read_log
+from hilc_cli.own_robots.writing import write_own_robot as write_own_robot
 from hilc_cli.paper.plan import (
     ReproductionPlan as ReproductionPlan,
     plan_reproduction as plan_reproduction,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 
 _KEPT = ("NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT")
 
@@ -30,6 +31,19 @@ def hidden(file: str, variables: Mapping[str, str | None]) -> Iterator[None]:
     finally:
         os.path.exists = exists
         _put(before)
+
+
+def numba_folders(package: Path) -> list[Path]:
+    """Returns the folders in which Numba may have kept machine code of a package's files.
+
+    Args:
+        package: The folder of the package.
+    """
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    if chosen:
+        return [Path(chosen)]
+    cache = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return [package, Path(cache).expanduser() / "numba"]
 
 
 def settle() -> None:

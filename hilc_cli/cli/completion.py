@@ -10,7 +10,7 @@ from contextlib import redirect_stdout, suppress
 from pathlib import Path
 
 from hilc_cli.cli.default_folders import RUNS
-from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.shipped_files import LEADERBOARDS, PREFIX, SCENARIOS, TRAJECTORIES, examples
 
 REQUEST = "_HILC_COMPLETE"
@@ -146,7 +146,7 @@ def complete_case_metric(incomplete: str) -> list[str]:
 
 def complete_picture(incomplete: str) -> list[tuple[str, str]]:
     """Kinds of pictures, each with what it shows."""
-    kinds = {**RUN_PICTURES, **SWEEP_PICTURES}
+    kinds = {**RUN_PICTURES, **MOVING_PICTURES, **SWEEP_PICTURES}
     return [(name, kinds[name].shows) for name in _begun(kinds, incomplete)]
 
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from hilc_cli.errors import UsageError
-from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.wording import printable
 
 RUNS = Path("runs")
@@ -121,7 +121,7 @@ def newest_results(folder: Path, kinds: Sequence[str] = ()) -> Path:
     Raises:
         UsageError: There is none.
     """
-    drawn = {_OF_RUNS: RUN_PICTURES, _OF_SWEEPS: SWEEP_PICTURES}
+    drawn = {_OF_RUNS: {**RUN_PICTURES, **MOVING_PICTURES}, _OF_SWEEPS: SWEEP_PICTURES}
     tables = [table for table in _TABLES if set(kinds) <= set(drawn.get(table, ()))]
     fitting = (
         (written, place)
@@ -137,10 +137,14 @@ def newest_results(folder: Path, kinds: Sequence[str] = ()) -> Path:
     return newest
 
 
-def without_comparisons(folders: Sequence[Path]) -> list[Path]:
+def without_comparisons(folders: Sequence[Path], *, with_laws: bool = False) -> list[Path]:
     """The folders but those of earlier comparisons, which a pattern such as runs/fig4* finds too.
 
     What is left out is told.
+
+    Args:
+        folders: The folders.
+        with_laws: Whether leaderboards, which are comparisons of laws, are kept.
     """
     from hilc_cli.comparisons.formats import FILES
     from hilc_cli.files import is_there
@@ -152,7 +156,7 @@ def without_comparisons(folders: Sequence[Path]) -> list[Path]:
     for folder in folders:
         tables = (FILES["csv"], ITERATIONS) if is_there(folder) else ()
         found = [is_there(folder / name) for name in tables]
-        if found == [True, False] or is_leaderboard(folder):
+        if found == [True, False] or (not with_laws and is_leaderboard(folder)):
             say(f"{folder}: holds a comparison and no run, so it is left out")
         else:
             kept.append(folder)
@@ -176,6 +180,16 @@ def shared_folder(folders: Sequence[Path]) -> Path:
     digits = hashlib.sha256(os.fsencode(listed)).hexdigest()[:6]
     first = os.fsdecode(os.fsencode(names[0])[: _MOST_BYTES // 2])
     return RUNS / f"{first}-and-{len(names) - 1}-more-{digits}"
+
+
+def report_file(folders: Sequence[Path]) -> Path:
+    """Where the report of some results goes by default, such as runs/NAME.html."""
+    from hilc_cli.files import folder_to_read
+
+    if len(folders) > 1:
+        shared = shared_folder(folders)
+        return shared.with_name(f"{shared.name}.html")
+    return RUNS / f"{printable(folder_to_read(folders[0]).name)}.html"
 
 
 def check_shared_folder(folder: Path) -> None:

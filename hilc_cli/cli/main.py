@@ -40,7 +40,7 @@ AFTER_SIGNAL = 128  # plus its number: 129, 130, 131, 143
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Runs a command line and exits with its code."""
     arguments = sys.argv[1:] if arguments is None else arguments
-    session = Session()
+    session = Session(arguments)
     try:
         session.listen()
         _open_closed_streams()

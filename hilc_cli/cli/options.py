@@ -13,7 +13,7 @@ import typer
 from hilc_cli.cli.completion import complete_font, complete_key, complete_scenario
 from hilc_cli.errors import UsageError
 from hilc_cli.results.look import LARGEST_TEXT, SMALLEST_TEXT, USUAL, Look
-from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.version import __version__
 
 
@@ -39,13 +39,25 @@ _FILE_ENDINGS = frozenset(
 if TYPE_CHECKING:
     PictureKind = str
 else:
-    PictureKind = StrEnum("PictureKind", {name: name for name in (*RUN_PICTURES, *SWEEP_PICTURES)})
+    _KINDS = (*RUN_PICTURES, *MOVING_PICTURES, *SWEEP_PICTURES)
+    PictureKind = StrEnum("PictureKind", {name: name for name in _KINDS})
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
+def _show_version(context: typer.Context, wanted: bool) -> None:
+    if not wanted:
+        return
+    # What stands behind this option is not parsed yet.
+    given = () if context.obj is None else context.obj.arguments
+    if any(word == "--verbose" or _SHORT_VERBOSE.fullmatch(word) for word in given):
+        from hilc_cli.cli.about import about
+
+        typer.echo(about())
+    else:
         typer.echo(f"hilc {__version__}")
-        raise typer.Exit
+    raise typer.Exit
+
+
+_SHORT_VERBOSE = re.compile("-[a-z]*v[a-z]*")
 
 
 def _remember_verbose(context: typer.Context, verbose: bool) -> bool:
@@ -245,5 +257,10 @@ Verbose = Annotated[
 ]
 Version = Annotated[
     bool,
-    typer.Option("--version", help="Print the version.", callback=_show_version, is_eager=True),
+    typer.Option(
+        "--version",
+        help="Print the version; with -v of all that takes part.",
+        callback=_show_version,
+        is_eager=True,
+    ),
 ]

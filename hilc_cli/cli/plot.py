@@ -12,7 +12,7 @@ from hilc_cli.cli import options
 from hilc_cli.cli.completion import complete_picture, complete_results
 from hilc_cli.errors import UsageError
 from hilc_cli.reporting.terminal import print_json, print_text, say
-from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.wording import printable
 
 Runs = Annotated[
@@ -31,7 +31,8 @@ Kinds = Annotated[
         "--kind",
         metavar="KIND",
         autocompletion=complete_picture,
-        help=f"What to draw; repeatable. Of runs: {', '.join(RUN_PICTURES)}; of a sweep: "
+        help=f"What to draw; repeatable. Of runs: {', '.join(RUN_PICTURES)}; of one run as a GIF, "
+        f"only if asked for: {', '.join(MOVING_PICTURES)}; of a sweep: "
         f"{', '.join(SWEEP_PICTURES)}; a leaderboard has one picture. [default: all there are]",
     ),
 ]
@@ -65,6 +66,7 @@ def plot(
     Examples:
       hilc plot
       hilc plot runs/fig3-circle --kind error --format svg
+      hilc plot runs/fig3-circle --kind animation
       hilc plot runs/fig7a runs/fig7b --out limit --iterations 0,1,10,100
       hilc plot runs/fig8a-sweep --format pdf --width 8.5cm --font "DejaVu Serif"
       hilc plot runs/leaderboard --format svg --format pdf

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import FrameType
 
@@ -39,10 +39,12 @@ class Session:
     """One run of the program.
 
     Attributes:
+        arguments: The command line.
         verbose: Whether failures show their traceback.
         signal_number: Of the first signal that has arrived, if one has.
     """
 
+    arguments: Sequence[str] = ()
     verbose: bool = False
     signal_number: int | None = None
     _told_at: float = -math.inf

@@ -136,6 +136,16 @@ def read_trial(folder: Path, reference: Reference, lead_in: int) -> LabTrial:
     return LabTrial(motion, planned, report, read)
 
 
+def read_reports(lab: Path, trials: int) -> list[Report]:
+    """Reads how the trials of a lab, which may come from anybody, were made of their logs.
+
+    Raises:
+        UsageError: A report is damaged.
+        HilcError: It cannot be read.
+    """
+    return [read_document(trial_folder(lab, number) / REPORT, Report) for number in range(trials)]
+
+
 def printable_report(report: Report) -> Mapping[str, Any]:
     """Returns a report as plain data whose texts do nothing to a terminal."""
     data: dict[str, Any] = report.model_dump(mode="json", exclude={"files_sha256"})

@@ -48,6 +48,7 @@ class ResultFolder:
         tables: Names of all files that pictures are drawn from. As long as all of them stay as
             they are, pictures of a folder that is replaced stay, too; none if they never do.
         pictures: Names of the pictures without their endings.
+        moving: Names of pictures that move, likewise.
         files: Names of other files, and folders, that hilc writes.
         manifest: Name of the JSON file that says what the folder is.
     """
@@ -57,6 +58,7 @@ class ResultFolder:
     other: str
     tables: frozenset[str] = frozenset()
     pictures: tuple[str, ...] = ()
+    moving: tuple[str, ...] = ()
     files: frozenset[str] = frozenset()
     manifest: str = "manifest.json"
     own: frozenset[str] = field(init=False)
@@ -197,7 +199,8 @@ class ResultFolder:
         return [path / name for name in names]
 
     def _picture_files(self) -> list[str]:
-        return [f"{name}.{suffix}" for name in self.pictures for suffix in PICTURE_FORMATS]
+        still = [f"{name}.{suffix}" for name in self.pictures for suffix in PICTURE_FORMATS]
+        return [*still, *(f"{name}.gif" for name in self.moving)]
 
     def _keep_pictures(self, old: Path, new: Path) -> None:
         """Copies pictures that still show what the tables say into the folder that replaces one."""

@@ -47,6 +47,12 @@ RUN_PICTURES = _table(
 )
 """The kinds of pictures of runs by name, as `RunPicture` of their modules draws them."""
 
+MOVING_PICTURES = _table(
+    "hilc_cli.runs.pictures",
+    ("animation", "animation", "the robot on its way, pass by pass, as a GIF"),
+)
+"""Those that move, as `MovingPicture` of their modules draws them: only if they are asked for."""
+
 SWEEP_PICTURES = _table(
     "hilc_cli.sweeps.pictures",
     ("curve", "curve", "the metric against one key"),

@@ -21,7 +21,6 @@ from hilc_cli.yaml_input.expressions import PLAIN, ExpressionError, evaluate
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
-    from rich.table import Table
 
     from hilc_cli.results.summary import Summary
 
@@ -43,12 +42,18 @@ def summary_report(summary: Summary, speed_limit: float | None) -> RenderableTyp
     return Group(
         Text(printable(title), style="bold"),
         Text(summary.headline),
-        _table(summary, speed_limit),
+        two_columns("", summary_rows(summary, speed_limit)),
         *(Text(f"warning: {printable(warning)}") for warning in summary.warnings),
     )
 
 
-def _table(summary: Summary, speed_limit: float | None) -> Table:
+def summary_rows(summary: Summary, speed_limit: float | None) -> list[tuple[str, str]]:
+    """Returns names and values of the figures of a run.
+
+    Args:
+        summary: The run.
+        speed_limit: b_w [rad/s]; None for no limit.
+    """
     final = summary.final
     limit = "no limit" if speed_limit is None else f"limit {speed_limit:g}"
     errors = [
@@ -77,8 +82,7 @@ def _table(summary: Summary, speed_limit: float | None) -> Table:
         ),
         ("Samples at the speed limit, all iterations", f"{summary.saturated_share:.1%}"),
     ]
-    rows += learned_rows(summary.learning)
-    return two_columns("", rows)
+    return rows + learned_rows(summary.learning)
 
 
 def learned_rows(figures: Mapping[str, float]) -> list[tuple[str, str]]:

@@ -18,7 +18,7 @@ from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.learning import LEARNING, read_learning
-from hilc_cli.results.picture_kinds import RUN_PICTURES
+from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES
 from hilc_cli.results.reading import Count, Document, Name, Pair, damaged
 from hilc_cli.results.run import RunData
 from hilc_cli.results.tables import (
@@ -44,6 +44,7 @@ RUN_FOLDER = ResultFolder(
         {SCENARIO, ITERATIONS, SAMPLES, INPUT, INITIAL_INPUT, GRAVITY_CENTER, LEARNING}
     ),
     pictures=tuple(RUN_PICTURES),
+    moving=tuple(MOVING_PICTURES),
     files=frozenset({PLAN}),
 )
 LAB_TRIALS, LAB_NEXT = "trials", "next"
@@ -52,6 +53,7 @@ LAB_FOLDER = ResultFolder(
     kind="hilc lab",
     other="another scenario, or trials",
     pictures=tuple(RUN_PICTURES),
+    moving=tuple(MOVING_PICTURES),
     files=frozenset({SCENARIO, ITERATIONS, SAMPLES, INITIAL_INPUT, LEARNING, LAB_TRIALS, LAB_NEXT}),
 )
 _MAX_SCENARIO_BYTES = 10_000_000

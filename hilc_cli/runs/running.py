@@ -276,9 +276,10 @@ def plot(
         runs: One or several, from `run` or `read_run`, or the folders of runs.
         folder: Where to put KIND.FORMAT; made if it is not there.
         kinds: path-change, final-path, error-along-path, error, wheel-speeds, summary, learning;
-            all that there are of these runs by default.
+            all that there are of these runs by default. Of one run, if asked for, animation, which
+            is a GIF.
         formats: png, svg, pdf.
-        dpi: Resolution of png.
+        dpi: Resolution of png and gif.
         iterations: Recorded iterations to draw; all by default.
         look: How pictures are to look, from `picture_look`.
         may_replace: Whether a picture of the same name that stands there may be replaced.

@@ -183,7 +183,9 @@ class SweepReport:
                 document["search"] = search_document(summary, as_it_is, folder)
             print_json(document)
         elif not self.quiet:
-            print_table(two_columns(f"{summary.name}, {summary.cases:,} cases", _rows(summary)))
+            print_table(
+                two_columns(f"{summary.name}, {summary.cases:,} cases", summary_rows(summary))
+            )
             if as_it_is is not None:
                 print_table(search_table(summary, as_it_is))
             print_text(f"Written to {folder}")
@@ -229,7 +231,8 @@ def _check_found(data: SweepData) -> None:
         raise typer.Exit(NOTHING_FOUND)
 
 
-def _rows(summary: SweepSummary) -> list[tuple[str, str]]:
+def summary_rows(summary: SweepSummary) -> list[tuple[str, str]]:
+    """Returns names and values of the figures of a sweep."""
     metric = summary.metric
     rows = [("diverged", f"{summary.diverged:,}")]
     if summary.failed:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import platform
+import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
+import numpy
 import pytest
 
 from hilc_cli import __version__
-from hilc_cli.cli.app import app
+from hilc_cli.cli.app import PANELS, app
 from hilc_cli.shipped_files import examples
 from tests.cli.processes import environment, run_hilc
 from tests.conftest import Hilc, Outcome, Write
@@ -26,7 +29,7 @@ PARTS = [
     for command in group.typer_instance.registered_commands  # type: ignore[union-attr]
 ]
 PROJECT = Path(__file__).resolve().parents[2] / "pyproject.toml"
-HEAVY = {"numpy", "matplotlib", "pydantic", "yaml"}
+HEAVY = {"numpy", "matplotlib", "pydantic", "yaml", "jinja2"}
 
 
 @pytest.mark.parametrize("command", [[], *([command] for command in COMMANDS), *PARTS])
@@ -169,3 +172,42 @@ def test_a_run_needs_no_compiler(tmp_path: Path) -> None:
         text=True,
     )
     assert (done.stdout, done.stderr) == ("0 []\n", "")
+
+
+@pytest.mark.parametrize("words", ["--version -v", "-v --version", "run --version -qv"])
+def test_version_of_all_that_takes_part(hilc: Hilc, words: str) -> None:
+    outcome = hilc(*words.split())
+    assert (outcome.code, outcome.err) == (0, "")
+    lines = outcome.out.splitlines()
+    assert lines[0] == f"hilc {__version__}"
+    told = {line[:14].strip(): line[14:].strip() for line in lines[1:]}
+    assert told["Python"].startswith(platform.python_version())
+    assert f"numpy {numpy.__version__}" in told["Packages"]
+    assert re.search(r"\d cores?$", told["Processor"])
+    assert "Machine code" in told
+    project = tomllib.loads(PROJECT.read_text())["project"]
+    known = {name for name in told if name.startswith("Extra ")}
+    assert known <= {f"Extra {extra}" for extra in project["optional-dependencies"]}
+    assert "Extra dev" not in known
+    assert "Extra tune" in known
+
+
+def test_where_machine_code_is_kept(
+    hilc: Hilc, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(folder / "codes"))
+    assert "none yet" in hilc("--version", "-v").out
+    (folder / "codes/loop_1").mkdir(parents=True)
+    (folder / "codes/loop_1/loop.run-1.py311.nbi").write_bytes(b"x" * 200_000)
+    assert f"1 file, 0.2 MB, in {folder}/codes" in hilc("--version", "-v").out
+
+
+def test_commands_are_listed_by_what_they_are_for(hilc: Hilc) -> None:
+    out = hilc("--help").out
+    parts = re.split(r"\n\n([A-Z][a-z ]+):\n", out.partition("Options:")[2])
+    panels = dict(zip(parts[1::2], parts[2::2], strict=True))
+    assert list(panels) == list(PANELS)
+    for name, commands in PANELS.items():
+        named = re.findall(r"^  ([a-z]+) ", panels[name], re.MULTILINE)
+        assert len(named) == len(commands)
+    assert sorted(re.findall(r"^  ([a-z]+) ", "\n".join(panels.values()), re.M)) == sorted(COMMANDS)

@@ -241,3 +241,26 @@ def test_pictures_of_sweeps_are_told_as_such(hilc: Hilc, runs: Path) -> None:
     outcome = hilc("plot", "runs/test", "--kind", "map")
     assert outcome.code == 2
     assert outcome.err.startswith("hilc: picture 'map' is one of sweeps; those of runs: path-")
+
+
+def test_animation_is_a_gif_of_the_run_folder(
+    hilc: Hilc, write: Write, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hilc_cli.runs.pictures.animation._FRAMES", 2)
+    write()
+    assert hilc(*RUN, "runs/test").code == 0
+    kinds = ("--kind", "animation", "--kind", "error", "--format", "svg")
+    outcome = hilc("plot", "runs/test", *kinds, *COARSE)
+    assert outcome == Outcome(0, "runs/test/error.svg\nruns/test/animation.gif\n", "")
+    film = folder / "runs/test/animation.gif"
+    assert film.read_bytes().startswith(b"GIF89a")
+    # It stays as long as the tables do, and goes with them.
+    assert hilc(*RUN, "runs/test").code == 0
+    assert film.is_file()
+    assert hilc(*RUN, "runs/test", "--set", "iterations=3", "--force").code == 0
+    assert not film.exists()
+
+
+def test_animation_is_of_one_run(hilc: Hilc, runs: Path) -> None:
+    outcome = hilc("plot", "runs/test", "runs/other", "--kind", "animation")
+    assert (outcome.code, outcome.err) == (2, "hilc: picture 'animation' is of one run, got 2\n")

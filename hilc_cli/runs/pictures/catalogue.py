@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError
 from hilc_cli.results.look import USUAL, Look
-from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.results.run import RunData
 from hilc_cli.wording import suggestion
 
@@ -29,6 +29,18 @@ class RunPicture:
 
     draw: Callable[[Sequence[RunData], Collection[int] | None, Look], Figure]
     is_of: Callable[[Sequence[RunData]], bool] = lambda runs: True
+
+
+@dataclass(frozen=True, slots=True)
+class MovingPicture:
+    """How a kind of picture that moves is drawn.
+
+    Attributes:
+        save: Draws one run into a file with so many dots per inch; of the paths, those of some
+            iterations or of all; with the look that the user asks for.
+    """
+
+    save: Callable[[RunData, Path, int, Collection[int] | None, Look], None]
 
 
 def kinds_of(runs: Sequence[RunData]) -> list[str]:
@@ -55,6 +67,8 @@ def draw(
             there is no such picture of these runs.
     """
     _check(runs, [kind], iterations)
+    if kind in MOVING_PICTURES:
+        raise UsageError(f"picture '{kind}' moves: it is saved as a GIF, and not a figure")
     picture: RunPicture = RUN_PICTURES[kind].load()
     return picture.draw(runs, iterations, look)
 
@@ -68,19 +82,20 @@ def save_figures(
     iterations: Collection[int] | None = None,
     look: Look = USUAL,
 ) -> list[Path]:
-    """Draws pictures and writes each to ``KIND.FORMAT``.
+    """Draws pictures and writes each to ``KIND.FORMAT``; those that move to ``KIND.gif``.
 
     Args:
         runs: The run, or several to lay over each other.
         folder: Where the files go; it must exist.
-        kinds: Some of ``RUN_PICTURES``; all that there are of these runs by default.
+        kinds: Some of ``RUN_PICTURES`` and ``MOVING_PICTURES``; by default all of the former that
+            there are of these runs.
         formats: Some of ``FORMATS``.
-        dpi: Dots per inch of PNG files.
+        dpi: Dots per inch of PNG and GIF files.
         iterations: The iterations whose paths are shown; None for all that are recorded.
         look: What the user asks for.
 
     Returns:
-        The files, in the order of kinds and formats.
+        The files, in the order of kinds and formats, those that move at the end.
 
     Raises:
         UsageError: A kind, a format or an iteration is not known, or there is no such picture of
@@ -88,8 +103,15 @@ def save_figures(
         OSError: A file cannot be written.
     """
     _check(runs, kinds, iterations)
-    drawn = {kind: partial(draw, kind, runs, iterations, look) for kind in kinds or kinds_of(runs)}
-    return save_pictures(drawn, folder, formats, dpi)
+    chosen = kinds or kinds_of(runs)
+    still = [kind for kind in chosen if kind not in MOVING_PICTURES]
+    drawn = {kind: partial(draw, kind, runs, iterations, look) for kind in still}
+    files = save_pictures(drawn, folder, formats, dpi)
+    for kind in dict.fromkeys(chosen):
+        if kind in MOVING_PICTURES:
+            files.append(folder / f"{kind}.gif")
+            MOVING_PICTURES[kind].load().save(runs[0], files[-1], dpi, iterations, look)
+    return files
 
 
 def _check(
@@ -102,8 +124,12 @@ def _check(
             raise UsageError(
                 f"picture '{kind}' is one of sweeps; those of runs: {', '.join(RUN_PICTURES)}"
             )
-        if kind not in RUN_PICTURES:
-            raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, RUN_PICTURES)}")
+        if kind in MOVING_PICTURES:
+            if len(runs) > 1:
+                raise UsageError(f"picture '{kind}' is of one run, got {len(runs)}")
+        elif kind not in RUN_PICTURES:
+            names = [*RUN_PICTURES, *MOVING_PICTURES]
+            raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, names)}")
     if iterations is None:
         return
     recorded = sorted({iteration for run in runs for iteration in run.trials})

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError
 from hilc_cli.results.look import USUAL, Look
-from hilc_cli.results.picture_kinds import RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES, SWEEP_PICTURES
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.wording import suggestion
 
@@ -104,7 +104,7 @@ def _fitting(kind: str, data: SweepData) -> SweepPicture:
     Raises:
         UsageError: It has none.
     """
-    if kind in RUN_PICTURES:
+    if kind in RUN_PICTURES or kind in MOVING_PICTURES:
         raise UsageError(f"picture '{kind}' is one of runs; pictures of this sweep: {_shown(data)}")
     if kind not in SWEEP_PICTURES:
         raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, SWEEP_PICTURES)}")

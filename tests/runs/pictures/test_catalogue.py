@@ -27,7 +27,7 @@ def test_unknown_kind_is_named_with_the_nearest_or_all(make_run: MakeRun) -> Non
         draw("sumary", [make_run()])
     with pytest.raises(
         UsageError,
-        match="known: error, error-along-path, final-path, learning, path-change, sum",
+        match="known: animation, error, error-along-path, final-path, learning, path-change, sum",
     ):
         draw("xyz", [make_run()])
 

@@ -1,0 +1,1 @@
+"""Results of all kinds as one page for a browser, which needs no network."""

@@ -1,0 +1,86 @@
+"""Sweeps and leaderboards on a page: what they print, and their pictures."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from hilc_cli.comparisons.formats import Cell, Grid
+from hilc_cli.comparisons.table import number_text
+from hilc_cli.html_reports.chapter import Chapter, Table, comparison, names_and_values, picture
+from hilc_cli.leaderboards.comparing import LawComparison
+from hilc_cli.leaderboards.contests import LeaderboardData
+from hilc_cli.leaderboards.picture import leaderboard_figure
+from hilc_cli.results.metrics import CASE_COLUMNS, CASE_METRICS
+from hilc_cli.results.picture_kinds import SWEEP_PICTURES
+from hilc_cli.sweeps.data import SweepData, summarise_sweep
+from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
+from hilc_cli.sweeps.report import shown, summary_rows, sweep_notes
+
+_BEST_CASES = 25
+_DIGITS = 4
+
+
+def sweep_chapter(data: SweepData) -> Chapter:
+    """A sweep: how it went, its best cases, its pictures."""
+    summary = summarise_sweep(data)
+    return Chapter(
+        kind="sweep",
+        title=data.name,
+        headline=f"{len(data):,} cases of {', '.join(data.axes)}",
+        warnings=sweep_notes(data, summary),
+        tables=[names_and_values("How it went", summary_rows(summary)), _best_cases(data)],
+        pictures=[
+            picture(SWEEP_PICTURES[kind].shows, partial(draw_sweep, kind, data))
+            for kind in kinds_for(data)
+        ],
+    )
+
+
+def _best_cases(data: SweepData) -> Table:
+    """The cases with the smallest metric, with what else is known of them."""
+    cases = data.ranked()[:_BEST_CASES]
+    metrics = [data.metric, *(name for name in CASE_METRICS if name != data.metric)]
+    rows = tuple(
+        (
+            Cell(str(case)),
+            *(Cell(shown(value)) for value in data.case(case).values()),
+            *(Cell(_number(name, float(data.columns[name][case]))) for name in metrics),
+        )
+        for case in cases
+    )
+    heads = ["Case", *data.axes]
+    heads += [f"{CASE_COLUMNS[name].words[:1].upper()}{CASE_COLUMNS[name].words[1:]}"
+              for name in metrics]  # fmt: skip
+    units = [""] * (1 + len(data.axes))
+    units += [f"[{CASE_COLUMNS[name].unit}]" if CASE_COLUMNS[name].unit else "" for name in metrics]
+    grid = Grid("", (tuple(heads), tuple(units)), (True,) * len(heads), rows)
+    more = len(data) - len(cases)
+    note = f"The other {more:,} cases are in cases.csv." if more else ""
+    return Table(f"Best cases by {data.metric}", (grid,), note, is_folded=True)
+
+
+def _number(name: str, value: float) -> str:
+    if not np.isfinite(value):
+        return "-"
+    return str(int(value)) if CASE_COLUMNS[name].whole else number_text(value, _DIGITS)
+
+
+def leaderboard_chapter(data: LeaderboardData) -> Chapter:
+    """A leaderboard: its tables and its picture."""
+    laws = LawComparison(data, "", {})
+    *first, entries = laws.printed(everything=True)
+    cases = len({entry.case for entry in data.entries})
+    return Chapter(
+        kind="leaderboard",
+        title=data.name,
+        headline=f"{len(data.laws)} laws in {cases} cases, {len(data.entries)} runs",
+        tables=[*map(comparison, first), comparison(entries, is_folded=True)],
+        pictures=[
+            picture(
+                "how near each law comes to the trajectory, and how soon",
+                partial(leaderboard_figure, data),
+            )
+        ],
+    )

@@ -1,0 +1,259 @@
+"""One page for a browser of runs, labs, sweeps and leaderboards: everything is in the file itself.
+
+Names and texts of a folder may be anybody's. They are put into the page as text by Jinja2, which
+escapes them, and the page tells the browser to run no program but its own, by its checksum, and to
+ask for nothing.
+"""
+
+from __future__ import annotations
+
+import hilc_cli.drawing  # noqa: F401  # loads Matplotlib, whatever is set for it
+
+# isort: split
+
+import base64
+import hashlib
+import math
+import os
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hilc_cli.errors import ExistingResultsError, MissingFileError, UsageError
+from hilc_cli.files import is_there, open_to_read, write_file, writing
+from hilc_cli.html_reports.chapter import Chapter
+from hilc_cli.html_reports.of_runs import comparison_chapter, run_chapter
+from hilc_cli.html_reports.of_tables import leaderboard_chapter, sweep_chapter
+from hilc_cli.leaderboards.contests import LeaderboardData
+from hilc_cli.leaderboards.folder import is_leaderboard, read_leaderboard
+from hilc_cli.results.run import RunData
+from hilc_cli.runs.run_folder import ITERATIONS, LAB_FOLDER
+from hilc_cli.runs.running import as_runs
+from hilc_cli.sweeps.data import SweepData
+from hilc_cli.sweeps.sweep_folder import is_sweep, read_sweep
+from hilc_cli.version import __version__
+from hilc_cli.wording import listed
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+_ENDINGS = (".html", ".htm")
+_MOST_WHOLE = 4
+"""With more results than that, each run has few pictures."""
+_MARK = '<meta name="hilc-report" content="{}">'
+_HEAD = 1000  # bytes in which the mark is
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Results:
+    """What a page is about, as it was read.
+
+    Attributes:
+        folders: Where, in the order in which they are told.
+        runs: Runs and labs, by folder.
+        sweeps: Likewise.
+        leaderboards: Likewise.
+    """
+
+    folders: tuple[Path, ...]
+    runs: Mapping[Path, RunData]
+    sweeps: Mapping[Path, SweepData]
+    leaderboards: Mapping[Path, LeaderboardData]
+
+    def __repr__(self) -> str:
+        return f"Results of {listed(self.folders)}"
+
+    @property
+    def recorded(self) -> set[int]:
+        """The iterations that any run has recorded."""
+        return {number for run in self.runs.values() for number in run.trials}
+
+
+def read_results(folders: Sequence[str | Path]) -> Results:
+    """Reads runs, labs, sweeps and leaderboards; no code of theirs is run.
+
+    Raises:
+        UsageError: A folder holds no such results.
+        HilcError: It is damaged.
+    """
+    places = tuple(dict.fromkeys(map(Path, folders)))
+    if not places:
+        raise UsageError("there is nothing to report; give at least one folder with results")
+    sweeps = {place: read_sweep(place) for place in places if is_sweep(place)}
+    leaderboards = {place: read_leaderboard(place) for place in places if is_leaderboard(place)}
+    rest = [place for place in places if place not in sweeps and place not in leaderboards]
+    for place in rest:
+        if not is_there(place / ITERATIONS) and not LAB_FOLDER.is_at(place):
+            raise UsageError(
+                f"{place}: holds no run, lab, sweep or leaderboard; give a folder that hilc has "
+                "written"
+            )
+    return Results(places, dict(zip(rest, as_runs(rest), strict=True)), sweeps, leaderboards)
+
+
+def report(
+    results: Results | str | Path | Sequence[str | Path],
+    file: str | Path,
+    *,
+    title: str = "",
+    iterations: Collection[int] | None = None,
+    force: bool = False,
+) -> Path:
+    """Writes results as one page for a browser; nothing is simulated.
+
+    Args:
+        results: One or several folders of runs, labs, sweeps and leaderboards, or what
+            `read_results` made of them. Several runs are compared.
+        file: The page, such as ``report.html``.
+        title: What stands above it; by default the names of the results.
+        iterations: Recorded iterations of runs that are shown; all by default.
+        force: Whether another file that stands there may be replaced. A report of the same results
+            is replaced in any case.
+
+    Returns:
+        The file.
+
+    Raises:
+        UsageError: A folder holds no such results, an iteration is not recorded, or the name is
+            none of a page.
+        ExistingResultsError: Another file stands there.
+        FileAccessError: It cannot be written.
+        HilcError: A folder is damaged.
+    """
+    file = Path(file)
+    check_report_file(file, force=force)
+    if not isinstance(results, Results):
+        results = read_results([results] if isinstance(results, str | Path) else results)
+    if iterations is not None:
+        _check_recorded(iterations, results.recorded)
+    chapters = _chapters(results, iterations)
+    title = title or listed((each.title for each in chapters if each.kind != "comparison"), 3)
+    mark = _mark(chapters)
+    if not force and mark not in _begin_of(file):
+        _check_free(file)
+    content = _page(chapters, title, mark)
+    with writing(file):
+        file.parent.mkdir(parents=True, exist_ok=True)
+    write_file(file, lambda draft: _write(draft, content))
+    return file
+
+
+def is_page(file: str | Path) -> bool:
+    """Whether a path is called like a page."""
+    return Path(file).suffix.lower() in _ENDINGS
+
+
+def check_report_file(file: Path, *, force: bool = False) -> None:
+    """Makes sure that a report may be written, before minutes are spent on it.
+
+    Raises:
+        UsageError: Its name is none of a page, or that of a folder.
+        ExistingResultsError: Something else than a report stands there.
+    """
+    if not is_page(file):
+        raise UsageError(f"--out {file}: is no name of a page; give one such as report.html")
+    if file.is_dir():
+        raise UsageError(f"--out {file}: is a folder; give the name of a file, such as report.html")
+    if not force and _MARK.partition("{")[0] not in _begin_of(file):
+        _check_free(file)
+
+
+def _write(path: Path, content: str) -> None:
+    path.write_text(content, encoding="utf-8", newline="\n")
+
+
+def _check_free(file: Path) -> None:
+    """Makes sure that nothing of somebody's own is replaced.
+
+    Raises:
+        ExistingResultsError: Something stands there.
+    """
+    if os.path.lexists(file):
+        raise ExistingResultsError(
+            f"{file}: exists and is no report of the same results; "
+            "choose another file with --out, or replace it with --force"
+        )
+
+
+def _begin_of(file: Path) -> str:
+    """The first bytes of a file; empty if there is none."""
+    if not os.path.lexists(file):
+        return ""
+    try:
+        descriptor = open_to_read(file)
+    except MissingFileError:
+        return ""
+    with os.fdopen(descriptor, "rb") as stream:
+        return (stream.read(_HEAD) or b"").decode("utf-8", "replace")
+
+
+def _mark(chapters: Sequence[Chapter]) -> str:
+    """The line by which a report of the same results is known."""
+    names = "\0".join(f"{chapter.kind} {chapter.title}" for chapter in chapters)
+    return _MARK.format(hashlib.sha256(names.encode("utf-8", "surrogatepass")).hexdigest())
+
+
+def _chapters(results: Results, iterations: Collection[int] | None) -> list[Chapter]:
+    """Tells results in their order; several runs side by side before anything else."""
+    runs = list(results.runs.values())
+    in_short = len(results.folders) > _MOST_WHOLE
+    chapters = [comparison_chapter(runs)] if len(runs) > 1 else []
+    for folder in results.folders:
+        if folder in results.sweeps:
+            chapters.append(sweep_chapter(results.sweeps[folder]))
+        elif folder in results.leaderboards:
+            chapters.append(leaderboard_chapter(results.leaderboards[folder]))
+        else:
+            run = results.runs[folder]
+            # A run without any of them is shown as it is.
+            shown = None if iterations is None else set(iterations) & set(run.trials) or None
+            share = 1 / math.sqrt(len(runs))
+            chapters.append(run_chapter(run, folder, shown, share=share, in_short=in_short))
+    return chapters
+
+
+def _check_recorded(iterations: Collection[int], recorded: Collection[int]) -> None:
+    missing = sorted(set(iterations) - set(recorded))
+    if missing:
+        known = listed(sorted(recorded), 40) or "none"
+        raise UsageError(f"iterations {listed(missing)} not recorded; recorded: {known}")
+
+
+def _page(chapters: Sequence[Chapter], title: str, mark: str) -> str:
+    """The whole page as text."""
+    from markupsafe import Markup
+
+    style, program = _own_file("page.css"), _own_file("player.js")
+    return _template().render(
+        title=title,
+        chapters=chapters,
+        mark=Markup(mark),
+        style=Markup(style),
+        program=Markup(program),
+        style_checksum=_checksum(style),
+        program_checksum=_checksum(program),
+        version=__version__,
+    )
+
+
+@cache
+def _template() -> Template:
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    return environment.from_string(_own_file("report.html.j2"))
+
+
+def _own_file(name: str) -> str:
+    return (files("hilc_cli.html_reports") / "page" / name).read_text(encoding="utf-8")
+
+
+def _checksum(text: str) -> str:
+    """By which the browser knows a program or a style of the page's own."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
