@@ -444,4 +444,5 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
 
 def _summed(one: Floats, other: Floats) -> Floats:
     """Sums of products over the rows, without BLAS, whose threads cost more than they save here."""
-    return np.asarray(np.einsum("ki,kj->ij", one, other))
+    summed: Floats = np.einsum("ki,kj->ij", one, other)
+    return summed
