@@ -153,7 +153,9 @@ def test_lanes_keep_what_metrics_of_sums_are_made_of() -> None:
     assert len(Sums._fields) == SUM_ROWS + 1
     # By hand: errors 3, 4 at samples 1 and 2 of n = 2, none at sample 0.
     one = [np.array([value]) for value in (16.0, 7, 25, 3, 4, 0.5, 9, 1, 8, 16, 7, 4)]
-    found = {name: metric.of_sums(Sums(2, *one)).item() for name, metric in METRICS.items()}
+    found = {
+        name: metric.of_sums(Sums(np.array([2]), *one)).item() for name, metric in METRICS.items()
+    }
     assert found == pytest.approx(
         {
             "max_position_error_m": 4,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ import hilc_cli as hilc_api
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.law import Figures, Iteration, LastIteration, Learner, Task
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.scenario.experiment import Scenario
+from hilc_cli.scenario.making import ExperimentMaker
+from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.sweeps.chunks import Chunk
 from hilc_cli.sweeps.compute import cases_per_chunk, run_chunk
 from hilc_cli.sweeps.estimate import estimate
@@ -77,13 +79,13 @@ def test_case_whose_law_fails_on_the_way_leaves_the_others(
         def learn(self, iteration: Iteration) -> Figures:
             raise ArithmeticError("no such inverse")
 
-    made = Scenario.experiment
+    made = ExperimentMaker.experiment
 
-    def experiment(self: Scenario) -> Experiment:
-        found = made(self)
+    def experiment(self: ExperimentMaker, spec: ScenarioSpec, given: Any = None) -> Experiment:
+        found = made(self, spec, given)
         return replace(found, law=Failing(found)) if found.law.law.kd == 0.5 else found  # type: ignore[attr-defined]
 
-    monkeypatch.setattr(Scenario, "experiment", experiment)
+    monkeypatch.setattr(ExperimentMaker, "experiment", experiment)
     result = run_chunk(plan, Chunk(0, 6))
     assert [str(failure) for failure in (f.chunk for f in result.failures)] == ["case 1", "case 4"]
     assert result.failures[0].reason == "ArithmeticError: no such inverse"

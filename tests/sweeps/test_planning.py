@@ -108,7 +108,7 @@ def test_values_may_come_from_numpy(scenario: Scenario) -> None:
         "controller.h": np.int64(2),
     }
     plan = plan_sweep(scenario, values)
-    assert {key: axis.ladder() for key, axis in plan.axes.items()} == {
+    assert {key: list(axis.ladder()) for key, axis in plan.axes.items()} == {
         "controller.gains.l1": [0, 0.5, 1],
         "iterations": [1, 2],
         "controller.b_w": [10, None],
@@ -178,6 +178,6 @@ def test_values_are_those_of_the_key(
     scenario: Scenario, key: str, written: object, values: list[object]
 ) -> None:
     plan = plan_sweep(scenario, {key: written})
-    ladder = plan.axes[key].ladder()
+    ladder = list(plan.axes[key].ladder())
     assert ladder == [pytest.approx(v, rel=1e-15) if isinstance(v, float) else v for v in values]
     assert list(map(type, ladder)) == list(map(type, values))

@@ -63,12 +63,15 @@ def test_noise_is_that_of_runs(law: Law, limit: float, noise: Disturbance, itera
     foretold = law_theory(made).wheels
     *_, quiet = simulate(replace(made, disturbance=Disturbance()))
     changes, held = [], []
-    for seed in range(3 if isinstance(law, NormOptimalLaw) else 9):
+    for seed in range(10):
         *_, trial = simulate(replace(made, disturbance=replace(noise, seed=seed)))
         changes.append(np.diff([trial.left - quiet.left, trial.right - quiet.right]))
         held.append(trial.saturated_samples / made.reference.samples)
     assert foretold is not None
-    assert foretold.change_rad_s == pytest.approx(math.sqrt(np.square(changes).mean()), rel=0.1)
+    # What norm-optimal takes the noise for, its feedback with it, differs by a fifth from run to
+    # run; the mean of ten is known to a twentieth.
+    near = 0.15 if isinstance(law, NormOptimalLaw) else 0.1
+    assert foretold.change_rad_s == pytest.approx(math.sqrt(np.square(changes).mean()), rel=near)
     assert foretold.at_limit == pytest.approx(np.mean(held), rel=0.2, abs=0.03)
 
 

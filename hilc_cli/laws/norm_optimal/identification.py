@@ -444,5 +444,4 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
 
 def _summed(one: Floats, other: Floats) -> Floats:
     """Sums of products over the rows, without BLAS, whose threads cost more than they save here."""
-    summed: Floats = np.einsum("ki,kj->ij", one, other)
-    return summed
+    return np.asarray(np.einsum("ki,kj->ij", one, other), dtype=np.float64)
