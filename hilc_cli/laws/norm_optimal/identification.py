@@ -427,7 +427,7 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
         consistent covariance matrix. Econometrica 55 (1987), 703-708.
     """
     count = slopes.shape[1]
-    covariance = np.linalg.inv(_summed(slopes, slopes))
+    covariance = np.asarray(np.linalg.inv(_summed(slopes, slopes)), dtype=np.float64)
     scores = (slopes * at[:, None])[:-count].reshape(passes, -1, 3, count).sum(axis=(0, 2))
     reach = math.ceil(4 * (len(scores) / 100) ** (1 / 3)) * 4
     spread = _summed(scores, scores)
