@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hilc_cli.compiling import cached
-from hilc_cli.laws.norm_optimal.motion_filter import put
+from hilc_cli.laws.norm_optimal.motion_filter import corrected, put
 from hilc_cli.laws.norm_optimal.motor import NO_LAG, chord, effective
 from hilc_cli.reference.sampled import Floats
 
@@ -208,15 +208,12 @@ def _filtered(
                 gh2 = (hh - l20 * gh0 - l21 * gh1) / l22
             white[k, 0], white[k, 1], white[k, 2] = w0, w1, w2
             likelihood -= (w0 * w0 + w1 * w1 + w2 * w2) / 2 + math.log(l00 * l11 * l22)
-            x += gx0 * w0 + gx1 * w1 + gx2 * w2
-            y += gy0 * w0 + gy1 * w1 + gy2 * w2
-            heading += gh0 * w0 + gh1 * w1 + gh2 * w2
-            xx -= gx0 * gx0 + gx1 * gx1 + gx2 * gx2
-            xy -= gx0 * gy0 + gx1 * gy1 + gx2 * gy2
-            xh -= gx0 * gh0 + gx1 * gh1 + gx2 * gh2
-            yy -= gy0 * gy0 + gy1 * gy1 + gy2 * gy2
-            yh -= gy0 * gh0 + gy1 * gh1 + gy2 * gh2
-            hh -= gh0 * gh0 + gh1 * gh1 + gh2 * gh2
+            (x, y, heading), (xx, xy, xh, yy, yh, hh) = corrected(
+                (x, y, heading),
+                (xx, xy, xh, yy, yh, hh),
+                (w0, w1, w2),
+                (gx0, gx1, gx2, gy0, gy1, gy2, gh0, gh1, gh2),
+            )
         if keep:
             states[k, 0], states[k, 1], states[k, 2] = x, y, heading
             put(covariances[k], (xx, xy, xh, yy, yh, hh))
