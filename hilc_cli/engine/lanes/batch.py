@@ -188,7 +188,7 @@ def arguments(pack: Pack, errors: Floats) -> tuple[Any, ...]:
         pack.directions,
         kind.derivative or None,
         kind.full_matrix or None,
-        (kind.disturbed or heading != "measured") or None,
+        (kind.disturbed and heading == "measured") or None,
         (heading == "reference") or None,
         (heading == "previous") or None,
         pack.planned,

@@ -7,12 +7,16 @@ import math
 import numpy as np
 
 from hilc_cli.disturbance.streams import Stream, Words as WordArray
+from hilc_cli.engine.lanes.headings import FORMULAS as HEADING_FORMULAS, cos_sin, renewed
 from hilc_cli.engine.lanes.kernel import (
     CHANGE_SQUARES,
+    COS,
     ERROR,
     ERROR_SUM,
     FASTEST_WHEEL,
     FORMULAS as KERNEL_FORMULAS,
+    GAIN_COS,
+    GAIN_SIN,
     GAINS,
     HEADING,
     HEADING_GAINS,
@@ -25,10 +29,9 @@ from hilc_cli.engine.lanes.kernel import (
     LIMIT,
     OUTPUT_NOISE,
     PAST_ERROR,
-    REST,
     ROW,
     SATURATED,
-    SHIFTED,
+    SIN,
     SQUARE_SUM,
     TOTAL,
     Integers,
@@ -36,7 +39,6 @@ from hilc_cli.engine.lanes.kernel import (
     W,
     X,
     Y,
-    _reduced,
     follow,
 )
 from hilc_cli.engine.lanes.lanes import SUM_ROWS, Field, Noise, Words
@@ -64,7 +66,7 @@ def _begin(
     heading_desired: float,
     tracks: Floats | None,
     full_matrix: bool,
-    own_heading: bool,
+    read_heading: bool,
     reference_heading: bool,
     previous_heading: bool,
     real_wheels: bool,
@@ -115,14 +117,14 @@ def _begin(
         # The start is in the first half, however short the path.
         lanes[LATER_SQUARE + j] = 0.0
         lanes[LATER_SUM + j] = 0.0
-        if own_heading:
-            gain_heading = heading + noise[OUTPUT_NOISE + 2 * W + j]
+        lanes[COS + j], lanes[SIN + j] = cos_sin(heading)
+        if read_heading or reference_heading or previous_heading:
+            gain_heading = heading_desired
             if previous_heading:
-                gain_heading = heading_desired - history[ROW + ERROR + 2 * W + j]
-            elif reference_heading:
-                gain_heading = heading_desired
-            lanes[REST + W + j], lanes[SHIFTED + W + j] = _reduced(gain_heading)
-        lanes[REST + j], lanes[SHIFTED + j] = _reduced(heading)
+                gain_heading -= history[ROW + ERROR + 2 * W + j]
+            elif read_heading:
+                gain_heading = heading + noise[OUTPUT_NOISE + 2 * W + j]
+            lanes[GAIN_COS + j], lanes[GAIN_SIN + j] = cos_sin(gain_heading)
         history[ROW + ERROR + j] = error_x - noise[OUTPUT_NOISE + j]
         history[ROW + ERROR + W + j] = error_y - noise[OUTPUT_NOISE + W + j]
         history[ROW + ERROR + 2 * W + j] = error_heading - noise[OUTPUT_NOISE + 2 * W + j]
@@ -201,7 +203,7 @@ def _run_iterations(
     directions: Floats | None,
     derivative: bool | None,
     full_matrix: bool | None,
-    own_heading: bool | None,
+    read_heading: bool | None,
     reference_heading: bool | None,
     previous_heading: bool | None,
     planned: Floats | None,
@@ -232,7 +234,7 @@ def _run_iterations(
     while goes_on and iteration < end:
         _compiled_begin(
             lanes, words, noise, history, x_desired[0], y_desired[0], heading_desired[0],
-            tracks, full_matrix is not None, own_heading is not None,
+            tracks, full_matrix is not None, read_heading is not None,
             reference_heading is not None, previous_heading is not None, late is not None,
             iteration, iteration > 0 or learn_in_first, drawn, output_kind, pose_kind,
         )  # fmt: skip
@@ -242,7 +244,7 @@ def _run_iterations(
         if ends:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                tracks, decay, directions, derivative, full_matrix, own_heading,
+                tracks, decay, directions, derivative, full_matrix, read_heading,
                 reference_heading, previous_heading,
                 planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, True,
                 state_kind, output_kind,
@@ -250,7 +252,7 @@ def _run_iterations(
         else:
             follow(
                 lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                tracks, decay, directions, derivative, full_matrix, own_heading,
+                tracks, decay, directions, derivative, full_matrix, read_heading,
                 reference_heading, previous_heading,
                 planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, None,
                 state_kind, output_kind,
@@ -263,8 +265,8 @@ def _run_iterations(
 
 
 _PARTS = (
-    *(*KERNEL_FORMULAS, *NOISE_FORMULAS, *WHEEL_FORMULAS),
-    *(source(follow), source(draw_pose), source(move)),
+    *(*KERNEL_FORMULAS, *HEADING_FORMULAS, *NOISE_FORMULAS, *WHEEL_FORMULAS),
+    *(source(follow), source(draw_pose), source(move), source(renewed)),
 )
 _CONSTANTS = (Field, Stream, is_finite)
 run_iterations = cached(_run_iterations, (*_PARTS, *_CONSTANTS))

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.disturbance.streams import Words
+from hilc_cli.engine.lanes.headings import RENEWAL, cos_sin, renewed
 from hilc_cli.engine.lanes.lanes import BLOCK, HISTORY_FIELDS, LANES, Field, History, Noise
 from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use_widest_vectors
 from hilc_cli.engine.lanes.noise import draw_output, draw_state
-from hilc_cli.engine.lanes.trigonometry import cos_sin_near_zero, reduced, turned
-from hilc_cli.engine.lanes.wheels import ARRIVED, move
+from hilc_cli.engine.lanes.trigonometry import SHORT_TURN, rotated, short_turn
+from hilc_cli.engine.lanes.wheels import move
 from hilc_cli.laws.feedback import tracking_twist
 from hilc_cli.laws.gain_matrix import wheel_correction
 from hilc_cli.laws.hybrid import (
@@ -27,18 +28,18 @@ from hilc_cli.laws.hybrid import (
     with_derivative,
 )
 from hilc_cli.laws.pid import combined, pulse_at
-from hilc_cli.plants.kinematic import advance, limit_wheel_means
+from hilc_cli.plants.kinematic import advance, drifting_step, limit_wheel_means
 from hilc_cli.reference.sampled import Floats
 
 FORMULAS = (
-    reduced,
-    cos_sin_near_zero,
-    turned,
+    short_turn,
+    rotated,
     compensation_weight,
     compensated_error,
     learned_error,
     with_derivative,
     advance,
+    drifting_step,
     limit_wheel_means,
     steered,
     combined,
@@ -47,14 +48,14 @@ FORMULAS = (
     wheel_correction,
 )
 (
-    _reduced,
-    _cos_sin_near_zero,
-    _turned,
+    _short_turn,
+    _rotated,
     _compensation_weight,
     _compensated_error,
     _learned_error,
     _with_derivative,
     _advance,
+    _drifting_step,
     _limit_wheel_means,
     _steered,
     _combined,
@@ -70,18 +71,19 @@ Integers = NDArray[np.int64]
 # Plain numbers: the compiler folds them.
 W = LANES
 LIMIT, TOLERATED = int(Field.SPEED_LIMIT) * W, int(Field.TOLERATED) * W
-DISTANCE, TURN = int(Field.DISTANCE_GAIN) * W, int(Field.TURN_GAIN) * W
+DISTANCE_GAIN, TURN_GAIN = int(Field.DISTANCE_GAIN) * W, int(Field.TURN_GAIN) * W
 H, PEAK, SLOPE = int(Field.H) * W, int(Field.PEAK) * W, int(Field.SLOPE) * W
 RATE = int(Field.RATE) * W
 M, LATERAL = int(Field.MATRIX) * W, int(Field.LATERAL) * W
 GAINS, HEADING_GAINS = int(Field.POSITION_GAINS) * W, int(Field.HEADING_GAINS) * W
 X, Y, HEADING = int(Field.X) * W, int(Field.Y) * W, int(Field.HEADING) * W
 INITIAL, PAST_ERROR = int(Field.INITIAL_ERROR) * W, int(Field.PAST_ERROR) * W
-SAMPLES, POSE_BEFORE = int(Field.SAMPLES) * W, int(Field.POSE_BEFORE) * W
+SAMPLES = int(Field.SAMPLES) * W
+AHEAD, LEFT, TURN = int(Field.AHEAD) * W, int(Field.LEFT) * W, int(Field.TURN) * W
 K_X, KEPT = int(Field.K_X) * W, int(Field.KEPT) * W
 TOTAL = int(Field.ERROR_TOTAL) * W
 COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
-REST, SHIFTED = int(Field.REST) * W, int(Field.SHIFTED) * W
+GAIN_COS, GAIN_SIN = int(Field.GAIN_COS) * W, int(Field.GAIN_SIN) * W
 PAST_MEAN, PAST_DIFFERENCE = int(Field.PAST_MEAN) * W, int(Field.PAST_HALF_DIFFERENCE) * W
 LARGEST_SQUARE = int(Field.LARGEST_SQUARE) * W
 LATER_SQUARE = int(Field.LATER_LARGEST_SQUARE) * W
@@ -109,7 +111,7 @@ def _follow(
     directions: Floats | None,
     derivative: bool | None,
     full_matrix: bool | None,
-    own_heading: bool | None,
+    read_heading: bool | None,
     reference_heading: bool | None,
     previous_heading: bool | None,
     planned: Floats | None,
@@ -131,7 +133,7 @@ def _follow(
         words: What the disturbances are made from, see `lanes.Words`.
         noise: Room for a block of them, see `Noise`.
         history: Wheel speeds and measured errors of the iteration before, replaced by those of
-            this one, see `History`; (n + 2) rows. The error at the start is that of this one.
+            this one, see `History`; (n + 3) rows. The error at the start is that of this one.
         x_desired: Reference [m], n + 1 numbers.
         y_desired: Reference [m], likewise.
         heading_desired: Reference [rad], likewise.
@@ -144,11 +146,11 @@ def _follow(
         derivative: Anything: l1 acts on the derivative of the error as well, see `HybridLaw`.
         full_matrix: Anything: the gain matrix has any entries; None: those of Eq. 45, which then
             are in the gains.
-        own_heading: Anything: the gain matrix is taken at another heading than the true one: that
-            of the next arguments, or a disturbed one.
-        reference_heading: Anything: the gain matrix is taken at the reference's heading.
-        previous_heading: Anything: it is taken at the heading measured in the iteration before;
-            both None: at the heading measured in this one.
+        read_heading: Anything: the gain matrix is taken at the heading that is read in this
+            iteration, which is not the true one.
+        reference_heading: Anything: it is taken at the reference's heading.
+        previous_heading: Anything: it is taken at the heading read in the iteration before. All
+            three None: at the true heading.
         planned: What the law knows before the pass, in the order of the history: wheel speeds to be
             corrected and weighted errors, n rows; None: that is made of the history.
         pid: Anything: the lanes run PID-type learning.
@@ -183,12 +185,14 @@ def _follow(
         limited = False
         later = 1.0 if 2 * (k + 1) >= steps else 0.0
         for j in range(W):
-            cos, sin = _cos_sin_near_zero(lanes[REST + j])
-            cos, sin = _turned(cos, sin, lanes[SHIFTED + j])
-            lanes[COS + j], lanes[SIN + j] = cos, sin
-            if own_heading is not None:
-                cos, sin = _cos_sin_near_zero(lanes[REST + W + j])
-                cos, sin = _turned(cos, sin, lanes[SHIFTED + W + j])
+            if (
+                read_heading is not None
+                or reference_heading is not None
+                or previous_heading is not None
+            ):
+                cos, sin = lanes[GAIN_COS + j], lanes[GAIN_SIN + j]
+            else:
+                cos, sin = lanes[COS + j], lanes[SIN + j]
             past_x, past_y = history[after + ERROR + j], history[after + ERROR + W + j]
             past_heading = history[after + ERROR + 2 * W + j]
             if derivative is not None:
@@ -325,20 +329,25 @@ def _follow(
                 history[row + DIFFERENCE + j] = within[1] if over else difference
         if late is not None:
             # Before the start nothing was sent: the first row is all 0.
-            if late_alike >= 0:
-                arrived = max(row - late_alike, 0)
+            arrived = max(row - late_alike, 0)
+            if late_alike < 0:
+                arrived = (steps + 2) * ROW
                 for j in range(W):
-                    lanes[ARRIVED + j] = history[arrived + MEAN + j]
-                    lanes[ARRIVED + W + j] = history[arrived + DIFFERENCE + j]
-            else:
-                for j in range(W):
-                    arrived = max(row - late[j], 0)
-                    lanes[ARRIVED + j] = history[arrived + MEAN + j]
-                    lanes[ARRIVED + W + j] = history[arrived + DIFFERENCE + j]
-            if tracks is not None:
-                for j in range(3 * W):
-                    lanes[POSE_BEFORE + j] = lanes[X + j]
-            move(lanes, wheels)
+                    sent = max(row - late[j], 0)
+                    history[arrived + MEAN + j] = history[sent + MEAN + j]
+                    history[arrived + DIFFERENCE + j] = history[sent + DIFFERENCE + j]
+            move(lanes, history[arrived : arrived + 2 * W], wheels)
+        # Before the errors of the iteration before are replaced.
+        if previous_heading is not None or reference_heading is not None:
+            for j in range(W):
+                gain_heading = next_heading
+                if tracks is not None:
+                    gain_heading = tracks[3 * W * (k + 1) + 2 * W + j]
+                if previous_heading is not None:
+                    gain_heading -= history[after + ERROR + 2 * W + j]
+                lanes[GAIN_COS + j], lanes[GAIN_SIN + j] = cos_sin(gain_heading)
+        renewal = k & (RENEWAL - 1) == RENEWAL - 1
+        anew = renewal
         for j in range(W):
             mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
             if all_metrics is not None:
@@ -349,13 +358,18 @@ def _follow(
                 )
                 fastest = abs(mean) + abs(difference)
                 lanes[FASTEST_WHEEL + j] = max(lanes[FASTEST_WHEEL + j], fastest)
+            x_before, y_before = lanes[X + j], lanes[Y + j]
+            heading_before = lanes[HEADING + j]
+            cos, sin = lanes[COS + j], lanes[SIN + j]
             if late is not None:
-                x, y, heading = lanes[X + j], lanes[Y + j], lanes[HEADING + j]
+                x, y, heading = _drifting_step(
+                    x_before, y_before, heading_before, cos, sin,
+                    lanes[AHEAD + j], lanes[TURN + j], 0.0, lanes[LEFT + j], 0.0,
+                )  # fmt: skip
             else:
                 x, y, heading = _advance(
-                    lanes[X + j], lanes[Y + j], lanes[HEADING + j],
-                    lanes[COS + j], lanes[SIN + j],
-                    lanes[DISTANCE + j] * mean, lanes[TURN + j] * difference,
+                    x_before, y_before, heading_before, cos, sin,
+                    lanes[DISTANCE_GAIN + j] * mean, lanes[TURN_GAIN + j] * difference,
                 )  # fmt: skip
             if disturbed is not None:
                 x += noise[STATE_NOISE + offset + j]
@@ -366,10 +380,9 @@ def _follow(
                 next_x, next_y, next_heading = tracks[at], tracks[at + W], tracks[at + 2 * W]
                 counts = 1.0 if k < lanes[SAMPLES + j] else 0.0
                 later = counts if 2 * (k + 1) >= lanes[SAMPLES + j] else 0.0
-                place = X if late is None else POSE_BEFORE
-                x = x if counts > 0 else lanes[place + j]
-                y = y if counts > 0 else lanes[place + W + j]
-                heading = heading if counts > 0 else lanes[place + 2 * W + j]
+                x = x if counts > 0 else x_before
+                y = y if counts > 0 else y_before
+                heading = heading if counts > 0 else heading_before
             lanes[X + j], lanes[Y + j], lanes[HEADING + j] = x, y, heading
             error_x, error_y, error_heading = next_x - x, next_y - y, next_heading - heading
             square = error_x * error_x + error_y * error_y
@@ -389,18 +402,36 @@ def _follow(
                 error_x -= noise[OUTPUT_NOISE + offset + j]
                 error_y -= noise[OUTPUT_NOISE + offset + W + j]
                 error_heading -= noise[OUTPUT_NOISE + offset + 2 * W + j]
-            if previous_heading is not None:
-                past_heading = history[after + ERROR + 2 * W + j]
-                lanes[REST + W + j], lanes[SHIFTED + W + j] = _reduced(next_heading - past_heading)
-            elif reference_heading is not None:
-                lanes[REST + W + j], lanes[SHIFTED + W + j] = _reduced(next_heading)
-            elif disturbed is not None:
-                measured = heading + noise[OUTPUT_NOISE + offset + 2 * W + j]
-                lanes[REST + W + j], lanes[SHIFTED + W + j] = _reduced(measured)
-            lanes[REST + j], lanes[SHIFTED + j] = _reduced(heading)
+            # Not-a-number says that a lane has turned too far.
+            turn = heading - heading_before
+            is_short = abs(turn) <= SHORT_TURN
+            less, sine_of_turn, _ = _short_turn(turn)
+            cos, sin = _rotated(cos, sin, less, sine_of_turn)
+            cos = cos if is_short else math.nan
+            lanes[COS + j], lanes[SIN + j] = cos, sin
+            anew |= not is_short
+            if read_heading is not None:
+                error_of_reading = noise[OUTPUT_NOISE + offset + 2 * W + j]
+                is_short = abs(error_of_reading) <= SHORT_TURN
+                less, sine_of_turn, _ = _short_turn(error_of_reading)
+                cos, sin = _rotated(cos, sin, less, sine_of_turn)
+                lanes[GAIN_COS + j], lanes[GAIN_SIN + j] = cos if is_short else math.nan, sin
+                anew |= not is_short
             history[after + ERROR + j] = error_x
             history[after + ERROR + W + j] = error_y
             history[after + ERROR + 2 * W + j] = error_heading
+
+        if anew:
+            for j in range(W):
+                lanes[COS + j], lanes[SIN + j] = renewed(
+                    lanes[HEADING + j], lanes[COS + j], lanes[SIN + j], renewal
+                )
+            if read_heading is not None:
+                for j in range(W):
+                    lanes[GAIN_COS + j], lanes[GAIN_SIN + j] = renewed(
+                        lanes[HEADING + j] + noise[OUTPUT_NOISE + offset + 2 * W + j],
+                        lanes[GAIN_COS + j], lanes[GAIN_SIN + j], renewal,
+                    )  # fmt: skip
 
 
 follow = compiled(_follow)

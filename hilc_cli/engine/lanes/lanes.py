@@ -54,39 +54,38 @@ class Field(IntEnum):
     X = 92
     Y = 93
     HEADING = 94
-    POSE_BEFORE = 95  # a sample before: x, y, heading
-    INITIAL_ERROR = 98  # e_i(0): x, y, heading
-    PAST_ERROR = 101  # e_i(k): likewise, of the iteration before
-    ERROR_TOTAL = 104  # its sum up to sample k + 1
-    KEPT = 107  # share of the last input that is learned from in the running iteration
-    COS = 108
-    SIN = 109
-    PAST_MEAN = 110  # (left + right) / 2 in the iteration before
-    PAST_HALF_DIFFERENCE = 111  # (left - right) / 2, likewise
+    INITIAL_ERROR = 95  # e_i(0): x, y, heading
+    PAST_ERROR = 98  # e_i(k): likewise, of the iteration before
+    ERROR_TOTAL = 101  # its sum up to sample k + 1
+    KEPT = 104  # share of the last input that is learned from in the running iteration
+    COS = 105  # of the heading
+    SIN = 106
+    PAST_MEAN = 107  # (left + right) / 2 in the iteration before
+    PAST_HALF_DIFFERENCE = 108  # (left - right) / 2, likewise
     # What metrics of the running iteration are made of, in the order of `Sums`.
-    LARGEST_SQUARE = 112
-    ERROR_SUM = 113
-    SQUARE_SUM = 114
-    LARGEST_ERRORS = 115  # x, y, heading
-    FASTEST_WHEEL = 118
-    SATURATED = 119
-    CHANGE_SQUARES = 120
-    LATER_LARGEST_SQUARE = 121  # of the second half
-    LATER_ERROR_SUM = 122
-    FINAL_ERROR = 123
-    # The heading, reduced for the cosine; second rows: that of the gain matrix.
-    REST = 124
-    SHIFTED = 126
-    # Of robots as they are: inputs that arrive, as mean and half difference; then by wheels what
-    # has arrived in the sample before, the speed, and the way.
-    ARRIVED = 128
-    ARRIVED_BEFORE = 130
-    WHEEL_SPEED = 132
-    WAY = 134
+    LARGEST_SQUARE = 109
+    ERROR_SUM = 110
+    SQUARE_SUM = 111
+    LARGEST_ERRORS = 112  # x, y, heading
+    FASTEST_WHEEL = 115
+    SATURATED = 116
+    CHANGE_SQUARES = 117
+    LATER_LARGEST_SQUARE = 118  # of the second half
+    LATER_ERROR_SUM = 119
+    FINAL_ERROR = 120
+    GAIN_COS = 121  # of the heading at which the gain matrix is taken, where that is another one
+    GAIN_SIN = 122
+    # Of robots as they are, by wheels: what has arrived in the sample before, and the speed.
+    BEFORE = 123
+    SPEED = 125
+    # How they move in the running sample.
+    AHEAD = 127
+    LEFT = 128
+    TURN = 129
 
 
-FIELDS = Field.WAY + 2
-SUM_ROWS = Field.REST - Field.LARGEST_SQUARE
+FIELDS = Field.TURN + 1
+SUM_ROWS = Field.GAIN_COS - Field.LARGEST_SQUARE
 
 
 class NoiseField(IntEnum):
@@ -128,7 +127,8 @@ NOISE_ROWS = Noise.DEPTH + 3
 class History(IntEnum):
     """Rows of the history array of each sample: what the next iteration learns from.
 
-    Sample k lies in the array's row k + 1; its row 0 is e(-1) = 0.
+    Sample k lies in the array's row k + 1; its row 0 is e(-1) = 0. One more row, n + 2, is room for
+    what arrives at wheels where lanes are late by different numbers.
     """
 
     MEAN = 0  # (left + right) / 2

@@ -71,7 +71,7 @@ class Pack:
         self.lanes = aligned(FIELDS * LANES, np.float64)
         self.words = aligned(WORD_ROWS * LANES, np.uint64)
         self.noise = aligned(NOISE_ROWS * LANES, np.float64)
-        self.history = aligned((reference.samples + 2) * HISTORY_FIELDS * LANES, np.float64)
+        self.history = aligned((reference.samples + 3) * HISTORY_FIELDS * LANES, np.float64)
         self.sums = np.empty(SUM_ROWS * LANES)
         self.last = np.empty(LANES, dtype=np.int64)
         self.diverged_at = np.empty(LANES, dtype=np.int64)
@@ -133,7 +133,7 @@ class Pack:
         self.history[:] = 0.0
         self.sums[:] = np.nan
         self.diverged_at[:] = NEVER
-        inputs = self.history.reshape(-1, HISTORY_FIELDS, LANES)[1:-1]
+        inputs = self.history.reshape(-1, HISTORY_FIELDS, LANES)[1:-2]
         known: dict[tuple[int, int], tuple[Floats, Floats] | None] = {}
         for lane, experiment in enumerate(experiments):
             left, right = experiment.initial_left, experiment.initial_right

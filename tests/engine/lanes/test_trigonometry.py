@@ -5,12 +5,22 @@ import math
 import numpy as np
 import pytest
 
+from hilc_cli.engine.lanes.headings import RENEWAL
 from hilc_cli.engine.lanes.machine_code import compiled
-from hilc_cli.engine.lanes.trigonometry import LARGEST, cos_sin_near_zero, reduced, turned
+from hilc_cli.engine.lanes.trigonometry import (
+    LARGEST,
+    SHORT_TURN,
+    cos_sin_near_zero,
+    reduced,
+    rotated,
+    short_turn,
+    turned,
+)
 from hilc_cli.reference.sampled import Floats
 
 # As in the engine: fused products and sums round differently from Python's.
 REDUCED, NEAR_ZERO, TURNED = (compiled(part) for part in (reduced, cos_sin_near_zero, turned))
+SHORT, ROTATED = compiled(short_turn), compiled(rotated)
 
 
 def cos_sin(angle: float) -> tuple[float, float]:
@@ -54,3 +64,27 @@ def test_headings_beyond_reason_still_give_a_direction() -> None:
     for angle in (1e9, -1e12, 1e300, math.inf):
         cos, sin = cos_sin(angle)
         assert math.hypot(cos, sin) == pytest.approx(1, abs=1e-6)
+
+
+def test_short_turns_are_right_to_rounding() -> None:
+    for turn in np.linspace(-SHORT_TURN, SHORT_TURN, 2001).tolist():
+        less, sine, sine_by_turn = SHORT(turn)
+        assert less == pytest.approx(-2 * math.sin(turn / 2) ** 2, rel=1e-15, abs=1e-300)
+        assert sine == pytest.approx(math.sin(turn), rel=1e-15, abs=1e-300)
+        assert sine_by_turn == pytest.approx(math.sin(turn) / turn if turn else 1, rel=1e-15)
+
+
+@pytest.mark.parametrize("bias", [0.0, SHORT_TURN / 2])
+def test_rounding_adds_up_to_little_before_headings_are_computed_anew(bias: float) -> None:
+    draw = np.random.default_rng(1)
+    worst = 0.0
+    for _ in range(200):
+        heading = draw.uniform(-10, 10)
+        cos, sin = math.cos(heading), math.sin(heading)
+        for turn in bias + draw.uniform(-SHORT_TURN / 2, SHORT_TURN / 2, RENEWAL):
+            before, heading = heading, heading + turn
+            less, sine, _ = SHORT(heading - before)
+            cos, sin = ROTATED(cos, sin, less, sine)
+        worst = max(worst, abs(cos - math.cos(heading)), abs(sin - math.sin(heading)))
+    # A walk of 256 roundings of both, each of up to half a unit: some sixteen halves is usual.
+    assert worst < 40 * 2.0**-53
