@@ -1,8 +1,13 @@
-"""The loop engine: one experiment in plain Python, easy to step through in a debugger."""
+"""The loop engine: one experiment in plain Python, easy to step through in a debugger.
+
+Where many samples are to come it takes machine code of the same formulas, see `compiled_pass`: to
+the bit nothing changes.
+"""
 
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Generator, Iterator
 from contextlib import closing
 from dataclasses import replace
@@ -11,9 +16,11 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.errors import DivergedError
-from hilc_cli.laws.law import WheelController
+from hilc_cli.laws.law import Plan
 from hilc_cli.plants.kinematic import limit_wheel_speeds
-from hilc_cli.plants.plant import Plant
+from hilc_cli.plants.kinematic_plant import KinematicPlant
+from hilc_cli.plants.plant import Plant, Pose
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import measure
 from hilc_cli.results.trial import Trial, is_finite
 
@@ -34,18 +41,48 @@ def simulate(experiment: Experiment, learning: Learning | None = None) -> Genera
         PlantError: The plant cannot go on.
     """
     learning = Learning(experiment) if learning is None else learning
+    compiled = _takes_machine_code(experiment)
     with experiment.plant.session() as plant:
         for iteration in range(experiment.iterations + 1):
-            controller = learning.unlimited_plan().controller(experiment.reference)
-            trial, measured = _run_iteration(experiment, plant, iteration, controller)
+            plan = learning.unlimited_plan()
+            trial, measured = _run_iteration(experiment, plant, iteration, plan, compiled)
             figures = learning.take_in(measured)
             yield replace(trial, figures=figures) if figures else trial
 
 
+_PAYS = 400_000
+"""Samples of a run from which on machine code is faster although it must be loaded."""
+
+
+def prepare_machine_code() -> None:
+    """Loads, or compiles for all processes, what many runs to come will take."""
+    from hilc_cli.engine.compiled_pass import prepare  # the compiler starts slowly
+
+    prepare()
+
+
+def _takes_machine_code(experiment: Experiment) -> bool:
+    samples = experiment.reference.samples * (experiment.iterations + 1)
+    if not isinstance(experiment.plant, KinematicPlant):
+        return False
+    if "hilc_cli.numba_loading" not in sys.modules and samples < _PAYS:
+        return False
+    from hilc_cli.engine.compiled_pass import pays  # the compiler starts slowly
+
+    return pays(samples)
+
+
 def _run_iteration(
-    experiment: Experiment, plant: Plant, iteration: int, controller: WheelController
+    experiment: Experiment, plant: Plant, iteration: int, plan: Plan, compiled: bool
 ) -> tuple[Trial, Trial]:
     """Runs one pass over the trajectory.
+
+    Args:
+        experiment: The experiment.
+        plant: Its plant, in session.
+        iteration: Number of the pass.
+        plan: What to send in it.
+        compiled: Whether to take machine code where there is some.
 
     Returns:
         The true motion, and the same with the measured output y = q + alpha (Eq. 11).
@@ -53,25 +90,79 @@ def _run_iteration(
     Raises:
         DivergedError: The pass left the finite numbers.
     """
-    reference = experiment.reference
+    reference, disturbance = experiment.reference, experiment.disturbance
     steps = reference.samples
-    speed_limit = experiment.speed_limit
+    beta = disturbance.of_state(iteration, steps)
+    alpha = disturbance.of_output(iteration, steps + 1)
+    offset = disturbance.of_initial_pose(iteration)
+    x, y, heading = (p + o for p, o in zip(experiment.initial_pose, offset, strict=True))
+    motion = _compiled_motion if compiled and _has_machine_code(plan) else _plain_motion
+    poses, inputs, saturated = motion(experiment, plant, plan, (x, y, heading), beta, alpha)
+    if poses is None:
+        raise DivergedError(iteration)
+    trial = Trial(iteration, *poses, *inputs, saturated)
+    with np.errstate(over="ignore", invalid="ignore"):
+        largest = float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
+    if not is_finite(largest, *poses[:, -1].tolist()):
+        raise DivergedError(iteration)
+    if alpha is None:
+        return trial, trial
+    return trial, replace(
+        trial,
+        x=trial.x + alpha[:, 0],
+        y=trial.y + alpha[:, 1],
+        heading=trial.heading + alpha[:, 2],
+    )
+
+
+_Motion = tuple[Floats | None, Floats, int]
+"""Poses, shape (3, n + 1), None if it left the finite numbers on the way; wheel speeds within the
+limit, shape (2, n); at how many samples that acted."""
+
+
+def _has_machine_code(plan: Plan) -> bool:
+    from hilc_cli.engine.compiled_pass import knows
+
+    return knows(plan)
+
+
+def _compiled_motion(
+    experiment: Experiment,
+    plant: Plant,
+    plan: Plan,
+    start: Pose,
+    beta: Floats | None,
+    alpha: Floats | None,
+) -> _Motion:
+    from hilc_cli.engine.compiled_pass import run_pass
+
+    gains = plant.lane_gains(experiment.reference.sample_time)
+    assert gains is not None  # of the paper's platform
+    return run_pass(plan, experiment.reference, start, gains, experiment.speed_limit, beta, alpha)
+
+
+def _plain_motion(
+    experiment: Experiment,
+    plant: Plant,
+    plan: Plan,
+    start: Pose,
+    beta: Floats | None,
+    alpha: Floats | None,
+) -> _Motion:
+    reference = experiment.reference
+    speed_limit, controller = experiment.speed_limit, plan.controller(reference)
     desired_x = reference.x.tolist()
     desired_y = reference.y.tolist()
     desired_heading = reference.heading.tolist()
-    beta = experiment.disturbance.of_state(iteration, steps)
-    alpha = experiment.disturbance.of_output(iteration, steps + 1)
     state_noise = None if beta is None else beta.tolist()
     output_noise = None if alpha is None else alpha.tolist()
-
-    offset = experiment.disturbance.of_initial_pose(iteration)
-    x, y, heading = (p + o for p, o in zip(experiment.initial_pose, offset, strict=True))
-    step = plant.start((x, y, heading), reference.sample_time)
+    x, y, heading = start
+    step = plant.start(start, reference.sample_time)
     xs, ys, headings = [x], [y], [heading]
     lefts: list[float] = []
     rights: list[float] = []
     saturated = 0
-    for k in range(steps):
+    for k in range(reference.samples):
         seen_x, seen_y, seen_heading = x, y, heading
         if output_noise is not None:
             # Eq. 11: the controller sees y = q + alpha, its gain heading included.
@@ -79,8 +170,8 @@ def _run_iteration(
             seen_x, seen_y, seen_heading = x + noise_x, y + noise_y, heading + noise_heading
         try:
             cos, sin = math.cos(seen_heading), math.sin(seen_heading)
-        except ValueError as error:  # Python's "math domain error" of an infinite heading
-            raise DivergedError(iteration) from error
+        except ValueError:  # Python's "math domain error" of an infinite heading
+            return None, np.array([lefts, rights]), saturated
         left, right = controller(
             k,
             cos,
@@ -102,27 +193,7 @@ def _run_iteration(
         xs.append(x)
         ys.append(y)
         headings.append(heading)
-    trial = Trial(
-        iteration,
-        np.array(xs),
-        np.array(ys),
-        np.array(headings),
-        np.array(lefts),
-        np.array(rights),
-        saturated,
-    )
-    with np.errstate(over="ignore", invalid="ignore"):
-        largest = float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
-    if not is_finite(largest, x, y, heading):
-        raise DivergedError(iteration)
-    if alpha is None:
-        return trial, trial
-    return trial, replace(
-        trial,
-        x=trial.x + alpha[:, 0],
-        y=trial.y + alpha[:, 1],
-        heading=trial.heading + alpha[:, 2],
-    )
+    return np.array([xs, ys, headings]), np.array([lefts, rights]), saturated
 
 
 class MeasuredTrials:

@@ -9,10 +9,10 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from hilc_cli.laws.law import LastIteration, Learner, Plan, Task
+from hilc_cli.laws.law import LastIteration, Learner, NumericController, Plan, Task, WheelController
 from hilc_cli.laws.parameters import Controller, Setting, SpeedLimit
 from hilc_cli.plants.kinematic import Number, Robot, reference_twist, wheel_speeds_from_twist
-from hilc_cli.reference.sampled import Reference
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.yaml_input.model import Model
 from hilc_cli.yaml_input.quantities import (
     CurvatureGain,
@@ -94,20 +94,9 @@ class FeedbackLaw:
 
     def plan(self, reference: Reference) -> Plan:
         """Plans every iteration: the reference's own wheel speeds, and the feedback about it."""
-        twist = reference_twist(reference)
-        speeds, yaw_rates = (part.tolist() for part in twist)
-        model = self.model
+        twist, model = reference_twist(reference), self.model
         left, right = wheel_speeds_from_twist(*twist, model.wheel_radius, model.signed_half_track)
-
-        def wheel_speeds(
-            k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-        ) -> tuple[float, float]:
-            turned = math.cos(error_heading), math.sin(error_heading)
-            return self.wheel_speeds(
-                (speeds[k], yaw_rates[k]), (cos, sin), (error_x, error_y), turned
-            )
-
-        return Plan(left, right, reference.poses, wheel_speeds)
+        return Plan(left, right, reference.poses, TrackingControl(self, twist))
 
     def wheel_speeds(
         self,
@@ -129,6 +118,34 @@ class FeedbackLaw:
         )
         model = self.model
         return wheel_speeds_from_twist(speed, yaw_rate, model.wheel_radius, model.signed_half_track)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrackingControl(NumericController):
+    """The tracking controller about a reference.
+
+    Attributes:
+        law: Its gains, and the platform.
+        twist: Speed [m/s] and yaw rate [rad/s] of the reference, shape (n,) each.
+    """
+
+    law: FeedbackLaw
+    twist: tuple[Floats, Floats]
+
+    def controller(self) -> WheelController:
+        """Returns the controller for one pass."""
+        law = self.law
+        speeds, yaw_rates = (part.tolist() for part in self.twist)
+
+        def wheel_speeds(
+            k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
+        ) -> tuple[float, float]:
+            turned = math.cos(error_heading), math.sin(error_heading)
+            return law.wheel_speeds(
+                (speeds[k], yaw_rates[k]), (cos, sin), (error_x, error_y), turned
+            )
+
+        return wheel_speeds
 
 
 class FeedbackGains(Model):

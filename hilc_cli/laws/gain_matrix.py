@@ -16,9 +16,7 @@ from numpy.typing import NDArray
 from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from hilc_cli.laws.law import Iteration, Plan, WheelController
 from hilc_cli.plants.kinematic import Number, Robot
-from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.wording import near_word
 from hilc_cli.yaml_input.expressions import Affine, ExpressionError, evaluate
 from hilc_cli.yaml_input.model import Located, located, together, wrong, wrong_at
@@ -265,9 +263,6 @@ GainMatrixChoice = Annotated[
 ]
 
 
-PastErrors = Sequence[Floats]
-"""Weighted errors in x, y and heading, shape (n,) each."""
-
 GainHeading = Literal["measured", "previous", "reference"]
 
 
@@ -289,75 +284,3 @@ class LaneParameters(NamedTuple):
     compensation: int | None
     derivative: float
     lateral: float
-
-
-def corrected_plan(
-    gains: GainsAlong,
-    inputs: tuple[Floats, Floats],
-    past: PastErrors,
-    choice: GainHeading,
-    previous: Iteration,
-    reference: Reference,
-    running: WheelController | None = None,
-) -> Plan:
-    """Plans u(k) + G(k) e(k) with the gain matrix taken at the chosen heading.
-
-    Where the errors e follow from the previous iteration alone, they are weighted for all samples
-    at once before the iteration runs, which then needs only the heading of the gain matrix.
-    Where that is the heading measured in the running iteration, it is not known beforehand: the
-    plan's feedforward then is the input learned so far with its correction taken at the heading
-    of the reference, and the feedback takes it where the platform really points.
-
-    Args:
-        gains: The gain matrix at each sample.
-        inputs: Left and right wheel speeds to be corrected [rad/s], shape (n,) each.
-        past: The weighted errors that are known beforehand.
-        choice: Measured in the running iteration, measured in the previous one, or the reference's.
-        previous: The previous iteration.
-        reference: The trajectory.
-        running: The law with its feedback from the running iteration's error, and the matrix at
-            the heading that it is given; None for a law without.
-    """
-    headings = reference.heading[:-1]
-    if choice == "previous":
-        headings = headings - previous.error_heading[:-1]
-    # NumPy's cosine may differ from that of the engine in the last bit.
-    cosines = [math.cos(heading) for heading in headings.tolist()]
-    sines = [math.sin(heading) for heading in headings.tolist()]
-    at = np.stack([cosines, sines, *past])
-    left, right = inputs[0].copy(), inputs[1].copy()
-    for matrix, here in gains.parts():
-        corrections = wheel_correction(matrix.coefficients, *at[:, here])
-        left[here] += corrections[0]
-        right[here] += corrections[1]
-
-    def at_chosen_heading(
-        k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-    ) -> tuple[float, float]:
-        assert running is not None
-        return running(k, cosines[k], sines[k], error_x, error_y, error_heading)
-
-    feedback: WheelController | None = None
-    if choice == "measured":
-        feedback = running or _at_measured_heading(gains.coefficients, inputs, past)
-    elif running is not None:
-        feedback = at_chosen_heading
-    return Plan(left, right, reference.poses, feedback)
-
-
-def _at_measured_heading(
-    coefficients: Sequence[Coefficients], inputs: tuple[Floats, Floats], past: PastErrors
-) -> WheelController:
-    """Returns u(k) + G(k) e(k), of which only the heading of G is not known beforehand."""
-    lefts, rights = (speeds.tolist() for speeds in inputs)
-    past_x, past_y, past_heading = (component.tolist() for component in past)
-
-    def wheel_speeds(
-        k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-    ) -> tuple[float, float]:
-        left_correction, right_correction = wheel_correction(
-            coefficients[k], cos, sin, past_x[k], past_y[k], past_heading[k]
-        )
-        return lefts[k] + left_correction, rights[k] + right_correction
-
-    return wheel_speeds

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
+from hilc_cli.laws.correction import PastErrors, corrected_plan, learned_error
 from hilc_cli.laws.gain_matrix import (
     Coefficients,
     GainHeading,
@@ -17,13 +19,10 @@ from hilc_cli.laws.gain_matrix import (
     GainMatrixChoice,
     GainsAlong,
     LaneParameters,
-    PastErrors,
-    corrected_plan,
     gain_matrix,
     matrix_misfits,
-    wheel_correction,
 )
-from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task, WheelController
+from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
 from hilc_cli.laws.parameters import Setting, SpeedLimit, default_length, length_misfits
 from hilc_cli.laws.safety_net import WithSafetyNet
 from hilc_cli.plants.kinematic import Number, Robot
@@ -70,27 +69,6 @@ def compensation_weight(k: float, h: float, peak: float, slope: float, decay: fl
     """
     theta = peak - slope * k if k < h else 0.0  # Eq. 22
     return decay * theta
-
-
-def learned_error(
-    l1: float, previous_next: Number, l2: float, now: float, l3: float, before: float
-) -> Number:
-    """One component of l1 e_i(k+1) + l2 e_{i+1}(k) + l3 e_{i+1}(k-1).
-
-    Every gain is a scalar times the same matrix, so that the errors are summed first.
-
-    Args:
-        l1: Gain of the previous iteration's error.
-        previous_next: e_i(k+1).
-        l2: Gain of the running iteration's error.
-        now: e_{i+1}(k).
-        l3: Gain of the running iteration's error one sample before.
-        before: e_{i+1}(k-1), 0 at k = 0.
-
-    Source:
-        Qiao et al. 2021, Eqs. 17 and 46.
-    """
-    return l1 * previous_next + l2 * now + l3 * before
 
 
 def with_derivative(ahead: Number, now: Number, rate: float) -> Number:
@@ -205,7 +183,8 @@ class HybridLaw:
             self.gain_heading,
             previous,
             reference,
-            self._with_feedback(previous, reference, gains) if has_feedback else None,
+            (self.l1, self.l2, self.l3) if has_feedback else None,
+            [self.ahead(error, reference) for error in previous.errors] if has_feedback else (),
         )
 
     def gains_along(self, reference: Reference) -> GainsAlong:
@@ -234,8 +213,7 @@ class HybridLaw:
 
     def compensations(self, reference: Reference) -> Floats:
         """Returns what e_i(0) is multiplied by in Eq. 21 before l1, shape (n,)."""
-        steps, sample_time = reference.samples, reference.sample_time
-        weights = np.array([compensation_gain(k, self.h, sample_time) for k in range(steps)])
+        weights = _compensation_gains(self.h, reference.samples, reference.sample_time)
         return weights if self.derivative == 0 else self.derivative * weights
 
     def _learned(self, previous: Iteration, reference: Reference) -> PastErrors:
@@ -252,35 +230,6 @@ class HybridLaw:
             compensated_error(self.l1, self.ahead(error, reference), weights, error[0])
             for error in previous.errors
         ]
-
-    def _with_feedback(
-        self, previous: Iteration, reference: Reference, gains: GainsAlong
-    ) -> WheelController:
-        """Eq. 17 in full."""
-        coefficients = gains.coefficients
-        l1, l2, l3 = self.l1, self.l2, self.l3
-        left, right = previous.left.tolist(), previous.right.tolist()
-        next_x, next_y, next_heading = (
-            self.ahead(error, reference).tolist() for error in previous.errors
-        )
-        before_x = before_y = before_heading = 0.0  # e_{i+1}(-1) = 0
-
-        def wheel_speeds(
-            k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-        ) -> tuple[float, float]:
-            nonlocal before_x, before_y, before_heading
-            left_correction, right_correction = wheel_correction(
-                coefficients[k],
-                cos,
-                sin,
-                learned_error(l1, next_x[k], l2, error_x, l3, before_x),
-                learned_error(l1, next_y[k], l2, error_y, l3, before_y),
-                learned_error(l1, next_heading[k], l2, error_heading, l3, before_heading),
-            )
-            before_x, before_y, before_heading = error_x, error_y, error_heading
-            return left[k] + left_correction, right[k] + right_correction
-
-        return wheel_speeds
 
 
 def with_lateral_gain(matrix: GainMatrix, kappa: float) -> GainMatrix:
@@ -304,6 +253,14 @@ def with_lateral_gain(matrix: GainMatrix, kappa: float) -> GainMatrix:
 def has_constant_heading_column(matrix: GainMatrix) -> bool:
     """Whether the entries of the heading's error are the same at every heading."""
     return all(row[2].cos == 0 and row[2].sin == 0 for row in (matrix.left, matrix.right))
+
+
+@lru_cache(maxsize=4)
+def _compensation_gains(h: int, steps: int, sample_time: float) -> Floats:
+    """`compensation_gain` of all samples, shape (n,)."""
+    gains = np.array([compensation_gain(k, h, sample_time) for k in range(steps)])
+    gains.flags.writeable = False
+    return gains
 
 
 class HybridGains(Model):

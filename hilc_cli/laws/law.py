@@ -7,6 +7,7 @@ or an estimate that grows with each. An engine applies the plan, or whoever driv
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
@@ -23,6 +24,15 @@ WheelController = Callable[[int, float, float, float, float, float], tuple[float
 Called once for each sample k = 0, 1, ... in order, with k, the cosine and sine of the measured
 heading, and the measured error in x [m], y [m] and heading [rad]; returns left and right [rad/s].
 """
+
+
+class NumericController(ABC):
+    """A controller whose numbers are known to an engine that has machine code for it."""
+
+    @abstractmethod
+    def controller(self) -> WheelController:
+        """Returns the controller for one pass."""
+
 
 Figures = Mapping[str, float]
 """What a law has to tell of an iteration, by column of ``learning.csv``, units in the names.
@@ -72,7 +82,7 @@ class Plan:
             would be another one: what has been learned makes up for a wrong belief, too.
         feedback: What answers to the poses that are measured on the way; None if nothing does.
             Gains K, shape (n, 2, 3), add K(k) (poses(k) - measured(k)) to the feedforward; a
-            function gives the wheel speeds themselves.
+            function, or what can be made one, gives the wheel speeds themselves.
         lead_in: Samples by which the plan begins before the trajectory does, as it has to where
             inputs arrive late; they are among the n.
     """
@@ -80,7 +90,7 @@ class Plan:
     left: Floats
     right: Floats
     poses: Floats
-    feedback: Floats | WheelController | None = None
+    feedback: Floats | NumericController | WheelController | None = None
     lead_in: int = field(default=0, kw_only=True)
 
     def controller(self, reference: Reference) -> WheelController:
@@ -88,6 +98,8 @@ class Plan:
         left, right = self.left.tolist(), self.right.tolist()
         if self.feedback is None:
             return lambda k, cos, sin, error_x, error_y, error_heading: (left[k], right[k])
+        if isinstance(self.feedback, NumericController):
+            return self.feedback.controller()
         if not isinstance(self.feedback, np.ndarray):
             return self.feedback
         # Errors are told against the reference; the planned poses are others.

@@ -10,13 +10,12 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
+from hilc_cli.laws.correction import PastErrors, corrected_plan
 from hilc_cli.laws.gain_matrix import (
     GainHeading,
     GainMatrix,
     GainMatrixChoice,
     GainsAlong,
-    PastErrors,
-    corrected_plan,
     gain_matrix,
     matrix_misfits,
 )

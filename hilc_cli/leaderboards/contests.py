@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.loop import MeasuredTrials
+from hilc_cli.engine.loop import MeasuredTrials, prepare_machine_code
 from hilc_cli.errors import DivergedError, HilcError
 from hilc_cli.leaderboards.plan import Contest
 from hilc_cli.reference.sampled import Floats
@@ -136,6 +136,7 @@ def compete(contest: Contest, after: Sequence[int], tolerance: float) -> Entry:
         after: Numbers of iterations after which errors are told.
         tolerance: Largest error that counts as reached [m].
     """
+    prepare_machine_code()
     experiment = contest.scenario.experiment()
     law, disturbance = contest.scenario.spec.controller, contest.scenario.spec.disturbance
     same = not law.learns and not disturbance.active
@@ -200,6 +201,7 @@ def compute_entries(
         Alone(work) if workers == 1 else Processes(work, min(workers, len(contests)))
     )
     entries: dict[Contest, Entry] = {}
+    prepare_machine_code()
     try:
         for outcome in hand_out(contests, crew, go_on):
             contest = outcome.piece

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -81,13 +80,12 @@ def shown_trials(run: RunData) -> list[Trial]:
 Columns = Mapping[str, NDArray[Any]]
 
 
-def write_panel(path: Path, panel: Panel) -> None:
-    """Writes what a panel shows; every number reads back exactly."""
+def panel_table(panel: Panel) -> bytes:
+    """What a panel shows, as a CSV file; every number reads back exactly."""
     columns = panel_columns(panel)
     rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    with path.open("w", encoding="ascii", newline="") as file:
-        file.write(",".join(columns) + "\n")
-        file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    return ("\n".join(lines) + "\n").encode("ascii")
 
 
 def panel_columns(panel: Panel) -> Columns:

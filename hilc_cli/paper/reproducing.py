@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+from hilc_cli.engine.loop import prepare_machine_code
 from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.paper.claim import Claim, Evidence, Finding
 from hilc_cli.paper.claim_texts import claims_text, write_claims_csv
@@ -22,12 +23,13 @@ from hilc_cli.paper.contents import (
     MOTOR_LIMIT,
     OWN_DATA,
     REPRODUCTION_FOLDER,
+    PaperFigure,
     PaperPanel,
     data_name,
     picture_name,
     with_shown,
 )
-from hilc_cli.paper.panel import Panel, PanelRow, write_panel
+from hilc_cli.paper.panel import Panel, PanelRow, panel_table
 from hilc_cli.paper.plan import ReproductionPlan
 from hilc_cli.paper.reading import READINGS, Reading, readings_named
 from hilc_cli.paper.texts import gains_text, group_text, index_text, situation_text
@@ -109,8 +111,7 @@ class Reproduction:
             FileAccessError: It cannot be written.
             UsageError: There is no such picture format or resolution.
         """
-        from hilc_cli.drawing.save import check_format, save_figure
-        from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
+        from hilc_cli.drawing.save import check_format  # Matplotlib starts slowly
 
         for name in formats:
             check_format(name)
@@ -123,20 +124,14 @@ class Reproduction:
 
         def fill(into: Path) -> None:
             (into / DATA).mkdir()
-            for figure, reading in product(plan.figures, plan.readings):
-                of_reading = runs[reading.name], plan.scenarios[reading.name], reading
-                rows = [_row(panels, *of_reading) for panels in figure.rows]
-                sheet = sheet_figure(
-                    f"Figure {figure.number}. {figure.title}",
-                    f"{reading.name.capitalize()} reading: {reading.law}",
-                    rows,
-                    look,
-                )
-                for suffix in shown:
-                    save_figure(sheet, into / picture_name(figure, reading, suffix), dpi)
-                drawn = [panel for row in rows for panel in row.panels]
-                for panel, content in zip(figure.panels, drawn, strict=True):
-                    write_panel(into / data_name(panel, reading), content)
+            sheets = tuple(product(plan.figures, (reading.name for reading in plan.readings)))
+            # Plain dicts, which can be sent.
+            scenarios = {name: dict(named) for name, named in plan.scenarios.items()}
+            draw = _Drawing(sheets, scenarios, runs, shown, dpi, look)
+            titles = [f"figure {figure.number} ({reading})" for figure, reading in sheets]
+            for _, files in _shared_out(draw, titles, share=len(sheets) > 1):
+                for name, content in files.items():
+                    (into / name).write_bytes(content)
                 on_step()
             if judged:
                 write_claims_csv(into / CLAIMS_CSV, judged)
@@ -210,6 +205,7 @@ class _Work:
         return len(self.claims) + len(self.scenarios)
 
     def __call__(self, number: int) -> Finding | Run:
+        prepare_machine_code()
         if number < len(self.claims):
             claim, reading = self.claims[number]
             return claim.judge(Evidence(readings_named(reading)[0], {}))
@@ -231,18 +227,12 @@ def _simulate(
     titles += [f"{name} ({reading})" for reading, name in keys]
     work = _Work(tuple(claims), tuple(plan.scenarios[reading][name] for reading, name in keys))
     iterations = sum(scenario.spec.iterations + 1 for scenario in work.scenarios)
-    workers = min(available_cores(), len(work)) if iterations >= _MANY else 1
-    crew: Crew[int, Finding | Run] = Alone(work) if workers == 1 else Processes(work, workers)
     found: dict[int, Finding | Run] = {}
-    try:
-        for outcome in hand_out(range(len(work)), crew, lambda: None):
-            if outcome.result is None:
-                raise outcome.error or WorkersError(f"{titles[outcome.piece]}: {outcome.reason}")
-            found[outcome.piece] = outcome.result
-            if isinstance(outcome.result, Run):
-                on_step()
-    finally:
-        crew.dismiss()
+    prepare_machine_code()
+    for number, result in _shared_out(work, titles, share=iterations >= _MANY):
+        found[number] = result
+        if isinstance(result, Run):
+            on_step()
     runs: dict[str, dict[str, Run]] = {reading: {} for reading in plan.scenarios}
     findings: dict[tuple[str, str], Finding] = {}
     for number, result in sorted(found.items()):
@@ -253,6 +243,77 @@ def _simulate(
             claim, reading = claims[number]
             findings[claim.name, reading] = result
     return runs, findings
+
+
+@dataclass(frozen=True, slots=True)
+class _Drawing:
+    """What a worker gets, and does: it draws a sheet, which with its panels' data are files.
+
+    Attributes:
+        sheets: A figure and the name of a reading each.
+        scenarios: By reading and name.
+        runs: Likewise.
+        suffixes: Of the pictures.
+        dpi: Of PNG files.
+        look: How the sheets are to look.
+    """
+
+    sheets: tuple[tuple[PaperFigure, str], ...]
+    scenarios: Mapping[str, Mapping[str, Scenario]]
+    runs: Mapping[str, Mapping[str, Run]]
+    suffixes: tuple[str, ...]
+    dpi: int
+    look: Look
+
+    def __call__(self, number: int) -> dict[str, bytes]:
+        from hilc_cli.drawing.save import render
+        from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
+
+        figure, name = self.sheets[number]
+        (reading,) = readings_named(name)
+        of_reading = self.runs[name], self.scenarios[name], reading
+        rows = [_row(panels, *of_reading) for panels in figure.rows]
+        sheet = sheet_figure(
+            f"Figure {figure.number}. {figure.title}",
+            f"{reading.name.capitalize()} reading: {reading.law}",
+            rows,
+            self.look,
+        )
+        files = {
+            picture_name(figure, reading, suffix): render(sheet, suffix, self.dpi)
+            for suffix in self.suffixes
+        }
+        drawn = [panel for row in rows for panel in row.panels]
+        for panel, content in zip(figure.panels, drawn, strict=True):
+            files[data_name(panel, reading)] = panel_table(content)
+        return files
+
+
+_Result = TypeVar("_Result")
+
+
+def _shared_out(
+    work: Callable[[int], _Result], titles: Sequence[str], *, share: bool
+) -> Iterator[tuple[int, _Result]]:
+    """Does pieces of work that have a title each: their numbers and results, as they come.
+
+    Args:
+        work: Does a piece, by its number.
+        titles: What each is called in an error.
+        share: Whether they are worth the start of worker processes.
+
+    Raises:
+        WorkersError: Worker processes cannot do anything here.
+    """
+    workers = min(available_cores(), len(titles)) if share else 1
+    crew: Crew[int, _Result] = Alone(work) if workers == 1 else Processes(work, workers)
+    try:
+        for outcome in hand_out(range(len(titles)), crew, lambda: None):
+            if outcome.result is None:
+                raise outcome.error or WorkersError(f"{titles[outcome.piece]}: {outcome.reason}")
+            yield outcome.piece, outcome.result
+    finally:
+        crew.dismiss()
 
 
 def check_reproduction(plan: ReproductionPlan, folder: str | Path, *, force: bool = False) -> None:

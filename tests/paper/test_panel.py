@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from hilc_cli.paper.panel import Panel, PanelKind, PanelRow, write_panel
+from hilc_cli.paper.panel import Panel, PanelKind, PanelRow, panel_table
 from hilc_cli.paper.sheet import sheet_figure
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.run import RunData
@@ -33,9 +31,8 @@ def drawn(panel: Panel) -> Axes:
     return sheet_figure("Figure 9", "as it is", [PanelRow("", (panel,))]).axes[0]
 
 
-def written(path: Path, panel: Panel) -> tuple[str, dict[str, Floats]]:
-    write_panel(path, panel)
-    header, *rows = path.read_text().splitlines()
+def written(panel: Panel) -> tuple[str, dict[str, Floats]]:
+    header, *rows = panel_table(panel).decode().splitlines()
     table = np.array([[float(value) for value in row.split(",")] for row in rows])
     return header, dict(zip(header.split(","), table.T, strict=True))
 
@@ -46,15 +43,15 @@ def run(make_run: MakeRun) -> RunData:
 
 
 @pytest.mark.parametrize("kind", PanelKind)
-def test_headers_are_those_of_the_run_folder(tmp_path: Path, run: RunData, kind: PanelKind) -> None:
-    header, _ = written(tmp_path / "panel.csv", Panel("a", kind, "", run, 180.0))
+def test_headers_are_those_of_the_run_folder(run: RunData, kind: PanelKind) -> None:
+    header, _ = written(Panel("a", kind, "", run, 180.0))
     assert header == HEADERS[kind]
 
 
 @pytest.mark.parametrize("kind", [PanelKind.PATH_CHANGE, PanelKind.PATHS])
-def test_paths_are_those_drawn(tmp_path: Path, run: RunData, kind: PanelKind) -> None:
+def test_paths_are_those_drawn(run: RunData, kind: PanelKind) -> None:
     panel = Panel("a", kind, "", run, 180.0)
-    _, table = written(tmp_path / "panel.csv", panel)
+    _, table = written(panel)
     axes = drawn(panel)
 
     blocks = [table["iteration"] == iteration for iteration in dict.fromkeys(table["iteration"])]
@@ -72,9 +69,9 @@ def test_paths_are_those_drawn(tmp_path: Path, run: RunData, kind: PanelKind) ->
         )
 
 
-def test_final_path_is_that_drawn(tmp_path: Path, run: RunData) -> None:
+def test_final_path_is_that_drawn(run: RunData) -> None:
     panel = Panel("a", PanelKind.FINAL_PATH, "", run, 180.0)
-    _, table = written(tmp_path / "panel.csv", panel)
+    _, table = written(panel)
     axes = drawn(panel)
 
     for label, columns in (
@@ -86,9 +83,9 @@ def test_final_path_is_that_drawn(tmp_path: Path, run: RunData) -> None:
     assert set(table["iteration"]) == {5}
 
 
-def test_wheel_speeds_are_those_drawn(tmp_path: Path, run: RunData) -> None:
+def test_wheel_speeds_are_those_drawn(run: RunData) -> None:
     panel = Panel("a", PanelKind.WHEEL_SPEEDS, "", run, 150.0)
-    _, table = written(tmp_path / "panel.csv", panel)
+    _, table = written(panel)
     axes = drawn(panel)
 
     for label, column in (
@@ -104,9 +101,9 @@ def test_wheel_speeds_are_those_drawn(tmp_path: Path, run: RunData) -> None:
 
 
 @pytest.mark.parametrize("kind", [PanelKind.MAXIMUM_ERROR, PanelKind.AVERAGE_ERROR])
-def test_errors_are_those_drawn(tmp_path: Path, run: RunData, kind: PanelKind) -> None:
+def test_errors_are_those_drawn(run: RunData, kind: PanelKind) -> None:
     panel = Panel("a", kind, "", run, 180.0)
-    header, table = written(tmp_path / "panel.csv", panel)
+    header, table = written(panel)
     axes = drawn(panel)
 
     (errors,) = axes.lines

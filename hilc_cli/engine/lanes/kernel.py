@@ -18,12 +18,12 @@ from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use
 from hilc_cli.engine.lanes.noise import draw_output, draw_state
 from hilc_cli.engine.lanes.trigonometry import SHORT_TURN, rotated, short_turn
 from hilc_cli.engine.lanes.wheels import move
+from hilc_cli.laws.correction import learned_error
 from hilc_cli.laws.feedback import tracking_twist
 from hilc_cli.laws.gain_matrix import wheel_correction
 from hilc_cli.laws.hybrid import (
     compensated_error,
     compensation_weight,
-    learned_error,
     steered,
     with_derivative,
 )

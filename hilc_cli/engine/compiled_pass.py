@@ -1,0 +1,256 @@
+"""A pass of the loop engine as machine code: to the bit what it is in plain Python.
+
+The formulas are the same, compiled without liberties. It knows the paper's platform, plans without
+feedback or with gains, and controllers that tell their numbers; all else stays in plain Python.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hilc_cli.compiling import cached, compiled, is_at_hand
+from hilc_cli.laws.correction import MatrixControl, learned_error
+from hilc_cli.laws.feedback import TrackingControl, tracking_twist
+from hilc_cli.laws.gain_matrix import wheel_correction
+from hilc_cli.laws.law import Plan
+from hilc_cli.numba_loading import DISABLED, types
+from hilc_cli.plants.kinematic import advance, limit_wheel_speeds, wheel_speeds_from_twist
+from hilc_cli.reference.sampled import Floats, Reference
+
+FORMULAS = (
+    advance,
+    learned_error,
+    limit_wheel_speeds,
+    tracking_twist,
+    wheel_correction,
+    wheel_speeds_from_twist,
+)
+(
+    _advance,
+    _learned_error,
+    _limit_wheel_speeds,
+    _tracking_twist,
+    _wheel_correction,
+    _wheel_speeds_from_twist,
+) = [compiled(function) for function in FORMULAS]
+
+FIXED, GAINS, KNOWN, RUNNING, TRACKING = range(5)
+"""How a plan answers: not at all; by gains; by a matrix on errors that are known, or on running
+ones; by the tracking controller."""
+
+
+def _drive(
+    desired: Floats,
+    poses: Floats,
+    inputs: Floats,
+    step_gains: tuple[float, float],
+    bound: float,
+    answer: int,
+    planned: Floats,
+    rows: Floats,
+    matrices: Floats,
+    numbers: NDArray[np.intp],
+    headings: Floats,
+    scalars: tuple[float, float, float],
+    model: tuple[float, float],
+    beta: Floats,
+    alpha: Floats,
+) -> int:
+    """Drives one pass.
+
+    Args:
+        desired: Reference: x [m], y [m] and heading [rad], shape (3, n + 1).
+        poses: Driven, likewise; the first is where it starts, the others are set.
+        inputs: Left and right wheel speed within the limit [rad/s], shape (2, n), set.
+        step_gains: Distance per sum of the wheel speeds [m s], turn per difference [s].
+        bound: b_w [rad/s].
+        answer: FIXED, GAINS, KNOWN, RUNNING or TRACKING.
+        planned: Left and right wheel speed before any answer [rad/s], shape (2, n).
+        rows: By answer the gains and how far the plan is off the reference, shape (9, n); past
+            errors, shape (3, n); or speed and yaw rate, shape (2, n).
+        matrices: Coefficients of each gain matrix, shape (m, 18).
+        numbers: Which of them it is at each sample, shape (n,).
+        headings: Cosine and sine of where the matrix is taken, shape (2, n); (2, 0): measured.
+        scalars: l1, l2, l3 or k_x, k_y, k_theta.
+        model: Believed wheel radius and signed half track [m].
+        beta: Disturbance of the state, shape (n, 3); (0, 3): none.
+        alpha: Disturbance of the output, shape (n + 1, 3); (0, 3): none.
+
+    Returns:
+        At how many samples the limit acted.
+    """
+    x, y, heading = poses[0, 0], poses[1, 0], poses[2, 0]
+    saturated = 0
+    before_x = before_y = before_heading = 0.0
+    for k in range(inputs.shape[1]):
+        seen_x, seen_y, seen_heading = x, y, heading
+        if len(alpha):
+            seen_x, seen_y, seen_heading = x + alpha[k, 0], y + alpha[k, 1], heading + alpha[k, 2]
+        cos, sin = math.cos(seen_heading), math.sin(seen_heading)
+        error_x, error_y = desired[0, k] - seen_x, desired[1, k] - seen_y
+        error_heading = desired[2, k] - seen_heading
+        left, right = planned[0, k], planned[1, k]
+        if answer == GAINS:
+            away_x, away_y = error_x + rows[6, k], error_y + rows[7, k]
+            away_heading = error_heading + rows[8, k]
+            left = left + rows[0, k] * away_x + rows[1, k] * away_y + rows[2, k] * away_heading
+            right = right + rows[3, k] * away_x + rows[4, k] * away_y + rows[5, k] * away_heading
+        elif answer == TRACKING:
+            k_x, k_y, k_theta = scalars
+            speed, yaw_rate = _tracking_twist(
+                k_x, k_y, k_theta, rows[0, k], rows[1, k], cos, sin, error_x, error_y,
+                math.cos(error_heading), math.sin(error_heading),
+            )  # fmt: skip
+            left, right = _wheel_speeds_from_twist(speed, yaw_rate, model[0], model[1])
+        elif answer != FIXED:
+            past_x, past_y, past_heading = rows[0, k], rows[1, k], rows[2, k]
+            if answer == RUNNING:
+                l1, l2, l3 = scalars
+                past_x = _learned_error(l1, past_x, l2, error_x, l3, before_x)
+                past_y = _learned_error(l1, past_y, l2, error_y, l3, before_y)
+                past_heading = _learned_error(
+                    l1, past_heading, l2, error_heading, l3, before_heading
+                )
+                before_x, before_y, before_heading = error_x, error_y, error_heading
+            if headings.shape[1]:
+                cos, sin = headings[0, k], headings[1, k]
+            m = matrices[numbers[k]]
+            coefficients = (
+                m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8],
+                m[9], m[10], m[11], m[12], m[13], m[14], m[15], m[16], m[17],
+            )  # fmt: skip
+            left_correction, right_correction = _wheel_correction(
+                coefficients, cos, sin, past_x, past_y, past_heading
+            )
+            left, right = left + left_correction, right + right_correction
+        limited_left, limited_right = _limit_wheel_speeds(left, right, bound)  # Eq. 25
+        if limited_left != left or limited_right != right:
+            saturated += 1
+        # What `euler_step` says.
+        distance_gain, turn_gain = step_gains
+        x, y, heading = _advance(
+            x, y, heading, math.cos(heading), math.sin(heading),
+            distance_gain * (limited_left + limited_right),
+            turn_gain * (limited_left - limited_right),
+        )  # fmt: skip
+        if len(beta):
+            x, y, heading = x + beta[k, 0], y + beta[k, 1], heading + beta[k, 2]  # Eq. 11
+        inputs[0, k], inputs[1, k] = limited_left, limited_right
+        poses[0, k + 1], poses[1, k + 1], poses[2, k + 1] = x, y, heading
+    return saturated
+
+
+drive = cached(_drive, parts=FORMULAS)
+
+_Arguments = tuple[
+    int, Floats, Floats, Floats, NDArray[np.intp], Floats, tuple[float, float, float],
+    tuple[float, float],
+]  # fmt: skip
+_NONE, _NO_MATRICES = np.empty((3, 0)), np.empty((0, 18))
+_NO_NUMBERS, _NO_HEADINGS = np.empty(0, dtype=np.intp), np.empty((2, 0))
+_NO_SCALARS, _NO_MODEL = (0.0, 0.0, 0.0), (1.0, 1.0)
+
+
+_PLANE, _FLOAT, _NUMBERS = types.float64[:, ::1], types.float64, types.int64[::1]
+_SIGNATURE = (
+    *(_PLANE, _PLANE, _PLANE, types.UniTuple(_FLOAT, 2), _FLOAT, types.int64),
+    *(_PLANE, _PLANE, _PLANE, _NUMBERS, _PLANE),
+    *(types.UniTuple(_FLOAT, 3), types.UniTuple(_FLOAT, 2), _PLANE, _PLANE),
+)
+
+
+_PAYS = 2_000_000
+"""Samples of a run from which on it is faster to compile the code first."""
+
+
+def pays(samples: int) -> bool:
+    """Whether so many samples of one run are faster in machine code."""
+    return not DISABLED and (samples >= _PAYS or is_at_hand(drive, _SIGNATURE))
+
+
+def prepare() -> None:
+    """Loads the machine code, or compiles and keeps it."""
+    if not DISABLED:
+        drive.compile(_SIGNATURE)
+
+
+def knows(plan: Plan) -> bool:
+    """Whether there is machine code for a plan."""
+    feedback = plan.feedback
+    return feedback is None or isinstance(feedback, np.ndarray | MatrixControl | TrackingControl)
+
+
+def run_pass(
+    plan: Plan,
+    reference: Reference,
+    start: tuple[float, float, float],
+    step_gains: tuple[float, float],
+    speed_limit: float,
+    beta: Floats | None,
+    alpha: Floats | None,
+) -> tuple[Floats, Floats, int]:
+    """Runs a plan that `knows` knows.
+
+    Args:
+        plan: The plan, its feedforward not yet within the limit.
+        reference: The trajectory.
+        start: Pose at which it starts.
+        step_gains: See `KinematicPlant.lane_gains`.
+        speed_limit: b_w [rad/s]; infinity for none.
+        beta: Disturbance of the state, shape (n, 3); None for none.
+        alpha: Disturbance of the output, shape (n + 1, 3); None for none.
+
+    Returns:
+        The poses, shape (3, n + 1), the wheel speeds, shape (2, n), and at how many samples the
+        limit acted. After numbers that are not finite, what follows are not numbers.
+    """
+    n = reference.samples
+    desired = np.stack([reference.x, reference.y, reference.heading])
+    poses, inputs = np.empty((3, n + 1)), np.empty((2, n))
+    poses[:, 0] = start
+    none = np.empty((0, 3))
+    answer, planned, rows, matrices, numbers, headings, scalars, model = _numbers(plan, reference)
+    saturated = drive(
+        desired, poses, inputs, step_gains, speed_limit,
+        answer, planned, rows, matrices, numbers, headings, scalars, model,
+        none if beta is None else np.ascontiguousarray(beta),
+        none if alpha is None else np.ascontiguousarray(alpha),
+    )  # fmt: skip
+    return poses, inputs, saturated
+
+
+def _numbers(plan: Plan, reference: Reference) -> _Arguments:
+    """The arguments of `drive` that tell of a plan."""
+    feedback = plan.feedback
+    nothing = _NO_MATRICES, _NO_NUMBERS, _NO_HEADINGS
+    if isinstance(feedback, MatrixControl):
+        answer, scalars = KNOWN, _NO_SCALARS
+        if feedback.running is not None:
+            answer, scalars = RUNNING, feedback.running
+        return (
+            answer,
+            np.stack(feedback.inputs),
+            np.stack(list(feedback.past)),
+            np.array([matrix.coefficients for matrix in feedback.gains.matrices]),
+            feedback.gains.numbers,
+            _NO_HEADINGS if feedback.headings is None else np.stack(feedback.headings),
+            scalars,
+            _NO_MODEL,
+        )
+    planned = np.stack([plan.left, plan.right])
+    if isinstance(feedback, TrackingControl):
+        law = feedback.law
+        return (
+            TRACKING, planned, np.stack(feedback.twist), *nothing,
+            (law.k_x, law.k_y, law.k_theta),
+            (law.model.wheel_radius, law.model.signed_half_track),
+        )  # fmt: skip
+    if isinstance(feedback, np.ndarray):
+        away = (plan.poses - reference.poses)[:-1]
+        gains = feedback.reshape(-1, 6)
+        rows = np.ascontiguousarray(np.concatenate([gains, away], axis=1).T)
+        return GAINS, planned, rows, *nothing, _NO_SCALARS, _NO_MODEL
+    return FIXED, planned, _NONE, *nothing, _NO_SCALARS, _NO_MODEL

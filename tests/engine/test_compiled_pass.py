@@ -1,0 +1,104 @@
+"""The loop engine's machine code against its plain Python: to the bit."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hilc_cli.engine import loop
+from hilc_cli.engine.compiled_pass import knows, pays, prepare, run_pass
+from hilc_cli.engine.experiment import Experiment, Learning
+from hilc_cli.engine.loop import MeasuredTrials, prepare_machine_code
+from hilc_cli.laws.law import Plan
+from hilc_cli.results.trial import Trial
+from hilc_cli.runs.running import load_scenario
+
+SHORT = {"iterations": 4}
+NOISE = {"disturbance.state.bound": ["1 mm", "1 mm", "0.1 deg"]}
+SCENARIOS: dict[str, tuple[str, Mapping[str, Any]]] = {
+    "known errors": ("fig3-circle", {}),
+    "running errors": ("fig6h", {}),
+    "compensation": ("fig4-compensated", {}),
+    "derivative and lateral": ("lateral-circle", {"controller.gains.derivative": "0.1 s"}),
+    "lateral, both directions": ("parking", {"controller": {
+        "law": "hybrid", "gains": {"l1": 0.5, "l2": 5, "lateral": 3}, "compensation": "off",
+    }, "robot": {"wheel_radius": 0.03, "wheel_separation": 0.16, "turn_convention": "ros"}}),
+    "at the reference's heading": ("fig8a", {"controller.gain_heading": "reference"}),
+    "at the heading before": ("fig8a", {"controller.gain_heading": "previous", **NOISE}),
+    "disturbed": ("figure-eight", {}),
+    "pid": ("pid-figure-eight", {}),
+    "tracking": ("feedback-circle", {"iterations": 1}),
+    "diverging": ("fig6i", {"controller.b_w": None, "controller.gains.l3": 1e5}),
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def code() -> None:
+    prepare_machine_code()
+
+
+def passes(experiment: Experiment) -> tuple[list[Trial], int | None]:
+    trials = MeasuredTrials(experiment)
+    return [trial for trial, _ in trials], trials.diverged_at
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_passes_are_the_same_to_the_bit(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    shipped, overrides = SCENARIOS[name]
+    experiment = load_scenario(f"example:{shipped}", {**SHORT, **overrides}).experiment()
+    monkeypatch.setattr(loop, "_takes_machine_code", lambda experiment: False)
+    plain, diverged_at = passes(experiment)
+    monkeypatch.setattr(loop, "_takes_machine_code", lambda experiment: True)
+    monkeypatch.setattr(loop, "_plain_motion", None)  # is not fallen back to
+    compiled, compiled_diverged_at = passes(experiment)
+    assert (diverged_at is not None) == (name == "diverging")
+    assert diverged_at == compiled_diverged_at
+    assert len(plain) == len(compiled)
+    for one, other in zip(plain, compiled, strict=True):
+        assert one.saturated_samples == other.saturated_samples
+        for part in ("x", "y", "heading", "left", "right"):
+            assert getattr(one, part).tobytes() == getattr(other, part).tobytes()
+
+
+def test_plans_with_gains_are_the_same_to_the_bit() -> None:
+    experiment = load_scenario("example:fig3-circle").experiment()
+    reference, draw = experiment.reference, np.random.default_rng(1)
+    n = reference.samples
+    plan = Plan(
+        draw.normal(size=n),
+        draw.normal(size=n),
+        reference.poses + draw.normal(scale=0.1, size=(n + 1, 3)),
+        draw.normal(size=(n, 2, 3)),
+    )
+    beta, alpha = draw.normal(size=(n, 3)), draw.normal(size=(n + 1, 3))
+    assert knows(plan)
+    start = (9.0, 0.1, 1.5)
+    gains = experiment.plant.lane_gains(reference.sample_time)
+    assert gains is not None
+    poses, inputs, saturated = run_pass(plan, reference, start, gains, 20.0, beta, alpha)
+    x, y, heading = start
+    controller = plan.controller(reference)
+    step = experiment.plant.start(start, reference.sample_time)
+    for k in range(n):
+        seen = x + alpha[k, 0], y + alpha[k, 1], heading + alpha[k, 2]
+        error = [float(wanted - is_) for wanted, is_ in zip(reference.poses[k], seen, strict=True)]
+        left, right = controller(k, np.cos(seen[2]), np.sin(seen[2]), *error)
+        scale = min(1.0, 20 / max(abs(left), abs(right)))
+        assert inputs[:, k] == pytest.approx([scale * left, scale * right], rel=1e-14)
+        moved = step((x, y, heading), *inputs[:, k].tolist())
+        x, y, heading = (float(m + b) for m, b in zip(moved, beta[k], strict=True))
+        assert poses[:, k + 1].tolist() == [x, y, heading]
+    assert 0 < saturated < n
+
+
+def test_other_controllers_stay_in_plain_python() -> None:
+    plan = Learning(load_scenario("example:fig3-circle").experiment()).plan()
+    assert knows(plan)
+    assert not knows(replace(plan, feedback=lambda k, *seen: (1.0, 1.0)))
+
+
+def test_code_that_is_at_hand_pays_for_every_run() -> None:
+    prepare()
+    assert pays(1)
