@@ -388,7 +388,7 @@ def test_signal_while_it_is_written(
     def stopped(*arguments: object) -> None:
         stop()
 
-    monkeypatch.setattr(reproducing, "panel_table", stopped)
+    monkeypatch.setattr(reproducing, "index_text", stopped)
     outcome = hilc("reproduce", "fig4", "--dpi", "20")
     assert (outcome.code, outcome.out, outcome.err.count("\n")) == (code, "", 1)
     assert [entry.name for entry in folder.iterdir()] == ["runs"]
