@@ -171,6 +171,19 @@ def _whitened(
 whitened = compiled(_whitened)
 
 
+def _innovation(
+    measured: Floats, pose: Pose, cos: float, sin: float, root: Symmetric
+) -> tuple[float, float, float]:
+    """The white innovation of a reading, shape (3,), at a foreseen pose."""
+    off_x, off_y = measured[0] - pose[0], measured[1] - pose[1]
+    return whitened(  # type: ignore[no-any-return]
+        off_x * cos + off_y * sin, off_y * cos - off_x * sin, measured[2] - pose[2], root
+    )
+
+
+innovation = compiled(_innovation)
+
+
 def _corrected(
     pose: Pose, covariance: Symmetric, white: Pose, gain: Square
 ) -> tuple[Pose, Symmetric]:
@@ -245,10 +258,7 @@ def _filtered(
                 put(covariances[k + 1], covariance)
             continue
         root, gain = weighed(covariance, cos, sin, noise)
-        off_x, off_y = measured[k + 1, 0] - pose[0], measured[k + 1, 1] - pose[1]
-        own = whitened(
-            off_x * cos + off_y * sin, off_y * cos - off_x * sin, measured[k + 1, 2] - pose[2], root
-        )
+        own = innovation(measured[k + 1], pose, cos, sin, root)
         white[k, 0], white[k, 1], white[k, 2] = own
         likelihood -= (own[0] * own[0] + own[1] * own[1] + own[2] * own[2]) / 2
         likelihood += math.log(root[0] * root[3] * root[5])
