@@ -116,7 +116,7 @@ def bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats) 
     count = len(pull)
     scale = 1 / np.sqrt(np.diag(matrix).clip(min=np.finfo(float).tiny))
     matrix = matrix * scale * scale[:, None]
-    pull, lowest, highest = pull * scale, lowest / scale, highest / scale
+    pull, bottom, top = pull * scale, lowest / scale, highest / scale
     at, free = np.zeros(count), np.ones(count, dtype=bool)
     for _ in range(4 * count):  # a few more than it ever takes
         inside = np.flatnonzero(free)
@@ -124,21 +124,21 @@ def bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats) 
         best = at.copy()
         best[inside] = np.linalg.solve(matrix[np.ix_(inside, inside)], left[inside])
         move = best - at
-        bound = np.where(move < 0, lowest, highest)
-        beyond = np.flatnonzero(np.where(move < 0, best < lowest, best > highest))
+        bound = np.where(move < 0, bottom, top)
+        beyond = np.flatnonzero(np.where(move < 0, best < bottom, best > top))
         if len(beyond):
             shares = (bound[beyond] - at[beyond]) / move[beyond]
             first = beyond[shares.argmin()]
-            at = (at + shares.min() * move).clip(lowest, highest)
+            at = (at + shares.min() * move).clip(bottom, top)
             at[first], free[first] = bound[first], False
             continue
         at = best
         slope = pull - (matrix * at).sum(axis=1)
-        inwards = np.where(free, 0.0, np.where(at <= lowest, slope, -slope))
+        inwards = np.where(free, 0.0, np.where(at <= bottom, slope, -slope))
         if inwards.max() <= 1e-12 * np.abs(pull).max():
             break
         free[inwards.argmax()] = True
-    return at * scale
+    return (at * scale).clip(lowest, highest)
 
 
 def _half_square(matrix: Floats, step: Floats) -> float:

@@ -147,7 +147,7 @@ class MotorBelief:
         """
         _, slopes = self.steps_and_slopes(inputs, sample_time)
         gone = np.cumsum(slopes, axis=0).reshape(-1, len(NAMES))
-        variances = np.einsum("ki,ij,kj->k", gone, self.covariance, gone)
+        variances = (np.einsum("ki,ij->kj", gone, self.covariance) * gone).sum(axis=1)
         way, turn = variances.reshape(-1, 2).max(axis=0).tolist()
         return way, turn
 
@@ -230,15 +230,6 @@ class Identification:
         best = max(fits, key=lambda each: self._likelihood(each, passes))
         return self._improved(best, passes, rounds=_ROUNDS)
 
-    def innovations(self, belief: MotorBelief, passes: Sequence[Pass]) -> Floats:
-        """Returns what the belief did not expect of passes, by its deviation, (passes, n, 3).
-
-        Not-a-number where nothing was measured.
-        """
-        white = self._white(belief.first, belief.parameters, belief.noise, passes)
-        read = np.array([np.isfinite(each.measured[1:, :1]) for each in passes])
-        return np.where(read, white.reshape(len(passes), -1, 3), np.nan)
-
     def expected_covariance(self, belief: MotorBelief, like: Pass, passes: int) -> Floats:
         """Returns the covariance of what so many passes like one would tell, shape (6, 6).
 
@@ -270,18 +261,6 @@ class Identification:
     def _steps(self, first: Motor, parameters: Floats, passes: Sequence[Pass]) -> list[Floats]:
         motor = motor_of(first, parameters)
         return [steps_of(motor, each.sent, self._sample_time) for each in passes]
-
-    def _white(
-        self, first: Motor, parameters: Floats, noise: Noise, passes: Sequence[Pass]
-    ) -> Floats:
-        """The innovations of all passes in a row."""
-        steps = self._steps(first, parameters, passes)
-        return np.concatenate(
-            [
-                run_filter(each.measured, own, self._lead, noise, each.start_share).white.ravel()
-                for each, own in zip(passes, steps, strict=True)
-            ]
-        )
 
     def _likelihood(self, belief: MotorBelief, passes: Sequence[Pass]) -> float:
         steps = self._steps(belief.first, belief.parameters, passes)

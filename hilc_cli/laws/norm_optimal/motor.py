@@ -74,13 +74,13 @@ def _effective(command: float, friction: float) -> tuple[float, float]:
 effective = compiled(_effective)
 
 
-def _arriving(delay: float, sample_time: float) -> tuple[int, float]:
+def arriving(delay: float, sample_time: float) -> tuple[int, float]:
     """Whole samples of a delay, and the fraction of a sample that is left, 0 to below 1."""
     whole = math.floor(delay / sample_time + 1e-9)
     return whole, max(delay / sample_time - whole, 0.0)
 
 
-arriving = compiled(_arriving)
+_arriving = compiled(arriving)  # from Python it would be compiled in each process
 
 
 def _arrived(inputs: Floats, k: int, wheel: int, whole: int, fraction: float) -> float:
@@ -124,7 +124,7 @@ def _wheel_ways(
     """
     n, most = len(inputs), acceleration * sample_time
     ways = np.empty((n, 2))
-    whole, fraction = arriving(delay, sample_time)
+    whole, fraction = _arriving(delay, sample_time)
     kept = kept_share(lag, sample_time)
     for wheel in range(2):
         speed = 0.0
@@ -170,7 +170,7 @@ def _steps_and_slopes(motor: Motor, inputs: Floats, sample_time: float) -> tuple
     """
     n, lag, friction = len(inputs), motor.lag, motor.friction
     steps, slopes = np.empty((n, 2)), np.empty((n, 2, 6))
-    whole, fraction = arriving(motor.delay, sample_time)
+    whole, fraction = _arriving(motor.delay, sample_time)
     kept = kept_share(lag, sample_time)
     kept_by_lag = kept * sample_time / (lag * lag) if lag > NO_LAG else 0.0
     most = motor.acceleration * sample_time

@@ -11,9 +11,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hilc_cli.compiling import cached
+from hilc_cli.compiling import cached, compiled
 from hilc_cli.laws.norm_optimal.motor import Motor, arrived, arriving, chord, effective, kept_share
 from hilc_cli.reference.sampled import Floats
+
+_arriving = compiled(arriving)
 
 
 def _linearised(
@@ -33,7 +35,7 @@ def _linearised(
     """
     n = len(inputs)
     states, controls = np.zeros((n, 7, 7)), np.zeros((n, 7, 2))
-    whole, fraction = arriving(motor.delay, sample_time)
+    whole, fraction = _arriving(motor.delay, sample_time)
     kept = kept_share(motor.lag, sample_time)
     followed = motor.lag * (1.0 - kept)  # way that a wheel's speed at the start is good for [s]
     most, speeds = motor.acceleration * sample_time, np.zeros(2)

@@ -16,6 +16,7 @@ from hilc_cli.laws.norm_optimal import (
     motor_quadratic,
     optimal_motion,
     rectified,
+    repeating,
 )
 from tests.laws.norm_optimal.problems import DISTANCE_GAIN, TURN_GAIN, random_problem
 
@@ -31,6 +32,7 @@ FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3)
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
 STATES, CONTROLS = RANDOM.normal(0, 0.5, (N, 7, 7)), RANDOM.normal(0, 0.5, (N, 7, 2))
 GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
+COVARIANCES = np.array([each.T @ each for each in RANDOM.normal(0, 1, (N + 1, 4, 3))])
 NOISE = motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5)
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -76,6 +78,34 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (POSES, INPUTS / 100, RANDOM.normal(0, 1, (N, 2, 3)), 0.5, NOISE, 0.3),
     ),
     "noise_score": (filter_slopes.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
+    "parameter_score": (
+        filter_slopes.parameter_score,
+        (
+            POSES,
+            INPUTS / 100,
+            RANDOM.normal(0, 1, (N, 2, 6)),
+            0.5,
+            NOISE,
+            0.3,
+            np.ones((N, 6)),
+            np.ones((6, 6)),
+        ),
+    ),
+    "steps_and_slopes": (
+        motor.steps_and_slopes,
+        (motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), INPUTS, 0.01),
+    ),
+    "coming_back": (
+        repeating.coming_back,
+        (
+            RANDOM.normal(1, 1, (3, 4, N)),
+            np.array([[0, 1], [1, 2], [2, 4], [4, N]]),
+            np.array([1.0, 0.5, 0.1, 0.0]),
+            np.array([0.0, 0.1, 10.0]),
+            np.array([4.0, 2.0, 1.0]),
+            np.zeros((3, N)),
+        ),
+    ),
     "linearised": (
         motor_quadratic.linearised,
         (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), 0.01, 0.5),
@@ -89,7 +119,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
             (motor_quadratic.input_derivatives, (POSES,)),
         )
     },
-    "smoother": (motion_filter.carried_back, (POSES, POSES + 0.1, STATES[:, :3, :3])),
+    "smoother": (motion_filter.smoothed, (POSES, COVARIANCES, POSES + 0.1, COVARIANCES + 0.2)),
 }
 
 
