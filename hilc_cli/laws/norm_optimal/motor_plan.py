@@ -89,7 +89,7 @@ def motor_plan(
         poses = moved(start, steps_of(motor, inputs, sample_time), beside, lead)
         error = (poses - target)[1:]
         spent = (command * np.square(inputs - easy)).sum()
-        return poses, float(spent + (np.square(error) @ pose_weights).sum()) / 2
+        return poses, float(spent + (np.square(error) * pose_weights).sum()) / 2
 
     inputs = easy.clip(-speed_limit, speed_limit)
     poses, cost = motion(inputs)
@@ -97,10 +97,8 @@ def motor_plan(
     for _ in range(_MOST_STEPS):
         if not math.isfinite(cost):
             break
-        states, controls = linearised(poses, inputs, motor, sample_time, lead)
         problem = MotorQuadratic(
-            states,
-            controls,
+            linearised(poses, inputs, motor, sample_time, lead),
             pose_weights,
             _arrived(command, delayed, command),
             pose_weights * (poses - target),

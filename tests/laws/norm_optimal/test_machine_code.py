@@ -30,7 +30,9 @@ GAINS, INVERSES = (
 POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
-STATES, CONTROLS = RANDOM.normal(0, 0.5, (N, 7, 7)), RANDOM.normal(0, 0.5, (N, 7, 2))
+MOTOR_MOTION = motor_quadratic.MotorMotion(
+    *RANDOM.normal(0, 0.5, (7, N, 2)), turns=(0.3, -0.2), under_way=0.3, whole=2
+)
 GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
 COVARIANCES = np.array([each.T @ each for each in RANDOM.normal(0, 1, (N + 1, 4, 3))])
 NOISE = motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5)
@@ -111,12 +113,11 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), 0.01, 0.5),
     ),
     **{
-        code.py_func.__name__: (code, (STATES, CONTROLS, *arguments))
+        code.py_func.__name__: (code, (MOTOR_MOTION, *arguments))
         for code, arguments in (
             (motor_quadratic.factorise, (WEIGHTS, INPUTS**2 + 1, GAINS_7, np.zeros((N, 3)))),
             (motor_quadratic.solve, (GAINS_7, INPUTS[:, [0, 0, 1]], POSES, INPUTS)),
-            (motor_quadratic.linear_motion, (INPUTS,)),
-            (motor_quadratic.input_derivatives, (POSES,)),
+            (motor_quadratic.input_slopes_after, (WEIGHTS, POSES, INPUTS)),
         )
     },
     "smoother": (motion_filter.smoothed, (POSES, COVARIANCES, POSES + 0.1, COVARIANCES + 0.2)),
