@@ -17,6 +17,9 @@ _MOST_TRIES = 10
 """So often a step that makes it worse is made shorter."""
 _DAMPED = 1e-3
 """Share of the information that is added then, ten times as much each time."""
+_APART = 1e-13
+"""Share of the information that numbers have of their own though others could stand for them: more
+than rounding, which would make a matrix singular."""
 _AS_EXPECTED = 0.75
 """A step that gains this share of what was expected is followed by longer ones."""
 
@@ -115,7 +118,7 @@ def bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats) 
     """
     count = len(pull)
     scale = 1 / np.sqrt(np.diag(matrix).clip(min=np.finfo(float).tiny))
-    matrix = matrix * scale * scale[:, None]
+    matrix = matrix * scale * scale[:, None] + _APART * np.eye(count)
     pull, bottom, top = pull * scale, lowest / scale, highest / scale
     at, free = np.zeros(count), np.ones(count, dtype=bool)
     for _ in range(4 * count):  # a few more than it ever takes

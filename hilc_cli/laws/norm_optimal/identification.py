@@ -240,7 +240,7 @@ class Identification:
         """
         told = self._told_of_parameters(belief, belief.parameters, belief.noise, [like])
         normal = passes * (told.information - np.diag(PRIOR**-2)) + np.diag(PRIOR**-2)
-        return np.asarray(np.linalg.inv(normal), dtype=np.float64)
+        return _inverse(normal)
 
     def quietest(self, noise: Noise) -> Noise:
         """Returns the noise, where it is more than rounding."""
@@ -373,7 +373,7 @@ def _covariance(told: ParametersTold) -> Floats:
         consistent covariance matrix. Econometrica 55 (1987), 703-708.
     """
     scores = told.by_sample
-    covariance = np.asarray(np.linalg.inv(told.information), dtype=np.float64)
+    covariance = _inverse(told.information)
     reach = math.ceil(4 * (len(scores) / 100) ** (1 / 3)) * 4
     # Products of scores up to that far apart, with weights that fall in a straight line: the
     # squares of all sums of so many in a row.
@@ -388,3 +388,14 @@ def _covariance(told: ParametersTold) -> Floats:
     larger = np.sqrt(np.maximum(share, 1.0))
     widened: Floats = covariance * np.outer(larger, larger)
     return widened
+
+
+def _inverse(information: Floats) -> Floats:
+    """The inverse, with no negative variance where rounding would make one."""
+    if not np.isfinite(information).all():
+        return np.full_like(information, np.nan)
+    scale = 1 / np.sqrt(np.diag(information))
+    told, directions = np.linalg.eigh(information * scale * scale[:, None])
+    told = told.clip(min=np.finfo(float).eps * told[-1])
+    inverse: Floats = (directions / told) @ directions.T * scale * scale[:, None]
+    return inverse

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
 from hilc_cli.laws.norm_optimal import (
+    bounded_changes,
     filter_slopes,
     linear_quadratic,
     motion_filter,
@@ -35,6 +36,8 @@ MOTOR_MOTION = motor_quadratic.MotorMotion(
 )
 GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
 COVARIANCES = np.array([each.T @ each for each in RANDOM.normal(0, 1, (N + 1, 4, 3))])
+INSIDE = bounded_changes.Inside(RANDOM.normal(0, 1, (N, 2)), *RANDOM.uniform(0.1, 1, (4, N, 2)))
+WITHIN = RANDOM.normal(0, 1, (4, N, 2))
 NOISE = motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5)
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -97,6 +100,9 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         motor.steps_and_slopes,
         (motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), INPUTS, 0.01),
     ),
+    "with_bounds": (bounded_changes.with_bounds, (INSIDE, *WITHIN[:2], *WITHIN[2:].copy())),
+    "towards_centre": (bounded_changes.towards_centre, (INSIDE, WITHIN[0], 3.0, WITHIN[1])),
+    "moved_inside": (bounded_changes.moved_inside, (INSIDE, WITHIN[0], WITHIN[1], 0.1, 0.99)),
     "coming_back": (
         repeating.coming_back,
         (
@@ -124,12 +130,27 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
 }
 
 
+def copied(value: Any) -> Any:
+    """An argument of its own, arrays in tuples as well."""
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return value._replace(**{name: copied(getattr(value, name)) for name in value._fields})
+    return value.copy() if isinstance(value, np.ndarray) else value
+
+
+def arrays(values: Iterable[Any]) -> Iterator[Any]:
+    """All arrays of some arguments."""
+    for value in values:
+        if isinstance(value, tuple):
+            yield from arrays(value)
+        elif isinstance(value, np.ndarray):
+            yield value
+
+
 def results(function: Callable[..., Any], arguments: tuple[Any, ...]) -> list[Any]:
     """What a function returns, and the arrays that it got after it, some of which it fills."""
-    own = [value.copy() if isinstance(value, np.ndarray) else value for value in arguments]
+    own = [copied(value) for value in arguments]
     returned = function(*own)
-    filled = [value for value in own if isinstance(value, np.ndarray)]
-    return [*(returned if isinstance(returned, tuple) else (returned,)), *filled]
+    return [*(returned if isinstance(returned, tuple) else (returned,)), *arrays(own)]
 
 
 @pytest.mark.parametrize("name", CALLS)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear, minimize
 
+from hilc_cli.laws.norm_optimal.bounded_changes import bounded_changes
 from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, moved, steps_of
 from hilc_cli.laws.norm_optimal.motor_plan import MotorPlan, motor_plan
 from hilc_cli.laws.norm_optimal.motor_quadratic import MotorMotion, MotorQuadratic, linearised
-from hilc_cli.laws.norm_optimal.optimal_motion import bounded_changes
 from hilc_cli.reference.sampled import Floats
 
 N, STEP = 15, 0.05
