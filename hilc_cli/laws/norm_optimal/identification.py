@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.bounded_search import likeliest
+from hilc_cli.laws.norm_optimal.bounded_search import Found, likeliest
 from hilc_cli.laws.norm_optimal.filter_slopes import noise_score, parameter_score
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
 from hilc_cli.laws.norm_optimal.motor import Motor, steps_and_slopes, steps_of
@@ -70,11 +70,12 @@ _FOR_NOISE = 4  # the last passes tell the noise
 _NO_INFORMATION = 1e-14  # what the readings say less than that of, for shares, says nothing
 _QUIETER = 1e-3  # share of its variance that the noise of the motion then has for a start
 _ROUNDS = 2  # of noise and parameters in turn, for the first pass
-_SCORING_STEPS, _NEWTON_STEPS = 40, 12
+_SCORING_STEPS, _NEWTON_STEPS, _COARSE_STEPS = 40, 12, 6
 _KEPT = 0.02  # share of a variance that one step leaves at least
 _SETTLED = 0.01
 """So much more of the likelihood's logarithm ends a search: a seventh of a standard error."""
 _SETTLED_COARSELY = 0.3
+_SETTLED_QUIETLY = 1e-3  # for each sample, where a search is only to begin another
 _SMALLEST = 1e-7  # share of the path's size below which nothing is called noise of the motion
 _FINEST = 1e-6  # likewise of the readings
 _SMALLEST_TURN, _FINEST_HEADING = 1e-7, 1e-6  # [rad]
@@ -221,11 +222,16 @@ class Identification:
         # they can without it. So can a short lag and a part of a sample of delay: try both.
         own = {name: _QUIETER * getattr(best.noise, name) for name in ("ahead", "left", "turn")}
         quiet = best.noise._replace(**own)
+        starts = [best.parameters]
+        if best.parameters[4] > 0:
+            starts.append(_without_lag(best.parameters))
+        settled = _SETTLED_QUIETLY * len(passes[0].sent)
         fits = [
-            MotorBelief(
-                belief.first, *self._likely_parameters(best, parameters, quiet, passes), quiet
+            replace(best, parameters=found.at, noise=quiet)
+            for found in (
+                self._likely_parameters(best, start, quiet, passes, settled, _COARSE_STEPS)
+                for start in starts
             )
-            for parameters in (best.parameters, _without_lag(best.parameters))
         ]
         best = max(fits, key=lambda each: self._likelihood(each, passes))
         return self._improved(best, passes, rounds=_ROUNDS)
@@ -251,11 +257,14 @@ class Identification:
     ) -> MotorBelief:
         parameters, noise, covariance = belief.parameters, belief.noise, belief.covariance
         settled = _SETTLED_COARSELY if coarsely else _SETTLED
+        most_steps = _COARSE_STEPS if coarsely else _NEWTON_STEPS
         for _ in range(rounds):
             latest = passes[-_FOR_NOISE:]
             noise = self._likely_noise(belief.first, parameters, noise, latest, settled)
-            found = self._likely_parameters(belief, parameters, noise, passes, settled)
-            parameters, covariance = found
+            found = self._likely_parameters(belief, parameters, noise, passes, settled, most_steps)
+            parameters = found.at
+        if not coarsely:
+            covariance = _covariance(found.told)
         return MotorBelief(belief.first, parameters, covariance, noise)
 
     def _steps(self, first: Motor, parameters: Floats, passes: Sequence[Pass]) -> list[Floats]:
@@ -317,18 +326,18 @@ class Identification:
         parameters: Floats,
         noise: Noise,
         passes: Sequence[Pass],
-        settled: float = _SETTLED,
-    ) -> tuple[Floats, Floats]:
-        """The likeliest parameters with the noise as it is, and the covariance of their errors."""
-        found = likeliest(
+        settled: float,
+        most_steps: int = _NEWTON_STEPS,
+    ) -> Found[ParametersTold]:
+        """The likeliest parameters with the noise as it is, and what passes tell there."""
+        return likeliest(
             lambda tried: self._told_of_parameters(belief, tried, noise, passes),
             parameters,
             _LOWEST,
             _HIGHEST,
             settled,
-            most_steps=_NEWTON_STEPS,
+            most_steps=most_steps,
         )
-        return found.at, _covariance(found.told)
 
     def _told_of_parameters(
         self, belief: MotorBelief, parameters: Floats, noise: Noise, passes: Sequence[Pass]
