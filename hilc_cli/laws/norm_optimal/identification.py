@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hilc_cli.laws.norm_optimal.bounded_search import Found, likeliest
-from hilc_cli.laws.norm_optimal.filter_slopes import noise_score, parameter_score
+from hilc_cli.laws.norm_optimal.filter_slopes import parameter_score
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
 from hilc_cli.laws.norm_optimal.motor import Motor, steps_and_slopes, steps_of
+from hilc_cli.laws.norm_optimal.noise_score import noise_score
 from hilc_cli.reference.sampled import Floats
 
 

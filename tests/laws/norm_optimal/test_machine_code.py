@@ -15,6 +15,7 @@ from hilc_cli.laws.norm_optimal import (
     motion_filter,
     motor,
     motor_quadratic,
+    noise_score,
     optimal_motion,
     rectified,
     repeating,
@@ -82,7 +83,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         filter_slopes.innovation_slopes,
         (POSES, INPUTS / 100, RANDOM.normal(0, 1, (N, 2, 3)), 0.5, NOISE, 0.3),
     ),
-    "noise_score": (filter_slopes.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
+    "noise_score": (noise_score.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
     "parameter_score": (
         filter_slopes.parameter_score,
         (
