@@ -19,7 +19,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from hilc_cli.numba_loading import DISABLED, FunctionCache, IndexDataCacheFile, njit
+from hilc_cli.numba_loading import DISABLED, FunctionCache, IndexDataCacheFile, njit, runtime
 
 EXACT: frozenset[str] = frozenset()
 """No liberties: sums keep their order, so that results do not depend on the processor."""
@@ -118,7 +118,9 @@ class CodeCache(FunctionCache):  # type: ignore[misc]  # Numba has no types
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The code for arguments of some types; None if there is none that can be used."""
         try:
-            return super().load_overload(sig, target_context)
+            # Numba's own makes ready for compiling first, which loads much that loading needs not.
+            runtime.initialize(target_context)
+            return self._load_overload(sig, target_context)
         except (OSError, MemoryError) as error:
             self._tell(f"cannot be read ({error}); it is made anew")
         except Exception as error:  # Of any kind: it is unpickled and linked.

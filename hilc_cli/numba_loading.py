@@ -19,6 +19,7 @@ if "numba" not in sys.modules:
 import numba  # noqa: E402  # only now
 from numba import njit, typeof, types  # noqa: E402
 from numba.core import caching  # noqa: E402
+from numba.core.runtime.nrt import rtsys  # noqa: E402
 from numba.extending import intrinsic, overload, register_jitable  # noqa: E402
 
 __all__ = [
@@ -29,6 +30,7 @@ __all__ = [
     "njit",
     "overload",
     "register_jitable",
+    "runtime",
     "typeof",
     "types",
 ]
@@ -36,5 +38,7 @@ __all__ = [
 # Without types.
 FunctionCache: Any = caching.FunctionCache
 IndexDataCacheFile: Any = caching.IndexDataCacheFile
+runtime: Any = rtsys
+"""What machine code allocates arrays with."""
 DISABLED = bool(getattr(numba.config, "DISABLE_JIT"))  # noqa: B009  # made as it is loaded
 """Whether functions stay as they are: ``NUMBA_DISABLE_JIT`` is set."""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+_MADE_SINCE = 30_000
+"""So many objects are made until Python looks for those that refer to each other in a circle."""
 _KEPT = ("NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT")
 
 
@@ -53,7 +56,9 @@ def settle() -> None:
     Numba, nor on plug-ins of Pydantic, for which all installed packages would be looked through;
     who calls hilc from Python may have code of his own that they are meant for. One thread
     for linear algebra, if nothing else is asked for, since several make small things slower, not
-    each process may have them, and workers would have them all at once.
+    each process may have them, and workers would have them all at once. Python looks less often for
+    objects that refer to each other in a circle: loading libraries makes so many objects that stay
+    that a tenth of a short command would go into that.
     """
     for name in list(os.environ):
         if name.startswith("NUMBA_") and name not in _KEPT:
@@ -62,6 +67,7 @@ def settle() -> None:
         os.environ.pop("NUMBA_DISABLE_JIT", None)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"
+    gc.set_threshold(_MADE_SINCE, *gc.get_threshold()[1:])
 
 
 def _put(variables: Mapping[str, str | None]) -> None:

@@ -1,22 +1,24 @@
 """What passes tell of the motors: maximum likelihood on the innovations of the pose filter.
 
-Parameters and noise are found in turn: the noise by its likelihood, the parameters by Gauss and
-Newton's method on the innovations, which the noise weighs. A vague belief beforehand keeps what the
-passes do not tell where it was believed.
+Parameters and noise are found in turn: the noise by its likelihood, the parameters by the squares
+of the innovations, which the noise weighs. A vague belief beforehand keeps what the passes do not
+tell where it was believed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.filter_slopes import innovation_slopes, noise_score
+from hilc_cli.laws.norm_optimal.bounded_search import Found, likeliest
+from hilc_cli.laws.norm_optimal.filter_slopes import parameter_score
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
-from hilc_cli.laws.norm_optimal.motor import Motor, steps_of
+from hilc_cli.laws.norm_optimal.motor import Motor, steps_and_slopes, steps_of
+from hilc_cli.laws.norm_optimal.noise_score import noise_score
 from hilc_cli.reference.sampled import Floats
 
 
@@ -61,20 +63,20 @@ Delay and lag are hardly told apart where speeds change slowly, nor R and B in a
 PRIOR = np.array([0.3, 0.05, 0.5, 0.3, 0.3, 0.5])
 """Standard deviations of the parameters beforehand: shares, seconds, and rad/s of friction."""
 _MEASURED = 0.4  # of the standard error beforehand; what is less sure is not measured
-_STEP = np.array([1e-6, 1e-6, 1e-6, 1e-5, 1e-5, 1e-5])  # of the difference quotients
-_FARTHEST = np.array([1.5, 0.5, 1.5])  # from what was believed, in logarithms
-_MOST = np.array([1.0, 2.0, 10.0])  # delay [s], lag [s], friction [rad/s]
+_HIGHEST = np.array([1.5, 0.5, 1.5, 1.0, 2.0, 10.0])
+"""Logarithms of shares of what was believed; delay [s], lag [s], friction [rad/s]."""
+_LOWEST = np.array([-1.5, -0.5, -1.5, 0.0, 0.0, 0.0])
 _FIRST_DELAYS = (0.0, 0.1, 0.3)  # [s], since the likelihood may have a hill for each
 _FOR_NOISE = 4  # the last passes tell the noise
-_FURTHER_UP = 4.0  # in logarithms of variances
-_SCORING_STEPS = 40
-_LONGEST_STEP = 3.0  # of a logarithm
-_NO_INFORMATION = 1e-6  # what the readings say less than that of says nothing
+_NO_INFORMATION = 1e-14  # what the readings say less than that of, for shares, says nothing
 _QUIETER = 1e-3  # share of its variance that the noise of the motion then has for a start
 _ROUNDS = 2  # of noise and parameters in turn, for the first pass
-_NEWTON_STEPS = 12
-_SETTLED = 1e-3  # gain of the likelihood's logarithm at which a search ends
+_SCORING_STEPS, _NEWTON_STEPS, _COARSE_STEPS = 40, 12, 6
+_KEPT = 0.02  # share of a variance that one step leaves at least
+_SETTLED = 0.01
+"""So much more of the likelihood's logarithm ends a search: a seventh of a standard error."""
 _SETTLED_COARSELY = 0.3
+_SETTLED_QUIETLY = 1e-3  # for each sample, where a search is only to begin another
 _SMALLEST = 1e-7  # share of the path's size below which nothing is called noise of the motion
 _FINEST = 1e-6  # likewise of the readings
 _SMALLEST_TURN, _FINEST_HEADING = 1e-7, 1e-6  # [rad]
@@ -133,13 +135,7 @@ class MotorBelief:
             inputs: Wheel speeds sent [rad/s], shape (n, 2).
             sample_time: d_t [s].
         """
-        steps = steps_of(self.motor, inputs, sample_time)
-        slopes = np.empty((*steps.shape, len(NAMES)))
-        for index, step in enumerate(_STEP.tolist()):  # forwards, since nothing is below 0
-            tried = self.parameters.copy()
-            tried[index] += step
-            slopes[:, :, index] = steps_of(motor_of(self.first, tried), inputs, sample_time) - steps
-        return steps, slopes / _STEP
+        return steps_and_slopes(self.motor, inputs, sample_time)  # type: ignore[no-any-return]
 
     def drift(self, inputs: Floats, sample_time: float) -> tuple[float, float]:
         """How far wheel speeds may lead elsewhere than is believed: variances, where most.
@@ -153,7 +149,7 @@ class MotorBelief:
         """
         _, slopes = self.steps_and_slopes(inputs, sample_time)
         gone = np.cumsum(slopes, axis=0).reshape(-1, len(NAMES))
-        variances = np.einsum("ki,ij,kj->k", gone, self.covariance, gone)
+        variances = (np.einsum("ki,ij->kj", gone, self.covariance) * gone).sum(axis=1)
         way, turn = variances.reshape(-1, 2).max(axis=0).tolist()
         return way, turn
 
@@ -170,6 +166,30 @@ def motor_of(first: Motor, parameters: Floats) -> Motor:
         friction,
         first.acceleration,
     )
+
+
+class ParametersTold(NamedTuple):
+    """What passes tell of the parameters.
+
+    Attributes:
+        value: Minus half the squares of the innovations, and of what was believed beforehand.
+        score: Its derivatives, shape (6,).
+        information: Minus the second ones, shape (6, 6).
+        by_sample: The derivatives of the passes' part sample by sample, shape (n, 6).
+    """
+
+    value: float
+    score: Floats
+    information: Floats
+    by_sample: Floats
+
+
+class NoiseTold(NamedTuple):
+    """What passes tell of the variances, by the variances themselves; see `noise_score`."""
+
+    value: float
+    score: Floats
+    information: Floats
 
 
 class Identification:
@@ -203,23 +223,19 @@ class Identification:
         # they can without it. So can a short lag and a part of a sample of delay: try both.
         own = {name: _QUIETER * getattr(best.noise, name) for name in ("ahead", "left", "turn")}
         quiet = best.noise._replace(**own)
+        starts = [best.parameters]
+        if best.parameters[4] > 0:
+            starts.append(_without_lag(best.parameters))
+        settled = _SETTLED_QUIETLY * len(passes[0].sent)
         fits = [
-            MotorBelief(
-                belief.first, *self._likely_parameters(best, parameters, quiet, passes), quiet
+            replace(best, parameters=found.at, noise=quiet)
+            for found in (
+                self._likely_parameters(best, start, quiet, passes, settled, _COARSE_STEPS)
+                for start in starts
             )
-            for parameters in (best.parameters, _without_lag(best.parameters))
         ]
         best = max(fits, key=lambda each: self._likelihood(each, passes))
         return self._improved(best, passes, rounds=_ROUNDS)
-
-    def innovations(self, belief: MotorBelief, passes: Sequence[Pass]) -> Floats:
-        """Returns what the belief did not expect of passes, by its deviation, (passes, n, 3).
-
-        Not-a-number where nothing was measured.
-        """
-        white = self._white(belief.first, belief.parameters, belief.noise, passes)
-        read = np.array([np.isfinite(each.measured[1:, :1]) for each in passes])
-        return np.where(read, white.reshape(len(passes), -1, 3), np.nan)
 
     def expected_covariance(self, belief: MotorBelief, like: Pass, passes: int) -> Floats:
         """Returns the covariance of what so many passes like one would tell, shape (6, 6).
@@ -229,9 +245,9 @@ class Identification:
             like: What such a pass is without noise.
             passes: Their number.
         """
-        _, slopes = self._white_and_slopes(belief.first, belief.parameters, belief.noise, [like])
-        normal = passes * _summed(slopes, slopes) + np.diag(PRIOR**-2)
-        return np.asarray(np.linalg.inv(normal), dtype=np.float64)
+        told = self._told_of_parameters(belief, belief.parameters, belief.noise, [like])
+        normal = passes * (told.information - np.diag(PRIOR**-2)) + np.diag(PRIOR**-2)
+        return _inverse(normal)
 
     def quietest(self, noise: Noise) -> Noise:
         """Returns the noise, where it is more than rounding."""
@@ -241,28 +257,20 @@ class Identification:
         self, belief: MotorBelief, passes: Sequence[Pass], *, rounds: int, coarsely: bool = False
     ) -> MotorBelief:
         parameters, noise, covariance = belief.parameters, belief.noise, belief.covariance
+        settled = _SETTLED_COARSELY if coarsely else _SETTLED
+        most_steps = _COARSE_STEPS if coarsely else _NEWTON_STEPS
         for _ in range(rounds):
-            noise = self._likely_noise(
-                belief.first, parameters, noise, passes[-_FOR_NOISE:], coarsely=coarsely
-            )
-            parameters, covariance = self._likely_parameters(belief, parameters, noise, passes)
+            latest = passes[-_FOR_NOISE:]
+            noise = self._likely_noise(belief.first, parameters, noise, latest, settled)
+            found = self._likely_parameters(belief, parameters, noise, passes, settled, most_steps)
+            parameters = found.at
+        if not coarsely:
+            covariance = _covariance(found.told)
         return MotorBelief(belief.first, parameters, covariance, noise)
 
     def _steps(self, first: Motor, parameters: Floats, passes: Sequence[Pass]) -> list[Floats]:
         motor = motor_of(first, parameters)
         return [steps_of(motor, each.sent, self._sample_time) for each in passes]
-
-    def _white(
-        self, first: Motor, parameters: Floats, noise: Noise, passes: Sequence[Pass]
-    ) -> Floats:
-        """The innovations of all passes in a row."""
-        steps = self._steps(first, parameters, passes)
-        return np.concatenate(
-            [
-                run_filter(each.measured, own, self._lead, noise, each.start_share).white.ravel()
-                for each, own in zip(passes, steps, strict=True)
-            ]
-        )
 
     def _likelihood(self, belief: MotorBelief, passes: Sequence[Pass]) -> float:
         steps = self._steps(belief.first, belief.parameters, passes)
@@ -279,8 +287,7 @@ class Identification:
         parameters: Floats,
         noise: Noise,
         passes: Sequence[Pass],
-        *,
-        coarsely: bool,
+        settled: float,
     ) -> Noise:
         """The likeliest variances with the parameters as they are."""
         rows = [
@@ -288,8 +295,8 @@ class Identification:
             for each, own in zip(passes, self._steps(first, parameters, passes), strict=True)
         ]
 
-        def told(logarithms: Floats) -> tuple[float, Floats, Floats]:
-            tried = Noise(*np.exp(logarithms).tolist())
+        def told(variances: Floats) -> NoiseTold:
+            tried = Noise(*variances.tolist())
             likelihoods, scores, informations = zip(
                 *(
                     noise_score(measured, own, lead, tried, share)
@@ -297,100 +304,57 @@ class Identification:
                 ),
                 strict=True,
             )
-            return sum(likelihoods), sum(scores), sum(informations)
+            information = sum(informations) + _NO_INFORMATION * np.eye(len(variances))
+            by_variances = 1 / variances  # from derivatives by their logarithms
+            return NoiseTold(
+                sum(likelihoods),
+                sum(scores) * by_variances,
+                information * by_variances * by_variances[:, None],
+            )
 
-        # From where it was, and from further up: at a floor there is no slope to leave it by.
-        starts = [np.log(noise)] if coarsely else [np.log(noise), np.log(noise) + _FURTHER_UP]
-        settled = _SETTLED_COARSELY if coarsely else _SETTLED
-        found = [
-            _likeliest(told, start.clip(self._floor, _NOISIEST), self._floor, settled)
-            for start in starts
-        ]
-        best, _ = max(found, key=lambda each: each[1])
-        return Noise(*np.exp(best).tolist())
+        # By variances, not by their logarithms, steps lead as quickly down from far above as away
+        # from a floor.
+        lowest, highest = np.exp(self._floor), np.full(len(noise), math.exp(_NOISIEST))
+        start = np.array(noise).clip(lowest, highest)
+        best = likeliest(
+            told, start, lowest, highest, settled, most_steps=_SCORING_STEPS, kept=_KEPT
+        )
+        return Noise(*best.at.tolist())
 
     def _likely_parameters(
+        self,
+        belief: MotorBelief,
+        parameters: Floats,
+        noise: Noise,
+        passes: Sequence[Pass],
+        settled: float,
+        most_steps: int = _NEWTON_STEPS,
+    ) -> Found[ParametersTold]:
+        """The likeliest parameters with the noise as it is, and what passes tell there."""
+        return likeliest(
+            lambda tried: self._told_of_parameters(belief, tried, noise, passes),
+            parameters,
+            _LOWEST,
+            _HIGHEST,
+            settled,
+            most_steps=most_steps,
+        )
+
+    def _told_of_parameters(
         self, belief: MotorBelief, parameters: Floats, noise: Noise, passes: Sequence[Pass]
-    ) -> tuple[Floats, Floats]:
-        """The likeliest parameters with the noise as it is, and the covariance of their errors."""
-        believed = MotorBelief.at_first(belief.first, noise).parameters
-
-        def told(tried: Floats) -> tuple[Floats, Floats]:
-            white, slopes = self._white_and_slopes(belief.first, tried, noise, passes)
-            unusual = np.append(white, (tried - believed) / PRIOR)
-            return unusual, np.concatenate([slopes, np.diag(1 / PRIOR)])
-
-        at, slopes = told(parameters)
-        damping = 0.0
-        for _ in range(_NEWTON_STEPS):
-            normal, pull = _summed(slopes, slopes), np.einsum("ki,k->i", slopes, at)
-            for _ in range(10):
-                damped = normal + damping * np.diag(np.diag(normal))
-                tried = _possible(parameters - np.linalg.solve(damped, pull))
-                there, slopes_there = told(tried)
-                gain = float(np.square(at).sum() - np.square(there).sum()) / 2
-                if gain >= 0:
-                    break
-                damping = max(10 * damping, 1e-3)
-            else:
-                break
-            parameters, at, slopes, damping = tried, there, slopes_there, damping / 10
-            if gain < _SETTLED:
-                break
-        return parameters, _covariance(slopes, at, len(passes))
-
-    def _white_and_slopes(
-        self, first: Motor, parameters: Floats, noise: Noise, passes: Sequence[Pass]
-    ) -> tuple[Floats, Floats]:
-        """The innovations of all passes in a row, and their slopes, shape (.., 6)."""
-        belief = MotorBelief(first, parameters, np.diag(PRIOR**2), noise)
-        found = []
+    ) -> ParametersTold:
+        """What passes tell of the robot at some parameters."""
+        motor = motor_of(belief.first, parameters)
+        by_sample = np.zeros((len(passes[0].sent), len(NAMES)))
+        information = np.diag(PRIOR**-2)
+        off = parameters - MotorBelief.at_first(belief.first, noise).parameters
+        value = -0.5 * float(np.square(off / PRIOR).sum())
         for each in passes:
-            steps = belief.steps_and_slopes(each.sent, self._sample_time)
-            found.append(
-                innovation_slopes(each.measured, *steps, self._lead, noise, each.start_share)
-            )
-        white, slopes = zip(*found, strict=True)
-        return np.concatenate(white).ravel(), np.concatenate(slopes).reshape(-1, len(NAMES))
-
-
-def _likeliest(
-    told: Callable[[Floats], tuple[float, Floats, Floats]],
-    start: Floats,
-    lowest: Floats,
-    settled: float,
-) -> tuple[Floats, float]:
-    """The likeliest logarithms of variances near a start, by Fisher's scoring, and how likely.
-
-    Args:
-        told: Logarithm of the likelihood, score and information at some.
-        start: Logarithms.
-        lowest: Their floors.
-        settled: Gain of the likelihood's logarithm at which the search ends.
-    """
-    at, damping = start, 0.0
-    likelihood, score, information = told(at)
-    for _ in range(_SCORING_STEPS):
-        # What would leave its bounds stays there.
-        free = np.flatnonzero(((at > lowest) | (score > 0)) & ((at < _NOISIEST) | (score < 0)))
-        own = information[np.ix_(free, free)]
-        for _ in range(10):
-            damped = own + np.diag(damping * np.diag(own) + _NO_INFORMATION)
-            step = np.zeros(len(at))
-            step[free] = np.linalg.solve(damped, score[free]).clip(-_LONGEST_STEP, _LONGEST_STEP)
-            tried = (at + step).clip(lowest, _NOISIEST)
-            there = told(tried)
-            if there[0] >= likelihood:
-                break
-            damping = max(10 * damping, 1e-2)
-        else:
-            break
-        gain = there[0] - likelihood
-        at, damping = tried, damping / 10
-        likelihood, score, information = there
-        if gain < settled:
-            break
-    return at, likelihood
+            steps, slopes = steps_and_slopes(motor, each.sent, self._sample_time)
+            filtered = each.measured, steps, slopes, self._lead, noise, each.start_share
+            value -= parameter_score(*filtered, by_sample, information)
+        score = by_sample.sum(axis=0) - off / PRIOR**2
+        return ParametersTold(value, score, information, by_sample)
 
 
 def _with_delay(belief: MotorBelief, delay: float) -> MotorBelief:
@@ -404,13 +368,7 @@ def _without_lag(parameters: Floats) -> Floats:
     return np.concatenate([parameters[:3], [parameters[3] + parameters[4], 0.0, parameters[5]]])
 
 
-def _possible(parameters: Floats) -> Floats:
-    """Parameters within what a robot may have."""
-    geometry = parameters[:3].clip(-_FARTHEST, _FARTHEST)
-    return np.concatenate([geometry, parameters[3:].clip(0.0, _MOST)])
-
-
-def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
+def _covariance(told: ParametersTold) -> Floats:
     """Covariance of the parameters' errors, with the larger of two variances.
 
     The usual ones hold where the innovations are the noise that the model takes them for. The
@@ -418,30 +376,36 @@ def _covariance(slopes: Floats, at: Floats, passes: int) -> Floats:
     have a common cause and may be alike from sample to sample.
 
     Args:
-        slopes: Derivatives of the innovations of all passes, and of the belief beforehand.
-        at: The innovations themselves.
-        passes: Their number.
+        told: What all passes tell there.
 
     Source:
         Newey and West: A simple, positive semi-definite, heteroskedasticity and autocorrelation
         consistent covariance matrix. Econometrica 55 (1987), 703-708.
     """
-    count = slopes.shape[1]
-    covariance = np.asarray(np.linalg.inv(_summed(slopes, slopes)), dtype=np.float64)
-    scores = (slopes * at[:, None])[:-count].reshape(passes, -1, 3, count).sum(axis=(0, 2))
+    scores = told.by_sample
+    covariance = _inverse(told.information)
     reach = math.ceil(4 * (len(scores) / 100) ** (1 / 3)) * 4
-    spread = _summed(scores, scores)
-    for lag in range(1, min(reach, len(scores) - 1) + 1):
-        across = _summed(scores[:-lag], scores[lag:])
-        spread += (1 - lag / (reach + 1)) * (across + across.T)
+    # Products of scores up to that far apart, with weights that fall in a straight line: the
+    # squares of all sums of so many in a row.
+    width = reach + 1
+    gone = np.concatenate([np.zeros((1, scores.shape[1])), np.cumsum(scores, axis=0)])
+    ends = np.arange(1, len(scores) + width)
+    sums = gone[ends.clip(max=len(scores))] - gone[(ends - width).clip(min=0)]
+    spread = np.einsum("ki,kj->ij", sums, sums) / width  # no BLAS: its threads cost more
     robust = covariance @ spread @ covariance
     usual = np.diag(covariance)
-    share = np.divide(np.diag(robust), usual, out=np.ones(count), where=usual > 0)
+    share = np.divide(np.diag(robust), usual, out=np.ones(len(usual)), where=usual > 0)
     larger = np.sqrt(np.maximum(share, 1.0))
     widened: Floats = covariance * np.outer(larger, larger)
     return widened
 
 
-def _summed(one: Floats, other: Floats) -> Floats:
-    """Sums of products over the rows, without BLAS, whose threads cost more than they save here."""
-    return np.asarray(np.einsum("ki,kj->ij", one, other), dtype=np.float64)
+def _inverse(information: Floats) -> Floats:
+    """The inverse, with no negative variance where rounding would make one."""
+    if not np.isfinite(information).all():
+        return np.full_like(information, np.nan)
+    scale = 1 / np.sqrt(np.diag(information))
+    told, directions = np.linalg.eigh(information * scale * scale[:, None])
+    told = told.clip(min=np.finfo(float).eps * told[-1])
+    inverse: Floats = (directions / told) @ directions.T * scale * scale[:, None]
+    return inverse

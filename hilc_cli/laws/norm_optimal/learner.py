@@ -8,9 +8,9 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammainccinv
 
 from hilc_cli.laws.law import Figures, Iteration, Plan
+from hilc_cli.laws.norm_optimal.chance import seldom_above
 from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
 from hilc_cli.laws.norm_optimal.law import IDENTIFIED, MERGE_TIME, MISFITS, NormOptimalLaw
 from hilc_cli.laws.norm_optimal.misfit import misfits
@@ -71,6 +71,26 @@ class WayIn(NamedTuple):
     settled: bool
 
 
+class Driven(NamedTuple):
+    """What a pass was by all its readings.
+
+    Attributes:
+        poses: The likeliest ones, shape (n + 1, 3).
+        beyond: Motion beyond the model: ahead [m], to the left [m], turn [rad], shape (n, 3).
+        white: What was not expected, by its deviation, shape (n, 3); not-a-number where nothing was
+            measured.
+    """
+
+    poses: Floats
+    beyond: Floats
+    white: Floats
+
+    @property
+    def surprise(self) -> float:
+        """Mean square of what was not expected: about 1 where the belief explains it."""
+        return float(np.nanmean(np.square(self.white)))
+
+
 class NormOptimalLearner:
     """The law at work on one experiment."""
 
@@ -95,7 +115,7 @@ class NormOptimalLearner:
             motor = Motor(*radii, half_track, *late)
         self._belief = MotorBelief.at_first(motor, Noise(*[_VAGUE**2] * 5))
         self._passes: deque[Pass] = deque(maxlen=MEMORY)
-        self._driven: deque[tuple[Floats, Floats]] = deque(maxlen=MEMORY)
+        self._driven: deque[Driven] = deque(maxlen=MEMORY)
         self._starts: deque[Floats] = deque(maxlen=MEMORY)
         self._learned = Learned(self._belief.parameters, np.zeros((reference.samples, 3)))
         self._safeguard = Safeguard(self._learned)
@@ -161,21 +181,22 @@ class NormOptimalLearner:
         self._seen += 1
         passes = self._placed()
         early = self._seen <= _ALWAYS or self._seen & (self._seen - 1) == 0
-        if early or self._surprise(passes[-1]) > _NEW * self._usual:
+        seen = None if early else self._smoothed(passes[-1])
+        if seen is None or seen.surprise > _NEW * self._usual:
             self._belief = self._identification.update(self._belief, passes)
-            self._usual = max(self._surprise(passes[-1]), 1.0)
             self._driven = deque((self._smoothed(each) for each in passes), maxlen=MEMORY)
+            self._usual = max(self._driven[-1].surprise, 1.0)
         else:
-            self._driven.append(self._smoothed(passes[-1]))
-        self._starts = deque((poses[0] for poses, _ in self._driven), maxlen=MEMORY)
+            self._driven.append(seen)
+        self._starts = deque((each.poses[0] for each in self._driven), maxlen=MEMORY)
         beside = repeating(
-            np.array([beyond for _, beyond in self._driven]),
+            np.array([each.beyond for each in self._driven]),
             np.array([each.sent for each in passes]),
         )
         learned = Learned(self._belief.parameters, beside)
-        error = self._error(self._driven[-1][0])
+        error = self._error(self._driven[-1].poses)
         self._learned = self._safeguard.next(error, learned)
-        return misfits(self._identification.innovations(self._belief, passes))
+        return misfits(np.array([each.white for each in self._driven]))
 
     def _placed(self) -> list[Pass]:
         """The passes, with what they tell together of where they start.
@@ -188,7 +209,7 @@ class NormOptimalLearner:
             return passes
         starts = np.array([each.measured[0] for each in passes])
         freedom = len(starts) - 1
-        usual = 2 * float(gammainccinv(freedom / 2, _RARELY)) / freedom
+        usual = seldom_above(freedom, _RARELY)
         read = np.array([noise.position, noise.position, noise.heading])
         if np.any(starts.var(axis=0, ddof=1) > usual * read):
             return passes
@@ -200,18 +221,13 @@ class NormOptimalLearner:
             for each in passes
         ]
 
-    def _surprise(self, latest: Pass) -> float:
-        """Mean square of a pass's innovations: about 1 where the belief explains it."""
-        innovations = self._identification.innovations(self._belief, [latest])
-        return float(np.nanmean(np.square(innovations)))
-
     def _error(self, poses: Floats) -> float:
         """RMS of what was off in a pass, from a start off the trajectory in its second half.
 
         1 counts as one.
         """
         position, heading = self._law.squared_weights
-        squares = np.square(poses - self._target) @ [position, position, heading]
+        squares = (np.square(poses - self._target) * [position, position, heading]).sum(axis=1)
         if not self._start_on_it():
             squares = squares[len(squares) // 2 :]
         return float(np.sqrt(squares.mean()))
@@ -235,15 +251,17 @@ class NormOptimalLearner:
         off = np.abs(starts.mean(axis=0) - self._target[0])
         return bool(np.any(off > CLEARLY * np.sqrt(variances / len(starts)) + _ON_IT))
 
-    def _smoothed(self, each: Pass) -> tuple[Floats, Floats]:
-        """The likeliest poses of a pass, and what it did beyond the model, shape (n, 3)."""
+    def _smoothed(self, each: Pass) -> Driven:
+        """What a pass was as the belief and all its readings say."""
         belief, lead = self._belief, self._law.lead
         steps = steps_of(belief.motor, each.sent, self._reference.sample_time)
         seen = run_filter(each.measured, steps, lead, belief.noise, each.start_share, keep=True)
         poses = smoothed_poses(seen)
         beyond = body_steps(poses, lead)
         beyond[:, [0, 2]] -= steps
-        return poses, beyond
+        white = seen.white  # of zeros where nothing was measured
+        white[np.isnan(each.measured[1:, 0])] = np.nan
+        return Driven(poses, beyond, white)
 
     def _way_in(self, motor: Motor, start: Floats) -> WayIn:
         """A way into the trajectory from a start off it."""

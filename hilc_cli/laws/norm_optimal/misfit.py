@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import dct
-from scipy.special import gammainccinv
 
+from hilc_cli.laws.norm_optimal.chance import seldom_above
+from hilc_cli.laws.norm_optimal.cosines import cosines
 from hilc_cli.reference.sampled import Floats
 
 _CLEARLY = 2.0
@@ -38,12 +38,12 @@ def misfits(innovations: NDArray[np.float64]) -> Floats:
     counts = np.isfinite(innovations[:, :, 0]).sum(axis=0)[:, None]
     common = np.nansum(innovations, axis=0) / np.sqrt(counts.clip(min=1))
     share = np.count_nonzero(counts) / n  # of the samples at which anything was measured
-    power = np.square(dct(common, axis=0, norm="ortho")) / max(share, 1 / n)
+    power = np.square(cosines(np.ascontiguousarray(common.T))) / max(share, 1 / n)
     found = np.zeros(3)
     lowest, beyond = 0, 1
     while lowest < n:
-        band = power[lowest:beyond]
-        allowed = max(_CLEARLY, 2 * float(gammainccinv(len(band) / 2, _RARELY)) / len(band))
-        found = np.maximum(found, band.mean(axis=0) / allowed)
+        band = power[:, lowest:beyond]
+        allowed = max(_CLEARLY, seldom_above(band.shape[1], _RARELY))
+        found = np.maximum(found, band.mean(axis=1) / allowed)
         lowest, beyond = beyond, 2 * beyond
     return found

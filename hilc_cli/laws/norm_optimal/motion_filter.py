@@ -171,6 +171,19 @@ def _whitened(
 whitened = compiled(_whitened)
 
 
+def _innovation(
+    measured: Floats, pose: Pose, cos: float, sin: float, root: Symmetric
+) -> tuple[float, float, float]:
+    """The white innovation of a reading, shape (3,), at a foreseen pose."""
+    off_x, off_y = measured[0] - pose[0], measured[1] - pose[1]
+    return whitened(  # type: ignore[no-any-return]
+        off_x * cos + off_y * sin, off_y * cos - off_x * sin, measured[2] - pose[2], root
+    )
+
+
+innovation = compiled(_innovation)
+
+
 def _corrected(
     pose: Pose, covariance: Symmetric, white: Pose, gain: Square
 ) -> tuple[Pose, Symmetric]:
@@ -245,10 +258,7 @@ def _filtered(
                 put(covariances[k + 1], covariance)
             continue
         root, gain = weighed(covariance, cos, sin, noise)
-        off_x, off_y = measured[k + 1, 0] - pose[0], measured[k + 1, 1] - pose[1]
-        own = whitened(
-            off_x * cos + off_y * sin, off_y * cos - off_x * sin, measured[k + 1, 2] - pose[2], root
-        )
+        own = innovation(measured[k + 1], pose, cos, sin, root)
         white[k, 0], white[k, 1], white[k, 2] = own
         likelihood -= (own[0] * own[0] + own[1] * own[1] + own[2] * own[2]) / 2
         likelihood += math.log(root[0] * root[3] * root[5])
@@ -275,21 +285,42 @@ def run_filter(
     return Filtered(*filtered(measured, steps, lead, noise, start_share, keep))
 
 
-def _carried_back(poses: Floats, foreseen: Floats, gains: Floats) -> None:
+def _smoothed(
+    poses: Floats, covariances: Floats, foreseen: Floats, foreseen_covariances: Floats
+) -> None:
     """Changes filtered poses into smoothed ones, from the last one back.
+
+    Each gets P F'Q^-1 times how far the next one is from what was foreseen, with Q its covariance.
 
     Args:
         poses: Filtered, shape (n + 1, 3); gets the smoothed ones.
+        covariances: P of their errors, shape (n + 1, 3, 3).
         foreseen: Given the readings before, shape (n + 1, 3).
-        gains: What a change of the next pose is worth, shape (n, 3, 3).
+        foreseen_covariances: Of their errors, shape (n + 1, 3, 3).
     """
-    for k in range(len(gains) - 1, -1, -1):
+    for k in range(len(poses) - 2, -1, -1):
+        before, after = covariances[k], foreseen_covariances[k + 1]
+        dx, dy = foreseen[k + 1, 0] - poses[k, 0], foreseen[k + 1, 1] - poses[k, 1]
+        # Q by its Cholesky factor; scaled, since variances may be tiny.
+        sx, sy = 1.0 / math.sqrt(after[0, 0]), 1.0 / math.sqrt(after[1, 1])
+        sh = 1.0 / math.sqrt(after[2, 2])
+        l10, l20 = after[0, 1] * sx * sy, after[0, 2] * sx * sh
+        i11 = 1.0 / math.sqrt(max(1.0 - l10 * l10, 1e-300))
+        l21 = (after[1, 2] * sy * sh - l20 * l10) * i11
+        i22 = 1.0 / math.sqrt(max(1.0 - l20 * l20 - l21 * l21, 1e-300))
+        w0 = (poses[k + 1, 0] - foreseen[k + 1, 0]) * sx
+        w1 = ((poses[k + 1, 1] - foreseen[k + 1, 1]) * sy - l10 * w0) * i11
+        w2 = ((poses[k + 1, 2] - foreseen[k + 1, 2]) * sh - l20 * w0 - l21 * w1) * i22
+        w2 *= i22
+        w1 = (w1 - l21 * w2) * i11
+        w0 = (w0 - l10 * w1 - l20 * w2) * sx
+        w1, w2 = w1 * sy, w2 * sh
+        w2 += dx * w1 - dy * w0  # times F'
         for i in range(3):
-            for j in range(3):
-                poses[k, i] += (poses[k + 1, j] - foreseen[k + 1, j]) * gains[k, j, i]
+            poses[k, i] += before[i, 0] * w0 + before[i, 1] * w1 + before[i, 2] * w2
 
 
-carried_back = cached(_carried_back)
+smoothed = cached(_smoothed)
 
 
 def smoothed_poses(pass_: Filtered) -> Floats:
@@ -299,16 +330,5 @@ def smoothed_poses(pass_: Filtered) -> Floats:
         pass_: With its states kept.
     """
     poses = pass_.states.copy()
-    dx = pass_.foreseen[1:, 0] - pass_.states[:-1, 0]
-    dy = pass_.foreseen[1:, 1] - pass_.states[:-1, 1]
-    transitions = np.tile(np.eye(3), (len(dx), 1, 1))
-    transitions[:, 0, 2], transitions[:, 1, 2] = -dy, dx
-    # The gain C P^-1 with C = P_k F'; scaled, since variances may be tiny.
-    foreseen = pass_.foreseen_covariances[1:]
-    across = transitions @ pass_.covariances[:-1]
-    scales = np.sqrt(np.einsum("kii->ki", foreseen))
-    correlations = foreseen / (scales[:, :, None] * scales[:, None, :])
-    back = np.linalg.solve(correlations, across / scales[:, :, None])
-    back /= scales[:, :, None]
-    carried_back(poses, pass_.foreseen, back)
+    smoothed(poses, pass_.covariances, pass_.foreseen, pass_.foreseen_covariances)
     return poses

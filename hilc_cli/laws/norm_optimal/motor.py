@@ -74,13 +74,13 @@ def _effective(command: float, friction: float) -> tuple[float, float]:
 effective = compiled(_effective)
 
 
-def _arriving(delay: float, sample_time: float) -> tuple[int, float]:
+def arriving(delay: float, sample_time: float) -> tuple[int, float]:
     """Whole samples of a delay, and the fraction of a sample that is left, 0 to below 1."""
     whole = math.floor(delay / sample_time + 1e-9)
     return whole, max(delay / sample_time - whole, 0.0)
 
 
-arriving = compiled(_arriving)
+_arriving = compiled(arriving)  # from Python it would be compiled in each process
 
 
 def _arrived(inputs: Floats, k: int, wheel: int, whole: int, fraction: float) -> float:
@@ -124,7 +124,7 @@ def _wheel_ways(
     """
     n, most = len(inputs), acceleration * sample_time
     ways = np.empty((n, 2))
-    whole, fraction = arriving(delay, sample_time)
+    whole, fraction = _arriving(delay, sample_time)
     kept = kept_share(lag, sample_time)
     for wheel in range(2):
         speed = 0.0
@@ -155,6 +155,73 @@ def steps_of(motor: Motor, inputs: Floats, sample_time: float) -> Floats:
     ways = wheel_ways(inputs, *late, sample_time)
     left, right = motor.left_radius * ways[:, 0], motor.right_radius * ways[:, 1]
     return np.stack([(left + right) / 2, (left - right) / (2 * motor.half_track)], axis=1)
+
+
+def _steps_and_slopes(motor: Motor, inputs: Floats, sample_time: float) -> tuple[Floats, Floats]:
+    """What `steps_of` returns, (n, 2), and how it changes with the robot, (n, 2, 6).
+
+    By the logarithms of both radii's geometric mean, of their ratio and of B, by delay, lag and
+    friction; forwards where it has a kink, since nothing is below 0.
+
+    Args:
+        motor: The robot.
+        inputs: Wheel speeds sent [rad/s], shape (n, 2).
+        sample_time: d_t [s].
+    """
+    n, lag, friction = len(inputs), motor.lag, motor.friction
+    steps, slopes = np.empty((n, 2)), np.empty((n, 2, 6))
+    whole, fraction = _arriving(motor.delay, sample_time)
+    kept = kept_share(lag, sample_time)
+    kept_by_lag = kept * sample_time / (lag * lag) if lag > NO_LAG else 0.0
+    most = motor.acceleration * sample_time
+    speeds, by_parameters = np.zeros(2), np.zeros((2, 3))  # of delay, lag and friction
+    for k in range(n):
+        for wheel in range(2):
+            command = arrived(inputs, k, wheel, whole, fraction)
+            driven, slope = effective(command, friction)
+            later = inputs[k - whole, wheel] if k >= whole else 0.0
+            before = inputs[k - whole - 1, wheel] if k > whole else 0.0
+            by_delay = slope * (before - later) / sample_time
+            by_friction = -slope * driven / math.sqrt(driven * driven + FRICTION_EDGE**2)
+            speed, of_speed = speeds[wheel], by_parameters[wheel]
+            change = (1.0 - kept) * (driven - speed)
+            if abs(change) > most:  # whatever is told, the wheel does no more
+                change = math.copysign(most, change)
+                way = sample_time * (speed + change / 2)
+                for i in range(3):
+                    slopes[k, wheel, 3 + i] = sample_time * of_speed[i]
+            else:
+                way = sample_time * driven - lag * change
+                for i, own in ((0, by_delay), (1, 0.0), (2, by_friction)):
+                    changes = (1.0 - kept) * (own - of_speed[i])
+                    if i == 1:
+                        changes -= kept_by_lag * (driven - speed)
+                    slopes[k, wheel, 3 + i] = sample_time * own - lag * changes
+                    if i == 1:
+                        slopes[k, wheel, 3 + i] -= change
+                    of_speed[i] += changes
+            speeds[wheel] += change
+            steps[k, wheel] = way
+        # From both wheels to way and turn.
+        left, right = motor.left_radius * steps[k, 0], motor.right_radius * steps[k, 1]
+        ahead, turn = (left + right) / 2, (left - right) / (2 * motor.half_track)
+        steps[k, 0], steps[k, 1] = ahead, turn
+        slopes[k, 0, 0], slopes[k, 1, 0] = ahead, turn
+        slopes[k, 0, 1], slopes[k, 1, 1] = (
+            (left - right) / 4,
+            (left + right) / (4 * motor.half_track),
+        )
+        slopes[k, 0, 2], slopes[k, 1, 2] = 0.0, -turn
+        for i in range(3, 6):
+            left, right = motor.left_radius * slopes[k, 0, i], motor.right_radius * slopes[k, 1, i]
+            slopes[k, 0, i], slopes[k, 1, i] = (
+                (left + right) / 2,
+                (left - right) / (2 * motor.half_track),
+            )
+    return steps, slopes
+
+
+steps_and_slopes = cached(_steps_and_slopes)
 
 
 def commands_for(motor: Motor, steps: Floats, sample_time: float) -> Floats:

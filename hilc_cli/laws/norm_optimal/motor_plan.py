@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hilc_cli.laws.norm_optimal.bounded_changes import bounded_changes
 from hilc_cli.laws.norm_optimal.motor import (
     Motor,
     arriving,
@@ -21,15 +22,19 @@ from hilc_cli.laws.norm_optimal.motor import (
     steps_of,
 )
 from hilc_cli.laws.norm_optimal.motor_quadratic import MotorQuadratic, linearised
-from hilc_cli.laws.norm_optimal.optimal_motion import bounded_changes
 from hilc_cli.reference.sampled import Floats
 
 _MOST_STEPS = 30
 _SHORTEST = 2.0**-10  # of a step along the search direction
 _SETTLED = 1e-6  # relative gain of a step at which the search ends
+_FAR, _SETTLED_FAR = 1e4, 1e-3
+"""The same where the mean cost of a sample is beyond that, so that errors are a hundred times what
+counts as one: on a path that is too fast for the wheels, which keeps the search from the quick end
+that it has elsewhere."""
 _STANDING = 1e6
 """So many times more a command weighs where a robot is to stand, which friction makes it do."""
 _EXACT = 1e-9  # share of the cost that the bounded problem may miss
+_EXACT_FAR = 1e-5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +94,7 @@ def motor_plan(
         poses = moved(start, steps_of(motor, inputs, sample_time), beside, lead)
         error = (poses - target)[1:]
         spent = (command * np.square(inputs - easy)).sum()
-        return poses, float(spent + (np.square(error) @ pose_weights).sum()) / 2
+        return poses, float(spent + (np.square(error) * pose_weights).sum()) / 2
 
     inputs = easy.clip(-speed_limit, speed_limit)
     poses, cost = motion(inputs)
@@ -97,10 +102,8 @@ def motor_plan(
     for _ in range(_MOST_STEPS):
         if not math.isfinite(cost):
             break
-        states, controls = linearised(poses, inputs, motor, sample_time, lead)
         problem = MotorQuadratic(
-            states,
-            controls,
+            linearised(poses, inputs, motor, sample_time, lead),
             pose_weights,
             _arrived(command, delayed, command),
             pose_weights * (poses - target),
@@ -111,7 +114,9 @@ def motor_plan(
             for bound in (np.full_like(inputs, -speed_limit), np.full_like(inputs, speed_limit))
         )
         exact = _EXACT * (1 + cost)
-        best = bounded_changes(problem, lowest, highest, exact)
+        far = cost > _FAR * len(inputs)
+        near = _EXACT_FAR * cost if far else exact
+        best = bounded_changes(problem, lowest, highest, near)
         changes = np.concatenate([best.changes[delayed:], np.zeros((delayed, 2))])
         length = 1.0
         while length >= _SHORTEST:
@@ -123,7 +128,7 @@ def motor_plan(
         else:
             break
         gain, inputs, poses, cost = cost - there, tried, reached, there
-        if gain <= _SETTLED * cost:
+        if gain <= (_SETTLED_FAR if far else _SETTLED) * cost:
             settled = True
             break
     return MotorPlan(inputs, poses, settled)

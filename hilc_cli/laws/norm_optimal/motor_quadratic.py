@@ -1,28 +1,65 @@
 """What small changes of the commands make of a motion with motors, and the best of them.
 
 The problem is linear and quadratic in seven states: the pose, both wheels' speeds, and the last
-command to each, of which a part is under way within a sample.
+command to each, of which a part is under way within a sample. Most of its matrices are none: what
+is not, is told wheel by wheel, and products are written out.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
-from hilc_cli.compiling import cached
+from hilc_cli.compiling import cached, compiled
 from hilc_cli.laws.norm_optimal.motor import Motor, arrived, arriving, chord, effective, kept_share
 from hilc_cli.reference.sampled import Floats
+
+_arriving = compiled(arriving)
+
+ORDER = 7
+"""States: x, y, heading, the left and the right wheel's speed, and the last command to each."""
+
+
+class MotorMotion(NamedTuple):
+    """What small changes make of a motion: a tuple, which the compiler knows.
+
+    In a sample a wheel's way is ``by_speed`` times its speed and ``by_command`` times the command;
+    it moves the robot by ``way_x``, ``way_y`` and ``turns`` for each radian. Its speed after the
+    sample is ``stays`` times that before and ``gained`` times the command. The command is the one
+    that arrives first in the sample, but for the share ``under_way`` of the one before.
+
+    Attributes:
+        steps: dx and dy of the robot [m], shape (n, 2).
+        way_x: [m], shape (n, 2); the second axis are the wheels.
+        way_y: [m], shape (n, 2).
+        by_speed: [s], shape (n, 2).
+        by_command: [s], shape (n, 2).
+        stays: Shape (n, 2).
+        gained: Shape (n, 2).
+        turns: [rad], of the left and of the right wheel.
+        under_way: Share of the command before, 0 to below 1.
+        whole: Samples before anything arrives.
+    """
+
+    steps: Floats
+    way_x: Floats
+    way_y: Floats
+    by_speed: Floats
+    by_command: Floats
+    stays: Floats
+    gained: Floats
+    turns: tuple[float, float]
+    under_way: float
+    whole: int
 
 
 def _linearised(
     poses: Floats, inputs: Floats, motor: Motor, sample_time: float, lead: float
-) -> tuple[Floats, Floats]:
-    """What small changes make of a motion: A and B, shapes (n, 7, 7) and (n, 7, 2).
-
-    The states are x, y, heading, the left and the right wheel's speed, and the last command to
-    each. The input of sample k is the command that arrives in it first.
+) -> MotorMotion:
+    """What small changes make of a motion.
 
     Args:
         poses: The motion, shape (n + 1, 3).
@@ -32,11 +69,14 @@ def _linearised(
         lead: See `motor.moved`.
     """
     n = len(inputs)
-    states, controls = np.zeros((n, 7, 7)), np.zeros((n, 7, 2))
-    whole, fraction = arriving(motor.delay, sample_time)
+    steps, way_x, way_y = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
+    by_speed, by_command = np.empty((n, 2)), np.empty((n, 2))
+    stays, gained = np.empty((n, 2)), np.empty((n, 2))
+    whole, fraction = _arriving(motor.delay, sample_time)
     kept = kept_share(motor.lag, sample_time)
     followed = motor.lag * (1.0 - kept)  # way that a wheel's speed at the start is good for [s]
     most, speeds = motor.acceleration * sample_time, np.zeros(2)
+    turns = motor.left_radius / (2 * motor.half_track), -motor.right_radius / (2 * motor.half_track)
     for k in range(n):
         dx, dy = poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1]
         turn = poses[k + 1, 2] - poses[k, 2]
@@ -46,53 +86,31 @@ def _linearised(
         shorter = 1.0 / math.tan(half) - 1.0 / half if abs(half) > 1e-3 else -half / 3
         shorter *= cos * dx + sin * dy
         turned_x, turned_y = lead * (shorter * cos - dy), lead * (shorter * sin + dx)
-        cos, sin = chord(half) * cos, chord(half) * sin
-        for state in range(3):
-            states[k, state, state] = 1.0
-        states[k, 0, 2], states[k, 1, 2] = -dy, dx
+        share = chord(half)
+        cos, sin = share * cos, share * sin
+        steps[k, 0], steps[k, 1] = dx, dy
         for wheel in range(2):
             driven, slope = effective(arrived(inputs, k, wheel, whole, fraction), motor.friction)
-            change, stays, by_speed = (1.0 - kept) * (driven - speeds[wheel]), kept, followed
+            change, stay, speed = (1.0 - kept) * (driven - speeds[wheel]), kept, followed
             if abs(change) > most:  # whatever is told, the wheel does no more
-                change, stays, by_speed, slope = (
-                    math.copysign(most, change),
-                    1.0,
-                    sample_time,
-                    0.0,
-                )
+                change, stay, speed, slope = math.copysign(most, change), 1.0, sample_time, 0.0
             speeds[wheel] += change
-            radius = motor.left_radius if wheel == 0 else motor.right_radius
-            ahead = radius / 2
-            turning = radius / (2 * motor.half_track) * (1.0 if wheel == 0 else -1.0)
-            to_x = ahead * cos + turning * turned_x
-            to_y = ahead * sin + turning * turned_y
-            speed, last = 3 + wheel, 5 + wheel
-            states[k, 0, speed] = to_x * by_speed
-            states[k, 1, speed] = to_y * by_speed
-            states[k, 2, speed] = turning * by_speed
-            states[k, speed, speed] = stays
-            by_command = (sample_time - by_speed) * slope
-            for share, column in ((fraction, 0), (1.0 - fraction, 1)):
-                if column == 1 and k < whole:
-                    continue
-                way = by_command * share
-                gained = (1.0 - kept) * slope * share
-                if column == 0:
-                    states[k, 0, last], states[k, 1, last] = to_x * way, to_y * way
-                    states[k, 2, last], states[k, speed, last] = turning * way, gained
-                else:
-                    controls[k, 0, wheel], controls[k, 1, wheel] = to_x * way, to_y * way
-                    controls[k, 2, wheel], controls[k, speed, wheel] = turning * way, gained
-                    controls[k, last, wheel] = 1.0
-    return states, controls
+            ahead = (motor.left_radius if wheel == 0 else motor.right_radius) / 2
+            turning = turns[0] if wheel == 0 else turns[1]
+            way_x[k, wheel] = ahead * cos + turning * turned_x
+            way_y[k, wheel] = ahead * sin + turning * turned_y
+            by_speed[k, wheel], by_command[k, wheel] = speed, (sample_time - speed) * slope
+            stays[k, wheel], gained[k, wheel] = stay, (1.0 - kept) * slope
+    return MotorMotion(
+        steps, way_x, way_y, by_speed, by_command, stays, gained, turns, fraction, whole
+    )
 
 
 linearised = cached(_linearised, parts=[effective])
 
 
 def _factorised(
-    states: Floats,
-    controls: Floats,
+    motion: MotorMotion,
     pose_weights: Floats,
     input_weights: Floats,
     gains: Floats,
@@ -100,11 +118,8 @@ def _factorised(
 ) -> None:
     """The part of the solution that does not depend on the linear terms, from the last sample back.
 
-    Products are written out, which the compiler does in a tenth of the time that `@` takes it.
-
     Args:
-        states: A, shape (n, 7, 7).
-        controls: B, shape (n, 7, 2).
+        motion: What it consists of.
         pose_weights: Of squares of x, y and heading, shape (3,).
         input_weights: V, shape (n, 2).
         gains: Gets K with c = -K d + (what the linear terms ask for), shape (n, 2, 7).
@@ -113,51 +128,127 @@ def _factorised(
     Source:
         Amann, Owens and Rogers 1996: the Riccati equation of norm-optimal learning.
     """
-    n, order = states.shape[0], states.shape[1]
-    cost, moved = np.zeros((order, order)), np.empty((order, order))  # P, and P A
-    onto, across = np.empty((order, 2)), np.empty((2, order))  # P B, and B' P A
-    for state in range(3):
-        cost[state, state] = pose_weights[state]
-    for k in range(n - 1, -1, -1):
-        a, b = states[k], controls[k]
-        h00, h01, h11 = input_weights[k, 0], 0.0, input_weights[k, 1]
-        for i in range(order):
-            left, right = 0.0, 0.0
-            for j in range(order):
-                left += cost[i, j] * b[j, 0]
-                right += cost[i, j] * b[j, 1]
-            onto[i, 0], onto[i, 1] = left, right
-            h00 += b[i, 0] * left
-            h01 += b[i, 0] * right
-            h11 += b[i, 1] * right
+    steps, way_x, way_y, by_speed, by_command, stays, gained, turns, under_way, whole = motion
+    cost, through = np.zeros((7, 7)), np.empty((7, 7))  # P; and P A by columns
+    onto, across = np.zeros((2, 7)), np.zeros((2, 7))  # P B by columns, and B' P A
+    for i in range(3):
+        cost[i, i] = pose_weights[i]
+    for k in range(len(steps) - 1, -1, -1):
+        dx, dy = steps[k, 0], steps[k, 1]
+        for i in range(7):
+            through[0, i], through[1, i] = cost[0, i], cost[1, i]
+            through[2, i] = cost[2, i] - dy * cost[0, i] + dx * cost[1, i]
+        for wheel in range(2):
+            wx, wy, turn = way_x[k, wheel], way_y[k, wheel], turns[wheel]
+            speed, command = by_speed[k, wheel], by_command[k, wheel]
+            stay, gain = stays[k, wheel], gained[k, wheel]
+            for i in range(7):
+                way = wx * cost[0, i] + wy * cost[1, i] + turn * cost[2, i]
+                through[3 + wheel, i] = speed * way + stay * cost[3 + wheel, i]
+                told = command * way + gain * cost[3 + wheel, i]
+                through[5 + wheel, i] = under_way * told
+                onto[wheel, i] = (1.0 - under_way) * told + cost[5 + wheel, i]
+        # A' times the columns of P A: P without the gains.
+        for j in range(7):
+            p0, p1, p2 = through[j, 0], through[j, 1], through[j, 2]
+            cost[0, j], cost[1, j], cost[2, j] = p0, p1, p2 - dy * p0 + dx * p1
+            for wheel in range(2):
+                way = way_x[k, wheel] * p0 + way_y[k, wheel] * p1 + turns[wheel] * p2
+                own = through[j, 3 + wheel]
+                cost[3 + wheel, j] = by_speed[k, wheel] * way + stays[k, wheel] * own
+                told = by_command[k, wheel] * way + gained[k, wheel] * own
+                cost[5 + wheel, j] = under_way * told
+        if k < whole:  # nothing that is sent arrives
+            h00, h01, h11 = input_weights[k, 0], 0.0, input_weights[k, 1]
+            across[:] = 0.0
+        else:
+            h00, h01, h11 = input_weights[k, 0], 0.0, input_weights[k, 1]
+            for w in range(2):
+                p0, p1, p2 = onto[w, 0], onto[w, 1], onto[w, 2]
+                across[w, 0], across[w, 1], across[w, 2] = p0, p1, p2 - dy * p0 + dx * p1
+                for wheel in range(2):
+                    way = way_x[k, wheel] * p0 + way_y[k, wheel] * p1 + turns[wheel] * p2
+                    own = onto[w, 3 + wheel]
+                    across[w, 3 + wheel] = by_speed[k, wheel] * way + stays[k, wheel] * own
+                    told = by_command[k, wheel] * way + gained[k, wheel] * own
+                    across[w, 5 + wheel] = under_way * told
+                    told = (1.0 - under_way) * told + onto[w, 5 + wheel]
+                    if w == 0 and wheel == 0:
+                        h00 += told
+                    elif w == 1 and wheel == 1:
+                        h11 += told
+                    elif w == 0:
+                        h01 += told
         inverse = 1.0 / (h00 * h11 - h01 * h01)
         i00, i01, i11 = h11 * inverse, -h01 * inverse, h00 * inverse
         inverses[k, 0], inverses[k, 1], inverses[k, 2] = i00, i01, i11
-        for j in range(order):
-            left, right = 0.0, 0.0
-            for i in range(order):
-                left += onto[i, 0] * a[i, j]
-                right += onto[i, 1] * a[i, j]
-                through = 0.0
-                for inner in range(order):
-                    through += cost[i, inner] * a[inner, j]
-                moved[i, j] = through
-            across[0, j], across[1, j] = left, right
-            gains[k, 0, j] = i00 * left + i01 * right
-            gains[k, 1, j] = i01 * left + i11 * right
-        for i in range(order):
-            for j in range(i, order):
-                through = -across[0, i] * gains[k, 0, j] - across[1, i] * gains[k, 1, j]
-                for inner in range(order):
-                    through += a[inner, i] * moved[inner, j]
-                cost[i, j] = cost[j, i] = through
-        for state in range(3):
-            cost[state, state] += pose_weights[state]
+        for j in range(7):
+            gains[k, 0, j] = i00 * across[0, j] + i01 * across[1, j]
+            gains[k, 1, j] = i01 * across[0, j] + i11 * across[1, j]
+        for i in range(7):
+            for j in range(i, 7):
+                cost[i, j] -= across[0, i] * gains[k, 0, j] + across[1, i] * gains[k, 1, j]
+                cost[j, i] = cost[i, j]
+        for i in range(3):
+            cost[i, i] += pose_weights[i]
+
+
+def _pulled(motion: MotorMotion, k: int, costate: Floats, by_command: Floats) -> None:
+    """Takes a costate back through a sample: A' times it.
+
+    Args:
+        motion: The motion.
+        k: The sample.
+        costate: Shape (7,); gets that before.
+        by_command: Gets B' times that after, shape (2,).
+    """
+    dx, dy = motion.steps[k, 0], motion.steps[k, 1]
+    p0, p1, p2 = costate[0], costate[1], costate[2]
+    costate[2] = p2 - dy * p0 + dx * p1
+    arrives = 1.0 if k >= motion.whole else 0.0
+    for wheel in range(2):
+        way = motion.way_x[k, wheel] * p0 + motion.way_y[k, wheel] * p1 + motion.turns[wheel] * p2
+        own = costate[3 + wheel]
+        told = motion.by_command[k, wheel] * way + motion.gained[k, wheel] * own
+        by_command[wheel] = arrives * ((1.0 - motion.under_way) * told + costate[5 + wheel])
+        costate[3 + wheel] = motion.by_speed[k, wheel] * way + motion.stays[k, wheel] * own
+        costate[5 + wheel] = motion.under_way * told
+
+
+pulled = compiled(_pulled)
+
+
+def _pushed(motion: MotorMotion, k: int, away: Floats, left: float, right: float) -> None:
+    """Takes a change of the states through a sample.
+
+    Args:
+        motion: The motion.
+        k: The sample.
+        away: The states' change, shape (7,); gets that after the sample.
+        left: Change of the command that arrives at the left wheel first [rad/s].
+        right: Likewise.
+    """
+    dx, dy, turned = motion.steps[k, 0], motion.steps[k, 1], away[2]
+    away[0] -= dy * turned
+    away[1] += dx * turned
+    arrives = 1.0 if k >= motion.whole else 0.0
+    for wheel in range(2):
+        command = arrives * (left if wheel == 0 else right)
+        told = motion.under_way * away[5 + wheel] + (1.0 - motion.under_way) * command
+        speed = away[3 + wheel]
+        way = motion.by_speed[k, wheel] * speed + motion.by_command[k, wheel] * told
+        away[0] += motion.way_x[k, wheel] * way
+        away[1] += motion.way_y[k, wheel] * way
+        away[2] += motion.turns[wheel] * way
+        away[3 + wheel] = motion.stays[k, wheel] * speed + motion.gained[k, wheel] * told
+        away[5 + wheel] = command
+
+
+pushed = compiled(_pushed)
 
 
 def _solved(
-    states: Floats,
-    controls: Floats,
+    motion: MotorMotion,
     gains: Floats,
     inverses: Floats,
     pose_slopes: Floats,
@@ -166,102 +257,67 @@ def _solved(
     """The best changes of the commands, shape (n, 2), from what `_factorised` has found.
 
     Args:
-        states: A, shape (n, 7, 7).
-        controls: B, shape (n, 7, 2).
+        motion: The motion.
         gains: K, shape (n, 2, 7).
         inverses: (V + B' P B)^-1 as its elements 00, 01 and 11, shape (n, 3).
         pose_slopes: Derivatives of the cost by the poses, shape (n + 1, 3).
         input_slopes: Likewise by the commands, shape (n, 2).
     """
-    n, order = states.shape[0], states.shape[1]
-    costate, earlier = np.zeros(order), np.empty(order)
+    n = len(gains)
+    costate, by_command = np.zeros(7), np.empty(2)
     for j in range(3):
         costate[j] = pose_slopes[n, j]
     changes = np.empty((n, 2))
     for k in range(n - 1, -1, -1):
-        a, b = states[k], controls[k]
-        left, right = input_slopes[k, 0], input_slopes[k, 1]
-        for i in range(order):
-            left += b[i, 0] * costate[i]
-            right += b[i, 1] * costate[i]
+        pulled(motion, k, costate, by_command)
+        left, right = input_slopes[k, 0] + by_command[0], input_slopes[k, 1] + by_command[1]
         changes[k, 0] = -(inverses[k, 0] * left + inverses[k, 1] * right)
         changes[k, 1] = -(inverses[k, 1] * left + inverses[k, 2] * right)
-        for j in range(order):
-            pull = -gains[k, 0, j] * left - gains[k, 1, j] * right
-            for i in range(order):
-                pull += a[i, j] * costate[i]
-            earlier[j] = pull
-        for j in range(order):
-            costate[j] = earlier[j] + (pose_slopes[k, j] if j < 3 else 0.0)
-    away, later = np.zeros(order), np.empty(order)
+        for j in range(7):
+            costate[j] -= gains[k, 0, j] * left + gains[k, 1, j] * right
+        for j in range(3):
+            costate[j] += pose_slopes[k, j]
+    away = np.zeros(7)
     for k in range(n):
-        for j in range(order):
-            changes[k, 0] -= gains[k, 0, j] * away[j]
-            changes[k, 1] -= gains[k, 1, j] * away[j]
-        for i in range(order):
-            moved = controls[k, i, 0] * changes[k, 0] + controls[k, i, 1] * changes[k, 1]
-            for j in range(order):
-                moved += states[k, i, j] * away[j]
-            later[i] = moved
-        for i in range(order):
-            away[i] = later[i]
+        left, right = changes[k, 0], changes[k, 1]
+        for j in range(7):
+            left -= gains[k, 0, j] * away[j]
+            right -= gains[k, 1, j] * away[j]
+        changes[k, 0], changes[k, 1] = left, right
+        pushed(motion, k, away, left, right)
     return changes
 
 
-def _linear_motion(states: Floats, controls: Floats, changes: Floats) -> Floats:
-    """How changes of the commands change the poses, to first order, shape (n + 1, 3).
+def _input_slopes(
+    motion: MotorMotion, pose_weights: Floats, pose_slopes: Floats, changes: Floats
+) -> Floats:
+    """Derivatives of the poses' cost by the commands after a change of them, shape (n, 2).
 
     Args:
-        states: A, shape (n, 7, 7).
-        controls: B, shape (n, 7, 2).
+        motion: The motion.
+        pose_weights: Of squares of x, y and heading, shape (3,).
+        pose_slopes: Derivatives by the poses before it, shape (n + 1, 3).
         changes: c [rad/s], shape (n, 2).
     """
-    n, order = states.shape[0], states.shape[1]
-    moved = np.zeros((n + 1, 3))
-    away, later = np.zeros(order), np.empty(order)
+    n = len(changes)
+    slopes, derivatives = pose_slopes.copy(), np.empty((n, 2))
+    away, costate = np.zeros(7), np.zeros(7)
     for k in range(n):
-        for i in range(order):
-            own = controls[k, i, 0] * changes[k, 0] + controls[k, i, 1] * changes[k, 1]
-            for j in range(order):
-                own += states[k, i, j] * away[j]
-            later[i] = own
-        for i in range(order):
-            away[i] = later[i]
-            if i < 3:
-                moved[k + 1, i] = later[i]
-    return moved
-
-
-def _input_derivatives(states: Floats, controls: Floats, pose_slopes: Floats) -> Floats:
-    """Derivatives by the commands, shape (n, 2), from those by the poses.
-
-    Args:
-        states: A, shape (n, 7, 7).
-        controls: B, shape (n, 7, 2).
-        pose_slopes: Derivatives by the poses, shape (n + 1, 3).
-    """
-    n, order = states.shape[0], states.shape[1]
-    derivatives = np.zeros((n, 2))
-    costate, earlier = np.zeros(order), np.empty(order)
+        pushed(motion, k, away, changes[k, 0], changes[k, 1])
+        for j in range(3):
+            slopes[k + 1, j] += pose_weights[j] * away[j]
     for j in range(3):
-        costate[j] = pose_slopes[n, j]
+        costate[j] = slopes[n, j]
     for k in range(n - 1, -1, -1):
-        for j in range(order):
-            pull = 0.0
-            for i in range(order):
-                pull += states[k, i, j] * costate[i]
-            earlier[j] = pull
-            derivatives[k, 0] += controls[k, j, 0] * costate[j]
-            derivatives[k, 1] += controls[k, j, 1] * costate[j]
-        for j in range(order):
-            costate[j] = earlier[j] + (pose_slopes[k, j] if j < 3 else 0.0)
+        pulled(motion, k, costate, derivatives[k])
+        for j in range(3):
+            costate[j] += slopes[k, j]
     return derivatives
 
 
 factorise = cached(_factorised)
 solve = cached(_solved)
-linear_motion = cached(_linear_motion)
-input_derivatives = cached(_input_derivatives)
+input_slopes_after = cached(_input_slopes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -269,16 +325,14 @@ class MotorQuadratic:
     """The linear quadratic problem along a motion; its commands are those that arrive.
 
     Attributes:
-        states: A, shape (n, 7, 7).
-        controls: B, shape (n, 7, 2).
+        motion: What it consists of.
         pose_weights: Of squares of x, y and heading, shape (3,).
         input_weights: Of squares of commands, shape (n, 2).
         pose_slopes: Derivatives of the cost by the poses, shape (n + 1, 3).
         input_slopes: Likewise by the commands, shape (n, 2).
     """
 
-    states: Floats
-    controls: Floats
+    motion: MotorMotion
     pose_weights: Floats
     input_weights: Floats
     pose_slopes: Floats
@@ -289,26 +343,22 @@ class MotorQuadratic:
     def __post_init__(self) -> None:
         """Makes room for the factors of the solution."""
         n = len(self.input_weights)
-        object.__setattr__(self, "_gains", np.empty((n, 2, 7)))
+        object.__setattr__(self, "_gains", np.empty((n, 2, ORDER)))
         object.__setattr__(self, "_inverses", np.empty((n, 3)))
 
     def solution(self, input_weights: Floats, input_slopes: Floats) -> tuple[Floats, Floats]:
         """Returns the best changes and the gains, with other weights and slopes."""
-        factors = self._gains, self._inverses
-        factorise(self.states, self.controls, self.pose_weights, input_weights, *factors)
+        factorise(self.motion, self.pose_weights, input_weights, self._gains, self._inverses)
         return self.solution_again(input_slopes), self._gains
 
     def solution_again(self, input_slopes: Floats) -> Floats:
         """Returns the best changes with the weights of the last solution."""
         factors = self._gains, self._inverses
-        changes: Floats = solve(
-            self.states, self.controls, *factors, self.pose_slopes, input_slopes
-        )
+        changes: Floats = solve(self.motion, *factors, self.pose_slopes, input_slopes)
         return changes
 
     def slope(self, changes: Floats) -> Floats:
         """Returns the derivative of the cost by the commands after a change."""
-        moved = linear_motion(self.states, self.controls, changes)
-        pose_slopes = self.pose_slopes + self.pose_weights * moved
         slopes: Floats = self.input_slopes + self.input_weights * changes
-        return slopes + input_derivatives(self.states, self.controls, pose_slopes)  # type: ignore[no-any-return]
+        slopes += input_slopes_after(self.motion, self.pose_weights, self.pose_slopes, changes)
+        return slopes

@@ -10,12 +10,14 @@ squared difference of the inputs (Patterson and Thompson 1971).
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import dct, idct
 
+from hilc_cli.compiling import cached
+from hilc_cli.laws.norm_optimal.cosines import cosines, from_cosines
 from hilc_cli.reference.sampled import Floats
 
 _PASSES = 3  # so many passes tell whether something comes back
@@ -38,16 +40,18 @@ def repeating(leftovers: NDArray[np.float64], sent: NDArray[np.float64] | None =
         The same of the next pass, shape (n, 3); nothing as long as there is one pass only.
     """
     passes, n, _ = leftovers.shape
-    expected = np.zeros((n, 3))
     if passes < 2:
-        return expected
-    waves = dct(leftovers, axis=1, norm="ortho")
+        return np.zeros((n, 3))
+    waves = cosines(np.ascontiguousarray(leftovers.transpose(2, 0, 1)))
     edges = [0, *(1 << np.arange(n.bit_length())).tolist()]
-    differences = _differences(sent, passes)
-    for low, high in pairwise(edges):
-        if passes >= _PASSES or high <= _SLOWEST:
-            expected[low:high] = _coming_back(waves[:, low:high], differences)
-    return np.asarray(idct(expected, axis=0, norm="ortho"), dtype=np.float64)
+    octaves = [
+        (low, min(high, n))
+        for low, high in pairwise(edges)
+        if low < n and (passes >= _PASSES or high <= _SLOWEST)
+    ]
+    expected = np.zeros((3, n))
+    coming_back(waves, np.array(octaves), _differences(sent, passes), _GROWTHS, _UNUSUAL, expected)
+    return np.ascontiguousarray(from_cosines(expected).T)
 
 
 def _differences(sent: NDArray[np.float64] | None, passes: int) -> Floats:
@@ -59,26 +63,72 @@ def _differences(sent: NDArray[np.float64] | None, passes: int) -> Floats:
     return squares / usual if usual > 0 else squares
 
 
-def _coming_back(band: Floats, differences: Floats) -> Floats:
-    """What is expected to come back of an octave, shape (m, 3).
+def _coming_back(
+    waves: Floats,
+    octaves: NDArray[np.int64],
+    differences: Floats,
+    growths: Floats,
+    unusual: Floats,
+    expected: Floats,
+) -> None:
+    """What is expected to come back of each octave.
+
+    For each growth the passes have a weighted mean; their squared distances from it, weighted, are
+    those from each other, weighted with both.
 
     Args:
-        band: Cosines of each pass, shape (passes, m, 3).
+        waves: Cosines of each component and pass, shape (3, passes, n).
+        octaves: Their first and last cosines, the last not included, shape (octaves, 2).
         differences: Of the inputs of each pass from the last ones, shape (passes,).
+        growths: That are tried.
+        unusual: How unusual each is: minus twice the logarithm of its likelihood.
+        expected: Gets what comes back, shape (3, n).
     """
-    passes, count, _ = band.shape
-    variances = 1 + _GROWTHS[:, None] * differences  # of passes, by growth
-    weights = 1 / variances
-    totals = weights.sum(axis=1)
-    means = np.einsum("gp,pmc->gmc", weights / totals[:, None], band)
-    off = np.square(band - means[:, None]).sum(axis=2)  # by growth, pass and component
-    own = np.einsum("gp,gpc->gc", weights, off) / (passes - 1)  # power, at unit variance
-    logs = np.log(np.maximum(own, np.finfo(float).tiny))
-    spread = np.log(variances).sum(axis=1) + np.log(totals)
-    unlikely = count * ((passes - 1) * logs + spread[:, None]) + _UNUSUAL[:, None]
-    best, each = unlikely.argmin(axis=0), np.arange(3)
-    mean: Floats = means[best, :, each].T
-    power, chance = np.square(mean).sum(axis=0), own[best, each] / totals[best]
-    share = np.divide(power - chance, power, out=np.zeros(3), where=power > 0)
-    found: Floats = share.clip(min=0.0) * mean
-    return found
+    parts, passes = waves.shape[0], waves.shape[1]
+    weights = np.empty(passes)
+    row, apart = np.empty(passes), np.empty((passes, passes))
+    best_weights = np.empty(passes)
+    for part in range(parts):
+        for octave in range(len(octaves)):
+            low, high = octaves[octave, 0], octaves[octave, 1]
+            count = high - low
+            apart[:] = 0.0
+            for k in range(low, high):
+                for p in range(passes):
+                    row[p] = waves[part, p, k]
+                for p in range(passes):
+                    own = row[p]
+                    for q in range(p):
+                        apart[p, q] += (own - row[q]) * (own - row[q])
+            least, chance = math.inf, 0.0
+            for g in range(len(growths)):
+                total, spread, own = 0.0, 0.0, 0.0
+                for p in range(passes):
+                    variance = 1.0 + growths[g] * differences[p]
+                    weights[p] = 1.0 / variance
+                    total += weights[p]
+                    spread += math.log(variance)
+                for p in range(passes):
+                    for q in range(p):
+                        own += weights[p] * weights[q] * apart[p, q]
+                own /= total * (passes - 1)  # power, at unit variance
+                spread += math.log(total)
+                power_log = math.log(max(own, 1e-307))
+                unlikely = count * ((passes - 1) * power_log + spread) + unusual[g]
+                if unlikely < least:
+                    least, chance = unlikely, own / total
+                    for p in range(passes):
+                        best_weights[p] = weights[p] / total
+            power = 0.0
+            for k in range(low, high):
+                mean = 0.0
+                for p in range(passes):
+                    mean += best_weights[p] * waves[part, p, k]
+                expected[part, k] = mean
+                power += mean * mean
+            share = max((power - chance) / power, 0.0) if power > 0.0 else 0.0
+            for k in range(low, high):
+                expected[part, k] *= share
+
+
+coming_back = cached(_coming_back)

@@ -7,9 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.filter_slopes import innovation_slopes, noise_score
+from hilc_cli.laws.norm_optimal.filter_slopes import innovation_slopes
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
 from hilc_cli.laws.norm_optimal.motor import moved
+from hilc_cli.laws.norm_optimal.noise_score import noise_score
 from hilc_cli.reference.sampled import Floats
 
 N = 40

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
 from hilc_cli.laws.norm_optimal import (
+    bounded_changes,
     filter_slopes,
     linear_quadratic,
     motion_filter,
     motor,
     motor_quadratic,
+    noise_score,
     optimal_motion,
     rectified,
+    repeating,
 )
 from tests.laws.norm_optimal.problems import DISTANCE_GAIN, TURN_GAIN, random_problem
 
@@ -29,8 +32,13 @@ GAINS, INVERSES = (
 POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
-STATES, CONTROLS = RANDOM.normal(0, 0.5, (N, 7, 7)), RANDOM.normal(0, 0.5, (N, 7, 2))
+MOTOR_MOTION = motor_quadratic.MotorMotion(
+    *RANDOM.normal(0, 0.5, (7, N, 2)), turns=(0.3, -0.2), under_way=0.3, whole=2
+)
 GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
+COVARIANCES = np.array([each.T @ each for each in RANDOM.normal(0, 1, (N + 1, 4, 3))])
+INSIDE = bounded_changes.Inside(RANDOM.normal(0, 1, (N, 2)), *RANDOM.uniform(0.1, 1, (4, N, 2)))
+WITHIN = RANDOM.normal(0, 1, (4, N, 2))
 NOISE = motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5)
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -75,30 +83,75 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         filter_slopes.innovation_slopes,
         (POSES, INPUTS / 100, RANDOM.normal(0, 1, (N, 2, 3)), 0.5, NOISE, 0.3),
     ),
-    "noise_score": (filter_slopes.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
+    "noise_score": (noise_score.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
+    "parameter_score": (
+        filter_slopes.parameter_score,
+        (
+            POSES,
+            INPUTS / 100,
+            RANDOM.normal(0, 1, (N, 2, 6)),
+            0.5,
+            NOISE,
+            0.3,
+            np.ones((N, 6)),
+            np.ones((6, 6)),
+        ),
+    ),
+    "steps_and_slopes": (
+        motor.steps_and_slopes,
+        (motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), INPUTS, 0.01),
+    ),
+    "with_bounds": (bounded_changes.with_bounds, (INSIDE, *WITHIN[:2], *WITHIN[2:].copy())),
+    "towards_centre": (bounded_changes.towards_centre, (INSIDE, WITHIN[0], 3.0, WITHIN[1])),
+    "moved_inside": (bounded_changes.moved_inside, (INSIDE, WITHIN[0], WITHIN[1], 0.1, 0.99)),
+    "coming_back": (
+        repeating.coming_back,
+        (
+            RANDOM.normal(1, 1, (3, 4, N)),
+            np.array([[0, 1], [1, 2], [2, 4], [4, N]]),
+            np.array([1.0, 0.5, 0.1, 0.0]),
+            np.array([0.0, 0.1, 10.0]),
+            np.array([4.0, 2.0, 1.0]),
+            np.zeros((3, N)),
+        ),
+    ),
     "linearised": (
         motor_quadratic.linearised,
         (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), 0.01, 0.5),
     ),
     **{
-        code.py_func.__name__: (code, (STATES, CONTROLS, *arguments))
+        code.py_func.__name__: (code, (MOTOR_MOTION, *arguments))
         for code, arguments in (
             (motor_quadratic.factorise, (WEIGHTS, INPUTS**2 + 1, GAINS_7, np.zeros((N, 3)))),
             (motor_quadratic.solve, (GAINS_7, INPUTS[:, [0, 0, 1]], POSES, INPUTS)),
-            (motor_quadratic.linear_motion, (INPUTS,)),
-            (motor_quadratic.input_derivatives, (POSES,)),
+            (motor_quadratic.input_slopes_after, (WEIGHTS, POSES, INPUTS)),
         )
     },
-    "smoother": (motion_filter.carried_back, (POSES, POSES + 0.1, STATES[:, :3, :3])),
+    "smoother": (motion_filter.smoothed, (POSES, COVARIANCES, POSES + 0.1, COVARIANCES + 0.2)),
 }
+
+
+def copied(value: Any) -> Any:
+    """An argument of its own, arrays in tuples as well."""
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return value._replace(**{name: copied(getattr(value, name)) for name in value._fields})
+    return value.copy() if isinstance(value, np.ndarray) else value
+
+
+def arrays(values: Iterable[Any]) -> Iterator[Any]:
+    """All arrays of some arguments."""
+    for value in values:
+        if isinstance(value, tuple):
+            yield from arrays(value)
+        elif isinstance(value, np.ndarray):
+            yield value
 
 
 def results(function: Callable[..., Any], arguments: tuple[Any, ...]) -> list[Any]:
     """What a function returns, and the arrays that it got after it, some of which it fills."""
-    own = [value.copy() if isinstance(value, np.ndarray) else value for value in arguments]
+    own = [copied(value) for value in arguments]
     returned = function(*own)
-    filled = [value for value in own if isinstance(value, np.ndarray)]
-    return [*(returned if isinstance(returned, tuple) else (returned,)), *filled]
+    return [*(returned if isinstance(returned, tuple) else (returned,)), *arrays(own)]
 
 
 @pytest.mark.parametrize("name", CALLS)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear, minimize
 
+from hilc_cli.laws.norm_optimal.bounded_changes import bounded_changes
 from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, moved, steps_of
 from hilc_cli.laws.norm_optimal.motor_plan import MotorPlan, motor_plan
-from hilc_cli.laws.norm_optimal.motor_quadratic import MotorQuadratic, linearised
-from hilc_cli.laws.norm_optimal.optimal_motion import bounded_changes
+from hilc_cli.laws.norm_optimal.motor_quadratic import MotorMotion, MotorQuadratic, linearised
 from hilc_cli.reference.sampled import Floats
 
 N, STEP = 15, 0.05
@@ -25,12 +25,25 @@ def motion(motor: Motor, inputs: Floats, lead: float) -> Floats:
     return poses
 
 
-def dense(states: Floats, controls: Floats) -> Floats:
+def dense(motion: MotorMotion) -> Floats:
     """What the commands that arrive make of all poses but the first, shape (3 n, 2 n)."""
     matrix, state = np.zeros((N, 3, 2 * N)), np.zeros((7, 2 * N))
     for k in range(N):
-        state = states[k] @ state
-        state[:, 2 * k : 2 * k + 2] += controls[k]
+        states, controls = np.zeros((7, 7)), np.zeros((7, 2))
+        states[:3, :3] = np.eye(3)
+        states[:2, 2] = -motion.steps[k, 1], motion.steps[k, 0]
+        for wheel in range(2):
+            moves = motion.way_x[k, wheel], motion.way_y[k, wheel], motion.turns[wheel]
+            by_command = np.array([motion.by_command[k, wheel] * each for each in moves])
+            gained, share = motion.gained[k, wheel], motion.under_way
+            states[:3, 3 + wheel] = [motion.by_speed[k, wheel] * each for each in moves]
+            states[3 + wheel, 3 + wheel] = motion.stays[k, wheel]
+            states[:3, 5 + wheel], states[3 + wheel, 5 + wheel] = share * by_command, share * gained
+            if k >= motion.whole:
+                controls[:3, wheel] = (1 - share) * by_command
+                controls[3 + wheel, wheel], controls[5 + wheel, wheel] = (1 - share) * gained, 1
+        state = states @ state
+        state[:, 2 * k : 2 * k + 2] += controls
         matrix[k] = state[:3]
     return matrix.reshape(3 * N, 2 * N)
 
@@ -42,7 +55,7 @@ def dense(states: Floats, controls: Floats) -> Floats:
 )
 def test_linearisation_is_that_of_the_motion(lead: float, changes: dict[str, float]) -> None:
     motor = MOTOR._replace(**changes)
-    found = dense(*linearised(motion(motor, INPUTS, lead), INPUTS, motor, STEP, lead))
+    found = dense(linearised(motion(motor, INPUTS, lead), INPUTS, motor, STEP, lead))
     delayed, size = min(int(motor.delay / STEP), N), 1e-4
     for index in range(2 * N):
         change = np.zeros(2 * N)
@@ -60,14 +73,14 @@ def test_linearisation_is_that_of_the_motion(lead: float, changes: dict[str, flo
 
 def quadratic() -> tuple[MotorQuadratic, Floats, Floats]:
     """A problem, and the same as half of ||matrix c + off||^2."""
-    states, controls = linearised(motion(MOTOR, INPUTS, 0.5), INPUTS, MOTOR, STEP, 0.5)
+    along = linearised(motion(MOTOR, INPUTS, 0.5), INPUTS, MOTOR, STEP, 0.5)
     inputs_weights, away = RANDOM.uniform(0.5, 2, (N, 2)), RANDOM.normal(0, 0.01, (N + 1, 3))
     wanted = RANDOM.normal(0, 1, (N, 2))
     problem = MotorQuadratic(
-        states, controls, WEIGHTS, inputs_weights, WEIGHTS * away, inputs_weights * wanted
+        along, WEIGHTS, inputs_weights, WEIGHTS * away, inputs_weights * wanted
     )
     roots = np.tile(np.sqrt(WEIGHTS), N), np.sqrt(inputs_weights).ravel()
-    matrix = np.vstack([roots[0][:, None] * dense(states, controls), np.diag(roots[1])])
+    matrix = np.vstack([roots[0][:, None] * dense(along), np.diag(roots[1])])
     return problem, matrix, np.concatenate([roots[0] * away[1:].ravel(), roots[1] * wanted.ravel()])
 
 

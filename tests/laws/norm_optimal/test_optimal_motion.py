@@ -6,14 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear, minimize
 
-from hilc_cli.laws.norm_optimal.optimal_motion import (
-    MOST_NEWTON_STEPS,
-    Aim,
-    Model,
-    bounded_changes,
-    closed_loop,
-    optimal_motion,
-)
+from hilc_cli.laws.norm_optimal.bounded_changes import MOST_NEWTON_STEPS, bounded_changes
+from hilc_cli.laws.norm_optimal.optimal_motion import Aim, Model, closed_loop, optimal_motion
 from hilc_cli.reference.sampled import Floats
 from tests.laws.norm_optimal.problems import random_problem
 

@@ -1,0 +1,51 @@
+"""Series along a path as sums of cosines, and back: the transform of images, written with NumPy's.
+
+Source:
+    Makhoul: A fast cosine transform in one and two dimensions. IEEE Trans. Acoustics, Speech, and
+    Signal Processing 28 (1980), 27-34: with every other number in reverse it is a Fourier one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hilc_cli.reference.sampled import Floats
+
+
+def cosines(series: Floats) -> Floats:
+    """Returns the shares of cosines with 0, 1, 2, ... half waves, shape (..., n).
+
+    The squares have the same sum as those of the series.
+
+    Args:
+        series: Shape (..., n).
+    """
+    n = series.shape[-1]
+    turned = np.fft.rfft(np.concatenate([series[..., ::2], series[..., 1::2][..., ::-1]], axis=-1))
+    turned *= _quarter_turns(n) * np.sqrt(2 / n)
+    shares = np.empty(series.shape)
+    shares[..., : n // 2 + 1] = turned.real
+    shares[..., n // 2 + 1 :] = -turned.imag[..., 1 : (n + 1) // 2][..., ::-1]
+    shares[..., 0] *= np.sqrt(0.5)
+    return shares
+
+
+def from_cosines(shares: Floats) -> Floats:
+    """Returns the series that `cosines` has taken apart, shape (..., n)."""
+    n = shares.shape[-1]
+    turned = np.zeros((*shares.shape[:-1], n // 2 + 1), dtype=np.complex128)
+    turned.real = shares[..., : n // 2 + 1]
+    turned.imag[..., 1:] = -shares[..., (n + 1) // 2 :][..., ::-1]
+    turned[..., 0] *= np.sqrt(2)
+    turned *= np.conj(_quarter_turns(n)) * np.sqrt(n / 2)
+    ordered = np.fft.irfft(turned, n)
+    series = np.empty(shares.shape)
+    series[..., ::2] = ordered[..., : (n + 1) // 2]
+    series[..., 1::2] = ordered[..., (n + 1) // 2 :][..., ::-1]
+    return series
+
+
+def _quarter_turns(n: int) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
+    """By how much waves of the even and of the odd half are apart."""
+    angles = np.pi / (2 * n) * np.arange(n // 2 + 1)
+    return np.asarray(np.cos(angles) - 1j * np.sin(angles), dtype=np.complex128)
