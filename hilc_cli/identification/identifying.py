@@ -103,12 +103,14 @@ class Identification:
 
 
 def identify(
-    logs: Sequence[Log | Path | str], overrides: Overrides = (), options: ReadOptions | None = None
+    logs: Log | Path | str | Sequence[Log | Path | str],
+    overrides: Overrides = (),
+    options: ReadOptions | None = None,
 ) -> Identification:
     """Returns what logs tell of the robot that they are of.
 
     Args:
-        logs: Of one robot: files, folders of bags, or logs that were read.
+        logs: Of one robot, one or several: files, folders of bags, or logs that were read.
         overrides: What is believed of it: values by dotted key, such as ``model.wheel_radius``, or
             texts ``KEY=VALUE`` as on the command line.
         options: How files and bags are read.
@@ -118,7 +120,8 @@ def identify(
         UsageError: A log cannot be read, has no commands and no wheel speeds, or nothing moves.
     """
     believed = believed_of(overrides)
-    read = [log if isinstance(log, Log) else read_log(Path(log), options) for log in logs]
+    several = [logs] if isinstance(logs, Log | str | Path) else logs
+    read = [log if isinstance(log, Log) else read_log(Path(log), options) for log in several]
     return identified(read, believed)
 
 

@@ -81,12 +81,12 @@ class Lab:
 
         Raises:
             InvalidInputError: The scenario is not valid.
-            UsageError: Nothing limits the speed of the wheels.
+            UsageError: Nothing limits the speed of the wheels, or overrides are given of a
+                scenario that has been read.
             ExistingResultsError: Something stands in the folder.
             FileAccessError: It cannot be written.
         """
-        if not isinstance(scenario, Scenario):
-            scenario = load_scenario(scenario, overrides, trust=trust)
+        scenario = load_scenario(scenario, overrides, trust=trust)
         check_limited(scenario)
         path = Path(folder)
         _check_free(path)

@@ -15,7 +15,7 @@ from hilc_cli.comparisons.table import ComparisonTable, Value
 from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.leaderboards.contests import LeaderboardData, compete, compute_entries
-from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES
+from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES, read_leaderboard
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import (
     cases_table,
@@ -212,7 +212,7 @@ def compare_laws(
 
 
 def plot_leaderboard(
-    data: LeaderboardData,
+    data: LeaderboardData | LawComparison | str | Path,
     folder: str | Path,
     *,
     formats: Sequence[str] = ("png",),
@@ -223,7 +223,7 @@ def plot_leaderboard(
     """Draws the picture of a leaderboard.
 
     Args:
-        data: From `read_leaderboard`, or the `data` of a `LawComparison`.
+        data: From `compare_laws` or `read_leaderboard`, or the folder of a leaderboard.
         folder: Where to put leaderboard.FORMAT; made if it is not there.
         formats: png, svg, pdf.
         dpi: Resolution of png.
@@ -240,6 +240,14 @@ def plot_leaderboard(
     """
     from hilc_cli.leaderboards.picture import save_leaderboard  # Matplotlib starts slowly
 
+    drawn = _entries_of(data)
     return merge_folder(
-        Path(folder), lambda into: save_leaderboard(data, into, formats, dpi, look), may_replace
+        Path(folder), lambda into: save_leaderboard(drawn, into, formats, dpi, look), may_replace
     )
+
+
+def _entries_of(source: LeaderboardData | LawComparison | str | Path) -> LeaderboardData:
+    """The entries that something has, those of a folder read."""
+    if isinstance(source, LawComparison):
+        return source.data
+    return source if isinstance(source, LeaderboardData) else read_leaderboard(source)

@@ -16,7 +16,7 @@ from hilc_cli.reference.profiled import Profile
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.scenario.experiment import Scenario
-from hilc_cli.scenario.loading import Overrides, ScenarioSource, load_path
+from hilc_cli.scenario.loading import Overrides, ScenarioSource, load_path, refuse_overrides
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.theory.feasibility.demand import Demand, demand_of
 from hilc_cli.theory.feasibility.feasibility import (
@@ -165,10 +165,12 @@ def show(
 
     Raises:
         HilcError: The scenario or the trajectory is not valid, or cannot be read.
+        UsageError: Overrides are given of what has been loaded already.
     """
     if not isinstance(source, Scenario | TrajectorySpec):
         loaded, notes = load_path(source, overrides, trust=trust)
         return replace(show(loaded), notes=notes)
+    refuse_overrides(source.name, overrides)
     if isinstance(source, TrajectorySpec):
         reference, profile = source.reference(), source.profile()
         shown = show_reference(source.name, reference, source.segment_names, profile)

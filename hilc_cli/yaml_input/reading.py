@@ -191,6 +191,12 @@ class Inputs:
         if isinstance(source, Mapping):
             label = kind_of(source, kinds).removesuffix("s")
             return from_data(source, Place(Source(label, Path(), has_lines=False)))
+        if not isinstance(source, str | os.PathLike):
+            what = " or ".join(_ONE[kind] for kind in kinds)
+            raise UsageError(
+                f"a {what} is a file, example:NAME, a dictionary, or what was loaded of one; "
+                f"got {type(source).__name__}"
+            )
         name = str(source)
         if name == STDIN:
             content = _read_stdin()
