@@ -35,6 +35,7 @@ _SHARE_LABELS = 0.2  # [inch]
 _MARKED_UP_TO = 30  # iterations that are marked one by one
 _SMALLEST, _LARGEST = 1e-6, 100.0  # of the path's size: what is beyond tells nothing more
 _TIGHT = 0.8  # width of a decade of iterations that has room for all its labels [inch]
+_TIGHT_THOUSANDS = 1.1  # the same where labels have four digits and more
 _ROOM = 0.15  # above and below the lines, in decades
 _DASH_DOT = (0, (6, 2, 1.2, 2))
 
@@ -179,7 +180,8 @@ def _scale_iterations(axes: Axes, last: int) -> None:
     axes.set_xlim(0.95, 1.05 * (1 + max(1, last)))
     shown = [0, *(digit * 10**power for power in range(7) for digit in (1, 2, 5))]
     width, _ = layout.panel_size(axes)
-    if last > 10_000 or width < _TIGHT * math.log10(2 + last):  # no room for all
+    decade = width / math.log10(2 + last)
+    if last > 10_000 or decade < (_TIGHT if last < 1000 else _TIGHT_THOUSANDS):
         shown = [0, *(10**power for power in range(9))]
     shown = [iteration for iteration in shown if iteration <= max(1, last)]
     axes.set_xticks([1 + iteration for iteration in shown], [f"{number}" for number in shown])

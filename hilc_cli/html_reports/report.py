@@ -17,16 +17,14 @@ import math
 import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from hilc_cli.errors import ExistingResultsError, MissingFileError, UsageError
 from hilc_cli.files import is_there, open_to_read, write_file, writing
 from hilc_cli.html_reports.chapter import Chapter
 from hilc_cli.html_reports.of_runs import comparison_chapter, run_chapter
 from hilc_cli.html_reports.of_tables import leaderboard_chapter, sweep_chapter
+from hilc_cli.html_reports.templates import own_file, template
 from hilc_cli.leaderboards.comparing import LawComparison
 from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.folder import is_leaderboard, read_leaderboard
@@ -37,9 +35,6 @@ from hilc_cli.sweeps.data import SweepData
 from hilc_cli.sweeps.sweep_folder import is_sweep, read_sweep
 from hilc_cli.version import __version__
 from hilc_cli.wording import listed
-
-if TYPE_CHECKING:
-    from jinja2 import Template
 
 _ENDINGS = (".html", ".htm")
 _MOST_WHOLE = 4
@@ -269,8 +264,8 @@ def _page(chapters: Sequence[Chapter], title: str, mark: str) -> str:
     """The whole page as text."""
     from markupsafe import Markup
 
-    style, program = _own_file("page.css"), _own_file("player.js")
-    return _template().render(
+    style, program = own_file("page.css"), own_file("player.js")
+    return template("report.html.j2").render(
         title=title,
         chapters=chapters,
         mark=Markup(mark),
@@ -280,21 +275,6 @@ def _page(chapters: Sequence[Chapter], title: str, mark: str) -> str:
         program_checksum=_checksum(program),
         version=__version__,
     )
-
-
-@cache
-def _template() -> Template:
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
-    return environment.from_string(_own_file("report.html.j2"))
-
-
-def _own_file(name: str) -> str:
-    return (files("hilc_cli.html_reports") / "page" / name).read_text(encoding="utf-8")
 
 
 def _checksum(text: str) -> str:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,8 +32,13 @@ from hilc_cli.logs.log import Log, Twists, WheelSpeeds
 from hilc_cli.logs.options import ReadOptions
 from hilc_cli.logs.pose_filter import RollingNoise
 from hilc_cli.logs.reading import read_log
+from hilc_cli.results.frames import frame
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.scenario.loading import Overrides
 from hilc_cli.wording import counted, in_short
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _MOST_READINGS = 20_000
 _FEWEST_COMMANDS = 3
@@ -65,7 +71,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Identification:
+class Identification(InNotebooks):
     """What logs tell of a robot.
 
     Attributes:
@@ -100,6 +106,23 @@ class Identification:
     def __repr__(self) -> str:
         lines = [f"{each.name}: {each.value:.6g} {each.unit}" for each in self.estimates.values()]
         return in_short(f"Identification from {self.length:.3g} m", *lines)
+
+    def to_pandas(self) -> DataFrame:
+        """The estimates as a data frame of pandas, a row each, in SI units.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        estimates = self.estimates.values()
+        columns: dict[str, list[object]] = {
+            "quantity": [each.key for each in estimates],
+            "value": [each.value for each in estimates],
+            "standard_error": [each.error for each in estimates],
+            "unit": [each.unit for each in estimates],
+            "believed": [each.believed for each in estimates],
+            "known": [each.known for each in estimates],
+        }
+        return frame({"estimates": lambda: columns}, "estimates")
 
 
 def identify(

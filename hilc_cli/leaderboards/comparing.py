@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
 from hilc_cli.comparisons.table import ComparisonTable, Value
@@ -25,13 +25,17 @@ from hilc_cli.leaderboards.tables import (
     settings_table,
 )
 from hilc_cli.results.folder import COMPILED_WITH, origin
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.wording import suggestion
 from hilc_cli.workers.crews import available_cores
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LawComparison:
+class LawComparison(InNotebooks):
     """Laws, and what became of each in each case.
 
     Attributes:
@@ -71,6 +75,14 @@ class LawComparison:
     def entries(self) -> ComparisonTable:
         """All runs."""
         return entries_table(self.data)
+
+    def to_pandas(self) -> DataFrame:
+        """A data frame of pandas with a row per run and the columns of leaderboard.csv.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        return self.data.to_pandas()
 
     def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
         """The tables that are printed; with everything that of all runs, too."""

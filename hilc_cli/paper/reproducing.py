@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.paper.claim import Claim, Evidence, Finding
-from hilc_cli.paper.claim_texts import claims_text, write_claims_csv
+from hilc_cli.paper.claim_texts import claims_rows, claims_text, write_claims_csv
 from hilc_cli.paper.contents import (
     CLAIMS_CSV,
     CLAIMS_MD,
@@ -22,6 +22,7 @@ from hilc_cli.paper.contents import (
     MOTOR_LIMIT,
     OWN_DATA,
     REPRODUCTION_FOLDER,
+    PaperFigure,
     PaperPanel,
     data_name,
     picture_name,
@@ -32,6 +33,8 @@ from hilc_cli.paper.plan import ReproductionPlan
 from hilc_cli.paper.reading import READINGS, Reading, readings_named
 from hilc_cli.paper.texts import gains_text, group_text, index_text, situation_text
 from hilc_cli.results.folder import DRAWN_WITH, origin, versions
+from hilc_cli.results.frames import frame
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.running import Run, run
@@ -46,6 +49,10 @@ from hilc_cli.workers.crews import (
     hand_out,
 )
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawn
+    from pandas import DataFrame
+
 _MANY = 1000
 """Iterations of all runs, of some 4 ms each, from which on worker processes pay."""
 
@@ -54,7 +61,7 @@ DPI = 300
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Reproduction:
+class Reproduction(InNotebooks):
     """Results of the paper's experiments, and how they came to be.
 
     Attributes:
@@ -77,6 +84,32 @@ class Reproduction:
         return in_short(
             f"Reproduction of {figures}: {self.plan.runs} runs, {len(self.judged)} claims judged"
         )
+
+    def to_pandas(self) -> DataFrame:
+        """The claims as a data frame of pandas, with the columns of claims.csv.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        header, rows = claims_rows(self.judged)
+        columns = {name: [row[place] for row in rows] for place, name in enumerate(header)}
+        return frame({"claims": lambda: columns}, "claims")
+
+    def sheet(
+        self, figure: PaperFigure, reading: Reading, look: Look = USUAL
+    ) -> tuple[Drawn, list[Panel]]:
+        """Draws one of the paper's figures under a reading, and tells its panels."""
+        from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
+
+        of_reading = self.runs[reading.name], self.plan.scenarios[reading.name], reading
+        rows = [_row(panels, *of_reading) for panels in figure.rows]
+        drawn = sheet_figure(
+            f"Figure {figure.number}. {figure.title}",
+            f"{reading.name.capitalize()} reading: {reading.law}",
+            rows,
+            look,
+        )
+        return drawn, [panel for row in rows for panel in row.panels]
 
     def write(
         self,
@@ -109,8 +142,7 @@ class Reproduction:
             FileAccessError: It cannot be written.
             UsageError: There is no such picture format or resolution.
         """
-        from hilc_cli.drawing.save import check_format, save_figure
-        from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
+        from hilc_cli.drawing.save import check_format, save_figure  # Matplotlib starts slowly
 
         for name in formats:
             check_format(name)
@@ -124,17 +156,9 @@ class Reproduction:
         def fill(into: Path) -> None:
             (into / DATA).mkdir()
             for figure, reading in product(plan.figures, plan.readings):
-                of_reading = runs[reading.name], plan.scenarios[reading.name], reading
-                rows = [_row(panels, *of_reading) for panels in figure.rows]
-                sheet = sheet_figure(
-                    f"Figure {figure.number}. {figure.title}",
-                    f"{reading.name.capitalize()} reading: {reading.law}",
-                    rows,
-                    look,
-                )
+                sheet, drawn = self.sheet(figure, reading, look)
                 for suffix in shown:
                     save_figure(sheet, into / picture_name(figure, reading, suffix), dpi)
-                drawn = [panel for row in rows for panel in row.panels]
                 for panel, content in zip(figure.panels, drawn, strict=True):
                     write_panel(into / data_name(panel, reading), content)
                 on_step()
