@@ -23,7 +23,7 @@ NARROW = Look(width=0.11)  # [m]
 _DPI = 144  # of a picture that would be too large in lines
 _LINES = re.compile(r' d="[^"]*"')
 _MORE_DIGITS = re.compile(r"(\.\d\d)\d+")
-_SAFE = " /:;=,.()!*~+-"  # what the address of an image may hold as it is
+_SAFE = " /:;=,.+-"  # what the address of an image may hold as it is
 
 
 @dataclass(frozen=True, slots=True)
