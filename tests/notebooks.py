@@ -25,7 +25,9 @@ from typing import Any
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 _DPI = 80  # of stored figures
-_PICTURE = re.compile(r'src="data:image/[^"]*"')
+_PICTURE, _STYLE, _TAG = (
+    re.compile(text, re.DOTALL) for text in ("<img [^>]*>", "<style.*?</style>", "<[^>]*>")
+)
 
 
 def read(file: Path) -> dict[str, Any]:
@@ -100,13 +102,15 @@ def _lines(text: str) -> list[str]:
 
 
 def told(cell: dict[str, Any]) -> list[str]:
-    """What the outputs of a cell say, without pictures, whose bytes are Matplotlib's."""
+    """What the outputs of a cell say: pictures are Matplotlib's, and their looks may change."""
     found = []
     for output in cell.get("outputs", []):
         parts = output.get("data", {"text": output.get("text", "")})
         for kind, part in sorted(parts.items()):
             text = "a picture" if kind == "image/png" else "".join(part)
-            found.append(f"{kind}: {_PICTURE.sub('src=a picture', text)}")
+            if kind == "text/html":
+                text = _TAG.sub(" ", _STYLE.sub(" ", _PICTURE.sub(" a picture ", text)))
+            found.append(f"{kind}: {text}")
     return found
 
 

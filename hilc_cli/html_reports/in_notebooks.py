@@ -11,6 +11,7 @@ import hilc_cli.drawing  # noqa: F401  # loads Matplotlib, whatever is set for i
 # isort: split
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -61,6 +62,7 @@ _MOST_LETTERS = 250_000
 """Of a picture in lines; a notebook keeps every result that it has shown."""
 _MOST_TOLD = 6  # warnings
 _BEST_CASES = 5
+_MOST_BESIDE = 4  # columns of a table that has room beside a picture
 _RUN_PICTURE = "path-change"
 
 
@@ -82,6 +84,7 @@ def _part(chapter: Chapter) -> str:
         chapter=chapter,
         warnings=chapter.warnings[:_MOST_TOLD],
         more=counted(more, "more warning") if more > 0 else "",
+        across=any(len(g.at_right) > _MOST_BESIDE for t in chapter.tables for g in t.grids),
         style=Markup(own_file("notebook.css")),
     )
 
@@ -91,8 +94,9 @@ def _drawn(caption: str, make: Callable[[Look], Figure], look: Look = NARROW) ->
 
 
 def _grid(caption: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
-    """A table of texts, of which all but the first column are numbers."""
-    at_right = (False, *(True for _ in header[1:]))
+    """A table of texts; a column in which one begins with a letter holds words."""
+    columns = zip(*rows, strict=True) if rows else [()] * len(header)
+    at_right = tuple(not any(text[:1].isalpha() for text in column) for column in columns)
     cells = tuple(tuple(map(Cell, row)) for row in rows)
     return Table(caption, (Grid("", (tuple(header),), at_right, cells),))
 
@@ -108,16 +112,27 @@ def _of_run(run: RunData) -> Chapter:
         warnings=run.warnings,
         tables=[
             names_and_values(
-                f"After iteration {summary.iterations}", summary_rows(summary, run.speed_limit)
-            )
+                f"After iteration {summary.iterations}",
+                summary_rows(replace(summary, learning={}), run.speed_limit),
+            ),
+            *_learned(run),
         ],
         pictures=_drawn(RUN_PICTURES[_RUN_PICTURE].shows, partial(draw, _RUN_PICTURE, [run], None)),
     )
 
 
+def _learned(run: RunData) -> list[Table]:
+    """What the law has learned, for who asks for it; nothing of a law that tells nothing."""
+    rows = learned_rows(run.learning.last()) if run.learning.names else []
+    if not rows:
+        return []
+    told = [(name.removeprefix("Learned: "), text) for name, text in rows]
+    return [replace(names_and_values("What the law has learned", told), is_folded=True)]
+
+
 def _of_sweep(data: SweepData) -> Chapter:
     summary = summarise_sweep(data, best=0)  # which have a table of their own
-    kinds = kinds_for(data)[:1]
+    kinds, look = kinds_for(data)[:1], NARROW if len(data.axes) <= 2 else USUAL
     return Chapter(
         kind="sweep",
         title=data.name,
@@ -125,12 +140,15 @@ def _of_sweep(data: SweepData) -> Chapter:
         warnings=sweep_notes(data, summary),
         tables=[
             names_and_values("How it went", sweep_rows(summary)),
-            best_cases(data, _BEST_CASES, by_metric_alone=True, rest="to_pandas()"),
+            replace(
+                best_cases(data, _BEST_CASES, by_metric_alone=True, rest="to_pandas()"),
+                is_folded=False,
+            ),
         ],
         pictures=[
             each
             for kind in kinds
-            for each in _drawn(SWEEP_PICTURES[kind].shows, partial(draw_sweep, kind, data))
+            for each in _drawn(SWEEP_PICTURES[kind].shows, partial(draw_sweep, kind, data), look)
         ],
     )
 
@@ -214,11 +232,10 @@ def _of_lab(lab: Lab | LabState) -> Chapter:
         headline = summarise(run).headline
         heads = [f"{name} [{unit}]" if unit else name for name, unit in TRIALS_HEADER]
         rows = [trial_row(state, number) for number in trials]
-        learned = learned_rows(run.learning.last()) if run.learning.names else []
         tables = [
             _grid("Trials", heads, rows),
-            *([names_and_values("Learned", learned)] if learned else []),
             *tables,
+            *_learned(run),
         ]
     return Chapter(
         kind=f"lab, {counted(len(trials), 'trial')}",
@@ -241,7 +258,7 @@ def _of_reproduction(result: Reproduction) -> Chapter:
         kind="reproduction",
         title=listed(each.name for each in result.plan.figures),
         headline=". ".join(count_texts(result.judged)) if result.judged else "",
-        tables=[_texts("Claims", ("Claim", *readings, "What the paper says"), claims)]
+        tables=[_grid("Claims", ("Claim", *readings, "What the paper says"), claims)]
         if claims
         else [],
         pictures=_drawn(
@@ -250,11 +267,6 @@ def _of_reproduction(result: Reproduction) -> Chapter:
             USUAL,
         ),
     )
-
-
-def _texts(caption: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> Table:
-    cells = tuple(tuple(map(Cell, row)) for row in rows)
-    return Table(caption, (Grid("", (tuple(header),), tuple(False for _ in header), cells),))
 
 
 _CHAPTERS: dict[type, Callable[[Any], Chapter]] = {
