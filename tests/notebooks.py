@@ -48,7 +48,7 @@ def executed(notebook: dict[str, Any]) -> dict[str, Any]:
     It is run in the working folder, of which nothing is stored.
     """
     names: dict[str, Any] = {"__name__": "__main__"}
-    cells = []
+    cells: list[dict[str, Any]] = []
     for cell in notebook["cells"]:
         if cell["cell_type"] == "code":
             count = 1 + sum(each["cell_type"] == "code" for each in cells)

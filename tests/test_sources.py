@@ -93,8 +93,8 @@ def test_a_sweep_of_a_scenario_with_a_section_in_each_form(write: Write) -> None
     first = hilc_api.sweep("scenario.yaml", ONE).to_pandas()
     for source in (data, read, hilc_api.plan_sweep(read)):
         equal(first, hilc_api.sweep(source, ONE).to_pandas())
-    for source in ("scenario.yaml", data):
-        assert hilc_api.sweep_shard(source, (1, 2), "part", ONE, force=True) == []
+    for form in ("scenario.yaml", data):
+        assert hilc_api.sweep_shard(form, (1, 2), "part", ONE, force=True) == []
 
 
 def test_a_wrong_key_is_told_alike_of_a_file_and_of_data(write: Write) -> None:
@@ -156,7 +156,8 @@ def test_overrides_of_what_has_been_read_are_refused(folder: Path) -> None:
 def test_runs_and_their_folders_are_taken_alike(folder: Path) -> None:
     run = hilc_api.run(scenario(iterations=1))
     run.write("run", plots=False)
-    for number, source in enumerate((run, "run", Path("run"))):
+    forms: tuple[hilc_api.RunData | str | Path, ...] = (run, "run", Path("run"))
+    for number, source in enumerate(forms):
         hilc_api.plot(source, f"{number}", kinds=["error"], formats=["svg"])
         hilc_api.plot([source], f"{number}/list", kinds=["error"], formats=["svg"])
         hilc_api.export(source, f"{number}/exported", ["csv"])
@@ -164,9 +165,9 @@ def test_runs_and_their_folders_are_taken_alike(folder: Path) -> None:
     of_first = {file.relative_to("0"): file.read_bytes() for file in Path("0").rglob("*.*")
                 if file.name != "export.json" and file.is_file()}  # fmt: skip
     assert len(of_first) > 3
-    for number in "12":
+    for other in "12":
         for name, content in of_first.items():
-            assert (Path(number) / name).read_bytes() == content, (number, name)
+            assert (Path(other) / name).read_bytes() == content, (other, name)
 
 
 def test_results_and_their_folders_are_reported_and_drawn_alike(
@@ -182,14 +183,11 @@ def test_results_and_their_folders_are_reported_and_drawn_alike(
     assert Path("memory.html").read_bytes() == Path("folders.html").read_bytes()
     run = make_run("r")
     assert b"The last path" in hilc_api.report(run, "run.html").read_bytes()
-    drawn = [
-        hilc_api.plot_sweep(source, f"s{number}", formats=["svg"])
-        for number, source in enumerate((sweep, "sweep"))
-    ]
-    drawn += [
-        hilc_api.plot_leaderboard(source, f"l{number}", formats=["svg"])
-        for number, source in enumerate((laws, DATA, folder / "laws"))
-    ]
+    drawn = [hilc_api.plot_sweep(sweep, "s", formats=["svg"])]
+    drawn += [hilc_api.plot_sweep("sweep", "sf", formats=["svg"])]
+    drawn += [hilc_api.plot_leaderboard(laws, "l", formats=["svg"])]
+    drawn += [hilc_api.plot_leaderboard(DATA, "ld", formats=["svg"])]
+    drawn += [hilc_api.plot_leaderboard(folder / "laws", "lf", formats=["svg"])]
     contents = [[file.read_bytes() for file in files] for files in drawn]
     assert contents[0] == contents[1]
     assert contents[2] == contents[3] == contents[4]

@@ -176,7 +176,7 @@ class Inputs:
         self.checksums[str(path)] = hashlib.sha256(content).hexdigest()
         return content
 
-    def tree(self, source: str | Path | Mapping[str, object], *kinds: str) -> Node:
+    def tree(self, source: object, *kinds: str) -> Node:
         """The YAML tree of a file, of standard input (``-``), of an example, or of data.
 
         Args:
@@ -185,7 +185,7 @@ class Inputs:
                 is of several kinds, the first counts.
 
         Raises:
-            HilcError: It cannot be read, or is no valid YAML.
+            HilcError: It cannot be read, is no valid YAML, or something else is given.
         """
         kinds = kinds or (SCENARIOS,)
         if isinstance(source, Mapping):

@@ -16,7 +16,7 @@ import pytest
 
 import hilc_cli as hilc_api
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.html_reports.report import Results, read_results, report
+from hilc_cli.html_reports.report import Place, Results, read_results, report
 from hilc_cli.html_reports.templates import template
 from hilc_cli.labs.lab import Lab
 from hilc_cli.leaderboards.contests import LeaderboardData
@@ -68,9 +68,13 @@ def results_of(
     boards: Sequence[LeaderboardData] = (),
     at: Path = Path(),
 ) -> Results:
-    folders = {at / f"run{place}": run for place, run in enumerate(runs)}
-    of_sweeps = {at / f"sweep{place}": each for place, each in enumerate(sweeps)}
-    of_boards = {at / f"board{place}": each for place, each in enumerate(boards)}
+    folders: dict[Place, RunData] = {at / f"run{place}": run for place, run in enumerate(runs)}
+    of_sweeps: dict[Place, SweepData] = {
+        at / f"sweep{place}": each for place, each in enumerate(sweeps)
+    }
+    of_boards: dict[Place, LeaderboardData] = {
+        at / f"board{place}": each for place, each in enumerate(boards)
+    }
     return Results((*folders, *of_sweeps, *of_boards), folders, of_sweeps, of_boards)
 
 
