@@ -14,10 +14,9 @@ import numpy as np
 from hilc_cli.checks.advice import advice
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import MeasuredTrials
-from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.frames import Columns, frame
+from hilc_cli.results.frames import frame
 from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MetricsTable
@@ -42,7 +41,6 @@ from hilc_cli.theory.reach import judged_feasibility, start_findings
 from hilc_cli.wording import counted, wrapped
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from pandas import DataFrame
 
 _RANKS = {"feasibility": 1, "advice": 2}
@@ -176,31 +174,6 @@ class Check(InNotebooks):
         ranked = sorted(self.findings, key=lambda part: _RANKS.get(part, 0))
         return tuple(text for part in ranked for text in self.findings[part].warnings)
 
-    def drawn(self, look: Look = USUAL) -> Figure | None:
-        """The predicted error over the iterations, beside the simulated one if there is one.
-
-        Args:
-            look: How the picture is to look, from `picture_look`.
-
-        Returns:
-            The figure; None if no errors are predicted of the law.
-        """
-        from hilc_cli.checks.picture import transient_figure  # Matplotlib starts slowly
-
-        expected, spec = self.forecast, self.scenario.spec
-        if expected is None:
-            return None
-        rest = expected.rest if expected.settles else None
-        return transient_figure(
-            self.scenario.name,
-            expected.transient,
-            spec.iterations,
-            None if self.simulated is None else self.simulated.run,
-            rest.max_position_error_m if rest is not None and rest.is_finite else None,
-            spec.controller.in_short(self.scenario.setting),
-            look,
-        )
-
     def to_pandas(self) -> DataFrame:
         """Errors by iteration as a data frame of pandas, with the columns of transient.csv.
 
@@ -208,24 +181,9 @@ class Check(InNotebooks):
             UsageError: No errors are predicted of the law.
             MissingPackageError: pandas is not installed.
         """
-        return frame({"transient": self._errors}, "transient")
+        from hilc_cli.checks.picture import errors_of  # Matplotlib starts slowly
 
-    def _errors(self) -> Columns:
-        from hilc_cli.checks.picture import TRANSIENT_HEADER
-
-        if self.forecast is None:
-            raise UsageError(
-                f"no errors are predicted of law {self.scenario.spec.controller.law} on this "
-                "plant; run the scenario, and ask the run"
-            )
-        predicted = self.forecast.transient.max_position_error_m
-        run = None if self.simulated is None else self.simulated.run
-        simulated = np.empty(0) if run is None else run.metrics["max_position_error_m"]
-        errors = np.full((2, max(len(predicted), len(simulated))), np.nan)
-        errors[0, : len(predicted)] = predicted
-        errors[1, : len(simulated)] = simulated
-        columns = [np.arange(errors.shape[1]), *errors]
-        return dict(zip(TRANSIENT_HEADER, columns, strict=True))
+        return frame({"transient": lambda: errors_of(self)}, "transient")
 
     def plot(
         self,
@@ -255,11 +213,12 @@ class Check(InNotebooks):
         """
         from hilc_cli.checks.picture import (  # Matplotlib starts slowly
             TRANSIENT_FILE,
+            figure_of,
             write_transient,
         )
         from hilc_cli.drawing.save import save_figure
 
-        expected, figure = self.forecast, self.drawn(look)
+        expected, figure = self.forecast, figure_of(self, look)
         if expected is None or figure is None:
             return []
         run = None if self.simulated is None else self.simulated.run

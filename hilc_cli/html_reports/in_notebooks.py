@@ -16,6 +16,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from hilc_cli.checks.checking import Check
+from hilc_cli.checks.picture import figure_of
 from hilc_cli.checks.report.whole import rows_in_brief
 from hilc_cli.comparisons.comparing import Comparison
 from hilc_cli.comparisons.formats import Cell, Grid
@@ -187,7 +188,7 @@ def _of_path(path: ShownPath) -> Chapter:
 
 def _of_check(check: Check) -> Chapter:
     def shown(look: Look) -> Figure:
-        return check.drawn(look) or path_figure(show(check.scenario), look)
+        return figure_of(check, look) or path_figure(show(check.scenario), look)
 
     known = check.forecast is not None
     caption = "the predicted error by iteration" if known else "the path"
