@@ -87,10 +87,9 @@ def _outputs(source: str, names: dict[str, Any], count: int) -> Iterator[dict[st
         content = io.BytesIO()
         figure = plt.figure(number)
         figure.savefig(content, dpi=_DPI, bbox_inches="tight", metadata={"Software": None})
-        size = "x".join(f"{side:g}" for side in figure.get_size_inches())
         image = base64.b64encode(content.getvalue()).decode("ascii") + "\n"
         yield {
-            "data": {"image/png": image, "text/plain": [f"<Figure of {size} inches>"]},
+            "data": {"image/png": image, "text/plain": [repr(figure)]},
             "metadata": {},
             "output_type": "display_data",
         }
@@ -103,10 +102,11 @@ def _lines(text: str) -> list[str]:
 
 def told(cell: dict[str, Any]) -> list[str]:
     """What the outputs of a cell say: pictures are Matplotlib's, and their looks may change."""
-    found = []
-    for output in cell.get("outputs", []):
-        parts = output.get("data", {"text": output.get("text", "")})
-        for kind, part in sorted(parts.items()):
+    outputs = cell.get("outputs", [])
+    printed = "".join(part for output in outputs for part in output.get("text", []))
+    found = [f"printed: {printed}"]  # Jupyter stores it in several pieces
+    for output in outputs:
+        for kind, part in sorted(output.get("data", {}).items()):
             text = "a picture" if kind == "image/png" else "".join(part)
             if kind == "text/html":
                 text = _TAG.sub(" ", _STYLE.sub(" ", _PICTURE.sub(" a picture ", text)))
