@@ -90,7 +90,10 @@ def test_interface_loads_when_it_is_used() -> None:
         "assert callable(hilc.sweep) and callable(hilc.plan_sweep) and callable(hilc.read_sweep)\n"
         "import hilc_cli.sweeps.sweeping, hilc_cli.sweeps.search\n"
         "assert callable(hilc.sweep)\n"
-        "assert not {'matplotlib', 'distributed', 'optuna'} & set(sys.modules)\n"
+        "small = hilc.load_scenario('example:fig3-circle', {'iterations': 0})\n"
+        "assert len(hilc.run(small).metrics) and hilc.show(small) and repr(hilc.check(small))\n"
+        "late = {'matplotlib', 'distributed', 'optuna', 'pandas', 'jinja2'}\n"
+        "assert not (late | {'hilc_cli.html_reports'}) & set(sys.modules)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, check=False)
     assert (done.returncode, done.stderr.decode()) == (0, "")

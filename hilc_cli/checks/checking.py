@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.frames import frame
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MetricsTable
 from hilc_cli.results.summary import summarise
@@ -36,6 +39,9 @@ from hilc_cli.theory.proof.constants import Conditions, conditions
 from hilc_cli.theory.proof.measured import Comparison, compare as beside
 from hilc_cli.theory.reach import judged_feasibility, start_findings
 from hilc_cli.wording import counted, wrapped
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _RANKS = {"feasibility": 1, "advice": 2}
 """Parts whose warnings come after those of learning, which are of this very scenario."""
@@ -94,7 +100,7 @@ class Simulated:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Check:
+class Check(InNotebooks):
     """What a check of a scenario has found.
 
     Attributes:
@@ -168,6 +174,17 @@ class Check:
         ranked = sorted(self.findings, key=lambda part: _RANKS.get(part, 0))
         return tuple(text for part in ranked for text in self.findings[part].warnings)
 
+    def to_pandas(self) -> DataFrame:
+        """Errors by iteration as a data frame of pandas, with the columns of transient.csv.
+
+        Raises:
+            UsageError: No errors are predicted of the law.
+            MissingPackageError: pandas is not installed.
+        """
+        from hilc_cli.checks.picture import errors_of  # Matplotlib starts slowly
+
+        return frame({"transient": lambda: errors_of(self)}, "transient")
+
     def plot(
         self,
         folder: str | Path,
@@ -196,25 +213,15 @@ class Check:
         """
         from hilc_cli.checks.picture import (  # Matplotlib starts slowly
             TRANSIENT_FILE,
-            transient_figure,
+            figure_of,
             write_transient,
         )
         from hilc_cli.drawing.save import save_figure
 
-        expected, spec = self.forecast, self.scenario.spec
-        if expected is None:
+        expected, figure = self.forecast, figure_of(self, look)
+        if expected is None or figure is None:
             return []
-        rest = expected.rest if expected.settles else None
         run = None if self.simulated is None else self.simulated.run
-        figure = transient_figure(
-            self.scenario.name,
-            expected.transient,
-            spec.iterations,
-            run,
-            rest.max_position_error_m if rest is not None and rest.is_finite else None,
-            spec.controller.in_short(self.scenario.setting),
-            look,
-        )
         pictures = [f"transient.{name}" for name in dict.fromkeys(formats)]
         names = [*pictures, TRANSIENT_FILE]
 

@@ -10,18 +10,24 @@ import csv
 import math
 from itertools import zip_longest
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from hilc_cli.drawing import labels, layout, style
+from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.frames import Columns
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import RELATIVE_TOLERANCES
 from hilc_cli.runs.pictures.error import drawable
 from hilc_cli.theory.learning.transient import Transient
+
+if TYPE_CHECKING:
+    from hilc_cli.checks.checking import Check
 
 TITLE = "Predicted without limit"
 PREDICTED = "Predicted, without limit and disturbances"
@@ -35,8 +41,34 @@ _SHARE_LABELS = 0.2  # [inch]
 _MARKED_UP_TO = 30  # iterations that are marked one by one
 _SMALLEST, _LARGEST = 1e-6, 100.0  # of the path's size: what is beyond tells nothing more
 _TIGHT = 0.8  # width of a decade of iterations that has room for all its labels [inch]
+_TIGHT_THOUSANDS = 1.1  # the same where labels have four digits and more
 _ROOM = 0.15  # above and below the lines, in decades
 _DASH_DOT = (0, (6, 2, 1.2, 2))
+
+
+def figure_of(check: Check, look: Look = USUAL) -> Figure | None:
+    """Draws what a check has found of the error over the iterations.
+
+    Args:
+        check: With the simulated error, if it has a simulation.
+        look: What the user asks for.
+
+    Returns:
+        The figure; None if no errors are predicted of the law.
+    """
+    expected, spec = check.forecast, check.scenario.spec
+    if expected is None:
+        return None
+    rest = expected.rest if expected.settles else None
+    return transient_figure(
+        check.scenario.name,
+        expected.transient,
+        spec.iterations,
+        None if check.simulated is None else check.simulated.run,
+        rest.max_position_error_m if rest is not None and rest.is_finite else None,
+        spec.controller.in_short(check.scenario.setting),
+        look,
+    )
 
 
 def transient_figure(
@@ -179,7 +211,8 @@ def _scale_iterations(axes: Axes, last: int) -> None:
     axes.set_xlim(0.95, 1.05 * (1 + max(1, last)))
     shown = [0, *(digit * 10**power for power in range(7) for digit in (1, 2, 5))]
     width, _ = layout.panel_size(axes)
-    if last > 10_000 or width < _TIGHT * math.log10(2 + last):  # no room for all
+    decade = width / math.log10(2 + last)
+    if last > 10_000 or decade < (_TIGHT if last < 1000 else _TIGHT_THOUSANDS):
         shown = [0, *(10**power for power in range(9))]
     shown = [iteration for iteration in shown if iteration <= max(1, last)]
     axes.set_xticks([1 + iteration for iteration in shown], [f"{number}" for number in shown])
@@ -210,3 +243,24 @@ def write_transient(path: Path, predicted: Floats, simulated: Floats | None = No
         writer.writerow(TRANSIENT_HEADER)
         for iteration, errors in enumerate(zip_longest(*columns, fillvalue="")):
             writer.writerow((iteration, *errors))
+
+
+def errors_of(check: Check) -> Columns:
+    """The columns of ``transient.csv``; not-a-number where there is nothing.
+
+    Raises:
+        UsageError: No errors are predicted of the law.
+    """
+    if check.forecast is None:
+        raise UsageError(
+            f"no errors are predicted of law {check.scenario.spec.controller.law} on this plant; "
+            "run the scenario, and ask the run"
+        )
+    predicted = check.forecast.transient.max_position_error_m
+    run = None if check.simulated is None else check.simulated.run
+    simulated = np.empty(0) if run is None else run.metrics["max_position_error_m"]
+    errors = np.full((2, max(len(predicted), len(simulated))), np.nan)
+    errors[0, : len(predicted)] = predicted
+    errors[1, : len(simulated)] = simulated
+    columns = [np.arange(errors.shape[1]), *errors]
+    return dict(zip(TRANSIENT_HEADER, columns, strict=True))

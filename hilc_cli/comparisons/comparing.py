@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hilc_cli.comparisons.formats import FILES, WRITERS
 from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
 from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, METRICS
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.results.summary import summarise
 from hilc_cli.runs.running import RunSource, as_runs
 from hilc_cli.wording import listed, near_name, printable, suggestion
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 SETTINGS = "Settings"
 ERRORS, LEARNING = "Errors of the last iteration", "Wheel speeds and learning"
@@ -173,7 +177,7 @@ def _values(run: RunData, name: str) -> dict[str, Value]:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Comparison:
+class Comparison(InNotebooks):
     """Several runs, and what tells them apart.
 
     Attributes:
@@ -203,6 +207,14 @@ class Comparison:
                 if column.is_ranked
             },
         }
+
+    def to_pandas(self) -> DataFrame:
+        """A data frame of pandas with a row per run and the columns of comparison.csv.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        return self.table.to_pandas()
 
     def text(self, kind: str) -> str:
         """The table as it stands in a file.

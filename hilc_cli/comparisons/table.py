@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from hilc_cli.errors import UnknownNameError
+from hilc_cli.results.frames import frame
 from hilc_cli.wording import in_short, listed
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _LONG = 1e6  # numbers from here on are written with an exponent
 
@@ -108,6 +113,20 @@ class ComparisonTable:
         """The rows, each with its values by the names of the columns."""
         names = [column.name for column in self.columns]
         return [dict(zip(names, row.values, strict=True)) for row in self.rows]
+
+    def to_pandas(self) -> DataFrame:
+        """The stored values as a data frame of pandas, under the names of the CSV file.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        return frame({"table": self._columns}, "table")
+
+    def _columns(self) -> dict[str, list[Value]]:
+        return {
+            column.name: [row.values[place] for row in self.rows]
+            for place, column in enumerate(self.columns)
+        }
 
     def printed(self) -> list[int]:
         """Places of the columns that are printed."""

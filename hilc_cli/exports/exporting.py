@@ -11,6 +11,7 @@ from hilc_cli.exports.motions import Motion, motion_of_plan, motion_of_reference
 from hilc_cli.exports.text_files import write_csv, write_tum
 from hilc_cli.results.folder import ResultFolder
 from hilc_cli.results.run import RunData
+from hilc_cli.runs.running import RunSource, as_run
 from hilc_cli.version import __version__
 
 FORMATS = ("tum", "csv", "mcap")
@@ -21,7 +22,7 @@ EXPORT_FOLDER = ResultFolder(
 
 
 def export(
-    run: RunData,
+    run: RunSource,
     folder: str | Path,
     formats: Sequence[str] = FORMATS,
     *,
@@ -32,7 +33,7 @@ def export(
     """Writes iterations of a run, its trajectory and its plan.
 
     Args:
-        run: From `read_run`, of a run or a lab.
+        run: From `run` or `read_run`, or the folder of a run or a lab.
         folder: Where to; formats and iterations that it has already stay.
         formats: tum, csv, mcap.
         iterations: Recorded ones; None: the last.
@@ -50,6 +51,7 @@ def export(
     for name in formats:
         if name not in FORMATS:
             raise UsageError(f"there is no format {name!r}; known: {', '.join(FORMATS)}")
+    run = as_run(run)
     wanted = [run.last.iteration] if iterations is None else sorted(iterations)
     driven = [motion_of_trial(run, iteration) for iteration in wanted]
     reference, plan = motion_of_reference(run.reference), motion_of_plan(run)

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import base64
+import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from hilc_cli.comparisons.formats import Cell, Grid, for_page, note_of
 from hilc_cli.comparisons.table import ComparisonTable
@@ -16,7 +19,11 @@ from hilc_cli.results.look import Look
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_LOOK = Look(width=0.11)  # [m]
+NARROW = Look(width=0.11)  # [m]
+_DPI = 144  # of a picture that would be too large in lines
+_LINES = re.compile(r' d="[^"]*"')
+_MORE_DIGITS = re.compile(r"(\.\d\d)\d+")
+_SAFE = " /:;=,.+-"  # what the address of an image may hold as it is
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +70,7 @@ class Chapter:
         title: Its name.
         headline: What matters, in a line; empty for nothing.
         warnings: What was probably not meant, a sentence each.
+        errors: Why it cannot work, likewise.
         tables: Those that are read first, and folded ones at the end.
         played: What can be played; None for nothing.
         pictures: The pictures.
@@ -72,6 +80,7 @@ class Chapter:
     title: str
     headline: str = ""
     warnings: Sequence[str] = ()
+    errors: Sequence[str] = ()
     tables: Sequence[Table] = ()
     played: Playback | None = None
     pictures: Sequence[Picture] = ()
@@ -88,15 +97,32 @@ def comparison(table: ComparisonTable, *, is_folded: bool = False) -> Table:
     return Table(table.title, for_page(table), note_of(table, "Bold"), is_folded)
 
 
-def picture(caption: str, draw: Callable[[Look], Figure]) -> Picture:
+def picture(
+    caption: str, draw: Callable[[Look], Figure], most: float = math.inf, look: Look = NARROW
+) -> Picture:
     """Draws a picture.
 
     Args:
         caption: What it shows.
-        draw: Draws it, for a width on which text can be read on a telephone.
+        draw: Draws it.
+        most: Letters that its source may have; a larger one is made of pixels instead.
+        look: How it is to look; by default text can be read on a telephone.
     """
-    figure = draw(_LOOK)
-    content = base64.b64encode(render(figure, "svg")).decode("ascii")
+    figure = draw(look)
+    source = _in_lines(figure)
+    if len(source) > most:
+        content = base64.b64encode(render(figure, "png", _DPI)).decode("ascii")
+        source = min(source, f"data:image/png;base64,{content}", key=len)
     width, height = (round(100 * side) for side in figure.get_size_inches().tolist())
-    source = f"data:image/svg+xml;base64,{content}"
     return Picture(f"{caption[:1].upper()}{caption[1:]}", source, width, height)
+
+
+def _in_lines(figure: Figure) -> str:
+    """The address of an image that is the figure, in as few letters as that takes.
+
+    Lines are given to a hundredth of a point, and what a text may hold stands as it is: both
+    together take 60 % of the letters of base64.
+    """
+    text = render(figure, "svg").decode("utf-8")
+    text = _LINES.sub(lambda found: _MORE_DIGITS.sub(r"\1", found[0]), text)
+    return f"data:image/svg+xml,{quote(' '.join(text.split()), safe=_SAFE)}"

@@ -40,7 +40,7 @@ _DIGITS = 4
 
 def run_chapter(
     run: RunData,
-    folder: Path,
+    folder: Path | None = None,
     iterations: Collection[int] | None = None,
     *,
     share: float = 1.0,
@@ -50,12 +50,13 @@ def run_chapter(
 
     Args:
         run: The results.
-        folder: Where they were read.
+        folder: Where they were read; None if they are in memory only.
         iterations: Which of the recorded ones are shown; None for all.
         share: Of the points of a page that it may have.
         in_short: With few pictures, as others stand beside it.
     """
-    is_lab = LAB_FOLDER.is_at(folder)
+    lab = folder if folder is not None and LAB_FOLDER.is_at(folder) else None
+    is_lab = lab is not None
     summary = summarise(run)
     kinds = [kind for kind in kinds_of([run]) if kind != _SUMMARY]
     if in_short:
@@ -64,7 +65,7 @@ def run_chapter(
     tables = [
         names_and_values(f"After {count}", summary_rows(summary, run.speed_limit)),
         names_and_values("What was run", _setting_rows(run)),
-        *([_trials(folder, len(run.metrics))] if is_lab else []),
+        *([] if lab is None else [_trials(lab, len(run.metrics))]),
         _iterations(run, "trial" if is_lab else "iteration"),
     ]
     return Chapter(

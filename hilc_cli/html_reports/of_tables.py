@@ -19,6 +19,7 @@ from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
 from hilc_cli.sweeps.report import shown, summary_rows, sweep_notes
 
 _BEST_CASES = 25
+LEADERBOARD_SHOWS = "how near each law comes to the trajectory, and how soon"
 _DIGITS = 4
 
 
@@ -30,7 +31,7 @@ def sweep_chapter(data: SweepData) -> Chapter:
         title=data.name,
         headline=f"{len(data):,} cases of {', '.join(data.axes)}",
         warnings=sweep_notes(data, summary),
-        tables=[names_and_values("How it went", summary_rows(summary)), _best_cases(data)],
+        tables=[names_and_values("How it went", summary_rows(summary)), best_cases(data)],
         pictures=[
             picture(SWEEP_PICTURES[kind].shows, partial(draw_sweep, kind, data))
             for kind in kinds_for(data)
@@ -38,10 +39,24 @@ def sweep_chapter(data: SweepData) -> Chapter:
     )
 
 
-def _best_cases(data: SweepData) -> Table:
-    """The cases with the smallest metric, with what else is known of them."""
-    cases = data.ranked()[:_BEST_CASES]
-    metrics = [data.metric, *(name for name in CASE_METRICS if name != data.metric)]
+def best_cases(
+    data: SweepData,
+    most: int = _BEST_CASES,
+    *,
+    by_metric_alone: bool = False,
+    rest: str = "cases.csv",
+) -> Table:
+    """The cases with the smallest metric, with what else is known of them.
+
+    Args:
+        data: The sweep.
+        most: So many are told.
+        by_metric_alone: Leave out the other metrics.
+        rest: Where the other cases are.
+    """
+    cases = data.ranked()[:most]
+    others = [name for name in CASE_METRICS if name != data.metric]
+    metrics = [data.metric, *([] if by_metric_alone else others)]
     rows = tuple(
         (
             Cell(str(case)),
@@ -57,7 +72,7 @@ def _best_cases(data: SweepData) -> Table:
     units += [f"[{CASE_COLUMNS[name].unit}]" if CASE_COLUMNS[name].unit else "" for name in metrics]
     grid = Grid("", (tuple(heads), tuple(units)), (True,) * len(heads), rows)
     more = len(data) - len(cases)
-    note = f"The other {more:,} cases are in cases.csv." if more else ""
+    note = f"The other {more:,} cases are in {rest}." if more else ""
     return Table(f"Best cases by {data.metric}", (grid,), note, is_folded=True)
 
 
@@ -79,7 +94,7 @@ def leaderboard_chapter(data: LeaderboardData) -> Chapter:
         tables=[*map(comparison, first), comparison(entries, is_folded=True)],
         pictures=[
             picture(
-                "how near each law comes to the trajectory, and how soon",
+                LEADERBOARD_SHOWS,
                 partial(leaderboard_figure, data),
             )
         ],

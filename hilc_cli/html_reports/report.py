@@ -17,16 +17,15 @@ import math
 import os
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from hilc_cli.errors import ExistingResultsError, MissingFileError, UsageError
 from hilc_cli.files import is_there, open_to_read, write_file, writing
 from hilc_cli.html_reports.chapter import Chapter
 from hilc_cli.html_reports.of_runs import comparison_chapter, run_chapter
 from hilc_cli.html_reports.of_tables import leaderboard_chapter, sweep_chapter
+from hilc_cli.html_reports.templates import own_file, template
+from hilc_cli.leaderboards.comparing import LawComparison
 from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.folder import is_leaderboard, read_leaderboard
 from hilc_cli.results.run import RunData
@@ -37,9 +36,6 @@ from hilc_cli.sweeps.sweep_folder import is_sweep, read_sweep
 from hilc_cli.version import __version__
 from hilc_cli.wording import listed
 
-if TYPE_CHECKING:
-    from jinja2 import Template
-
 _ENDINGS = (".html", ".htm")
 _MOST_WHOLE = 4
 """With more results than that, each run has few pictures."""
@@ -47,21 +43,28 @@ _MARK = '<meta name="hilc-report" content="{}">'
 _HEAD = 1000  # bytes in which the mark is
 
 
+Place = Path | str
+"""The folder of a result; of one that is in memory only, what it is called among the others."""
+
+ResultSource = RunData | SweepData | LeaderboardData | LawComparison | str | Path
+"""A result of which a page can tell, or its folder."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Results:
-    """What a page is about, as it was read.
+    """What a page is about.
 
     Attributes:
-        folders: Where, in the order in which they are told.
+        folders: Where it was read, in the order in which it is told.
         runs: Runs and labs, by folder.
         sweeps: Likewise.
         leaderboards: Likewise.
     """
 
-    folders: tuple[Path, ...]
-    runs: Mapping[Path, RunData]
-    sweeps: Mapping[Path, SweepData]
-    leaderboards: Mapping[Path, LeaderboardData]
+    folders: tuple[Place, ...]
+    runs: Mapping[Place, RunData]
+    sweeps: Mapping[Place, SweepData]
+    leaderboards: Mapping[Place, LeaderboardData]
 
     def __repr__(self) -> str:
         return f"Results of {listed(self.folders)}"
@@ -72,30 +75,56 @@ class Results:
         return {number for run in self.runs.values() for number in run.trials}
 
 
-def read_results(folders: Sequence[str | Path]) -> Results:
+def read_results(sources: Sequence[ResultSource]) -> Results:
     """Reads runs, labs, sweeps and leaderboards; no code of theirs is run.
 
+    Args:
+        sources: Their folders; what is in memory already is taken as it is.
+
     Raises:
-        UsageError: A folder holds no such results.
+        UsageError: A folder holds no such results, or something else is given.
         HilcError: It is damaged.
     """
-    places = tuple(dict.fromkeys(map(Path, folders)))
+    runs: dict[Place, RunData | None] = {}
+    sweeps: dict[Place, SweepData] = {}
+    leaderboards: dict[Place, LeaderboardData] = {}
+    places: dict[Place, None] = {}
+    for number, source in enumerate(sources, 1):
+        place = Path(source) if isinstance(source, str | Path) else f"result {number}"
+        places[place] = None
+        if isinstance(source, RunData):
+            runs[place] = source
+        elif isinstance(source, SweepData):
+            sweeps[place] = source
+        elif isinstance(source, LeaderboardData | LawComparison):
+            leaderboards[place] = source.data if isinstance(source, LawComparison) else source
+        elif not isinstance(place, Path):
+            raise UsageError(
+                "a report is of runs, sweeps, leaderboards and their folders; "
+                f"got {type(source).__name__}"
+            )
+        elif is_sweep(place):
+            sweeps[place] = read_sweep(place)
+        elif is_leaderboard(place):
+            leaderboards[place] = read_leaderboard(place)
+        else:
+            runs[place] = None
     if not places:
         raise UsageError("there is nothing to report; give at least one folder with results")
-    sweeps = {place: read_sweep(place) for place in places if is_sweep(place)}
-    leaderboards = {place: read_leaderboard(place) for place in places if is_leaderboard(place)}
-    rest = [place for place in places if place not in sweeps and place not in leaderboards]
-    for place in rest:
+    for place in runs:
+        if not isinstance(place, Path):
+            continue
         if not is_there(place / ITERATIONS) and not LAB_FOLDER.is_at(place):
             raise UsageError(
                 f"{place}: holds no run, lab, sweep or leaderboard; give a folder that hilc has "
                 "written"
             )
-    return Results(places, dict(zip(rest, as_runs(rest), strict=True)), sweeps, leaderboards)
+    read = as_runs([place if run is None else run for place, run in runs.items()])
+    return Results(tuple(places), dict(zip(runs, read, strict=True)), sweeps, leaderboards)
 
 
 def report(
-    results: Results | str | Path | Sequence[str | Path],
+    results: Results | ResultSource | Sequence[ResultSource],
     file: str | Path,
     *,
     title: str = "",
@@ -105,8 +134,8 @@ def report(
     """Writes results as one page for a browser; nothing is simulated.
 
     Args:
-        results: One or several folders of runs, labs, sweeps and leaderboards, or what
-            `read_results` made of them. Several runs are compared.
+        results: One or several runs, sweeps and leaderboards, or folders of them and of labs, or
+            what `read_results` made of these. Several runs are compared.
         file: The page, such as ``report.html``.
         title: What stands above it; by default the names of the results.
         iterations: Recorded iterations of runs that are shown; all by default.
@@ -126,7 +155,8 @@ def report(
     file = Path(file)
     check_report_file(file, force=force)
     if not isinstance(results, Results):
-        results = read_results([results] if isinstance(results, str | Path) else results)
+        alone = isinstance(results, ResultSource) or not isinstance(results, Sequence)
+        results = read_results([results] if alone else results)  # type: ignore[list-item, arg-type]
     if iterations is not None:
         _check_recorded(iterations, results.recorded)
     chapters = _chapters(results, iterations)
@@ -211,7 +241,15 @@ def _chapters(results: Results, iterations: Collection[int] | None) -> list[Chap
             # A run without any of them is shown as it is.
             shown = None if iterations is None else set(iterations) & set(run.trials) or None
             share = 1 / math.sqrt(len(runs))
-            chapters.append(run_chapter(run, folder, shown, share=share, in_short=in_short))
+            chapters.append(
+                run_chapter(
+                    run,
+                    folder if isinstance(folder, Path) else None,
+                    shown,
+                    share=share,
+                    in_short=in_short,
+                )
+            )
     return chapters
 
 
@@ -226,8 +264,8 @@ def _page(chapters: Sequence[Chapter], title: str, mark: str) -> str:
     """The whole page as text."""
     from markupsafe import Markup
 
-    style, program = _own_file("page.css"), _own_file("player.js")
-    return _template().render(
+    style, program = own_file("page.css"), own_file("player.js")
+    return template("report.html.j2").render(
         title=title,
         chapters=chapters,
         mark=Markup(mark),
@@ -237,21 +275,6 @@ def _page(chapters: Sequence[Chapter], title: str, mark: str) -> str:
         program_checksum=_checksum(program),
         version=__version__,
     )
-
-
-@cache
-def _template() -> Template:
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
-    return environment.from_string(_own_file("report.html.j2"))
-
-
-def _own_file(name: str) -> str:
-    return (files("hilc_cli.html_reports") / "page" / name).read_text(encoding="utf-8")
 
 
 def _checksum(text: str) -> str:

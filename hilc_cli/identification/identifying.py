@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,8 +32,13 @@ from hilc_cli.logs.log import Log, Twists, WheelSpeeds
 from hilc_cli.logs.options import ReadOptions
 from hilc_cli.logs.pose_filter import RollingNoise
 from hilc_cli.logs.reading import read_log
+from hilc_cli.results.frames import frame
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.scenario.loading import Overrides
 from hilc_cli.wording import counted, in_short
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 _MOST_READINGS = 20_000
 _FEWEST_COMMANDS = 3
@@ -65,7 +71,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Identification:
+class Identification(InNotebooks):
     """What logs tell of a robot.
 
     Attributes:
@@ -101,14 +107,33 @@ class Identification:
         lines = [f"{each.name}: {each.value:.6g} {each.unit}" for each in self.estimates.values()]
         return in_short(f"Identification from {self.length:.3g} m", *lines)
 
+    def to_pandas(self) -> DataFrame:
+        """The estimates as a data frame of pandas, a row each, in SI units.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        estimates = self.estimates.values()
+        columns: dict[str, list[object]] = {
+            "quantity": [each.key for each in estimates],
+            "value": [each.value for each in estimates],
+            "standard_error": [each.error for each in estimates],
+            "unit": [each.unit for each in estimates],
+            "believed": [each.believed for each in estimates],
+            "known": [each.known for each in estimates],
+        }
+        return frame({"estimates": lambda: columns}, "estimates")
+
 
 def identify(
-    logs: Sequence[Log | Path | str], overrides: Overrides = (), options: ReadOptions | None = None
+    logs: Log | Path | str | Sequence[Log | Path | str],
+    overrides: Overrides = (),
+    options: ReadOptions | None = None,
 ) -> Identification:
     """Returns what logs tell of the robot that they are of.
 
     Args:
-        logs: Of one robot: files, folders of bags, or logs that were read.
+        logs: Of one robot, one or several: files, folders of bags, or logs that were read.
         overrides: What is believed of it: values by dotted key, such as ``model.wheel_radius``, or
             texts ``KEY=VALUE`` as on the command line.
         options: How files and bags are read.
@@ -118,7 +143,8 @@ def identify(
         UsageError: A log cannot be read, has no commands and no wheel speeds, or nothing moves.
     """
     believed = believed_of(overrides)
-    read = [log if isinstance(log, Log) else read_log(Path(log), options) for log in logs]
+    several = [logs] if isinstance(logs, Log | str | Path) else logs
+    read = [log if isinstance(log, Log) else read_log(Path(log), options) for log in several]
     return identified(read, believed)
 
 

@@ -9,6 +9,7 @@ from hilc_cli.identification.identifying import Estimate, Identification
 from hilc_cli.reporting.terminal import Grid, print_grid, print_text
 from hilc_cli.yaml_input.tree import to_yaml
 
+HEADER = ("", "value", "standard error", "believed", "")
 _CONVENTIONS = {"left": "paper", "right": "rep103"}
 
 
@@ -19,8 +20,8 @@ def print_report(found: Identification) -> None:
         f"({found.duration / 60:.1f} min)"
     )
     print_text("")
-    header = [("", ""), ("value", ""), ("standard error", ""), ("believed", ""), ("", "")]
-    rows = [_row(each) for each in found.estimates.values()]
+    header = [(name, "") for name in HEADER]
+    rows = [estimate_row(each) for each in found.estimates.values()]
     print_grid(Grid(header, rows))
     print_text("")
     for line in sentences(found):
@@ -42,7 +43,8 @@ def print_report(found: Identification) -> None:
             print_text(f"{name}: {value:.5f}")
 
 
-def _row(each: Estimate) -> list[str]:
+def estimate_row(each: Estimate) -> list[str]:
+    """An estimate as a table tells it, under `HEADER`."""
     unit = f" {each.unit}" if each.unit else ""
     error = "" if each.error is None else f"{each.error:.1g}{unit}"
     believed = "" if each.believed is None else f"{each.believed:.6g}{unit}"

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.labs.driving import Drive
@@ -20,6 +20,7 @@ from hilc_cli.logs.log import RefusedTrialError
 from hilc_cli.logs.options import ReadOptions
 from hilc_cli.logs.reading import read_log
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.run_folder import LAB_FOLDER, LAB_NEXT, PLAN
@@ -28,10 +29,13 @@ from hilc_cli.scenario.loading import Overrides, ScenarioSource, load_scenario
 from hilc_cli.theory.feasibility.feasibility import beyond_wheels
 from hilc_cli.wording import counted, in_short
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 _FIRST_INPUT = "initial_input"
 
 
-class Lab:
+class Lab(InNotebooks):
     """Learning on a real robot: `plan` is to be driven, `add` takes in what came of it.
 
     Attributes:
@@ -81,12 +85,12 @@ class Lab:
 
         Raises:
             InvalidInputError: The scenario is not valid.
-            UsageError: Nothing limits the speed of the wheels.
+            UsageError: Nothing limits the speed of the wheels, or overrides are given of a
+                scenario that has been read.
             ExistingResultsError: Something stands in the folder.
             FileAccessError: It cannot be written.
         """
-        if not isinstance(scenario, Scenario):
-            scenario = load_scenario(scenario, overrides, trust=trust)
+        scenario = load_scenario(scenario, overrides, trust=trust)
         check_limited(scenario)
         path = Path(folder)
         _check_free(path)
@@ -122,6 +126,18 @@ class Lab:
     def run(self) -> RunData:
         """All trials as the iterations of a run."""
         return self._state.run
+
+    def to_pandas(self, table: str = "iterations") -> DataFrame:
+        """A table as a data frame of pandas, with the columns of its CSV file.
+
+        Args:
+            table: Of those that a run has; a row of iterations is a trial.
+
+        Raises:
+            UnknownNameError: There is no such table of this lab; names those that there are.
+            MissingPackageError: pandas is not installed.
+        """
+        return self.run.to_pandas(table)
 
     def add_log(
         self,

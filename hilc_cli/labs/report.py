@@ -26,7 +26,7 @@ from hilc_cli.runs.report import learned_rows
 from hilc_cli.wording import counted
 
 _RMS, _FINAL = "rms_position_error_m", "final_position_error_m"
-_HEADER = [
+TRIALS_HEADER = [
     ("Trial", ""), ("Largest error", "mm"), ("RMS", "mm"), ("At the end", "mm"),
     ("Started off", "mm"), ("Started off", "mrad"), ("Log", ""),
 ]  # fmt: skip
@@ -45,7 +45,9 @@ def print_status(state: LabState, plan_file: Path) -> None:
     if state.trials:
         print_text(summarise(run).headline)
         print_text("")
-        print_grid(Grid(_HEADER, [_row(state, number) for number in range(len(state.trials))]))
+        print_grid(
+            Grid(TRIALS_HEADER, [trial_row(state, number) for number in range(len(state.trials))])
+        )
         print_text("")
         learned = learned_rows(run.learning.last())
         if learned:
@@ -65,7 +67,8 @@ def print_alignment(state: LabState) -> None:
     print_text("")
 
 
-def _row(state: LabState, number: int) -> list[str]:
+def trial_row(state: LabState, number: int) -> list[str]:
+    """A trial as a table tells it, under `TRIALS_HEADER`."""
     metrics, report = state.run.metrics.row(number), state.trials[number].report
     away, turned = start_offset(state, number)
     return [
@@ -84,14 +87,14 @@ def start_offset(state: LabState, number: int) -> tuple[float, float]:
     return math.hypot(x - start[0], y - start[1]), heading - start[2]
 
 
-def next_rows(state: LabState, plan_file: Path) -> list[tuple[str, str]]:
+def next_rows(state: LabState, plan_file: Path | None = None) -> list[tuple[str, str]]:
     """Returns what there is to say of the next plan, names and values."""
     plan, reference = state.plan.shortest, state.run.reference
     limits = state.scenario.spec.safety_limits
     fastest = float(np.abs([plan.left, plan.right]).max())
     first = -plan.lead_in * reference.sample_time
     rows = [
-        ("Plan", str(plan_file)),
+        *([] if plan_file is None else [("Plan", str(plan_file))]),
         (
             "Time",
             f"{first:g} to {reference.times[-1]:g} s, a row every {reference.sample_time:g} s",

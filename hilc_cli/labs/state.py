@@ -5,15 +5,21 @@ from __future__ import annotations
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from hilc_cli.engine.robot_learning import RobotLearning, without_lead_in
 from hilc_cli.labs.trials import LabTrial
 from hilc_cli.laws.law import Figures, Plan
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.learning import TRUE, LearningTable
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
 from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
+from hilc_cli.wording import counted, in_short
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,8 +49,8 @@ class _Learned:
         return _Learned(learning, figures, (*self.warnings, told))
 
 
-@dataclass(frozen=True, eq=False)
-class LabState:
+@dataclass(frozen=True, eq=False, repr=False)
+class LabState(InNotebooks):
     """A scenario and the trials of it so far.
 
     Attributes:
@@ -56,6 +62,10 @@ class LabState:
     scenario: Scenario
     trials: tuple[LabTrial, ...] = ()
     before: LabState | None = None
+
+    def __repr__(self) -> str:
+        trials = counted(len(self.trials), "trial")
+        return in_short(f"LabState: {self.scenario.name}, {trials}")
 
     def after(self, trial: LabTrial) -> LabState:
         """Returns the state with one more trial."""
@@ -92,6 +102,18 @@ class LabState:
     @property
     def _speed_limit(self) -> float:
         return self.scenario.spec.safety_limits.wheel_speed
+
+    def to_pandas(self, table: str = "iterations") -> DataFrame:
+        """A table as a data frame of pandas, with the columns of its CSV file.
+
+        Args:
+            table: Of those that a run has; a row of iterations is a trial.
+
+        Raises:
+            UnknownNameError: There is no such table of this lab; names those that there are.
+            MissingPackageError: pandas is not installed.
+        """
+        return self.run.to_pandas(table)
 
     @cached_property
     def run(self) -> RunData:

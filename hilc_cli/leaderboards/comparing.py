@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
 from hilc_cli.comparisons.table import ComparisonTable, Value
 from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
 from hilc_cli.leaderboards.contests import LeaderboardData, compete, compute_entries
-from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES
+from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES, read_leaderboard
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import (
     cases_table,
@@ -25,13 +25,17 @@ from hilc_cli.leaderboards.tables import (
     settings_table,
 )
 from hilc_cli.results.folder import COMPILED_WITH, origin
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.wording import suggestion
 from hilc_cli.workers.crews import available_cores
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LawComparison:
+class LawComparison(InNotebooks):
     """Laws, and what became of each in each case.
 
     Attributes:
@@ -71,6 +75,14 @@ class LawComparison:
     def entries(self) -> ComparisonTable:
         """All runs."""
         return entries_table(self.data)
+
+    def to_pandas(self) -> DataFrame:
+        """A data frame of pandas with a row per run and the columns of leaderboard.csv.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        return self.data.to_pandas()
 
     def printed(self, *, everything: bool = False) -> list[ComparisonTable]:
         """The tables that are printed; with everything that of all runs, too."""
@@ -212,7 +224,7 @@ def compare_laws(
 
 
 def plot_leaderboard(
-    data: LeaderboardData,
+    data: LeaderboardData | LawComparison | str | Path,
     folder: str | Path,
     *,
     formats: Sequence[str] = ("png",),
@@ -223,7 +235,7 @@ def plot_leaderboard(
     """Draws the picture of a leaderboard.
 
     Args:
-        data: From `read_leaderboard`, or the `data` of a `LawComparison`.
+        data: From `compare_laws` or `read_leaderboard`, or the folder of a leaderboard.
         folder: Where to put leaderboard.FORMAT; made if it is not there.
         formats: png, svg, pdf.
         dpi: Resolution of png.
@@ -240,6 +252,14 @@ def plot_leaderboard(
     """
     from hilc_cli.leaderboards.picture import save_leaderboard  # Matplotlib starts slowly
 
+    drawn = _entries_of(data)
     return merge_folder(
-        Path(folder), lambda into: save_leaderboard(data, into, formats, dpi, look), may_replace
+        Path(folder), lambda into: save_leaderboard(drawn, into, formats, dpi, look), may_replace
     )
+
+
+def _entries_of(source: LeaderboardData | LawComparison | str | Path) -> LeaderboardData:
+    """The entries that something has, those of a folder read."""
+    if isinstance(source, LawComparison):
+        return source.data
+    return source if isinstance(source, LeaderboardData) else read_leaderboard(source)

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from hilc_cli.engine.loop import MeasuredTrials, prepare_machine_code
 from hilc_cli.errors import DivergedError, HilcError
 from hilc_cli.leaderboards.plan import Contest
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.metrics import (
     MAX_ERROR,
     MAX_ERROR_SECOND_HALF,
@@ -24,6 +26,9 @@ from hilc_cli.results.metrics import (
 )
 from hilc_cli.wording import in_short, listed
 from hilc_cli.workers.crews import Alone, Crew, Processes, hand_out
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +85,7 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LeaderboardData:
+class LeaderboardData(InNotebooks):
     """The entries of a leaderboard.
 
     Attributes:
@@ -98,6 +103,16 @@ class LeaderboardData:
     def __repr__(self) -> str:
         title = f"LeaderboardData {self.name!r}: {len(self.entries)} runs"
         return in_short(title, f"laws: {listed(self.laws)}")
+
+    def to_pandas(self) -> DataFrame:
+        """A data frame of pandas with a row per run and the columns of leaderboard.csv.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        from hilc_cli.leaderboards.tables import entries_table  # which is made of this
+
+        return entries_table(self).to_pandas()
 
     @property
     def laws(self) -> tuple[str, ...]:

@@ -50,21 +50,29 @@ def write_claims_csv(path: Path, judged: Judged) -> None:
 
     Verdict, figures and reason of each reading stand side by side, with its name in front.
     """
-    readings = [reading.name for reading in readings_of(judged)]
+    header, rows = claims_rows(judged)
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        found = [f"{reading}_{name}" for name in _ABOUT_FINDINGS for reading in readings]
-        writer.writerow([*_ABOUT_CLAIMS, *found])
-        for claim, of_readings in judged:
-            findings = [of_readings[reading] for reading in readings]
-            writer.writerow(
-                [
-                    *(claim.name, claim.sentence, claim.place, claim.measured, claim.criterion),
-                    *(finding.verdict.value for finding in findings),
-                    *("; ".join(map(_exact, finding.figures)) for finding in findings),
-                    *(finding.reason for finding in findings),
-                ]
-            )
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+def claims_rows(judged: Judged) -> tuple[list[str], list[list[str]]]:
+    """The header of ``claims.csv`` and its rows."""
+    readings = [reading.name for reading in readings_of(judged)]
+    found = [f"{reading}_{name}" for name in _ABOUT_FINDINGS for reading in readings]
+    rows = []
+    for claim, of_readings in judged:
+        findings = [of_readings[reading] for reading in readings]
+        rows.append(
+            [
+                *(claim.name, claim.sentence, claim.place, claim.measured, claim.criterion),
+                *(finding.verdict.value for finding in findings),
+                *("; ".join(map(_exact, finding.figures)) for finding in findings),
+                *(finding.reason for finding in findings),
+            ]
+        )
+    return [*_ABOUT_CLAIMS, *found], rows
 
 
 def _exact(figure: Figure) -> str:

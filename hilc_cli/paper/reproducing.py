@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import product
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from hilc_cli.engine.loop import prepare_machine_code
 from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.paper.claim import Claim, Evidence, Finding
-from hilc_cli.paper.claim_texts import claims_text, write_claims_csv
+from hilc_cli.paper.claim_texts import claims_rows, claims_text, write_claims_csv
 from hilc_cli.paper.contents import (
     CLAIMS_CSV,
     CLAIMS_MD,
@@ -34,6 +34,8 @@ from hilc_cli.paper.plan import ReproductionPlan
 from hilc_cli.paper.reading import READINGS, Reading, readings_named
 from hilc_cli.paper.texts import gains_text, group_text, index_text, situation_text
 from hilc_cli.results.folder import DRAWN_WITH, origin, versions
+from hilc_cli.results.frames import frame
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.running import Run, run
@@ -48,6 +50,10 @@ from hilc_cli.workers.crews import (
     hand_out,
 )
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawn
+    from pandas import DataFrame
+
 _MANY = 1000
 """Iterations of all runs, of some 4 ms each, from which on worker processes pay."""
 
@@ -56,7 +62,7 @@ DPI = 300
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Reproduction:
+class Reproduction(InNotebooks):
     """Results of the paper's experiments, and how they came to be.
 
     Attributes:
@@ -78,6 +84,24 @@ class Reproduction:
         figures = listed(figure.name for figure in self.plan.figures)
         return in_short(
             f"Reproduction of {figures}: {self.plan.runs} runs, {len(self.judged)} claims judged"
+        )
+
+    def to_pandas(self) -> DataFrame:
+        """The claims as a data frame of pandas, with the columns of claims.csv.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        header, rows = claims_rows(self.judged)
+        columns = {name: [row[place] for row in rows] for place, name in enumerate(header)}
+        return frame({"claims": lambda: columns}, "claims")
+
+    def sheet(
+        self, figure: PaperFigure, reading: Reading, look: Look = USUAL
+    ) -> tuple[Drawn, list[Panel]]:
+        """Draws one of the paper's figures under a reading, and tells its panels."""
+        return _sheet(
+            figure, reading, self.runs[reading.name], self.plan.scenarios[reading.name], look
         )
 
     def write(
@@ -266,27 +290,38 @@ class _Drawing:
     look: Look
 
     def __call__(self, number: int) -> dict[str, bytes]:
-        from hilc_cli.drawing.save import render
-        from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
+        from hilc_cli.drawing.save import render  # Matplotlib starts slowly
 
         figure, name = self.sheets[number]
         (reading,) = readings_named(name)
-        of_reading = self.runs[name], self.scenarios[name], reading
-        rows = [_row(panels, *of_reading) for panels in figure.rows]
-        sheet = sheet_figure(
-            f"Figure {figure.number}. {figure.title}",
-            f"{reading.name.capitalize()} reading: {reading.law}",
-            rows,
-            self.look,
-        )
+        sheet, drawn = _sheet(figure, reading, self.runs[name], self.scenarios[name], self.look)
         files = {
             picture_name(figure, reading, suffix): render(sheet, suffix, self.dpi)
             for suffix in self.suffixes
         }
-        drawn = [panel for row in rows for panel in row.panels]
         for panel, content in zip(figure.panels, drawn, strict=True):
             files[data_name(panel, reading)] = panel_table(content)
         return files
+
+
+def _sheet(
+    figure: PaperFigure,
+    reading: Reading,
+    runs: Mapping[str, Run],
+    scenarios: Mapping[str, Scenario],
+    look: Look,
+) -> tuple[Drawn, list[Panel]]:
+    """A figure under a reading, and its panels."""
+    from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
+
+    rows = [_row(panels, runs, scenarios, reading) for panels in figure.rows]
+    drawn = sheet_figure(
+        f"Figure {figure.number}. {figure.title}",
+        f"{reading.name.capitalize()} reading: {reading.law}",
+        rows,
+        look,
+    )
+    return drawn, [panel for row in rows for panel in row.panels]
 
 
 _Result = TypeVar("_Result")

@@ -35,7 +35,7 @@ _CLOSED = 1e-9  # [m] between the ends of a closed path, beside the size of its 
 def print_report(path: ShownPath) -> None:
     """Prints totals, where most is asked for, each segment, and where the curvature jumps."""
     print_table(title(path.headline))
-    print_table(two_columns("", _rows(path), numbers=False))
+    print_table(two_columns("", total_rows(path), numbers=False))
     print_text("")
     print_grid(_segments(path))
     if path.jumps:
@@ -184,7 +184,7 @@ def _gap(path: ShownPath) -> float:
     return math.hypot(x[-1] - x[0], y[-1] - y[0])
 
 
-def _rows(path: ShownPath) -> list[tuple[str, str]]:
+def total_rows(path: ShownPath) -> list[tuple[str, str]]:
     """Returns what the path is, and where it asks for most."""
     demand, motion, reference = path.demand, path.motion, path.reference
     gap, size = _gap(path), float(np.abs([*reference.x, *reference.y]).max())

@@ -6,17 +6,21 @@ import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.files import merge_folder, write_file
 from hilc_cli.paths.motion import Motion, PassedJump, motion_of, passed_jumps
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.profiled import Profile
 from hilc_cli.reference.sampled import Reference
+from hilc_cli.results.frames import frame
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.scenario.experiment import Scenario
-from hilc_cli.scenario.loading import Overrides, ScenarioSource, load_path
+from hilc_cli.scenario.loading import Overrides, ScenarioSource, load_path, refuse_overrides
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.theory.feasibility.demand import Demand, demand_of
 from hilc_cli.theory.feasibility.feasibility import (
@@ -26,6 +30,9 @@ from hilc_cli.theory.feasibility.feasibility import (
 )
 from hilc_cli.theory.feasibility.plausibility import implausible
 from hilc_cli.wording import counted, listed, wrapped
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 PICTURE = "path"
 SAMPLES_HEADER = (
@@ -40,7 +47,7 @@ _MOST_TOLD = 4  # warnings that a path shows of itself
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ShownPath:
+class ShownPath(InNotebooks):
     """A path with all that can be told of it before a simulation.
 
     Attributes:
@@ -89,18 +96,30 @@ class ShownPath:
         out, so that the last sample has none; nor has a step that stands or turns in place a
         curvature.
         """
+        columns = self._columns()
+        text = io.StringIO()
+        text.write(",".join(columns) + "\n")
+        for row in zip(*(column.tolist() for column in columns.values()), strict=True):
+            cells = ("" if value != value else repr(value) for value in row)
+            text.write(f"{','.join(cells)}\n")
+        return text.getvalue()
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
         of_samples = [self.reference.times, *self.reference.poses.T, self.motion.distance]
         of_steps = [self.motion.speed, self.motion.yaw_rate, self.motion.curvature]
         known = self.feasibility is not None
         of_steps += self.demand.wheels if known else ()
         header = (*SAMPLES_HEADER, *(WHEELS_HEADER if known else ()))
         columns = [*of_samples, *(np.append(values, np.nan) for values in of_steps)]
-        text = io.StringIO()
-        text.write(",".join(header) + "\n")
-        for sample, row in enumerate(zip(*(column.tolist() for column in columns), strict=True)):
-            cells = ("" if value != value else repr(value) for value in row)
-            text.write(f"{sample},{','.join(cells)}\n")
-        return text.getvalue()
+        return dict(zip(header, [np.arange(len(of_samples[0])), *columns], strict=True))
+
+    def to_pandas(self) -> DataFrame:
+        """The sampled path as a data frame of pandas, with the columns of `csv`.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        return frame({PICTURE: self._columns}, PICTURE)
 
     def write_csv(self, file: str | Path) -> None:
         """Writes `csv` to a file, as a whole; one that stands there is replaced.
@@ -165,10 +184,12 @@ def show(
 
     Raises:
         HilcError: The scenario or the trajectory is not valid, or cannot be read.
+        UsageError: Overrides are given of what has been loaded already.
     """
     if not isinstance(source, Scenario | TrajectorySpec):
         loaded, notes = load_path(source, overrides, trust=trust)
         return replace(show(loaded), notes=notes)
+    refuse_overrides(source.name, overrides)
     if isinstance(source, TrajectorySpec):
         reference, profile = source.reference(), source.profile()
         shown = show_reference(source.name, reference, source.segment_names, profile)

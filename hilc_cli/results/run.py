@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,16 +17,20 @@ from hilc_cli.plants.kinematic import (
     wheel_speeds_from_twist,
 )
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.learning import LearningTable
 from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, MetricsTable
 from hilc_cli.results.trial import Trial
 from hilc_cli.wording import in_short
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 _SAME_POSE = 1e-9  # of the path's size, or in radians
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class RunData:
+class RunData(InNotebooks):
     """Everything that tables and figures show of a run; it does not say who made it.
 
     Attributes:
@@ -135,6 +140,20 @@ class RunData:
             summarise(self).headline,
             *(f"{name}[-1] = {last[name]:.6g}" for name in (MAX_ERROR, MAX_ERROR_SECOND_HALF)),
         )
+
+    def to_pandas(self, table: str = "iterations") -> DataFrame:
+        """A table as a data frame of pandas, with the columns of its CSV file.
+
+        Args:
+            table: iterations, samples, input, plan, learning or gravity-center.
+
+        Raises:
+            UnknownNameError: There is no such table of this run; names those that there are.
+            MissingPackageError: pandas is not installed.
+        """
+        from hilc_cli.results.frames import frame, run_tables
+
+        return frame(run_tables(self), table)
 
     def position_error(self, iteration: int) -> Floats:
         """Distance from the reference at each sample of a recorded iteration [m].

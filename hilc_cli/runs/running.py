@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -238,6 +238,22 @@ RunSource = RunData | str | Path
 """A run, or its folder."""
 
 
+def as_run(source: RunSource) -> RunData:
+    """The run itself, or the one that is read from a folder.
+
+    Raises:
+        HilcError: It is no run, the folder is no run folder, or damaged.
+    """
+    if isinstance(source, RunData):
+        return source
+    if not isinstance(source, str | Path):
+        raise UsageError(
+            "a run is what run or read_run has returned, or the folder of one; "
+            f"got {type(source).__name__}"
+        )
+    return read_run(source)
+
+
 def as_runs(runs: RunSource | Sequence[RunSource]) -> list[RunData]:
     """One or several runs, those read that are folders.
 
@@ -246,8 +262,9 @@ def as_runs(runs: RunSource | Sequence[RunSource]) -> list[RunData]:
     Raises:
         HilcError: A folder is no run folder, or damaged.
     """
-    sources = [runs] if isinstance(runs, RunData | str | Path) else list(runs)
-    found = [each if isinstance(each, RunData) else read_run(each) for each in sources]
+    alone = isinstance(runs, RunData | str | Path) or not isinstance(runs, Iterable)
+    sources: list[RunSource] = [runs] if alone else list(runs)  # type: ignore[list-item, arg-type]
+    found = [as_run(each) for each in sources]
     if len({run.name for run in found}) == len(found) or any(
         isinstance(each, RunData) for each in sources
     ):

@@ -8,7 +8,7 @@ from typing import Self
 
 from pydantic import ValidationError, model_validator
 
-from hilc_cli.errors import HilcError, InvalidInputError, Problem
+from hilc_cli.errors import HilcError, InvalidInputError, Problem, UsageError
 from hilc_cli.plug_ins import trusting
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.timing import TimingError
@@ -57,25 +57,42 @@ def as_scenario(source: ScenarioSource) -> Scenario:
     Raises:
         HilcError: As for `load_scenario`.
     """
-    return source if isinstance(source, Scenario) else load_scenario(source)
+    return load_scenario(source)
+
+
+def refuse_overrides(name: str, overrides: Overrides) -> None:
+    """Makes sure that nothing is to be changed of what has been read already.
+
+    Raises:
+        UsageError: Something is, which would be ignored.
+    """
+    if overrides:
+        raise UsageError(
+            f"{name}: has been read already, so that overrides come too late; give them to "
+            "load_scenario with the file, the example or the dictionary that it was read from"
+        )
 
 
 def load_scenario(
-    source: str | Path | Mapping[str, object], overrides: Overrides = (), *, trust: bool = False
+    source: ScenarioSource, overrides: Overrides = (), *, trust: bool = False
 ) -> Scenario:
     """Reads and validates a scenario with everything that it refers to.
 
     Args:
         source: A file, ``-`` for standard input, ``example:NAME``, or what would stand in a file as
-            a dictionary, whose paths start from the working folder.
+            a dictionary, whose paths start from the working folder. A scenario that has been read
+            is returned as it is.
         overrides: Values by dotted key, or texts ``KEY=VALUE`` as on the command line.
         trust: Whether classes that the scenario names as ``package.module:Class`` may be imported.
 
     Raises:
         InvalidInputError: The scenario or its trajectory is not valid; names every problem.
-        UsageError: There is no such file.
+        UsageError: There is no such file, or overrides are given of a scenario that has been read.
         FileAccessError: A file cannot be read.
     """
+    if isinstance(source, Scenario):
+        refuse_overrides(source.name, overrides)
+        return source
     inputs = Inputs()
     return _scenario(inputs.tree(source), changes_of(overrides), inputs, trust=trust)
 

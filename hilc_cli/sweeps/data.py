@@ -5,16 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.names import named
 from hilc_cli.reference.sampled import Floats
+from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE
 from hilc_cli.variation import Axis, Cases, ListedCases, Value, is_value
 from hilc_cli.wording import in_short, listed
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 BEST = "best.yaml"
 """The scenario of the best case, in the folder of a sweep that was a search."""
@@ -92,7 +96,7 @@ class Bands:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SweepData:
+class SweepData(InNotebooks):
     """The results of a sweep, from wherever they come.
 
     Attributes:
@@ -159,6 +163,21 @@ class SweepData:
             value = values[number]
             found[key] = value.item() if isinstance(value, np.generic) else value
         return found
+
+    def to_pandas(self, table: str = "cases") -> DataFrame:
+        """A table as a data frame of pandas, with the columns of its CSV file.
+
+        Args:
+            table: cases; or bands, if they were asked for.
+
+        Raises:
+            UnknownNameError: There is no such table of this sweep; names those that there are.
+            MissingPackageError: pandas is not installed.
+        """
+        from hilc_cli.results.frames import frame
+        from hilc_cli.sweeps.frames import sweep_tables
+
+        return frame(sweep_tables(self), table)
 
     def ranked(self) -> list[int]:
         """Numbers of the cases that completed, the smallest metric first."""

@@ -14,10 +14,12 @@ from hilc_cli.files import folder_to_read, is_there, read_file
 from hilc_cli.results.folder import COMPILED_WITH, INITIAL_INPUT, SCENARIO, origin
 from hilc_cli.results.reading import damaged
 from hilc_cli.results.tables import read_stored_input
+from hilc_cli.scenario.loading import ScenarioSource
 from hilc_cli.sweeps.chunks import Chunk, Failure
 from hilc_cli.sweeps.compute import Execution, compute
 from hilc_cli.sweeps.data import collect
 from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.planning import plan_sweep
 from hilc_cli.sweeps.store import WORK_FOLDER, FolderStore
 from hilc_cli.sweeps.sweeping import DEFAULT, Sweep, as_fields, opened_store
 
@@ -58,7 +60,7 @@ def check_shardable(plan: Plan) -> None:
 
 
 def sweep_shard(
-    plan: Plan,
+    plan: Plan | ScenarioSource,
     shard: tuple[int, int],
     folder: str | Path,
     how: Execution = DEFAULT,
@@ -69,7 +71,7 @@ def sweep_shard(
     """Runs one of several parts of a sweep, for `merge_shards`.
 
     Args:
-        plan: From `plan_sweep`, the same for all parts.
+        plan: As for `sweep`, the same for all parts.
         shard: ``(K, N)``: the K-th of N parts, counted from 1.
         folder: Where its results stay.
         how: As for `sweep`.
@@ -83,6 +85,7 @@ def sweep_shard(
         UsageError: There is no such part.
         HilcError: As for `sweep`.
     """
+    plan = plan if isinstance(plan, Plan) else plan_sweep(plan)
     check_shardable(plan)
     cases = shard_cases(len(plan.cases), *shard)
     name = f"{shard[0]}/{shard[1]}"

@@ -121,7 +121,7 @@ def read_sweep(folder: str | Path) -> SweepData:
 
 
 def plot_sweep(
-    data: SweepData,
+    data: SweepData | str | Path,
     folder: str | Path,
     *,
     kinds: Sequence[str] = (),
@@ -133,7 +133,7 @@ def plot_sweep(
     """Draws pictures of a sweep.
 
     Args:
-        data: From `read_sweep` or `sweep`.
+        data: From `read_sweep` or `sweep`, or the folder of a sweep.
         folder: Where to put KIND.FORMAT; made if it is not there.
         kinds: curve, map, effects, best, bands; by default those that fit.
         formats: png, svg, pdf.
@@ -152,10 +152,11 @@ def plot_sweep(
     # Matplotlib starts slowly.
     from hilc_cli.sweeps.pictures.catalogue import save_sweep_figures
 
+    drawn = data if isinstance(data, SweepData) else read_sweep(data)
     return merge_folder(
         Path(folder),
         lambda into: save_sweep_figures(
-            data, into, kinds=kinds, formats=formats, dpi=dpi, look=look
+            drawn, into, kinds=kinds, formats=formats, dpi=dpi, look=look
         ),
         may_replace,
     )

@@ -176,7 +176,7 @@ class Inputs:
         self.checksums[str(path)] = hashlib.sha256(content).hexdigest()
         return content
 
-    def tree(self, source: str | Path | Mapping[str, object], *kinds: str) -> Node:
+    def tree(self, source: object, *kinds: str) -> Node:
         """The YAML tree of a file, of standard input (``-``), of an example, or of data.
 
         Args:
@@ -185,12 +185,18 @@ class Inputs:
                 is of several kinds, the first counts.
 
         Raises:
-            HilcError: It cannot be read, or is no valid YAML.
+            HilcError: It cannot be read, is no valid YAML, or something else is given.
         """
         kinds = kinds or (SCENARIOS,)
         if isinstance(source, Mapping):
             label = kind_of(source, kinds).removesuffix("s")
             return from_data(source, Place(Source(label, Path(), has_lines=False)))
+        if not isinstance(source, str | os.PathLike):
+            what = " or ".join(_ONE[kind] for kind in kinds)
+            raise UsageError(
+                f"a {what} is a file, example:NAME, a dictionary, or what was loaded of one; "
+                f"got {type(source).__name__}"
+            )
         name = str(source)
         if name == STDIN:
             content = _read_stdin()

@@ -49,6 +49,34 @@ def page(place_of_all: Path, make_run: MakeRun) -> Iterator[Page]:
         assert page.complaints() == []
 
 
+@pytest.mark.parametrize(
+    ("marks", "turned"),
+    [
+        ('data-jp-theme-light="true"', False),
+        ('data-jp-theme-light="false"', True),
+        ('class="vscode-dark"', True),
+        ('style="color: #eee; background: #222"', False),  # dark, and does not say so
+    ],
+)
+def test_results_in_a_notebook_are_legible_light_and_dark(
+    tmp_path: Path, place_of_all: Path, make_run: MakeRun, marks: str, turned: bool
+) -> None:
+    file = tmp_path / "notebook.html"
+    parts = [make_run(HOSTILE)._repr_html_(), a_sweep()._repr_html_()]
+    file.write_text(f"<!doctype html><meta charset=utf-8><body {marks}>{''.join(parts)}")
+    assert PROGRAM is not None
+    with open_browser(PROGRAM, place_of_all / "home") as page:
+        page.open(file)
+        assert page.run("document.images.length") == 2
+        assert page.run("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
+        of_picture = "getComputedStyle(document.images[1])"
+        assert ("invert" in page.run(f"{of_picture}.filter")) == turned
+        assert page.run(f"{of_picture}.backgroundColor") == "rgb(255, 255, 255)"
+        words = "getComputedStyle(document.querySelector('.hilc-result td')).color"
+        assert page.run(words) == page.run("getComputedStyle(document.body).color")
+        assert page.requests() == page.complaints() == []
+
+
 def slide(page: Page, name: str, value: int) -> None:
     page.run(
         f"(() => {{ const s = document.querySelector('.player .{name} input');"

@@ -10,13 +10,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
 import hilc_cli as hilc_api
 from hilc_cli.errors import ExistingResultsError, UsageError
-from hilc_cli.html_reports import report as module
-from hilc_cli.html_reports.report import Results, read_results, report
+from hilc_cli.html_reports.report import Place, Results, read_results, report
+from hilc_cli.html_reports.templates import template
 from hilc_cli.labs.lab import Lab
 from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.results.run import RunData
@@ -28,6 +29,7 @@ from tests.made_up_runs import MakeRun
 from tests.made_up_sweeps import L1, L2, numbers, sweep
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'&<!--"
+SVG = "data:image/svg+xml,"
 RUNS = {"src", "href", "srcset", "action", "data", "poster", "background"}
 
 
@@ -66,9 +68,13 @@ def results_of(
     boards: Sequence[LeaderboardData] = (),
     at: Path = Path(),
 ) -> Results:
-    folders = {at / f"run{place}": run for place, run in enumerate(runs)}
-    of_sweeps = {at / f"sweep{place}": each for place, each in enumerate(sweeps)}
-    of_boards = {at / f"board{place}": each for place, each in enumerate(boards)}
+    folders: dict[Place, RunData] = {at / f"run{place}": run for place, run in enumerate(runs)}
+    of_sweeps: dict[Place, SweepData] = {
+        at / f"sweep{place}": each for place, each in enumerate(sweeps)
+    }
+    of_boards: dict[Place, LeaderboardData] = {
+        at / f"board{place}": each for place, each in enumerate(boards)
+    }
     return Results((*folders, *of_sweeps, *of_boards), folders, of_sweeps, of_boards)
 
 
@@ -121,8 +127,8 @@ def test_each_picture_has_words_and_a_size(page: Page) -> None:
     for each in pictures:
         assert len(each["alt"]) > 10
         assert int(each["width"]) > 100
-        content = base64.b64decode(each["src"].removeprefix("data:image/svg+xml;base64,"))
-        assert content.startswith(b"<?xml") and b"<svg" in content
+        content = unquote(each["src"].removeprefix(SVG))
+        assert content.startswith("<?xml") and "<svg" in content
     for each in page.of("th"):
         assert each["scope"] in ("col", "row")
     assert page.of("html") == [{"lang": "en"}]
@@ -153,7 +159,7 @@ def test_names_of_strangers_stay_text(make_run: MakeRun, folder: Path) -> None:
     )
     page = Page(file)
     assert len(page.of("script")) == 3  # two runs to play, and the program
-    assert all(each["src"].startswith("data:image/svg+xml;base64,") for each in page.of("img"))
+    assert all(each["src"].startswith(SVG) for each in page.of("img"))
     assert not [a for _, a in page.tags if any(name.startswith("on") for name in a)]
     assert page.texts.count(HOSTILE) >= 4
     assert not re.search(r"<script>alert|<img src=x", page.source)
@@ -236,7 +242,7 @@ def test_folders_without_results(folder: Path) -> None:
 
 
 def test_jinja_escapes_whatever_it_gets() -> None:
-    assert module._template().environment.autoescape is True
+    assert template("report.html.j2").environment.autoescape is True
 
 
 def test_lab_tells_its_logs(folder: Path) -> None:

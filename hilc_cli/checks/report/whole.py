@@ -51,7 +51,7 @@ def print_report(check: Check, *, verbose: bool = False, theory: bool = False) -
     print_table(title(f"{check.scenario.name}: {check.verdict}"))
     errors = [f"error: {text}" for text in check.failures]
     lines = 1 + _print_findings(errors, 0, _LEAST_SHOWN, show_all=verbose)
-    lines += print_table(two_columns("", _rows(check), numbers=False))
+    lines += print_table(two_columns("", rows_in_brief(check), numbers=False))
     if check.simulated is not None and not verbose:
         errors_beside = errors_grid(check)
         assert errors_beside is not None
@@ -94,7 +94,7 @@ def document(check: Check, pictures: Sequence[Path] = ()) -> dict[str, object]:
     }
 
 
-def _rows(check: Check) -> list[tuple[str, str]]:
+def rows_in_brief(check: Check) -> list[tuple[str, str]]:
     """Returns what is checked, what its path asks for, and what its law makes of it."""
     scenario, spec = check.scenario, check.scenario.spec
     demand, robot = check.feasibility.demand, spec.robot.robot()

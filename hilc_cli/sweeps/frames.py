@@ -1,0 +1,35 @@
+"""The tables of a sweep for data frames: a row per case, and the bands if there are any."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from hilc_cli.results.frames import Columns, Tables, whole_where_known
+from hilc_cli.results.metrics import CASE_COLUMNS
+from hilc_cli.sweeps.data import Bands, SweepData
+from hilc_cli.sweeps.sweep_folder import BANDS_HEADER, CASE
+
+
+def sweep_tables(data: SweepData) -> Tables:
+    """The tables of a sweep that there are, by the names of their CSV files."""
+    tables: dict[str, Callable[[], Columns]] = {"cases": lambda: _cases(data)}
+    spread = data.bands
+    if spread is not None:
+        tables["bands"] = lambda: _bands(spread)
+    return tables
+
+
+def _cases(data: SweepData) -> Columns:
+    metrics = {
+        name: whole_where_known(column) if CASE_COLUMNS[name].whole else column
+        for name, column in data.columns.items()
+    }
+    return {CASE: np.arange(len(data)), **data.values, **metrics}
+
+
+def _bands(spread: Bands) -> Columns:
+    iterations = np.arange(len(spread.cases))
+    columns = [iterations, whole_where_known(spread.cases), *spread.quantiles.T]
+    return dict(zip(BANDS_HEADER, columns, strict=True))
