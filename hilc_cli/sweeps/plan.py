@@ -28,10 +28,11 @@ from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERR
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.making import ExperimentMaker
 from hilc_cli.scenario.scenario import ScenarioSpec
-from hilc_cli.scenario.sweep_section import SweepSpec, axis_text
+from hilc_cli.scenario.sweep_section import Robust, SweepSpec, axis_text
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.cases import CaseSpecs
 from hilc_cli.sweeps.data import SEED_KEY
+from hilc_cli.sweeps.happenings import CrossedCases, cases_of
 from hilc_cli.variation import Axis, Cases, Value, axis_to_data
 from hilc_cli.version import __version__
 from hilc_cli.wording import in_short, listed
@@ -82,7 +83,8 @@ class Plan:
     def __repr__(self) -> str:
         what = "search" if self.searches else "sweep"
         title = f"Plan of a {what} of {self.name!r}: {len(self.cases)} cases"
-        return in_short(title, f"varied: {listed(self.axes)}")
+        happen = [f"over: {listed(self.over)}"] if self.over else []
+        return in_short(title, f"varied: {listed(self.axes)}", *happen)
 
     @property
     def name(self) -> str:
@@ -138,10 +140,40 @@ class Plan:
         return max(spec.model_copy(update={"trajectory": path}).reference.size for path in paths)
 
     @cached_property
-    def cases(self) -> Cases:
+    def cases(self) -> Cases | CrossedCases:
         """All cases; of a search as many points drawn from its ranges, with which it begins."""
-        sample = "sobol" if self.searches else self.spec.sample
-        return Cases(self.axes, sample, self.spec.cases or 0, self.spec.seed)
+        spec, sample = self.spec, "sobol" if self.searches else self.spec.sample
+        return cases_of(self.axes, sample, spec.cases or 0, spec.seed, self.over, spec.happenings)
+
+    @property
+    def over(self) -> tuple[str, ...]:
+        """The varied keys that are not chosen but happen, in the order of the axes."""
+        over = self.spec.over or ()
+        return tuple(key for key in self.axes if key in over)
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """The other keys, of which each combination is a choice."""
+        return tuple(key for key in self.axes if key not in self.over)
+
+    @property
+    def robust(self) -> Robust:
+        """The figure of its cases by which a choice is ranked."""
+        return self.spec.robust or "worst"
+
+    @property
+    def choices(self) -> int:
+        """How many choices there are; without keys that happen each case is one."""
+        cases = self.cases
+        if isinstance(cases, CrossedCases):
+            return len(cases.choices)
+        counts = zip(self.axes, cases.shape, strict=True) if self.over else ()
+        return math.prod(n for key, n in counts if key not in self.over) if counts else len(cases)
+
+    @property
+    def happenings(self) -> int:
+        """How many cases each choice has."""
+        return len(self.cases) // self.choices
 
     @property
     def bands(self) -> bool:
@@ -245,9 +277,10 @@ class Plan:
         found = (scenario if scenario.spec.controller.learns else fullest).warnings()
         if SEED_KEY in self.axes and not fullest.spec.disturbance.active:
             found.append("disturbance.seed varies, but there is no disturbance: all bounds are 0")
-        if SEED_KEY in self.axes and self.searches:
+        if SEED_KEY in self.axes and self.searches and SEED_KEY not in self.over:
             found.append(
-                "disturbance.seed varies: the search will find lucky disturbances, not good values"
+                "disturbance.seed varies: the search will find lucky disturbances, not good "
+                "values; --over disturbance.seed tries each choice with all of them"
             )
         return found + _hidden_by_initial_error(self)
 
@@ -300,9 +333,11 @@ class Plan:
             data["libraries"] = {name: version(name) for name in libraries}
         if self.searches:
             data["searched"] = [self.spec.minimise, self.spec.cases, self.spec.seed]
-            data["optuna"] = version("optuna")
+            data["optuna"], data["scipy"] = version("optuna"), version("scipy")
         elif self.spec.sample != "grid":
             data["drawn"] = [self.spec.sample, self.spec.cases, self.spec.seed]
+        if self.over:
+            data["over"] = [self.over, self.spec.robust, self.spec.happenings, self.spec.seed]
         digest = hashlib.sha256(f"{__version__}\n{json.dumps(data, sort_keys=True)}".encode())
         for wheel in self.scenario.initial_input or ():
             digest.update(wheel.tobytes())

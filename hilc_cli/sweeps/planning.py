@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -21,6 +20,7 @@ from hilc_cli.scenario.scenario import RecordSpec, ScenarioSpec
 from hilc_cli.scenario.sweep_section import CompleteSweepSpec, SweepSpec, read_axis, shown_axis
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.cases import parts, value_at
+from hilc_cli.sweeps.happenings import CrossedCases
 from hilc_cli.sweeps.plan import (
     TRAJECTORY,
     Change,
@@ -68,6 +68,9 @@ def plan_sweep(
     bands: bool | None = None,
     metric: str | None = None,
     minimise: str | None = None,
+    over: str | Sequence[str] | None = None,
+    robust: str | None = None,
+    happenings: int | None = None,
 ) -> Plan:
     """Validates a sweep; what is not given is as the scenario's section ``sweep`` says.
 
@@ -77,12 +80,18 @@ def plan_sweep(
             ``KEY=VALUES`` as on the command line. They replace those of the same key in the
             scenario, and are added to the others.
         sample: grid (default), random or sobol.
-        cases: How many points random and sobol draw, or a search tries.
+        cases: How many points random and sobol draw, or a search tries; with ``over`` how many
+            choices.
         seed: Of the drawing, or of the search.
         tolerance: Maximum error for iterations_to_tolerance [m].
         bands: Whether to keep quantiles of the error, iteration by iteration.
         metric: By which the cases are ranked and drawn.
         minimise: Search the ranges for the case in which this metric is smallest.
+        over: Varied keys that are not chosen but happen, one by one or with commas between them:
+            each choice of the others meets all of their values.
+        robust: The figure of its cases by which a choice is ranked: worst (default), q95 or mean.
+        happenings: How many points are drawn from the ranges of these keys; without, they are
+            every combination of their values.
 
     Raises:
         InvalidInputError: A key or value is not valid; names every problem.
@@ -96,6 +105,9 @@ def plan_sweep(
         "bands": bands,
         "metric": metric,
         "minimise": minimise,
+        "over": ",".join([over] if isinstance(over, str) else over) if over is not None else None,
+        "robust": robust,
+        "happenings": happenings,
     }
     loaded = as_scenario(scenario)
     tree = _tree(
@@ -137,18 +149,25 @@ def _told(problem: Problem) -> Problem:
 
 
 def _check_size(plan: Plan) -> None:
-    if plan.searches and len(plan.cases) > _MOST_TRIED:
+    tried, what = plan.spec.cases or 0, "choices" if plan.over else "cases"
+    if plan.searches and tried > _MOST_TRIED:
         raise UsageError(
-            f"the search has {len(plan.cases):,} cases, of which at most {_MOST_TRIED:,} can be "
+            f"the search has {tried:,} {what}, of which at most {_MOST_TRIED:,} can be "
             "tried; give fewer, or draw them with --sample and --cases"
         )
-    # More cases than there may be are too many for `len`.
-    cases = math.prod(plan.cases.shape) if plan.cases.sampling == "grid" else 0
-    if cases > MOST_CASES:
+    cases = plan.cases.count  # more than there may be are too many for `len`
+    if cases <= MOST_CASES:
+        return
+    if isinstance(plan.cases, CrossedCases):
         raise UsageError(
-            f"the grid has {cases:,} cases, of which at most {MOST_CASES:,} can be run; "
-            "give fewer values, or draw some with --sample and --cases"
+            f"{plan.cases.choices.count:,} choices with {plan.cases.happenings.count:,} happenings "
+            f"are {cases:,} cases, of which at most {MOST_CASES:,} can be run; give fewer, or draw "
+            "some with --cases and --happenings"
         )
+    raise UsageError(
+        f"the grid has {cases:,} cases, of which at most {MOST_CASES:,} can be run; "
+        "give fewer values, or draw some with --sample and --cases"
+    )
 
 
 def _others(scenario: Scenario, tree: MapNode, unread: Collection[PathKeys]) -> list[Problem]:
@@ -188,6 +207,8 @@ def _tree(
         # What the section leaves out is not there to contradict what is given.
         written = [key for key in SweepSpec.model_fields if key in section.model_fields_set]
         own = {key: getattr(section, key) for key in written if key not in replaced}
+        if own.get("over") is not None:
+            own["over"] = list(own["over"])
     here = _place("the scenario's sweep")
     axes: dict[str, Node] = {
         # The values have been read before: they stand in for their text.

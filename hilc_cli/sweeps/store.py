@@ -21,9 +21,12 @@ from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.results.reading import Document, Length, Name, check_columns, damaged
 from hilc_cli.results.tables import write_input
+from hilc_cli.scenario.sweep_section import Robust
+from hilc_cli.sweeps.case_table import CASE_NUMBERS
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Entry, Failure, Journal, Store
+from hilc_cli.sweeps.happenings import CrossedCases, cases_of
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sweep_folder import CASE_NUMBERS, Axes, CaseMetric
+from hilc_cli.sweeps.sweep_folder import Axes, CaseMetric, Over, may_happen
 from hilc_cli.variation import Cases, axis_to_data
 from hilc_cli.yaml_input.quantities import MOST_CASES
 
@@ -63,22 +66,30 @@ class Header(Document):
     metric: CaseMetric
     path_size_m: Length | None = None
     minimise: CaseMetric | None
+    drawn: CaseNumber
+    over: Over = ()
+    robust: Robust = "worst"
+    happenings: CaseNumber | None = None
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if not self.first < self.last <= self.cases:
             raise ValueError("its cases are none of the sweep")
+        if not may_happen(self.over, self.axes):
+            raise ValueError("its keys that happen are none of the axes")
         return self
 
     @property
-    def of_all(self) -> Cases:
+    def of_all(self) -> Cases | CrossedCases:
         """All cases of the sweep.
 
         Raises:
             ValueError: The axes make others.
         """
-        cases = Cases(self.axes, self.sample, self.cases, self.seed)
-        if len(cases) != self.cases:
+        cases = cases_of(
+            *(self.axes, self.sample, self.drawn, self.seed, self.over, self.happenings)
+        )
+        if cases.count != self.cases:
             raise ValueError("its axes do not fit")
         return cases
 
@@ -207,6 +218,10 @@ class FolderStore(Store):
             "path_size_m": plan.path_size,
             "metric": plan.spec.metric,
             "minimise": plan.spec.minimise,
+            "drawn": plan.spec.cases or 0,
+            "over": list(plan.over),
+            "robust": plan.robust,
+            "happenings": plan.spec.happenings,
         }
 
         def fill(draft: Path) -> None:

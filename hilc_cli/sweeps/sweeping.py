@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -17,22 +17,25 @@ from hilc_cli.results.folder import COMPILED_WITH, INITIAL_INPUT, SCENARIO, orig
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.tables import write_input
 from hilc_cli.scenario.loading import ScenarioSource
+from hilc_cli.sweeps.case_table import CASES, write_cases
+from hilc_cli.sweeps.choices import choices_of
 from hilc_cli.sweeps.chunks import Chunk, Failure, MemoryStore, Store
 from hilc_cli.sweeps.compute import Execution, compute
 from hilc_cli.sweeps.data import BEST, SweepData, SweepSummary, collect, summarise_sweep
+from hilc_cli.sweeps.one_case import best_yaml
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.planning import plan_sweep
-from hilc_cli.sweeps.search import beside_cases, how_searched, search
-from hilc_cli.sweeps.store import open_store, work_folder
-from hilc_cli.sweeps.sweep_folder import (
+from hilc_cli.sweeps.search import own_values, search
+from hilc_cli.sweeps.side_tables import (
     BANDS,
-    CASES,
+    CHOICES,
     PARQUET,
-    SWEEP_FOLDER,
     write_bands,
-    write_cases,
+    write_choices,
     write_parquet,
 )
+from hilc_cli.sweeps.store import open_store, work_folder
+from hilc_cli.sweeps.sweep_folder import SWEEP_FOLDER
 from hilc_cli.variation import axis_to_data
 
 
@@ -46,7 +49,7 @@ class Sweep(SweepData):
         scenario_yaml: The resolved scenario with its sweep.
         initial_input: Sample time, left and right wheel speeds of the input file, if there is one.
         how: What the manifest tells of the computation.
-        best_yaml: The scenario of the best case as a file, if one was searched for and found.
+        best_yaml: The scenario of the best case as a file, if any case has the metric.
     """
 
     failures: tuple[Failure, ...] = field(kw_only=True)
@@ -95,6 +98,8 @@ class Sweep(SweepData):
             if self.best_yaml is not None:
                 (into / BEST).write_text(self.best_yaml, encoding="utf-8")
             write_cases(into / CASES, self.values, self.columns, go_on)
+            if self.over:
+                write_choices(into / CHOICES, choices_of(self))
             if self.bands is not None:
                 write_bands(into / BANDS, self.bands)
             if "parquet" in formats:
@@ -117,6 +122,7 @@ class Sweep(SweepData):
                 "metric": self.metric,
                 "path_size_m": self.path_size,
                 **({} if self.as_it_is is None else {"as_it_is": self.as_it_is.to_data()}),
+                **({"over": list(self.over), "robust": self.robust} if self.over else {}),
                 **self.how,
                 "cases": len(self),
                 "diverged": int(self.diverged.sum()),
@@ -187,27 +193,31 @@ def sweep(
             compute(plan, store, how)
         data = collect(
             plan.name,
-            plan.cases if found is None else found,
+            plan.cases if found is None else found.cases,
             store.rows(),
             store.errors() if plan.bands else None,
             plan.spec.tolerance,
             plan.spec.metric,
             plan.path_size,
+            plan.over,
+            plan.robust,
             how.go_on,
         )
         failures = tuple(store.failures())
     scenario = plan.scenario
     given = scenario.initial_input
-    beside = {} if found is None else beside_cases(plan, data)
+    if found is not None:
+        data = replace(data, as_it_is=own_values(plan))
     return Sweep(
-        **{**as_fields(data), **beside},
+        **as_fields(data),
         failures=failures,
         checksum=plan.checksum(),
         scenario_yaml=plan.resolved_yaml(),
+        best_yaml=best_yaml(data, plan.resolved()),
         initial_input=given and (scenario.spec.trajectory.sample_time, *given),
         how={
             **origin(started, (*COMPILED_WITH, *scenario.spec.robot.libraries), scenario.plug_ins),
-            **({} if found is None else {"search": how_searched(plan)}),
+            **({} if found is None else {"search": found.how}),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(scenario.checksums),
         },
