@@ -14,9 +14,10 @@ from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.picture import leaderboard_figure
 from hilc_cli.results.metrics import CASE_COLUMNS, CASE_METRICS
 from hilc_cli.results.picture_kinds import SWEEP_PICTURES
+from hilc_cli.sweeps.choice_report import shown
 from hilc_cli.sweeps.data import SweepData, summarise_sweep
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
-from hilc_cli.sweeps.report import shown, summary_rows, sweep_notes
+from hilc_cli.sweeps.report import summary_rows, sweep_notes
 
 _BEST_CASES = 25
 _DIGITS = 4

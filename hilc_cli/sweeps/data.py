@@ -189,8 +189,8 @@ def collect(
     tolerance: float | None,
     metric: str,
     path_size: float | None,
-    over: tuple[str, ...],
-    robust: Robust,
+    over: tuple[str, ...] = (),
+    robust: Robust = "worst",
     go_on: Callable[[], None] = lambda: None,
 ) -> SweepData:
     """The results of a sweep of which all cases are known.

@@ -16,7 +16,7 @@ from hilc_cli.variation import Axis, Range, Value
 Values = tuple[Value, ...]
 
 # docs/sweeps.md has what these were chosen by.
-_SHARE = 2
+_SHARE = 4
 """A quarter of the cases of a search are left for this."""
 _LEAST = 16
 """A search of fewer cases has none left."""
@@ -125,7 +125,9 @@ class Refinement:
         if len(self._places) > 1:
             return []
         at = float(self._flat(values)[0])
-        beside = [float(self._flat(other)[0]) for other in self._known if self._differs(other, values)]
+        beside = [
+            float(self._flat(other)[0]) for other in self._known if self._differs(other, values)
+        ]
         low = max((other for other in beside if other < at), default=min(0.0, at))
         high = min((other for other in beside if other > at), default=max(1.0, at))
         return sorted({low, at, high})
