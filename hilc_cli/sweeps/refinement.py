@@ -95,7 +95,10 @@ class Refinement:
                 return found.values
             if not self._begin():
                 break
-        self._asked = self._another()
+        for _ in range(_MOST_STARTS):
+            self._asked = self._another()
+            if self._asked not in self._known:
+                break
         return self._asked
 
     def tell(self, costs: Floats | Sequence[float]) -> None:

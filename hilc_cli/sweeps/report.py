@@ -298,7 +298,7 @@ def sweep_notes(data: SweepData, summary: SweepSummary) -> list[str]:
         summary: Of the same.
     """
     best = summary.best[0].case if summary.best else None
-    notes = [] if best is None or summary.tied < 2 else [_tie(data, best)]
+    notes = [] if best is None or summary.tied < 2 else _tie(data, best)
     if best is None:
         return [f"no {data.row} has a value of {measured(data)}, so there is no {BEST}"]
     if data.as_it_is is None:
@@ -318,9 +318,14 @@ def found_better(data: SweepData) -> bool:
     return not data.columns[data.metric][best] >= data.as_it_is.metric
 
 
-def _tie(data: SweepData, best: int) -> str:
-    """Says that there are several best cases, and what would tell them apart."""
+def _tie(data: SweepData, best: int) -> list[str]:
+    """Says that there are several best cases, and what would tell them apart.
+
+    Those of a search that lie next to each other are the bottom of one hollow, as it should be.
+    """
     cases = tied(data)
+    if data.as_it_is is not None and all(_is_beside(data, best, int(case)) for case in cases):
+        return []
     value = f"{data.columns[data.metric][best]:.6g}"
     where = "" if data.as_it_is is None else f", and the one in {BEST}"
     note = f"{len(cases):,} of {len(data):,} {data.row}s share the best {measured(data)}, {value}; "
@@ -329,7 +334,18 @@ def _tie(data: SweepData, best: int) -> str:
     if data.metric in _HIDING and not np.allclose(later, later[0], rtol=0.01, equal_nan=True):
         option = "--metric" if data.as_it_is is None else "--minimise"
         note += f": {option} {MAX_ERROR_SECOND_HALF} tells them apart"
-    return note
+    return [note]
+
+
+def _is_beside(data: SweepData, one: int, other: int) -> bool:
+    """Whether two cases are nearer to each other than a search can tell, in all keys."""
+    values, others = data.case(one), data.case(other)
+    return all(
+        abs(axis.place(values[key]) - axis.place(others[key])) < _NEAR
+        if isinstance(axis, Range) and axis.low < axis.high
+        else values[key] == others[key]
+        for key, axis in data.axes.items()
+    )
 
 
 def _at_ends(data: SweepData, best: int) -> list[str]:
