@@ -90,6 +90,7 @@ class Refinement:
                 break
             try:
                 self._go_down(*self._starts[-1])
+                self._look_beside()
             except _Unknown as found:
                 self._asked = found.values
                 return found.values
@@ -169,6 +170,18 @@ class Refinement:
                 options = {"xatol": _NEAR, "maxiter": _MOST_STEPS}
                 ends = (bracket[0], bracket[-1])
                 minimize_scalar(cost, bounds=ends, method="bounded", options=options)
+
+    def _look_beside(self) -> None:
+        """Tries the whole numbers next to those of the best point, between which steps end."""
+        best = min(self._known, key=lambda values: self._known[values])
+        for place, axis in zip(self._places, self._ranges, strict=True):
+            number = best[place]
+            if not isinstance(number, int) or not (axis.whole or axis.spacing == "integer"):
+                continue
+            for other in (number - 1, number + 1):
+                values = (*best[:place], other, *best[place + 1 :])
+                if axis.low <= other <= axis.high and values not in self._known:
+                    raise _Unknown(values)
 
     def _simplex(self, start: Values) -> Floats:
         """A start and a point beside it along each key, shape (keys + 1, keys)."""
