@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.errors import HilcError
+from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.files import writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import COMPILED_WITH, INITIAL_INPUT, SCENARIO, origin
@@ -163,6 +163,9 @@ def sweep(
     plan: Plan | ScenarioSource,
     how: Execution = DEFAULT,
     *,
+    over: str | Sequence[str] | None = None,
+    robust: str | None = None,
+    happenings: int | None = None,
     work_folder: str | Path | None = None,
     resume: bool = False,
     force: bool = False,
@@ -173,18 +176,26 @@ def sweep(
         plan: From `plan_sweep`, or a scenario with a section ``sweep``, or what that
             is read from.
         how: Workers, and whom to tell; by default processes on all cores of this machine.
+        over: Varied keys that are not chosen but happen, as for `plan_sweep`, which takes them for
+            a plan.
+        robust: The figure of its cases by which a choice is ranked, likewise.
+        happenings: How many happenings are drawn, likewise.
         work_folder: Where results are kept while the sweep is under way, so that it can be
             resumed; stays there until `discard_work`. Default: in memory only.
         resume: Go on with what the work folder holds, if it holds something.
         force: Replace what the work folder holds of another sweep.
 
     Raises:
+        UsageError: What belongs to a plan is given beside one.
         ExistingResultsError: The work folder holds something that must not be replaced.
         FailedCasesError: A case has failed and `how` says to stop then.
         ClusterError: The Dask cluster cannot be reached.
         FileAccessError: The work folder cannot be written.
     """
-    plan = plan if isinstance(plan, Plan) else plan_sweep(plan)
+    if not isinstance(plan, Plan):
+        plan = plan_sweep(plan, over=over, robust=robust, happenings=happenings)
+    elif (over, robust, happenings) != (None, None, None):
+        raise UsageError("over, robust and happenings are part of a plan; give them to plan_sweep")
     started, clock = datetime.now(UTC), time.perf_counter()
     every = Chunk(0, len(plan.cases))
     with opened_store(plan, work_folder, every, None, resume=resume, force=force) as store:
