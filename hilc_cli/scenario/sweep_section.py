@@ -172,7 +172,7 @@ def _keys_of(value: object) -> object:
 
 
 Keys = Annotated[
-    tuple[Key, ...],
+    tuple[Annotated[str, StringConstraints(max_length=LONGEST_KEY)], ...],
     BeforeValidator(_keys_of),
     WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
 ]
