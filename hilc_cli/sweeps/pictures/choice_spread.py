@@ -36,7 +36,7 @@ _MARKED_UP_TO = 60
 _LINES = {
     "mean": ("Mean", "0.25", "-", "o"),
     "q95": ("95 % quantile", style.BLUE, style.DASHED, "s"),
-    "worst": ("Worst", style.VERMILLION, "-", "v"),
+    "worst": ("Worst case", style.VERMILLION, "-", "v"),
 }
 """Label, colour, line and marker of each figure, the last one on top."""
 
