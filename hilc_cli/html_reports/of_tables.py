@@ -21,7 +21,7 @@ from hilc_cli.sweeps.data import SweepData, summarise_sweep
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
 from hilc_cli.sweeps.report import summary_rows, sweep_notes
 
-_BEST_CASES = 25
+_BEST_CASES, _BEST_CHOICES = 25, 10
 _DIGITS = 4
 
 
@@ -51,7 +51,7 @@ def sweep_chapter(data: SweepData) -> Chapter:
 
 def _best_choices(data: SweepData, choices: ChoiceTable) -> Table:
     """The choices with the smallest figure, with what else is known of their cases."""
-    ranked = choices.ranked()[:_BEST_CASES]
+    ranked = choices.ranked()[:_BEST_CHOICES]
     rows = tuple(
         (
             Cell(str(number)),
