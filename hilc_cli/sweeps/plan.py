@@ -125,7 +125,7 @@ class Plan:
         keys = self.changes_path
         if not keys:
             return False
-        if self.cases.sampling != "grid":
+        if not isinstance(self.cases, Cases) or self.cases.sampling != "grid":
             return True
         last = max(list(self.axes).index(key) for key in keys)
         alike = math.prod(self.cases.shape[last + 1 :])

@@ -81,7 +81,7 @@ class Refinement:
         self._another = another
         self._starts: list[tuple[Values, list[float]]] = []
         self._exact = {tuple(self._flat(values).tolist()): values for values in tried}
-        self._asked: Values | None = None
+        self._asked: Values = ()
 
     def ask(self) -> Values:
         """The next case."""
@@ -104,7 +104,6 @@ class Refinement:
 
     def tell(self, costs: Floats | Sequence[float]) -> None:
         """How good the case was that it was asked for last."""
-        assert self._asked is not None
         self._known[self._asked] = float(costs[0])
 
     def _begin(self) -> bool:
@@ -146,7 +145,7 @@ class Refinement:
         """Runs one of SciPy's methods to its end, unless it comes to a point that is not known."""
         from scipy.optimize import minimize, minimize_scalar  # starts slowly
 
-        def cost(point: Floats) -> float:
+        def cost(point: Floats | float) -> float:
             values = self._values(start, np.atleast_1d(point))
             if values not in self._known:
                 raise _Unknown(values)

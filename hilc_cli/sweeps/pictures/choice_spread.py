@@ -91,8 +91,13 @@ def draw_spread_of_choices(axes: Axes, data: SweepData) -> None:
     if shown.is_line:
         axes.fill_between(at, bottom, top, color=style.BLUE, alpha=0.15, linewidth=0, label="Cases")
     else:
-        bars = {"color": style.BLUE, "alpha": 0.25, "linewidth": 4.0, "label": "Cases"}
-        axes.vlines(at[judged], bottom[judged], top[judged], **bars)
+        axes.vlines(
+            *(at[judged], bottom[judged], top[judged]),
+            color=style.BLUE,
+            alpha=0.25,
+            linewidth=4.0,
+            label="Cases",
+        )
     for name, (label, color, line, marker) in _LINES.items():
         few = len(at) <= _MARKED_UP_TO or not shown.is_line
         axes.plot(
