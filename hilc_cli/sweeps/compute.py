@@ -18,8 +18,9 @@ from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, METRICS
+from hilc_cli.sweeps.changes import TRAJECTORY, changes_path
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
-from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan, changes_path
+from hilc_cli.sweeps.plan import CANNOT_BE_MADE, Plan
 from hilc_cli.variation import Cases, Value
 from hilc_cli.workers.crews import TRIES, Alone, Crew, Processes, available_cores, hand_out
 

@@ -11,9 +11,9 @@ from hilc_cli.results.folder import SCENARIO
 from hilc_cli.results.reading import damaged
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario
+from hilc_cli.sweeps.changes import TRAJECTORY
 from hilc_cli.sweeps.choices import best_case, choices_of
 from hilc_cli.sweeps.data import BEST, SweepData
-from hilc_cli.sweeps.plan import TRAJECTORY
 from hilc_cli.sweeps.sweep_folder import read_sweep
 from hilc_cli.variation import Value
 from hilc_cli.wording import listed

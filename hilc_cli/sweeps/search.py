@@ -21,6 +21,7 @@ from hilc_cli.errors import needed
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, MAX_ERROR
 from hilc_cli.sweeps.cases import parts
+from hilc_cli.sweeps.changes import TRAJECTORY
 from hilc_cli.sweeps.choices import robust_figure
 from hilc_cli.sweeps.chunks import Chunk, Store
 from hilc_cli.sweeps.compute import (
@@ -33,7 +34,7 @@ from hilc_cli.sweeps.compute import (
 )
 from hilc_cli.sweeps.data import OwnValues
 from hilc_cli.sweeps.happenings import CrossedCases
-from hilc_cli.sweeps.plan import TRAJECTORY, Plan
+from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.refinement import Refinement, Values, refined_cases
 from hilc_cli.variation import Axis, Cases, Choices, ListedCases, Value
 
