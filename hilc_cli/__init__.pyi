@@ -59,8 +59,13 @@ from hilc_cli.runs.running import (
     read_run as read_run,
     run as run,
 )
+from hilc_cli.sweeps.choices import (
+    ChoiceTable as ChoiceTable,
+    choices_of as choices_of,
+)
 from hilc_cli.sweeps.compute import Execution as Execution
 from hilc_cli.sweeps.data import SweepData as SweepData
+from hilc_cli.sweeps.one_case import load_case as load_case
 from hilc_cli.sweeps.planning import plan_sweep as plan_sweep
 from hilc_cli.sweeps.shards import (
     merge_shards as merge_shards,

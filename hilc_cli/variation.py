@@ -158,6 +158,15 @@ class Range:
             number = self.low + (self.high - self.low) * unit
         return self._rounded(min(max(number, self.low), self.high))
 
+    def place(self, value: Value) -> float:
+        """How far along the way a value of the range lies: what `drawn` makes the value of."""
+        assert isinstance(value, int | float)  # all values are
+        if self.spacing == "integer" or (self.whole and self.spacing == "linear"):
+            return (value - int(self.low) + 0.5) / (int(self.high) - int(self.low) + 1)
+        if self.spacing == "log":
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
     def _between(self, last: int) -> list[float]:
         """Numbers 1 to ``last - 1`` of those from 0, the low end, to ``last``, the high one."""
         if self.spacing == "log":
@@ -258,7 +267,7 @@ def _is_number(value: object) -> bool:
 
 
 # Beside the streams of disturbances, so that no case is drawn from the words of a disturbance.
-_STREAM = 3
+_CASES, HAPPENINGS = 3, 4
 _WORDS = 4
 _SMALLEST = 2.0**-33
 """Points of Sobol's sequence may be 0; random ones keep this distance from both ends."""
@@ -273,14 +282,21 @@ class Cases:
         sampling: Every combination, the last key changing fastest; or that many points drawn.
         drawn: How many points are drawn; not used by a grid.
         seed: Of the drawing, 0 .. 2**64 - 1.
+        stream: Of random numbers: other streams of the same seed give other points.
     """
 
     axes: Mapping[str, Axis]
     sampling: Sampling = "grid"
     drawn: int = 0
     seed: int = 0
+    stream: int = _CASES
 
     def __len__(self) -> int:
+        return self.count
+
+    @property
+    def count(self) -> int:
+        """Number of cases, which may be more than `len` can tell."""
         return math.prod(self.shape) if self.sampling == "grid" else self.drawn
 
     @cached_property
@@ -335,14 +351,15 @@ class Cases:
         low, high = case & np.uint64(0xFFFFFFFF), case >> np.uint64(32)
         columns: list[NDArray[np.float64]] = []
         for block in range(math.ceil(len(self.axes) / _WORDS)):
-            counter = (low, high, np.full_like(case, _STREAM), np.full_like(case, block))
+            counter = (low, high, np.full_like(case, self.stream), np.full_like(case, block))
             columns += [open_unit_interval(word) for word in philox(counter, self.seed)]
         return np.stack(columns[: len(self.axes)], axis=1)
 
     def _sobol(self, first: int, last: int) -> NDArray[np.float64]:
         from scipy.stats import qmc  # starts slowly
 
-        sequence = qmc.Sobol(len(self.axes), scramble=True, rng=np.random.default_rng(self.seed))
+        entropy = self.seed if self.stream == _CASES else [self.seed, self.stream]
+        sequence = qmc.Sobol(len(self.axes), scramble=True, rng=np.random.default_rng(entropy))
         if first:
             sequence.fast_forward(first)
         with warnings.catch_warnings():

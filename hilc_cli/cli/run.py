@@ -13,6 +13,7 @@ import typer
 
 from hilc_cli.cli import options
 from hilc_cli.cli.completion import complete_metric
+from hilc_cli.errors import UsageError
 from hilc_cli.reporting.terminal import (
     print_json,
     print_table,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from hilc_cli.results.summary import Summary
     from hilc_cli.runs.report import Requirement
     from hilc_cli.runs.running import Run
+    from hilc_cli.scenario.experiment import Scenario
 
 
 NOT_MET = 3
@@ -44,9 +46,20 @@ Requirements = Annotated[
 ]
 
 
+Case = Annotated[
+    int | None,
+    typer.Option(
+        "--case", metavar="N", help="Of the folder of a sweep: its case N.", show_default=False
+    ),
+]
+Best = Annotated[bool, typer.Option("--best", help="Of the folder of a sweep: its best case.")]
+
+
 def run(
     context: typer.Context,
     scenario: options.ScenarioArgument,
+    case: Case = None,
+    best: Best = False,
     set_: options.Overrides = None,
     out: options.OutputFolder = None,
     force: options.Force = False,
@@ -64,25 +77,27 @@ def run(
     verbose: options.Verbose = False,
     version: options.Version = False,
 ) -> None:
-    """Simulate a scenario.
+    """Simulate a scenario, or a case of a sweep.
 
     Writes tables and pictures to a run folder, by default runs/NAME, or with --set KEY=VALUE
     runs/NAME+key=value, and prints a summary. Pictures that are there stay if the tables are the
-    same.
+    same. With --case N or --best, SCENARIO is the folder of a sweep, and runs/NAME-case-N or
+    runs/NAME-best is written.
 
     \b
     Examples:
       hilc run scenarios/fig3-circle.yaml
       hilc run example:fig6c --set controller.b_w=null --set iterations=20
       hilc run my.yaml --format pdf --width 85mm --no-title
+      hilc run runs/my-sweep --case 17
       hilc run my.yaml --json --no-plots --require max_position_error_m:le:0.05
     """
     from hilc_cli.cli.default_folders import default_folder
     from hilc_cli.runs.report import parse_requirements
-    from hilc_cli.runs.running import check_folder, load_scenario, run, warnings_before
+    from hilc_cli.runs.running import check_folder, run, warnings_before
 
     look = options.picture_look(width, font, font_size, style, no_title)
-    valid = load_scenario(scenario, set_ or [], trust=trust)
+    valid = _loaded(scenario, case, set_ or [], best=best, trust=trust)
     requirements = parse_requirements(require or [], valid.spec.controller.figures())
     folder = out or default_folder(valid.name, set_)
     check_folder(valid, folder, force=force)
@@ -108,6 +123,21 @@ def run(
         say_timings(result.timings, writing)
     if not _is_good(result, summary, folder, requirements):
         raise typer.Exit(NOT_MET)
+
+
+def _loaded(
+    source: str, case: int | None, overrides: Sequence[str], *, best: bool, trust: bool
+) -> Scenario:
+    """The scenario that is to be run: a file's, or that of a case of a sweep."""
+    from hilc_cli.runs.running import load_scenario
+
+    if case is None and not best:
+        return load_scenario(source, overrides, trust=trust)
+    if case is not None and best:
+        raise UsageError("--case and --best name one case each; give one of them")
+    from hilc_cli.sweeps.one_case import load_case
+
+    return load_case(source, case, overrides, trust=trust)
 
 
 def _warn(warnings: Sequence[str], *, quiet: bool) -> None:

@@ -41,6 +41,14 @@ class Sample(StrEnum):
     SOBOL = "sobol"
 
 
+class RobustFigure(StrEnum):
+    """Figures of the cases of a choice."""
+
+    WORST = "worst"
+    Q95 = "q95"
+    MEAN = "mean"
+
+
 Targets = Annotated[
     list[str],
     typer.Argument(
@@ -67,7 +75,11 @@ SampleOption = Annotated[
 ]
 Cases = Annotated[
     int | None,
-    typer.Option(metavar="N", help="How many points to draw, or to try.", show_default=False),
+    typer.Option(
+        metavar="N",
+        help="How many points to draw, or to try; with --over how many choices.",
+        show_default=False,
+    ),
 ]
 Seed = Annotated[
     int | None, typer.Option(metavar="S", help="Of the drawing or search. [default: 0]")
@@ -78,6 +90,29 @@ Minimise = Annotated[
         metavar="METRIC",
         help="Search the ranges, in --cases N, for the case in which this is smallest.",
         autocompletion=complete_case_metric,
+        show_default=False,
+    ),
+]
+Over = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--over",
+        metavar="KEY[,KEY]",
+        help="Varied keys that are not chosen but happen, such as errors of parameters and seeds: "
+        "each choice of the others meets all of their values.",
+        show_default=False,
+    ),
+]
+Robust = Annotated[
+    RobustFigure | None,
+    typer.Option(help="By which figure of its cases a choice is ranked. [default: worst]"),
+]
+Happenings = Annotated[
+    int | None,
+    typer.Option(
+        metavar="M",
+        help="Draw so many from the ranges of --over, the same for all choices, in place of every "
+        "combination of their values.",
         show_default=False,
     ),
 ]
@@ -149,6 +184,9 @@ def sweep(
     cases: Cases = None,
     seed: Seed = None,
     minimise: Minimise = None,
+    over: Over = None,
+    robust: Robust = None,
+    happenings: Happenings = None,
     tolerance: Tolerance = None,
     bands: Bands = False,
     metric: Metric = None,
@@ -177,10 +215,10 @@ def sweep(
 ) -> None:
     """Run a scenario with many values, or search for the best ones.
 
-    Writes a row per case to runs/NAME-sweep/cases.csv, and pictures; --minimise also the best
-    case, as a scenario, to best.yaml there. With --set KEY=VALUE the folder is
-    runs/NAME+key=value-sweep. Results of an unfinished sweep stay in runs/NAME-sweep.part, for
-    --resume.
+    Writes a row per case to runs/NAME-sweep/cases.csv, pictures, and the best case as a
+    scenario, best.yaml; with --over also a row per choice to choices.csv. With --set KEY=VALUE
+    the folder is runs/NAME+key=value-sweep. Results of an unfinished sweep stay in
+    runs/NAME-sweep.part, for --resume.
 
     \b
     Examples:
@@ -192,6 +230,8 @@ def sweep(
           --cases 1000
       hilc sweep my.yaml --vary controller.gains.l1=0:20 --cases 200 \\
           --minimise max_position_error_m
+      hilc sweep my.yaml --vary controller.gains.l1=0.1:10:20:log \\
+          --vary robot.wheel_radius=0.19:0.21:5 --over robot.wheel_radius --robust worst
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
     from hilc_cli.cli.default_folders import SWEEP, default_folder
@@ -212,10 +252,13 @@ def sweep(
         "bands": bands or None,
         "metric": metric,
         "minimise": minimise,
+        "over": over,
+        "robust": None if robust is None else robust.value,
+        "happenings": happenings,
     }
     chosen = [choice.value for choice in formats or [SweepFormat.PNG]]
     if "parquet" in chosen:
-        from hilc_cli.sweeps.sweep_folder import require_parquet
+        from hilc_cli.sweeps.side_tables import require_parquet
 
         require_parquet()
     writing: dict[str, Any] = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -14,29 +15,61 @@ from hilc_cli.leaderboards.contests import LeaderboardData
 from hilc_cli.leaderboards.picture import leaderboard_figure
 from hilc_cli.results.metrics import CASE_COLUMNS, CASE_METRICS
 from hilc_cli.results.picture_kinds import SWEEP_PICTURES
+from hilc_cli.sweeps.choice_report import shown
+from hilc_cli.sweeps.choices import FIGURES, ChoiceTable, as_sweep_of_choices, choices_of
 from hilc_cli.sweeps.data import SweepData, summarise_sweep
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
-from hilc_cli.sweeps.report import shown, summary_rows, sweep_notes
+from hilc_cli.sweeps.report import summary_rows, sweep_notes
 
-_BEST_CASES = 25
+_BEST_CASES, _BEST_CHOICES = 25, 10
 LEADERBOARD_SHOWS = "how near each law comes to the trajectory, and how soon"
 _DIGITS = 4
 
 
 def sweep_chapter(data: SweepData) -> Chapter:
-    """A sweep: how it went, its best cases, its pictures."""
-    summary = summarise_sweep(data)
+    """A sweep: how it went, its best cases or choices, its pictures."""
+    summary, choices = summarise_sweep(data), choices_of(data)
+    ranked = as_sweep_of_choices(data) if data.over else data
+    headline = f"{len(data):,} cases of {', '.join(data.axes)}"
+    tables = [names_and_values("How it went", summary_rows(summary)), best_cases(data)]
+    if data.over:
+        headline = f"{len(choices):,} choices of {', '.join(choices.values)}, each with what may "
+        headline += f"happen to {', '.join(data.over)}: {len(data):,} cases"
+        rows = summary_rows(replace(summary, best=[]))
+        tables = [names_and_values("How it went", rows), _best_choices(data, choices), tables[1]]
     return Chapter(
         kind="sweep",
         title=data.name,
-        headline=f"{len(data):,} cases of {', '.join(data.axes)}",
-        warnings=sweep_notes(data, summary),
-        tables=[names_and_values("How it went", summary_rows(summary)), best_cases(data)],
+        headline=headline,
+        warnings=sweep_notes(ranked, summarise_sweep(ranked)),
+        tables=tables,
         pictures=[
             picture(SWEEP_PICTURES[kind].shows, partial(draw_sweep, kind, data))
             for kind in kinds_for(data)
         ],
     )
+
+
+def _best_choices(data: SweepData, choices: ChoiceTable) -> Table:
+    """The choices with the smallest figure, with what else is known of their cases."""
+    ranked = choices.ranked()[:_BEST_CHOICES]
+    rows = tuple(
+        (
+            Cell(str(number)),
+            *(Cell(shown(value)) for value in choices.choice(number).values()),
+            *(Cell(_number(data.metric, float(choices.figures[name][number]))) for name in FIGURES),
+            Cell(f"{choices.diverged[number]} of {choices.cases[number]}"),
+            Cell(str(choices.worst_case[number])),
+        )
+        for number in ranked
+    )
+    words = ("Worst", "95 % quantile", "Median", "Mean")
+    heads = ("Choice", *choices.values, *words, "Diverged", "Worst case")
+    unit = f"[{CASE_COLUMNS[data.metric].unit}]" if CASE_COLUMNS[data.metric].unit else ""
+    units = ("", *("" for _ in choices.values), *(unit for _ in words), "", "")
+    note = f"All {len(choices):,} choices are in choices.csv." if len(ranked) < len(choices) else ""
+    caption = f"Best choices by their {choices.robust} {data.metric}"
+    return Table(caption, (Grid("", (heads, units), (True,) * len(heads), rows),), note)
 
 
 def best_cases(
@@ -78,7 +111,7 @@ def best_cases(
 
 def _number(name: str, value: float) -> str:
     if not np.isfinite(value):
-        return "-"
+        return "infinite" if value > 0 else "-"
     return str(int(value)) if CASE_COLUMNS[name].whole else number_text(value, _DIGITS)
 
 

@@ -59,6 +59,7 @@ SWEEP_PICTURES = _table(
     ("map", "heat_map", "the metric over two keys"),
     ("effects", "effects", "what each key does to the metric"),
     ("best", "best", "the best cases, and where they lie"),
+    ("spread", "choice_spread", "how far apart what happens sets the cases of a choice"),
     ("bands", "bands", "how the error of all cases falls over the iterations"),
     ("search", "progress", "how a search went"),
 )

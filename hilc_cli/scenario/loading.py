@@ -42,7 +42,7 @@ from hilc_cli.yaml_input.reading import (
     parse_override,
 )
 
-Overrides = Mapping[str, object] | Sequence[str]
+Overrides = Mapping[str, object] | Sequence[str | tuple[str, object]]
 _RADII = (("robot", "wheel_radius"), ("model", "wheel_radius"))
 _PATH, _PLANT = "trajectory", ("robot", "plant")
 _KINDS = (SCENARIOS, TRAJECTORIES)
@@ -82,7 +82,8 @@ def load_scenario(
         source: A file, ``-`` for standard input, ``example:NAME``, or what would stand in a file as
             a dictionary, whose paths start from the working folder. A scenario that has been read
             is returned as it is.
-        overrides: Values by dotted key, or texts ``KEY=VALUE`` as on the command line.
+        overrides: Values by dotted key, or one by one in their order: pairs of both, or texts
+            ``KEY=VALUE`` as on the command line.
         trust: Whether classes that the scenario names as ``package.module:Class`` may be imported.
 
     Raises:
@@ -254,7 +255,7 @@ def changes_of(overrides: Overrides) -> list[tuple[tuple[str, ...], Node]]:
     changes = []
     for text in overrides:
         try:
-            changes.append(parse_override(text))
+            changes.append(parse_override(text) if isinstance(text, str) else data_override(*text))
         except InvalidInputError as error:
             problems.extend(error.problems)
     if problems:

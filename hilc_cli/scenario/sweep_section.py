@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Field, PlainSerializer, PlainValidator, WithJsonSchema
+from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema
 from pydantic.types import StringConstraints
 
 from hilc_cli.results.metrics import CASE_METRICS, ITERATIONS_TO_TOLERANCE
@@ -27,6 +27,7 @@ from hilc_cli.variation import (
     Spacing,
     Value,
 )
+from hilc_cli.wording import listed
 from hilc_cli.yaml_input.expressions import ExpressionError, evaluate
 from hilc_cli.yaml_input.model import Flag, Located, Model, wrong
 from hilc_cli.yaml_input.quantities import CaseCount, PositiveLength, Seed, such_as
@@ -159,6 +160,23 @@ AxisSpec = Annotated[
 
 Key = Annotated[str, StringConstraints(pattern=r"^[^.\s=]+(\.[^.\s=]+)*$", max_length=LONGEST_KEY)]
 
+Robust = Literal["worst", "q95", "mean"]
+"""By which figure of its cases a choice is judged."""
+
+
+def _keys_of(value: object) -> object:
+    """Keys one by one, of a text too that has them with commas between."""
+    if isinstance(value, str):
+        return tuple(filter(None, map(str.strip, value.split(","))))
+    return tuple(value) if isinstance(value, list) else value
+
+
+Keys = Annotated[
+    tuple[Annotated[str, StringConstraints(max_length=LONGEST_KEY)], ...],
+    BeforeValidator(_keys_of),
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
+]
+
 
 class SweepSpec(Model):
     """Many runs of one scenario."""
@@ -174,6 +192,15 @@ class SweepSpec(Model):
     )
     cases: CaseCount | None = Field(None, description="number of points to draw, or to search")
     seed: Seed = Field(0, description="of the drawing, or of the search")
+    over: Keys | None = Field(
+        None, description="varied keys that are not chosen but happen: each choice meets them all"
+    )
+    robust: Robust | None = Field(
+        None, description="the figure of its cases by which a choice is ranked: worst if left out"
+    )
+    happenings: CaseCount | None = Field(
+        None, description="number of happenings to draw from the ranges of 'over'"
+    )
     tolerance: Annotated[float, such_as(PositiveLength, "0.05 or 5 cm")] | None = Field(
         None, description="maximum error [m] for iterations_to_tolerance"
     )
@@ -197,14 +224,22 @@ class CompleteSweepSpec(SweepSpec):
         searches, sample = "minimise" in given, given.get("sample") or "grid"
         is_grid = not searches and sample == "grid"
         vary = given.get("vary")
-        ranges = vary.items() if is_grid and isinstance(vary, dict) else ()
+        ranges = vary if isinstance(vary, dict) else {}
+        over = _keys_of(given.get("over", ()))
+        over = over if isinstance(over, tuple) else ()
+        drawn = "happenings" in given
         ranked = given.get("metric", given.get("minimise"))
         found: list[tuple[bool, tuple[str, ...], str, str]] = [
             (is_grid and "cases" in given, ("cases",), "has no meaning for a grid",
              "remove it, or set 'sample: random' or 'sample: sobol'"),
-            *((_has_no_count(value), ("vary", str(key)), "is a range without a number of values",
+            *((is_grid and key not in over and _has_no_count(value), ("vary", str(key)),
+               "is a range without a number of values",
                "add it, such as 0.1:10:20, or draw from the range with 'sample'")
-              for key, value in ranges),
+              for key, value in ranges.items()),
+            *((key in over and not drawn and _has_no_count(value), ("vary", str(key)),
+               "happens, and is a range without a number of values",
+               "add it, such as 0.1:10:20, or draw from the range with 'happenings: 20'")
+              for key, value in ranges.items()),
             (not searches and sample in ("random", "sobol") and "cases" not in given,
              ("sample",), "needs the number of cases to draw",
              "give it too, such as 'cases: 1000' or --cases 1000"),
@@ -218,9 +253,33 @@ class CompleteSweepSpec(SweepSpec):
                (key,), "needs a tolerance",
                "give it too, such as 'tolerance: 5 cm' or --tolerance '5 cm'")
               for key in ("metric", "minimise")),
+            *_misfits_of_choice(given, over, ranges),
         ]  # fmt: skip
         told = [(at, problem, remedy) for is_wrong, at, problem, remedy in found if is_wrong]
         return [*super().misfits(data), *told]
+
+
+def _misfits_of_choice(
+    given: Mapping[str, Any], over: tuple[Any, ...], vary: Mapping[str, Any]
+) -> list[tuple[bool, tuple[str, ...], str, str]]:
+    """What may be wrong with the keys that happen: whether it is, where, what, and the remedy."""
+    unknown = [key for key in over if key not in vary]
+    twice = [key for number, key in enumerate(over) if key in over[:number]]
+    others = listed([key for key in vary if key not in over])
+    remedy = "give it values with 'vary', or name"
+    remedy += f" some of the varied keys: {others}" if others else " varied keys"
+    all_happen = bool(over) and not unknown and not others
+    return [
+        ("over" in given and not over, ("over",), "names no key",
+         "name varied keys, such as disturbance.seed"),
+        *((True, ("over",), f"names {key!s}, which is not varied", remedy) for key in unknown),
+        *((True, ("over",), f"names {key!s} more than once", "name it once") for key in twice),
+        (all_happen, ("over",), "names all varied keys, which leaves nothing to choose",
+         "leave out a key that is to be chosen, or 'over'"),
+        *((key in given and "over" not in given, (key,), "needs the keys that happen",
+           "name them too, such as 'over: [disturbance.seed]' or --over disturbance.seed")
+          for key in ("robust", "happenings")),
+    ]  # fmt: skip
 
 
 def _has_no_count(value: object) -> bool:

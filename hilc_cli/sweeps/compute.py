@@ -18,8 +18,9 @@ from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, METRICS
+from hilc_cli.sweeps.changes import TRAJECTORY, changes_path
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Failure, Store
-from hilc_cli.sweeps.plan import CANNOT_BE_MADE, TRAJECTORY, Plan, changes_path
+from hilc_cli.sweeps.plan import CANNOT_BE_MADE, Plan
 from hilc_cli.variation import Cases, Value
 from hilc_cli.workers.crews import TRIES, Alone, Crew, Processes, available_cores, hand_out
 
@@ -189,7 +190,7 @@ def _some_experiments(plan: Plan) -> list[Experiment]:
     last = len(cases) - 1
     numbers = sorted({last * number // (_LOOKED_AT - 1) for number in range(_LOOKED_AT)})
     looked_at = [values for case in numbers for values in cases.values(case, case + 1)]
-    if cases.sampling == "grid":
+    if isinstance(cases, Cases) and cases.sampling == "grid":
         for key, ladder in zip(plan.axes, cases.ladders, strict=True):
             if not key.startswith(TRAJECTORY):
                 looked_at += [{**looked_at[0], key: value} for value in ladder[:_MOST_VALUES]]
@@ -206,11 +207,11 @@ def samples_per_case(plan: Plan) -> float:
     spec = plan.scenario.spec
     keys = [key for key in plan.axes if key == "iterations" or key in plan.changes_path]
     cases = plan.cases
-    if cases.sampling == "grid":
+    if isinstance(cases, Cases) and cases.sampling == "grid":
         # The other keys only repeat the combinations of these.
         cases = Cases({key: plan.axes[key] for key in keys})
     looked_at: list[dict[str, Value]] = [{}]
-    if keys and profiles_per_case(plan) == 0:
+    if keys and profiles_per_case(plan) == 0 and cases.sampling != "crossed":
         looked_at = cases.values(0, min(len(cases), _TRIAL_CASES))
     elif keys:
         spread = np.linspace(0, len(cases) - 1, min(len(cases), _TRIAL_PROFILES)).astype(int)

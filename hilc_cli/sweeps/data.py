@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,8 @@ from hilc_cli.names import named
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE
+from hilc_cli.scenario.sweep_section import Robust
+from hilc_cli.sweeps.happenings import CrossedCases
 from hilc_cli.variation import Axis, Cases, ListedCases, Value, is_value
 from hilc_cli.wording import in_short, listed
 
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 BEST = "best.yaml"
-"""The scenario of the best case, in the folder of a sweep that was a search."""
+"""The scenario of the best case in the folder of a sweep."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +117,10 @@ class SweepData(InNotebooks):
         as_it_is: The scenario with its own values, if the cases are those of a search for the
             smallest metric.
         path_size: Of the trajectory [m], the longest if it is varied; None if it is not known.
+        over: The varied keys that are not chosen but happen.
+        robust: By which figure of its cases a choice of the other keys is ranked.
+        figure: Empty for cases; where each row stands for a choice, which figure of its cases the
+            metric is: that of `robust`.
     """
 
     name: str
@@ -127,6 +133,9 @@ class SweepData(InNotebooks):
     bands: Bands | None = None
     as_it_is: OwnValues | None = None
     path_size: float | None = None
+    over: tuple[str, ...] = ()
+    robust: Robust = "worst"
+    figure: Robust | Literal[""] = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "columns", named("column", self.columns))
@@ -145,6 +154,11 @@ class SweepData(InNotebooks):
             lines.append(f"smallest {self.metric}: {self.columns[self.metric][ranked[0]]:.6g}")
             lines.append(f"in case {ranked[0]}: {best}")
         return in_short(f"{type(self).__name__} of {self.name!r}: {len(self)} cases", *lines)
+
+    @property
+    def row(self) -> str:
+        """What a row stands for, in a word."""
+        return "choice" if self.figure else "case"
 
     @property
     def diverged(self) -> NDArray[np.bool_]:
@@ -188,12 +202,14 @@ class SweepData(InNotebooks):
 
 def collect(
     name: str,
-    cases: Cases | ListedCases,
+    cases: Cases | CrossedCases | ListedCases,
     rows: Floats,
     errors: Iterable[Floats] | None,
     tolerance: float | None,
     metric: str,
     path_size: float | None,
+    over: tuple[str, ...] = (),
+    robust: Robust = "worst",
     go_on: Callable[[], None] = lambda: None,
 ) -> SweepData:
     """The results of a sweep of which all cases are known.
@@ -206,6 +222,8 @@ def collect(
         tolerance: Of iterations_to_tolerance [m], if there is one.
         metric: What pictures show.
         path_size: Of the trajectory [m]; None if it is not known.
+        over: The keys that happen.
+        robust: By which figure of its cases a choice is ranked.
         go_on: Called now and then; may raise to stop.
     """
     values = {}
@@ -222,6 +240,8 @@ def collect(
         metric=metric,
         bands=None if errors is None else bands(errors, go_on),
         path_size=path_size,
+        over=over,
+        robust=robust,
     )
 
 

@@ -13,6 +13,7 @@ from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.sweeps.compute import cases_per_chunk, samples_per_case
 from hilc_cli.sweeps.plan import CANNOT_BE_MADE, Plan
+from hilc_cli.sweeps.refinement import refined_cases
 from hilc_cli.sweeps.search import batches
 
 _BASE_MEMORY = 250e6  # [bytes] Python with its libraries, pictures included
@@ -33,6 +34,8 @@ class Estimate:
         disk: Of the results while they are computed [bytes].
         seconds: With this number of workers.
         workers: Number of workers.
+        choices: Of keys that do not happen, if some do and it is of all cases.
+        happenings: Cases of each choice, likewise.
     """
 
     cases: int
@@ -41,6 +44,8 @@ class Estimate:
     disk: int
     seconds: float
     workers: int
+    choices: int | None = None
+    happenings: int | None = None
 
 
 def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
@@ -50,6 +55,7 @@ def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
     rows = cases * _BYTES_PER_VALUE * len(CASE_COLUMNS)
     bands = cases * _BYTES_PER_VALUE * (plan.most_iterations + 1) if plan.bands else 0
     per_case = samples * _seconds_per_sample(plan) + _PER_CASE
+    told = bool(plan.over) and cases == len(plan.cases)
     work = _of_search(plan, per_case, workers) if plan.searches else cases * per_case / workers
     return Estimate(
         cases=cases,
@@ -58,17 +64,21 @@ def estimate(plan: Plan, workers: int, computed: int | None = None) -> Estimate:
         disk=rows + bands,
         seconds=_START + work,
         workers=workers,
+        choices=plan.choices if told else None,
+        happenings=plan.happenings if told else None,
     )
 
 
 def _of_search(plan: Plan, per_case: float, workers: int) -> float:
     """Seconds of a search: batches wait for each other, and it takes time to think of the next."""
-    cases = len(plan.cases)
-    seconds = cases * (_PER_THOUGHT + cases * _PER_MEMORY)
-    for batch, _ in batches(cases):
-        size = cases_per_chunk(plan, len(batch), workers)
-        rounds = math.ceil(math.ceil(len(batch) / size) / workers)
-        seconds += rounds * size * per_case
+    choices, every = plan.choices, plan.happenings
+    refined = refined_cases({key: plan.axes[key] for key in plan.chosen}, choices)
+    seconds = choices * (_PER_THOUGHT + choices * _PER_MEMORY)
+    sizes = [len(batch) for batch, _ in batches(choices - refined)] + [1] * refined
+    for size in sizes:
+        chunk = cases_per_chunk(plan, size * every, workers)
+        rounds = math.ceil(math.ceil(size * every / chunk) / workers)
+        seconds += rounds * chunk * per_case
     return seconds
 
 

@@ -16,8 +16,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
-
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import HilcError, InvalidInputError
@@ -28,19 +26,18 @@ from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERR
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.making import ExperimentMaker
 from hilc_cli.scenario.scenario import ScenarioSpec
-from hilc_cli.scenario.sweep_section import SweepSpec, axis_text
+from hilc_cli.scenario.sweep_section import Robust, SweepSpec, axis_text
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.sweeps.cases import CaseSpecs
+from hilc_cli.sweeps.changes import TRAJECTORY, changes_path, root, validated
 from hilc_cli.sweeps.data import SEED_KEY
+from hilc_cli.sweeps.happenings import CrossedCases, cases_of
 from hilc_cli.variation import Axis, Cases, Value, axis_to_data
 from hilc_cli.version import __version__
 from hilc_cli.wording import in_short, listed
-from hilc_cli.yaml_input.nodes import MapNode, Node, Place, Source, from_data, to_data
-from hilc_cli.yaml_input.problems import problems_of
-from hilc_cli.yaml_input.reading import apply_override
+from hilc_cli.yaml_input.nodes import Place, Source
 from hilc_cli.yaml_input.tree import to_yaml
 
-TRAJECTORY = "trajectory"
 _WITHOUT_EFFECT = (
     "name",
     "description",
@@ -82,7 +79,8 @@ class Plan:
     def __repr__(self) -> str:
         what = "search" if self.searches else "sweep"
         title = f"Plan of a {what} of {self.name!r}: {len(self.cases)} cases"
-        return in_short(title, f"varied: {listed(self.axes)}")
+        happen = [f"over: {listed(self.over)}"] if self.over else []
+        return in_short(title, f"varied: {listed(self.axes)}", *happen)
 
     @property
     def name(self) -> str:
@@ -123,7 +121,7 @@ class Plan:
         keys = self.changes_path
         if not keys:
             return False
-        if self.cases.sampling != "grid":
+        if not isinstance(self.cases, Cases) or self.cases.sampling != "grid":
             return True
         last = max(list(self.axes).index(key) for key in keys)
         alike = math.prod(self.cases.shape[last + 1 :])
@@ -138,10 +136,40 @@ class Plan:
         return max(spec.model_copy(update={"trajectory": path}).reference.size for path in paths)
 
     @cached_property
-    def cases(self) -> Cases:
+    def cases(self) -> Cases | CrossedCases:
         """All cases; of a search as many points drawn from its ranges, with which it begins."""
-        sample = "sobol" if self.searches else self.spec.sample
-        return Cases(self.axes, sample, self.spec.cases or 0, self.spec.seed)
+        spec, sample = self.spec, "sobol" if self.searches else self.spec.sample
+        return cases_of(self.axes, sample, spec.cases or 0, spec.seed, self.over, spec.happenings)
+
+    @property
+    def over(self) -> tuple[str, ...]:
+        """The varied keys that are not chosen but happen, in the order of the axes."""
+        over = self.spec.over or ()
+        return tuple(key for key in self.axes if key in over)
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """The other keys, of which each combination is a choice."""
+        return tuple(key for key in self.axes if key not in self.over)
+
+    @property
+    def robust(self) -> Robust:
+        """The figure of its cases by which a choice is ranked."""
+        return self.spec.robust or "worst"
+
+    @property
+    def choices(self) -> int:
+        """How many choices there are; without keys that happen each case is one."""
+        cases = self.cases
+        if isinstance(cases, CrossedCases):
+            return len(cases.choices)
+        counts = zip(self.axes, cases.shape, strict=True) if self.over else ()
+        return math.prod(n for key, n in counts if key not in self.over) if counts else len(cases)
+
+    @property
+    def happenings(self) -> int:
+        """How many cases each choice has."""
+        return len(self.cases) // self.choices
 
     @property
     def bands(self) -> bool:
@@ -245,9 +273,10 @@ class Plan:
         found = (scenario if scenario.spec.controller.learns else fullest).warnings()
         if SEED_KEY in self.axes and not fullest.spec.disturbance.active:
             found.append("disturbance.seed varies, but there is no disturbance: all bounds are 0")
-        if SEED_KEY in self.axes and self.searches:
+        if SEED_KEY in self.axes and self.searches and SEED_KEY not in self.over:
             found.append(
-                "disturbance.seed varies: the search will find lucky disturbances, not good values"
+                "disturbance.seed varies: the search will find lucky disturbances, not good "
+                "values; --over disturbance.seed tries each choice with all of them"
             )
         return found + _hidden_by_initial_error(self)
 
@@ -300,9 +329,11 @@ class Plan:
             data["libraries"] = {name: version(name) for name in libraries}
         if self.searches:
             data["searched"] = [self.spec.minimise, self.spec.cases, self.spec.seed]
-            data["optuna"] = version("optuna")
+            data["optuna"], data["scipy"] = version("optuna"), version("scipy")
         elif self.spec.sample != "grid":
             data["drawn"] = [self.spec.sample, self.spec.cases, self.spec.seed]
+        if self.over:
+            data["over"] = [self.over, self.spec.robust, self.spec.happenings, self.spec.seed]
         digest = hashlib.sha256(f"{__version__}\n{json.dumps(data, sort_keys=True)}".encode())
         for wheel in self.scenario.initial_input or ():
             digest.update(wheel.tobytes())
@@ -352,61 +383,3 @@ def _hidden_by_initial_error(plan: Plan) -> list[str]:
             f"good it is; {option} {MAX_ERROR_SECOND_HALF} tells cases apart"
         )
     return found
-
-
-Change = tuple[str, Value, Place]
-"""A key, its value, and where that stands."""
-
-
-def validated(spec: ScenarioSpec, changes: Sequence[Change]) -> ScenarioSpec:
-    """The scenario with values put in.
-
-    What no change leads into is not validated again: to build a long path takes its time.
-
-    Raises:
-        InvalidInputError: They are not valid there; names every problem.
-    """
-    changed = {root(key) for key, _, _ in changes} | {"controller"}  # whose law looks at the others
-    kept = {key: part for key, part in spec if isinstance(part, BaseModel) and key not in changed}
-    return scenario_of(with_changes(spec, changes), kept)
-
-
-def with_changes(spec: ScenarioSpec, changes: Sequence[Change]) -> MapNode:
-    """The scenario as a tree, with values put in."""
-    place = changes[0][2] if changes else Place(Source("", Path(), has_lines=False))
-    tree: Node = from_data(spec.model_dump(mode="json", exclude_none=True), place)
-    assert isinstance(tree, MapNode)  # of a model
-    for key, value, where in changes:
-        tree = apply_override(
-            tree, tuple(key.split(".")), from_data(value, where), lambda same: same
-        )
-    return tree
-
-
-def scenario_of(tree: MapNode, kept: Mapping[str, BaseModel] | None = None) -> ScenarioSpec:
-    """The scenario of a tree, if it is valid.
-
-    Args:
-        tree: The scenario.
-        kept: Parts that are valid already, in the place of those in the tree.
-
-    Raises:
-        InvalidInputError: It is not; names every problem.
-    """
-    data = to_data(tree)
-    assert isinstance(data, dict)  # of a mapping
-    try:
-        return ScenarioSpec.model_validate({**data, **(kept or {})})
-    except ValidationError as error:
-        raise InvalidInputError(problems_of(error, tree, ScenarioSpec)) from None
-
-
-def changes_path(spec: ScenarioSpec, key: str) -> bool:
-    """Whether the reference of a case may depend on a key that is varied."""
-    of_timing = root(key) in ("robot", "model") or key == "controller.b_w"
-    return root(key) == TRAJECTORY or (of_timing and spec.trajectory.timing is not None)
-
-
-def root(key: str) -> str:
-    """The first part of a dotted key."""
-    return key.partition(".")[0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,8 @@ from hilc_cli.reporting.terminal import (
     two_columns,
 )
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
+from hilc_cli.sweeps.choice_report import choices_document, choices_table, shown
+from hilc_cli.sweeps.choices import as_sweep_of_choices, best_case, choices_of
 from hilc_cli.sweeps.data import BEST, summarise_sweep, tied
 from hilc_cli.variation import Range
 from hilc_cli.wording import counted, printable
@@ -40,23 +42,30 @@ if TYPE_CHECKING:
 _NOTHING = "-"
 
 
-def search_table(summary: SweepSummary, as_it_is: OwnValues) -> Table:
-    """The best case beside the scenario as it is, key by key."""
+def search_table(summary: SweepSummary, as_it_is: OwnValues, row: str, of: str) -> Table:
+    """The best case beside the scenario as it is, key by key.
+
+    Args:
+        summary: Of the cases; of the choices where keys happen.
+        as_it_is: The scenario as it is.
+        row: ``case`` or ``choice``.
+        of: What is minimised, in words.
+    """
     from rich import box
     from rich.table import Table
 
     best = next(iter(summary.best), None)
     table = Table(
-        title=f"Smallest {summary.metric}",
+        title=f"Smallest {of}",
         box=box.SIMPLE_HEAD,
         title_justify="left",
         title_style="bold",
     )
     table.add_column("")
     table.add_column("as it is", justify="right")
-    table.add_column("best" if best is None else f"best, case {best.case}", justify="right")
+    table.add_column("best" if best is None else f"best, {row} {best.case}", justify="right")
     of_best = math.nan if best is None else best.metric
-    table.add_row(summary.metric, _number(as_it_is.metric), _number(of_best))
+    table.add_row(of, _number(as_it_is.metric), _number(of_best))
     for key, value in as_it_is.values.items():
         found = _NOTHING if best is None else shown(best.values[key])
         table.add_row(*map(printable, (key, shown(value), found)))
@@ -72,13 +81,6 @@ def search_document(summary: SweepSummary, as_it_is: OwnValues, folder: Path) ->
         "best": None if best is None else asdict(best),
         "scenario": None if best is None else str(folder / BEST),
     }
-
-
-def shown(value: object) -> str:
-    """A value of a key as a table shows it."""
-    if value is None or isinstance(value, bool):
-        return {None: "null", True: "true", False: "false"}[value]
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _number(number: float) -> str:
@@ -135,7 +137,7 @@ class SweepReport:
             return
         workers = counted(estimate.workers, "worker")
         rows = [
-            ("cases", f"{estimate.cases:,}"),
+            ("cases", f"{estimate.cases:,}{_crossed(estimate)}"),
             ("samples of all iterations", f"{estimate.samples:,.0f}"),
             (
                 "time",
@@ -172,7 +174,12 @@ class SweepReport:
         _check_found(data)
 
     def _summary(self, data: SweepData, failures: Sequence[Failure], folder: Path) -> None:
-        summary, as_it_is = summarise_sweep(data), data.as_it_is
+        summary, as_it_is = (
+            summarise_sweep(data, 0 if data.over and not self.json else 5),
+            data.as_it_is,
+        )
+        ranked = as_sweep_of_choices(data) if data.over else data
+        best = summarise_sweep(ranked)
         if self.json:
             document = {
                 "folder": str(folder),
@@ -180,19 +187,22 @@ class SweepReport:
                 "failures": [failure.to_data() for failure in failures],
             }
             if as_it_is is not None:
-                document["search"] = search_document(summary, as_it_is, folder)
+                document["search"] = search_document(best, as_it_is, folder)
+            if data.over:
+                document["choices"] = choices_document(data, choices_of(data), folder)
             print_json(document)
         elif not self.quiet:
-            print_table(
-                two_columns(f"{summary.name}, {summary.cases:,} cases", summary_rows(summary))
-            )
+            told = replace(summary, best=[]) if data.over else summary
+            print_table(two_columns(f"{summary.name}, {summary.cases:,} cases", summary_rows(told)))
+            if data.over:
+                print_table(choices_table(data, choices_of(data)))
             if as_it_is is not None:
-                print_table(search_table(summary, as_it_is))
+                print_table(search_table(best, as_it_is, ranked.row, measured(ranked)))
             print_text(f"Written to {folder}")
-            if as_it_is is not None and summary.best:
-                label = "Best scenario" if found_better(data) else _NO_BETTER
-                print_text(f"{label}: {folder / BEST}")
-        for note in sweep_notes(data, summary):
+            if best.best and (data.over or as_it_is is not None):
+                good = as_it_is is None or found_better(ranked)
+                print_text(f"{'Best scenario' if good else _NO_BETTER}: {folder / BEST}")
+        for note in sweep_notes(ranked, best):
             self.say(note)
 
     def shard(
@@ -226,8 +236,13 @@ class SweepReport:
             raise typer.Exit(SOME_FAILED)
 
 
+def measured(data: SweepData) -> str:
+    """What cases or choices are ranked by."""
+    return f"{data.figure} {data.metric}".strip()
+
+
 def _check_found(data: SweepData) -> None:
-    if data.as_it_is is not None and not data.ranked():
+    if data.as_it_is is not None and best_case(data) is None:
         raise typer.Exit(NOTHING_FOUND)
 
 
@@ -250,6 +265,14 @@ def summary_rows(summary: SweepSummary) -> list[tuple[str, str]]:
     return rows
 
 
+def _crossed(estimate: Estimate) -> str:
+    """Of how many choices and happenings the cases are, if some keys happen."""
+    if estimate.choices is None or estimate.happenings is None:
+        return ""
+    choices, every = (f"{number:,}" for number in (estimate.choices, estimate.happenings))
+    return f" = {choices} choices x {every} happenings"
+
+
 def _duration(seconds: float) -> str:
     if seconds < 100:
         return f"{seconds:.2g} s"
@@ -268,15 +291,20 @@ _NEAR = 0.01  # of the range
 
 
 def sweep_notes(data: SweepData, summary: SweepSummary) -> list[str]:
-    """Ties for the best case; and of a search how good its best case is."""
+    """Ties for the best case; and of a search how good its best case is.
+
+    Args:
+        data: The sweep; where keys happen, that of its choices.
+        summary: Of the same.
+    """
     best = summary.best[0].case if summary.best else None
-    notes = [] if best is None or summary.tied < 2 else [_tie(data, best)]
+    notes = [] if best is None or summary.tied < 2 else _tie(data, best)
+    if best is None:
+        return [f"no {data.row} has a value of {measured(data)}, so there is no {BEST}"]
     if data.as_it_is is None:
         return notes
-    if best is None:
-        return [f"no case has a value of {data.metric}, so there is no {BEST}"]
     if not found_better(data):
-        return [*notes, "no case is better than the scenario as it is"]
+        return [*notes, f"no {data.row} is better than the scenario as it is"]
     # Of several best cases it says nothing where one of them lies.
     return notes or _at_ends(data, best)
 
@@ -290,24 +318,41 @@ def found_better(data: SweepData) -> bool:
     return not data.columns[data.metric][best] >= data.as_it_is.metric
 
 
-def _tie(data: SweepData, best: int) -> str:
-    """Says that there are several best cases, and what would tell them apart."""
+def _tie(data: SweepData, best: int) -> list[str]:
+    """Says that there are several best cases, and what would tell them apart.
+
+    Those of a search that lie next to each other are the bottom of one hollow, as it should be.
+    """
     cases = tied(data)
+    if data.as_it_is is not None and all(_is_beside(data, best, int(case)) for case in cases):
+        return []
     value = f"{data.columns[data.metric][best]:.6g}"
     where = "" if data.as_it_is is None else f", and the one in {BEST}"
-    note = f"{len(cases):,} of {len(data):,} cases share the best {data.metric}, {value}; "
-    note += f"case {best} is only one of them{where}"
+    note = f"{len(cases):,} of {len(data):,} {data.row}s share the best {measured(data)}, {value}; "
+    note += f"{data.row} {best} is only one of them{where}"
     later = data.columns[MAX_ERROR_SECOND_HALF][cases]
     if data.metric in _HIDING and not np.allclose(later, later[0], rtol=0.01, equal_nan=True):
         option = "--metric" if data.as_it_is is None else "--minimise"
         note += f": {option} {MAX_ERROR_SECOND_HALF} tells them apart"
-    return note
+    return [note]
+
+
+def _is_beside(data: SweepData, one: int, other: int) -> bool:
+    """Whether two cases are nearer to each other than a search can tell, in all keys."""
+    values, others = data.case(one), data.case(other)
+    return all(
+        abs(axis.place(values[key]) - axis.place(others[key])) < _NEAR
+        if isinstance(axis, Range) and axis.low < axis.high
+        else values[key] == others[key]
+        for key, axis in data.axes.items()
+    )
 
 
 def _at_ends(data: SweepData, best: int) -> list[str]:
     values = data.case(best)
     return [
-        f"{key} of the best case is at the end of its range: a wider one may hold a better value"
+        f"{key} of the best {data.row} is at the end of its range: a wider one may hold a better "
+        "value"
         for key, axis in data.axes.items()
         if isinstance(axis, Range) and _is_at_end(axis, values[key])
     ]

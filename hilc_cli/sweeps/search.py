@@ -6,10 +6,11 @@ Its points are drawn, or are those that Optuna expects much of.
 from __future__ import annotations
 
 import itertools
+import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,8 @@ from hilc_cli.errors import needed
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, MAX_ERROR
 from hilc_cli.sweeps.cases import parts
+from hilc_cli.sweeps.changes import TRAJECTORY
+from hilc_cli.sweeps.choices import robust_figure
 from hilc_cli.sweeps.chunks import Chunk, Store
 from hilc_cli.sweeps.compute import (
     Execution,
@@ -29,10 +32,11 @@ from hilc_cli.sweeps.compute import (
     crew_for,
     run_chunk,
 )
-from hilc_cli.sweeps.data import OwnValues, SweepData
-from hilc_cli.sweeps.plan import TRAJECTORY, Plan
+from hilc_cli.sweeps.data import OwnValues
+from hilc_cli.sweeps.happenings import CrossedCases
+from hilc_cli.sweeps.plan import Plan
+from hilc_cli.sweeps.refinement import Refinement, Values, refined_cases
 from hilc_cli.variation import Axis, Cases, Choices, ListedCases, Value
-from hilc_cli.yaml_input.tree import to_yaml
 
 if TYPE_CHECKING:
     from optuna.distributions import BaseDistribution
@@ -41,7 +45,6 @@ if TYPE_CHECKING:
 SAMPLER = "TPE"
 """Name of the sampler in the manifest of a search."""
 
-Values = tuple[Value, ...]
 _Params = dict[str, Any]
 """Optuna's parameters for the values of a case."""
 
@@ -58,35 +61,73 @@ _LEAST, _SHARE = 4, 4
 _COLUMNS = list(CASE_COLUMNS)
 
 
-def search(plan: Plan, store: Store, how: Execution) -> ListedCases:
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What a search has tried.
+
+    Attributes:
+        cases: All its cases.
+        how: What the manifest tells of how it was done.
+    """
+
+    cases: ListedCases
+    how: Mapping[str, Any]
+
+
+def search(plan: Plan, store: Store, how: Execution) -> Found:
     """Computes the cases of a search, of which a store may have some.
 
     A batch follows from the results of the batches before it, not from who computed them, so that
     a search that goes on after a stop thinks of the same cases again and finds them in the store.
 
-    Returns:
-        All its cases.
-
     Raises:
         UsageError: The package for that is not installed.
         HilcError: As for `compute`.
     """
-    sampler = Sampler(plan.cases)
+    made, every = plan.cases, plan.happenings
+    choices = made.choices if isinstance(made, CrossedCases) else made
+    sampler, total = Sampler(choices), plan.choices
+    refined = refined_cases(choices.axes, total)
     compile_for(plan, how.on_compile)
     listed: list[Values] = []
+    figures: list[float] = []
     crew = crew_for(plan, LANES, how)
+
+    def compute_batch(values: Sequence[Values]) -> Floats:
+        """The costs of the next choices."""
+        first = len(listed)
+        listed.extend(values)
+        rows = tuple(made.searched(values).rows if isinstance(made, CrossedCases) else values)
+        batch = Chunk(first * every, len(listed) * every, rows)
+        store.forget_others(batch)
+        compute_chunks(plan, store, crew, _missing(plan, store, batch, crew.workers), how)
+        found = costs(plan, store.rows()[batch.first : batch.last]).reshape(-1, every)
+        figures.extend(robust_figure(found, plan.robust).tolist())
+        return np.array(figures[first:])
+
     try:
-        for cases, drawn in batches(len(plan.cases)):
+        for cases, drawn in batches(total - refined):
             how.go_on()
-            values = sampler.ask(len(cases), drawn)
-            batch = Chunk(cases.first, cases.last, values)
-            store.forget_others(batch)
-            compute_chunks(plan, store, crew, _missing(plan, store, batch, crew.workers), how)
-            sampler.tell(costs(plan, store.rows()[batch.first : batch.last]))
-            listed += values
+            sampler.tell(compute_batch(sampler.ask(len(cases), drawn)))
+        refinement = Refinement(choices.axes, listed, figures, sampler.draw)
+        while len(listed) < total:
+            how.go_on()
+            refinement.tell(compute_batch([refinement.ask()]))
     finally:
         crew.dismiss()
-    return ListedCases(plan.axes, listed)
+    told = {
+        "minimise": plan.spec.minimise,
+        "seed": plan.spec.seed,
+        "sampler": SAMPLER,
+        "optuna": version("optuna"),
+        "refinement": {"method": refinement.method, "cases": refined, "first_case": total - refined}
+        if refined
+        else None,
+    }
+    return Found(
+        made.searched(listed) if isinstance(made, CrossedCases) else ListedCases(plan.axes, listed),
+        told,
+    )
 
 
 def costs(plan: Plan, rows: Floats) -> Floats:
@@ -130,44 +171,22 @@ def _missing(plan: Plan, store: Store, batch: Chunk, workers: int) -> list[Chunk
 
 
 def own_metric(plan: Plan) -> float:
-    """The metric of the scenario with its own values, not-a-number if it has none."""
-    own = replace(plan, spec=plan.spec.model_copy(update={"vary": {}}))
-    return float(_metric(plan, run_chunk(own, Chunk(0, 1, ((),))).rows)[0])
+    """The metric of the scenario with its own values, not-a-number if it has none.
+
+    Where keys happen it is the figure of the metric over all happenings.
+    """
+    happen = {key: axis for key, axis in plan.axes.items() if key in plan.over}
+    own = replace(plan, spec=plan.spec.model_copy(update={"vary": happen, "over": None}))
+    rows = tuple(plan.cases.happened()) if isinstance(plan.cases, CrossedCases) else ((),)
+    found = _metric(plan, run_chunk(own, Chunk(0, len(rows), rows)).rows)
+    figure = float(robust_figure(np.where(np.isnan(found), np.inf, found)[None], plan.robust)[0])
+    return figure if math.isfinite(figure) else math.nan
 
 
-_SUFFIX, _LONGEST_NAME = "-best", 100
-
-
-def beside_cases(plan: Plan, data: SweepData) -> dict[str, Any]:
-    """The fields that a `Sweep` has of a search only."""
-    own, metric = plan.scenario.resolved(), own_metric(plan)
-    values = {key: value_of(own, key) for key in plan.axes}
-    return {"as_it_is": OwnValues(values, metric), "best_yaml": _best_yaml(plan, data, metric)}
-
-
-def how_searched(plan: Plan) -> dict[str, Any]:
-    """What the manifest tells of how a search was done."""
-    return {
-        "minimise": plan.spec.minimise,
-        "seed": plan.spec.seed,
-        "sampler": SAMPLER,
-        "optuna": version("optuna"),
-    }
-
-
-def _best_yaml(plan: Plan, data: SweepData, as_it_is: float) -> str | None:
-    """The scenario of the best case as a file, if any case has the metric."""
-    best = next(iter(data.ranked()), None)
-    if best is None:
-        return None
-    scenario = plan.case(data.case(best)).resolved()
-    scenario["name"] = plan.name[: _LONGEST_NAME - len(_SUFFIX)] + _SUFFIX
-    metric = float(data.columns[data.metric][best])
-    title = f"# Case {best} of a search with hilc sweep, the best of {len(data)}: "
-    title += f"{data.metric} {metric!r}\n"
-    if metric >= as_it_is:
-        title += f"# No better than the scenario as it is, which has {as_it_is!r}.\n"
-    return f"{title}{to_yaml(scenario)}"
+def own_values(plan: Plan) -> OwnValues:
+    """The scenario as it is, to be put beside the cases of a search."""
+    own = plan.scenario.resolved()
+    return OwnValues({key: value_of(own, key) for key in plan.chosen}, own_metric(plan))
 
 
 def value_of(resolved: Mapping[str, Any], key: str) -> Value:
@@ -265,12 +284,19 @@ class Sampler:
                     params, trial = self._new_point(), None
                 self._tried.add(tuple(params.values()))
                 self._batch.append((params, trial))
+        return tuple(self._values(params) for params, _ in self._batch)
+
+    def draw(self) -> Values:
+        """The next case that is drawn, whatever is known: of it nothing need be told."""
+        params = self._new_point()
+        self._tried.add(tuple(params.values()))
+        return self._values(params)
+
+    def _values(self, params: _Params) -> Values:
+        """What each key is at Optuna's parameters."""
         return tuple(
-            tuple(
-                _ordered(axis)[params[key]] if isinstance(axis, Choices) else params[key]
-                for key, axis in self._axes.items()
-            )
-            for params, _ in self._batch
+            _ordered(axis)[params[key]] if isinstance(axis, Choices) else params[key]
+            for key, axis in self._axes.items()
         )
 
     def tell(self, costs: Floats | Sequence[float]) -> None:

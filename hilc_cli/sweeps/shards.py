@@ -18,6 +18,7 @@ from hilc_cli.scenario.loading import ScenarioSource
 from hilc_cli.sweeps.chunks import Chunk, Failure
 from hilc_cli.sweeps.compute import Execution, compute
 from hilc_cli.sweeps.data import collect
+from hilc_cli.sweeps.one_case import best_yaml, read_resolved
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.planning import plan_sweep
 from hilc_cli.sweeps.store import WORK_FOLDER, FolderStore
@@ -135,14 +136,18 @@ def merge_shards(
             header.tolerance_m,
             header.metric,
             header.path_size_m,
+            header.over,
+            header.robust,
             go_on,
         )
+        scenario = _read_scenario(Path(folders[0]))
         given = Path(folders[0]) / INITIAL_INPUT
         return Sweep(
             **as_fields(data),
             failures=tuple(failure for store in stores for failure in store.failures()),
             checksum=header.checksum,
-            scenario_yaml=_read_scenario(Path(folders[0])),
+            scenario_yaml=scenario,
+            best_yaml=best_yaml(data, read_resolved(scenario, Path(folders[0]) / SCENARIO)),
             initial_input=read_stored_input(given) if is_there(given) else None,
             how={**origin(started, COMPILED_WITH), "shards": len(stores)},
         )

@@ -9,23 +9,22 @@ import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Any
 
 import numpy as np
-from pydantic import Field, model_validator
 
 from hilc_cli.errors import ExistingResultsError, FileAccessError, HilcError, UsageError
 from hilc_cli.files import open_to_read, open_to_write, sync, writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import INITIAL_INPUT, SCENARIO, ResultFolder
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.results.reading import Document, Length, Name, check_columns, damaged
+from hilc_cli.results.reading import check_columns, damaged
 from hilc_cli.results.tables import write_input
+from hilc_cli.sweeps.case_table import CASE_NUMBERS
 from hilc_cli.sweeps.chunks import Chunk, ChunkResult, Entry, Failure, Journal, Store
 from hilc_cli.sweeps.plan import Plan
-from hilc_cli.sweeps.sweep_folder import CASE_NUMBERS, Axes, CaseMetric
-from hilc_cli.variation import Cases, axis_to_data
-from hilc_cli.yaml_input.quantities import MOST_CASES
+from hilc_cli.sweeps.work_header import Header
+from hilc_cli.variation import axis_to_data
 
 _COLUMNS = len(CASE_COLUMNS)
 JOURNAL = "journal"
@@ -39,48 +38,6 @@ WORK_FOLDER = ResultFolder(
     files=frozenset({JOURNAL, ROWS, ERRORS, SCENARIO, INITIAL_INPUT}),
     manifest="plan.json",
 )
-
-
-CaseNumber = Annotated[int, Field(ge=0, le=MOST_CASES)]
-
-
-class Header(Document):
-    """What the folder of a sweep under way says of it: the manifest."""
-
-    kind: str
-    name: Name
-    checksum: str
-    first: CaseNumber
-    last: CaseNumber
-    shard: str | None
-    iterations: Annotated[int, Field(ge=0, le=10_000_000)]
-    bands: bool
-    axes: Axes
-    sample: Literal["grid", "random", "sobol"]
-    cases: CaseNumber
-    seed: Annotated[int, Field(ge=0, lt=2**64)]
-    tolerance_m: Length | None
-    metric: CaseMetric
-    path_size_m: Length | None = None
-    minimise: CaseMetric | None
-
-    @model_validator(mode="after")
-    def _fits(self) -> Self:
-        if not self.first < self.last <= self.cases:
-            raise ValueError("its cases are none of the sweep")
-        return self
-
-    @property
-    def of_all(self) -> Cases:
-        """All cases of the sweep.
-
-        Raises:
-            ValueError: The axes make others.
-        """
-        cases = Cases(self.axes, self.sample, self.cases, self.seed)
-        if len(cases) != self.cases:
-            raise ValueError("its axes do not fit")
-        return cases
 
 
 def _is_empty(folder: Path) -> bool:
@@ -207,6 +164,10 @@ class FolderStore(Store):
             "path_size_m": plan.path_size,
             "metric": plan.spec.metric,
             "minimise": plan.spec.minimise,
+            "drawn": plan.spec.cases or 0,
+            "over": list(plan.over),
+            "robust": plan.robust,
+            "happenings": plan.spec.happenings,
         }
 
         def fill(draft: Path) -> None:

@@ -5,34 +5,37 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from hilc_cli.errors import HilcError
+from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.files import writing
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.folder import COMPILED_WITH, INITIAL_INPUT, SCENARIO, origin
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.tables import write_input
 from hilc_cli.scenario.loading import ScenarioSource
+from hilc_cli.sweeps.case_table import CASES, write_cases
+from hilc_cli.sweeps.choices import choices_of
 from hilc_cli.sweeps.chunks import Chunk, Failure, MemoryStore, Store
 from hilc_cli.sweeps.compute import Execution, compute
 from hilc_cli.sweeps.data import BEST, SweepData, SweepSummary, collect, summarise_sweep
+from hilc_cli.sweeps.one_case import best_yaml
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.planning import plan_sweep
-from hilc_cli.sweeps.search import beside_cases, how_searched, search
-from hilc_cli.sweeps.store import open_store, work_folder
-from hilc_cli.sweeps.sweep_folder import (
+from hilc_cli.sweeps.search import own_values, search
+from hilc_cli.sweeps.side_tables import (
     BANDS,
-    CASES,
+    CHOICES,
     PARQUET,
-    SWEEP_FOLDER,
     write_bands,
-    write_cases,
+    write_choices,
     write_parquet,
 )
+from hilc_cli.sweeps.store import open_store, work_folder
+from hilc_cli.sweeps.sweep_folder import SWEEP_FOLDER
 from hilc_cli.variation import axis_to_data
 
 
@@ -46,7 +49,7 @@ class Sweep(SweepData):
         scenario_yaml: The resolved scenario with its sweep.
         initial_input: Sample time, left and right wheel speeds of the input file, if there is one.
         how: What the manifest tells of the computation.
-        best_yaml: The scenario of the best case as a file, if one was searched for and found.
+        best_yaml: The scenario of the best case as a file, if any case has the metric.
     """
 
     failures: tuple[Failure, ...] = field(kw_only=True)
@@ -95,6 +98,8 @@ class Sweep(SweepData):
             if self.best_yaml is not None:
                 (into / BEST).write_text(self.best_yaml, encoding="utf-8")
             write_cases(into / CASES, self.values, self.columns, go_on)
+            if self.over:
+                write_choices(into / CHOICES, choices_of(self))
             if self.bands is not None:
                 write_bands(into / BANDS, self.bands)
             if "parquet" in formats:
@@ -117,6 +122,7 @@ class Sweep(SweepData):
                 "metric": self.metric,
                 "path_size_m": self.path_size,
                 **({} if self.as_it_is is None else {"as_it_is": self.as_it_is.to_data()}),
+                **({"over": list(self.over), "robust": self.robust} if self.over else {}),
                 **self.how,
                 "cases": len(self),
                 "diverged": int(self.diverged.sum()),
@@ -157,6 +163,9 @@ def sweep(
     plan: Plan | ScenarioSource,
     how: Execution = DEFAULT,
     *,
+    over: str | Sequence[str] | None = None,
+    robust: str | None = None,
+    happenings: int | None = None,
     work_folder: str | Path | None = None,
     resume: bool = False,
     force: bool = False,
@@ -167,18 +176,26 @@ def sweep(
         plan: From `plan_sweep`, or a scenario with a section ``sweep``, or what that
             is read from.
         how: Workers, and whom to tell; by default processes on all cores of this machine.
+        over: Varied keys that are not chosen but happen, as for `plan_sweep`, which takes them for
+            a plan.
+        robust: The figure of its cases by which a choice is ranked, likewise.
+        happenings: How many happenings are drawn, likewise.
         work_folder: Where results are kept while the sweep is under way, so that it can be
             resumed; stays there until `discard_work`. Default: in memory only.
         resume: Go on with what the work folder holds, if it holds something.
         force: Replace what the work folder holds of another sweep.
 
     Raises:
+        UsageError: What belongs to a plan is given beside one.
         ExistingResultsError: The work folder holds something that must not be replaced.
         FailedCasesError: A case has failed and `how` says to stop then.
         ClusterError: The Dask cluster cannot be reached.
         FileAccessError: The work folder cannot be written.
     """
-    plan = plan if isinstance(plan, Plan) else plan_sweep(plan)
+    if not isinstance(plan, Plan):
+        plan = plan_sweep(plan, over=over, robust=robust, happenings=happenings)
+    elif (over, robust, happenings) != (None, None, None):
+        raise UsageError("over, robust and happenings are part of a plan; give them to plan_sweep")
     started, clock = datetime.now(UTC), time.perf_counter()
     every = Chunk(0, len(plan.cases))
     with opened_store(plan, work_folder, every, None, resume=resume, force=force) as store:
@@ -187,27 +204,31 @@ def sweep(
             compute(plan, store, how)
         data = collect(
             plan.name,
-            plan.cases if found is None else found,
+            plan.cases if found is None else found.cases,
             store.rows(),
             store.errors() if plan.bands else None,
             plan.spec.tolerance,
             plan.spec.metric,
             plan.path_size,
+            plan.over,
+            plan.robust,
             how.go_on,
         )
         failures = tuple(store.failures())
     scenario = plan.scenario
     given = scenario.initial_input
-    beside = {} if found is None else beside_cases(plan, data)
+    if found is not None:
+        data = replace(data, as_it_is=own_values(plan))
     return Sweep(
-        **{**as_fields(data), **beside},
+        **as_fields(data),
         failures=failures,
         checksum=plan.checksum(),
         scenario_yaml=plan.resolved_yaml(),
+        best_yaml=best_yaml(data, plan.resolved()),
         initial_input=given and (scenario.spec.trajectory.sample_time, *given),
         how={
             **origin(started, (*COMPILED_WITH, *scenario.spec.robot.libraries), scenario.plug_ins),
-            **({} if found is None else {"search": how_searched(plan)}),
+            **({} if found is None else {"search": found.how}),
             "timings_s": {"computation": time.perf_counter() - clock},
             "inputs_sha256": dict(scenario.checksums),
         },

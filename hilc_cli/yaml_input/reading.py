@@ -152,6 +152,8 @@ def _not_but(given: str, wanted: Sequence[str], shown: str) -> str:
 
 
 STDIN = "-"
+_OF_A_SWEEP = "sweep.json"
+"""What the folder of a sweep has, and no other."""
 
 
 @dataclass(slots=True)
@@ -241,6 +243,11 @@ class Inputs:
     def _of_file(self, path: Path, kinds: Sequence[str]) -> Node:
         with reading(path):
             is_folder = path.is_dir()
+        if is_folder and SCENARIOS in kinds and (path / _OF_A_SWEEP).is_file():
+            raise UsageError(
+                f"{path}: is the folder of a sweep; run one of its cases with hilc run --case N or "
+                f"--best; {path / 'scenario.yaml'} is the scenario of all of them"
+            )
         for kind in kinds if is_folder else ():
             inside = path / f"{_ONE[kind]}.yaml"  # as result folders have it
             if inside.is_file():

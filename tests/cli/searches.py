@@ -36,8 +36,10 @@ L1, L2 = "controller.gains.l1", "controller.gains.l2"
 METRIC = "max_position_error_m"
 SWEEP = ("sweep", "scenario.yaml", "--no-plots", "-q")
 SEARCH = (*SWEEP, "--vary", f"{L1}=0:20", "--minimise", METRIC, "--cases", "40")
-BATCHES = 7
-"""12, 4, 4, 5, 6, 7 and 2 cases."""
+REFINED = 10
+"""Cases of its refinement, one by one."""
+BATCHES = 5 + REFINED
+"""12, 4, 4, 5 and 5 cases, and those."""
 TABLES = ("best.yaml", "cases.csv", "scenario.yaml")
 
 

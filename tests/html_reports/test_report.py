@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,6 +13,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote
 
+import numpy as np
 import pytest
 
 import hilc_cli as hilc_api
@@ -80,6 +82,22 @@ def results_of(
 
 def a_sweep() -> SweepData:
     return sweep({L1: numbers(0.1, 1.0), L2: numbers(0.0, 2.0)}, lambda v: float(v[L1]) + 1)  # type: ignore[arg-type]
+
+
+def test_choices_of_a_sweep_have_a_table_and_pictures(folder: Path) -> None:
+    axes = {L1: numbers(0.1, 1.0, 3.0), "robot.wheel_radius": numbers(0.19, 0.2)}
+    errors = np.array([0.3, 0.4, 0.2, 0.25, 0.1, math.inf])
+    data = replace(sweep(axes, errors), over=("robot.wheel_radius",))
+    page = Page(report(results_of(sweeps=[data]), folder / "choices.html"))
+    texts = page.texts
+    assert "Best choices by their worst max_position_error_m" in texts
+    first = texts.index("Worst case") + 1
+    row = ["1", "1", "0.2500", "0.2475", "0.2250", "0.2250", "0 of 2", "3"]
+    assert [text for text in texts[first:] if text and text != "[m]"][: len(row)] == row
+    assert "All 3 choices are in choices.csv." in texts
+    captions = [each["alt"] for each in page.of("img")]
+    assert any("what happens" in caption for caption in captions)
+    assert len(captions) == 2  # the curve of the worst cases, and the spread
 
 
 @pytest.fixture

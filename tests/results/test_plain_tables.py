@@ -20,7 +20,7 @@ from hilc_cli.results.plain_tables import plain_table
 from hilc_cli.results.reading import Numbers, read_numbers
 from hilc_cli.results.tables import read_samples, write_samples
 from hilc_cli.results.trial import Trial
-from hilc_cli.sweeps.sweep_folder import read_cases, write_cases
+from hilc_cli.sweeps.case_table import read_cases, write_cases
 from hilc_cli.variation import Axis, Cases, Choices, Range
 
 pytestmark = pytest.mark.skipif(DISABLED, reason="machine code is switched off")

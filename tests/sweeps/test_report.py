@@ -82,6 +82,7 @@ def test_tolerance_below_the_initial_error(hilc: Hilc) -> None:
     assert outcome.err == (
         "hilc: warning: no case can settle within the tolerance of 0.5 m: its maximum error is at "
         f"least the initial error of 1 m; --metric {LATER} tells cases apart\n"
+        "hilc: no case has a value of iterations_to_tolerance, so there is no best.yaml\n"
     )
     assert json.loads(outcome.out)["within_tolerance"] == 0
 

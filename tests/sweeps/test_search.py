@@ -129,7 +129,7 @@ def test_whoever_computes_it_and_however_far_it_was(
     told: list[int] = []
     store = open_store(tmp_path / "part", plan, Chunk(0, CASES), None, resume=False, force=False)
     in_parts = search(plan, store, Execution(on_cases=told.append))
-    assert in_parts.rows == expected.rows
+    assert in_parts.cases.rows == expected.cases.rows
     assert store.rows().tobytes() == whole.rows().tobytes()
     assert crews[0].sizes <= {1, 2, 3}
     assert told == sorted(told) and told[-1] == CASES
@@ -144,7 +144,7 @@ def test_whoever_computes_it_and_however_far_it_was(
     store.close()
     store = reopened(tmp_path, plan)
     resumed = search(plan, store, Execution())
-    assert resumed.rows == expected.rows
+    assert resumed.cases.rows == expected.cases.rows
     assert store.rows().tobytes() == whole.rows().tobytes()
     assert not store.missing()
     store.close()

@@ -16,8 +16,9 @@ from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.results.tables import value_text
+from hilc_cli.sweeps.case_table import read_cases, write_cases
 from hilc_cli.sweeps.data import Bands, as_numbers
-from hilc_cli.sweeps.sweep_folder import read_bands, read_cases, write_bands, write_cases
+from hilc_cli.sweeps.side_tables import read_bands, write_bands
 from hilc_cli.variation import Axis, Choices, Range, Value
 from tests.conftest import Hilc, Outcome, Write
 from tests.results.test_tables import GOLDEN_ITERATIONS, GOLDEN_SCENARIO, rows as rows_of

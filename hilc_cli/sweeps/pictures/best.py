@@ -91,7 +91,7 @@ def best_figure(data: SweepData, look: Look = USUAL) -> Figure:
             axes = layout.add_panel(figure, left, top + block * pitch, column, height)
             _draw_rows(axes, rows)
             if not spot:
-                _name_rows(axes, best)
+                _name_rows(axes, best, data.row)
             panels.append(axes)
         _draw_metric(panels[0], data, best)
         letters = int(_LETTERS * column / _WIDTH)
@@ -142,12 +142,12 @@ def _draw_metric(axes: Axes, data: SweepData, best: Combinations) -> None:
     axes.set_title(labels.with_unit("Metric", scale.unit), fontsize=style.SMALL_SIZE, pad=3)
 
 
-def _name_rows(axes: Axes, best: Combinations) -> None:
-    """Writes rank and case to the left of each row."""
+def _name_rows(axes: Axes, best: Combinations, row: str) -> None:
+    """Writes rank and case, or choice, to the left of each row."""
     ranks = [f"{rank}." for rank in range(1, len(best.cases) + 1)]
     if not best.is_median:
         pairs = zip(ranks, best.cases, strict=True)
-        ranks = [f"{rank}  case {case}" for rank, case in pairs]
+        ranks = [f"{rank}  {row} {case}" for rank, case in pairs]
     axes.set_yticks(range(len(ranks)), ranks)
 
 
@@ -213,7 +213,7 @@ def _title(data: SweepData, best: Combinations, left_out: int) -> list[str]:
     what = (
         f"median over the seeds of the {metric_name(data)}" if best.is_median else metric_name(data)
     )
-    lines = [f"Smallest {what}" if len(best.cases) else "No case has a value"]
+    lines = [f"Smallest {what}" if len(best.cases) else f"No {data.row} has a value"]
     if left_out:
         lines.append(f"{left_out} keys with smaller effects are left out")
     return lines
@@ -230,4 +230,5 @@ PICTURE = SweepPicture(
     fits=lambda data: len(varied_keys(data)) > 0,
     needs="a varied key",
     by_default=lambda data: len(varied_keys(data)) > 2,
+    of_choices=True,
 )

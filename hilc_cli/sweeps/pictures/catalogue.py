@@ -13,6 +13,7 @@ from hilc_cli.drawing.save import save_pictures
 from hilc_cli.errors import UsageError
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.picture_kinds import MOVING_PICTURES, RUN_PICTURES, SWEEP_PICTURES
+from hilc_cli.sweeps.choices import as_sweep_of_choices
 from hilc_cli.sweeps.data import SweepData
 from hilc_cli.wording import suggestion
 
@@ -26,6 +27,7 @@ class SweepPicture:
         fits: Whether there is such a picture of a sweep with cases.
         needs: What a sweep needs for that, in words.
         by_default: Whether it is drawn of a sweep that it fits even if nobody asks for it.
+        of_choices: Whether it shows choices, if some keys happen, in the place of cases.
         place: Pictures that are drawn together stand in this order, equal ones in that of
             ``SWEEP_PICTURES``.
     """
@@ -34,7 +36,12 @@ class SweepPicture:
     fits: Callable[[SweepData], bool]
     needs: str
     by_default: Callable[[SweepData], bool] = lambda data: True
+    of_choices: bool = False
     place: int = 0
+
+    def shown(self, data: SweepData) -> SweepData:
+        """What it draws of a sweep: its choices, a row each, or its cases."""
+        return as_sweep_of_choices(data) if self.of_choices and data.over else data
 
 
 def kinds_for(data: SweepData) -> tuple[str, ...]:
@@ -42,13 +49,18 @@ def kinds_for(data: SweepData) -> tuple[str, ...]:
 
     A curve for one varied key, or for two of which one has a few words; a map for two; for more
     the best cases and what each key does; beside them the error over the iterations if it is
-    known, and how a search went. Keys with a single value and the seed of the disturbances do not
-    count.
+    known, how the metric of a choice is spread over what happens, and how a search went. Keys with
+    a single value and the seed of the disturbances do not count. Where keys happen, curve, map and
+    best cases are those of the choices.
     """
     if not len(data):
         return ()
     pictures: dict[str, SweepPicture] = {name: kind.load() for name, kind in SWEEP_PICTURES.items()}
-    shown = [name for name, each in pictures.items() if each.fits(data) and each.by_default(data)]
+    shown = [
+        name
+        for name, each in pictures.items()
+        if each.fits(each.shown(data)) and each.by_default(each.shown(data))
+    ]
     return tuple(sorted(shown, key=lambda name: pictures[name].place))
 
 
@@ -63,7 +75,8 @@ def draw_sweep(kind: str, data: SweepData, look: Look = USUAL) -> Figure:
     Raises:
         UsageError: There is no such kind, or it does not fit this sweep.
     """
-    return _fitting(kind, data).draw(data, look)
+    picture = _fitting(kind, data)
+    return picture.draw(picture.shown(data), look)
 
 
 def save_sweep_figures(
@@ -94,7 +107,8 @@ def save_sweep_figures(
         OSError: A file cannot be written.
     """
     chosen = kinds or kinds_for(data)
-    drawn = {kind: partial(_fitting(kind, data).draw, data, look) for kind in chosen}
+    pictures = {kind: _fitting(kind, data) for kind in chosen}
+    drawn = {kind: partial(each.draw, each.shown(data), look) for kind, each in pictures.items()}
     return save_pictures(drawn, folder, formats, dpi)
 
 
@@ -111,7 +125,7 @@ def _fitting(kind: str, data: SweepData) -> SweepPicture:
     picture: SweepPicture = SWEEP_PICTURES[kind].load()
     if not len(data):
         raise UsageError("there is no case to draw")
-    if not picture.fits(data):
+    if not picture.fits(picture.shown(data)):
         needs = f"picture '{kind}' needs {picture.needs}"
         raise UsageError(f"{needs}; pictures of this sweep: {_shown(data)}")
     return picture

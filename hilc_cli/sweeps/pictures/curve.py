@@ -115,7 +115,8 @@ def draw_curve(axes: Axes, data: SweepData) -> None:
         color = style.run_color(index)
         marker = style.run_marker(index, len(curves)) or "o"
         if curve.dotted:
-            _draw_dots(axes, where, scale.in_place(results.metric), curve, color)
+            what = f"{data.row.capitalize()}s"
+            _draw_dots(axes, where, scale.in_place(results.metric), curve, color, what)
         if curve.spread:
             draw_spread(axes, where, curve.spread, scale, color, marker, curve.name, bands)
             draw_zeros(axes, curve.spread.positions, curve.spread.groups.medians, scale)
@@ -182,7 +183,9 @@ def _draw_line(
     )
 
 
-def _draw_dots(axes: Axes, where: KeyAxis, metric: Floats, curve: _Curve, color: str) -> None:
+def _draw_dots(
+    axes: Axes, where: KeyAxis, metric: Floats, curve: _Curve, color: str, what: str
+) -> None:
     cases = thinned(curve.cases[np.isfinite(metric[curve.cases])])
     axes.plot(
         where.positions[cases],
@@ -194,7 +197,7 @@ def _draw_dots(axes: Axes, where: KeyAxis, metric: Floats, curve: _Curve, color:
         markersize=_dot_size(len(cases)),
         alpha=0.35 if curve.spread else 0.8,
         rasterized=len(cases) > 1000,
-        label=f"Cases, {curve.name}" if curve.name else "Cases",
+        label=f"{what}, {curve.name}" if curve.name else what,
     )
 
 
@@ -206,4 +209,5 @@ PICTURE = SweepPicture(
     curve_figure,
     fits=lambda data: curve_keys(data) is not None,
     needs="one varied key, or two with few words in one",
+    of_choices=True,
 )

@@ -319,4 +319,5 @@ PICTURE = SweepPicture(
     fits=lambda data: len(varied_keys(data)) == 2,
     needs="two varied keys",
     by_default=lambda data: curve_keys(data) is None,
+    of_choices=True,
 )

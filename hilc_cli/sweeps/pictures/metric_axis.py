@@ -28,6 +28,8 @@ _WIDE = 30  # largest by smallest value from which on a scale is logarithmic
 _CROWDED_FROM, _CROWDED = 5, 0.25  # so wide, with half of the values in less of a linear one, too
 _TOO_WIDE, _FAR = 1e12, 1e6  # a scale this wide ends so many medians up
 _MOST_MARKS = 300  # a row cannot show more
+_FIGURES = {"": "", "worst": "worst ", "q95": "95 % quantile of the ", "mean": "mean of the "}
+"""What is said before the metric where it is a figure of the cases of a choice."""
 _NAMES = {
     Outcome.FAILED: "Failed",
     Outcome.DIVERGED: "Diverged",
@@ -146,7 +148,7 @@ def metric_name(data: SweepData) -> str:
     when = metric.when
     if data.metric == ITERATIONS_TO_TOLERANCE:
         when = "the tolerance" if data.tolerance is None else _with_metres(data.tolerance)
-    return f"{metric.words} {when}"
+    return f"{_FIGURES[data.figure]}{metric.words} {when}"
 
 
 def metric_label(data: SweepData, height: float, prefix: str = "") -> str:

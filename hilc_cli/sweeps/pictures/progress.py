@@ -62,7 +62,7 @@ def draw_search(axes: Axes, data: SweepData) -> None:
         markeredgewidth=0,
         color="0.55",
         alpha=0.6,
-        label="Cases",
+        label=f"{data.row.capitalize()}s",
     )
     best = np.fmin.accumulate(results.metric)
     axes.plot(
@@ -96,11 +96,13 @@ def draw_search(axes: Axes, data: SweepData) -> None:
         )
     draw_zeros(axes, where.positions, results.metric, scale)
     draw_edge_marks(axes, where, results.outcomes, every, size=3.0)
-    axes.set_xlabel("Case")
+    axes.set_xlabel(data.row.capitalize())
     axes.set_ylabel(metric_label(data, height), labelpad=2)
-    title = "No case has a value"
+    title = f"No {data.row} has a value"
     if ranked:
-        title = f"Best: {metric_text(data, float(results.metric[ranked[0]]))} (case {ranked[0]})"
+        title = (
+            f"Best: {metric_text(data, float(results.metric[ranked[0]]))} ({data.row} {ranked[0]})"
+        )
     labels.set_title(axes, title, scale.notes())
 
 
@@ -109,4 +111,5 @@ PICTURE = SweepPicture(
     fits=lambda data: data.as_it_is is not None,
     needs="a search; set 'sweep.minimise'",
     place=2,
+    of_choices=True,
 )

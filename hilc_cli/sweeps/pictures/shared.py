@@ -24,9 +24,9 @@ from hilc_cli.sweeps.pictures.picking import (
 
 
 def heading_of(data: SweepData) -> str:
-    """The scenario's name, and how many cases there are."""
+    """The scenario's name, and how many cases or choices there are."""
     count = len(data)
-    return f"{labels.shortened(data.name)}: {count:,} {'case' if count == 1 else 'cases'}"
+    return f"{labels.shortened(data.name)}: {count:,} {data.row}{'' if count == 1 else 's'}"
 
 
 def draw_best(
@@ -55,7 +55,7 @@ def draw_best(
     """
     best = combinations.best(1)
     if not len(best):
-        return "No case has a value"
+        return f"No {data.row} has a value"
     case = int(combinations.cases[best[0]])
     metric = float(combinations.metric[best[0]])
     at_zero = y is None and axes.get_yscale() == "log" and metric <= 0
@@ -75,7 +75,7 @@ def draw_best(
     names = short_names([column.key for column in columns])
     values = ", ".join(f"{name} = {value_text(data.values[k][case])}" for k, name in names.items())
     text = f"{metric_text(data, metric)} at {values}"
-    return f"Best median: {text}" if combinations.is_median else f"Best: {text} (case {case})"
+    return f"Best median: {text}" if combinations.is_median else f"Best: {text} ({data.row} {case})"
 
 
 # The bands by the places of their ends among QUANTILES, the wider one first.
