@@ -18,7 +18,8 @@ from tests.cli.processes import environment
 from tests.conftest import Hilc
 from tests.pages import PAGES, ROOT, Block, Command, blocks, commands
 
-RUN_BY_THEIR_OWN_TESTS = ("docs/laws/", "docs/plug-ins.md")  # test_law_pages, cli/test_plug_ins
+# By test_law_pages, cli/test_plug_ins and test_clusters.
+RUN_BY_THEIR_OWN_TESTS = ("docs/laws/", "docs/plug-ins.md", "docs/clusters.md")
 
 
 def is_run_here(page: str) -> bool:

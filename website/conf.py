@@ -11,12 +11,13 @@ import hilc_cli as hilc
 project = "hilc"
 author = "The hilc developers"
 version = release = hilc.__version__
-copyright = author  # noqa: A001  # Sphinx's name for it
+copyright = author  # as Sphinx calls it
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 root_doc = "index"
 exclude_patterns = ["scenarios", "trajectories", "programs"]
 nitpicky = True
+smartquotes = False  # it would make one dash of the two before an option
 default_role = "code"  # docstrings have names in single backticks
 
 # Pages are plain Markdown: what only MyST knows is text there, and so is HTML.
@@ -27,6 +28,7 @@ myst_disable_syntax = [
 myst_heading_anchors = 6
 suppress_warnings = ["myst.header"]
 
+autodoc_preserve_defaults = True
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_format = "short"
