@@ -79,6 +79,22 @@ def test_no_command_hides_in_a_block_that_is_not_run(page: str) -> None:
             assert len(block.mark.split()) > 4, "say why"
 
 
+def test_no_block_is_forgotten() -> None:
+    known = ("not run: ", "ci: ", "file: ", "same as: ")
+    for page in PAGES:
+        for block in blocks(page):
+            if block.mark:
+                assert block.mark.startswith(known), (page, block)
+            elif page.startswith("docs/laws/"):
+                assert block.language in ("sh", "yaml"), (page, block)  # test_law_pages takes these
+            else:  # what runs them is named above; test_each_yaml_example_is_known_to_a_test
+                assert block.language in ("sh", "python", "yaml"), (page, block)
+        # Blocks within lists or with other fences would not be seen by tests/pages.py.
+        text = (ROOT / page).read_text(encoding="utf-8")
+        fences = re.findall(r"^[ >]*(?:```|~~~).*$", text, re.MULTILINE)
+        assert len(fences) == 2 * len(blocks(page)), page
+
+
 def test_the_readme_is_short_and_tells_of_the_claims_before_they_surprise() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 120

@@ -1,4 +1,4 @@
-"""What is published with the package says the same everywhere; that it builds is for `.ci/package`."""
+"""What is published says the same everywhere; that the package builds is for `.ci/package`."""
 
 from __future__ import annotations
 

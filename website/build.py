@@ -31,7 +31,7 @@ def main() -> int:
     sys.path.insert(0, str(ROOT))
     from sphinx.cmd.build import main as sphinx
 
-    from website import commands, gallery, interface, staging
+    from website import commands, gallery, interface, links, staging
     from website.contents import notebooks
 
     start = time.monotonic()
@@ -50,8 +50,12 @@ def main() -> int:
             ["-W", "--keep-going", "-q", "-n", "-c", str(ROOT / "website"), "-d", str(doctrees),
              str(pages), str(options.out)]
         )  # fmt: skip
-    print(f"site: {time.monotonic() - start:.0f} s", file=sys.stderr)
-    return int(code)
+    broken = links.broken_links(options.out.resolve())
+    print(*broken, sep="\n", file=sys.stderr, end="\n" if broken else "")
+    elsewhere = links.external_links(options.out.resolve())
+    took = time.monotonic() - start
+    print(f"site: {took:.0f} s; {len(elsewhere)} links to elsewhere, not followed", file=sys.stderr)
+    return int(code) or bool(broken)
 
 
 if __name__ == "__main__":

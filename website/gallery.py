@@ -51,7 +51,8 @@ STEPS = (
     ),
     Step(f"{SWEEP}=0.05:5:60:log --out runs/gains", "runs/gains", ("curve",)),
     Step(
-        f"{SWEEP}=0.05:5:25:log --vary controller.gains.l2=0.05:5:25:log --tolerance 20cm --out runs/two-gains",
+        f"{SWEEP}=0.05:5:25:log --vary controller.gains.l2=0.05:5:25:log --tolerance 20cm "
+        "--out runs/two-gains",
         "runs/two-gains", ("map",),
     ),
     Step(

@@ -1,4 +1,4 @@
-"""Notebooks as pages: their text, their code and the results that are kept in them; nothing is run."""
+"""Notebooks as pages: text, code and the results that are kept in them; nothing is run."""
 
 from __future__ import annotations
 

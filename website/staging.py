@@ -1,4 +1,4 @@
-"""The pages as Sphinx is to read them, in a folder beside the checkout: what is in `docs/` stays plain Markdown.
+"""The pages as Sphinx is to read them, in a folder of their own: `docs/` stays plain Markdown.
 
 The folder is laid out as the checkout is, so that links between pages stay as they are. Comments
 are taken out, since the site takes no HTML, and the README becomes the front page.
@@ -52,7 +52,7 @@ def stage(folder: Path, generated: Mapping[str, Iterable[str]]) -> None:
 
 
 def for_sphinx(text: str, page: str) -> str:
-    """Returns a page without comments, with its links to the README and to notebooks as the site has them."""
+    """Returns a page without comments, its links to the README and to notebooks as on the site."""
     lines = []
     fence = ""
     for line in text.splitlines():
@@ -95,10 +95,16 @@ def table_of_contents(
         if not parts:
             names.append(LIST)
         names += generated.get(heading, ())
-        names = [name.rpartition(".")[0] for name in names]
+        names = [_entry(name) for name in names]
         options = f":hidden:\n:caption: {heading}\n:maxdepth: 1\n"
         parts.append("\n".join(["\n```{toctree}", options, *names, "```\n"]))
     return "".join(parts)
+
+
+def _entry(page: str) -> str:
+    """Returns the line of a table of contents for a page."""
+    name = page.rpartition(".")[0]
+    return f"All pages <{name}>" if page == LIST else name
 
 
 def _write(file: Path, text: str) -> None:
