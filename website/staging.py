@@ -89,7 +89,7 @@ def table_of_contents(
     """
     if not set(generated) <= set(contents):
         raise ValueError(f"{LIST}: has no heading {sorted(set(generated) - set(contents))}")
-    parts = []
+    parts: list[str] = []
     for heading, pages in contents.items():
         names = [page for page in pages if page != FRONT]
         if not parts:
