@@ -11,7 +11,7 @@ import typer.main
 from typer.core import TyperGroup, TyperOption
 
 from hilc_cli.cli.app import PANELS, app
-from website.rst import code, contents, heading, literal, page
+from website.rst import code, contents, heading, literal, page, prose
 
 FOLDER = "docs/reference/commands"
 
@@ -73,9 +73,9 @@ def _described(name: str, command: Any) -> Iterator[str]:
         spelled, told = record
         if isinstance(parameter, TyperOption):
             yield f".. option:: {spelled.replace(' / ', ', ')}\n"
-            yield f"   {literal(told)}\n"
+            yield f"   {prose(told)}\n"
         else:
-            yield f"``{spelled}``\n   {literal(told)}\n"
+            yield f"``{spelled}``\n   {prose(told)}\n"
 
 
 def _help(text: str) -> Iterator[str]:
@@ -87,4 +87,4 @@ def _help(text: str) -> Iterator[str]:
             yield f"{literal(title)}\n"
             yield from code(inspect.cleandoc("\n" + "\n".join(rest)), "sh")
         else:
-            yield f"{literal(' '.join(lines))}\n"
+            yield f"{prose(' '.join(lines))}\n"

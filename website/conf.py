@@ -17,7 +17,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 root_doc = "index"
 exclude_patterns = ["scenarios", "trajectories", "programs"]
 nitpicky = True
-smartquotes = False  # it would make one dash of the two before an option
+smartquotes_action = "D"  # dashes only: quotes stay as they are typed
 default_role = "code"  # docstrings have names in single backticks
 
 # Pages are plain Markdown: what only MyST knows is text there, and so is HTML.

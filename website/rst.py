@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+_OPTION = re.compile(r"(?<![^\s(])(--?[a-z][a-z-]*)(?![\w=-])")
+
 
 def page(folder: Path, name: str, lines: Iterable[str]) -> str:
     """Writes a page and returns its name."""
@@ -30,6 +32,14 @@ def code(text: str, language: str) -> Iterator[str]:
 def contents(names: Iterable[str]) -> Iterator[str]:
     """Returns a table of contents that is shown beside the pages only."""
     yield from (".. toctree::", "   :hidden:", "", *(f"   {name}" for name in names), "")
+
+
+def prose(text: str) -> str:
+    """Returns a text in which options are code and nothing else is markup."""
+    parts = _OPTION.split(text)
+    return "".join(
+        f"``{part}``" if number % 2 else literal(part) for number, part in enumerate(parts)
+    )
 
 
 def literal(text: str) -> str:

@@ -16,7 +16,7 @@ from hilc_cli.runs.run_folder import RUN_FOLDER
 from hilc_cli.sweeps.sweep_folder import SWEEP_FOLDER
 from tests.conftest import Hilc
 from website import commands, gallery, interface
-from website.rst import literal
+from website.rst import literal, prose
 
 
 def written(folder: Path, name: str) -> str:
@@ -49,6 +49,9 @@ def options_of(section: str) -> list[str]:
 
 def test_no_text_of_a_help_is_markup() -> None:
     assert literal("a*b `c` |d| <e> f_ :g:") == r"a\*b \`c\` \|d\| \<e\> f\_ \:g\:"
+    assert (
+        prose("with -q or (--set), not a-b -- c_") == "with ``-q`` or (``--set``), not a-b -- c\\_"
+    )
 
 
 def test_each_public_name_has_its_place(tmp_path: Path) -> None:
