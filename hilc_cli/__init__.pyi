@@ -80,3 +80,5 @@ from hilc_cli.sweeps.sweeping import (
     sweep as sweep,
 )
 from hilc_cli.version import __version__ as __version__
+
+_HOMES: dict[str, str]

@@ -115,14 +115,21 @@ def resolved(path: Path) -> Path:
 
     Raises:
         OSError: There is a loop of links in it, which `Path.resolve` takes for a bug until Python
-            3.13, or the working folder is gone. The error names the path.
+            3.13 and leaves as it is from then on, or the working folder is gone. The error names
+            the path.
     """
     try:
-        return path.resolve()
+        found = path.resolve()
     except (OSError, RuntimeError) as error:
         number = error.errno if isinstance(error, OSError) else None
         number = number or errno.ELOOP
         raise OSError(number, os.strerror(number), str(path)) from None
+    try:
+        found.stat()
+    except OSError as error:  # what else there may be is told by whoever opens it
+        if error.errno == errno.ELOOP:
+            raise OSError(error.errno, os.strerror(error.errno), str(path)) from None
+    return found
 
 
 def folder_to_read(path: Path) -> Path:
@@ -205,8 +212,10 @@ def reading(path: Path) -> Iterator[None]:
     except OSError as error:
         kind = UsageError if error.errno in _NO_NAMES else FileAccessError
         raise kind(f"{path}: cannot be read: {reason(error)}") from error
-    except ValueError as error:  # a NUL character
-        raise UsageError(f"{path}: cannot be read: {error}") from error
+    except ValueError as error:
+        # Which words Python has for a NUL depends on its version and on who asked.
+        why = "embedded null byte" if "\0" in str(path) else error
+        raise UsageError(f"{path}: cannot be read: {why}") from error
 
 
 @contextmanager

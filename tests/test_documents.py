@@ -18,7 +18,8 @@ from tests.cli.processes import environment
 from tests.conftest import Hilc
 from tests.pages import PAGES, ROOT, Block, Command, blocks, commands
 
-RUN_BY_THEIR_OWN_TESTS = ("docs/laws/", "docs/plug-ins.md")  # test_law_pages, cli/test_plug_ins
+# By test_law_pages, cli/test_plug_ins and test_clusters.
+RUN_BY_THEIR_OWN_TESTS = ("docs/laws/", "docs/plug-ins.md", "docs/clusters.md")
 
 
 def is_run_here(page: str) -> bool:
@@ -76,6 +77,22 @@ def test_no_command_hides_in_a_block_that_is_not_run(page: str) -> None:
             assert not re.search(r"^(hilc|pip|python3?|make) ", block.text, re.MULTILINE), block
         if block.mark and not block.is_run and block.mark.startswith("not run: "):
             assert len(block.mark.split()) > 4, "say why"
+
+
+def test_no_block_is_forgotten() -> None:
+    known = ("not run: ", "ci: ", "file: ", "same as: ")
+    for page in PAGES:
+        for block in blocks(page):
+            if block.mark:
+                assert block.mark.startswith(known), (page, block)
+            elif page.startswith("docs/laws/"):
+                assert block.language in ("sh", "yaml"), (page, block)  # test_law_pages takes these
+            else:  # what runs them is named above; test_each_yaml_example_is_known_to_a_test
+                assert block.language in ("sh", "python", "yaml"), (page, block)
+        # Blocks within lists or with other fences would not be seen by tests/pages.py.
+        text = (ROOT / page).read_text(encoding="utf-8")
+        fences = re.findall(r"^[ >]*(?:```|~~~).*$", text, re.MULTILINE)
+        assert len(fences) == 2 * len(blocks(page)), page
 
 
 def test_the_readme_is_short_and_tells_of_the_claims_before_they_surprise() -> None:
