@@ -1,8 +1,8 @@
 """Prints the lower bounds of `pyproject.toml` as constraints, to test what is promised.
 
-    python .ci/minimum_versions.py > minimum.txt
-    pip install -c minimum.txt -e ".[dev]"
-    python -m pytest -n auto -W ignore::DeprecationWarning
+python .ci/minimum_versions.py > minimum.txt
+pip install -c minimum.txt -e ".[dev]"
+python -m pytest -n auto -W ignore::DeprecationWarning
 """
 
 import re
