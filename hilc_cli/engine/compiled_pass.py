@@ -7,6 +7,7 @@ feedback or with gains, and controllers that tell their numbers; all else stays 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,14 +155,13 @@ _NO_NUMBERS, _NO_HEADINGS = np.empty(0, dtype=np.intp), np.empty((2, 0))
 _NO_SCALARS, _NO_MODEL = (0.0, 0.0, 0.0), (1.0, 1.0)
 
 
-_PLANE, _FLOAT, _NUMBERS = types.float64[:, ::1], types.float64, types.int64[::1]
+_numba: Any = types  # is not typed
+_PLANE, _NUMBERS = _numba.float64[:, ::1], _numba.int64[::1]
+_PAIR, _TRIPLE = _numba.UniTuple(_numba.float64, 2), _numba.UniTuple(_numba.float64, 3)
 _SIGNATURE = (
-    *(_PLANE, _PLANE, _PLANE, types.UniTuple(_FLOAT, 2), _FLOAT, types.int64),
-    *(_PLANE, _PLANE, _PLANE, _NUMBERS, _PLANE),
-    *(types.UniTuple(_FLOAT, 3), types.UniTuple(_FLOAT, 2), _PLANE, _PLANE),
+    *(_PLANE, _PLANE, _PLANE, _PAIR, _numba.float64, _numba.int64),
+    *(_PLANE, _PLANE, _PLANE, _NUMBERS, _PLANE, _TRIPLE, _PAIR, _PLANE, _PLANE),
 )
-
-
 _PAYS = 2_000_000
 """Samples of a run from which on it is faster to compile the code first."""
 

@@ -100,7 +100,9 @@ def _run_iteration(
     poses, inputs, saturated = motion(experiment, plant, plan, (x, y, heading), beta, alpha)
     if poses is None:
         raise DivergedError(iteration)
-    trial = Trial(iteration, *poses, *inputs, saturated)
+    xs, ys, headings = poses
+    lefts, rights = inputs
+    trial = Trial(iteration, xs, ys, headings, lefts, rights, saturated)
     with np.errstate(over="ignore", invalid="ignore"):
         largest = float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
     if not is_finite(largest, *poses[:, -1].tolist()):

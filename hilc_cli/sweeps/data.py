@@ -182,7 +182,7 @@ class SweepData(InNotebooks):
         """A table as a data frame of pandas, with the columns of its CSV file.
 
         Args:
-            table: cases; or bands, if they were asked for.
+            table: cases; choices, if some keys happen; or bands, if they were asked for.
 
         Raises:
             UnknownNameError: There is no such table of this sweep; names those that there are.

@@ -77,6 +77,14 @@ def test_tables_of_a_sweep(write: Write, folder: Path) -> None:
         same(each.to_pandas("bands"), folder / "sweep/bands.csv")
 
 
+def test_tables_of_a_sweep_with_choices(write: Write, folder: Path) -> None:
+    write()
+    vary = ["controller.gains.l1=0.1,0.5", "robot.wheel_radius=0.1,0.2"]
+    sweep = hilc_api.sweep("scenario.yaml", vary, over=["robot.wheel_radius"], robust="worst")
+    sweep.write("sweep", plots=False)
+    same(sweep.to_pandas("choices"), folder / "sweep/choices.csv")
+
+
 def test_tables_of_comparisons(make_run: MakeRun, folder: Path) -> None:
     comparison = hilc_api.compare([make_run("a"), make_run("b", factors=(0.3, 0.99))])
     comparison.write("compared", plots=False)

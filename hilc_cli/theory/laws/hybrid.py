@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from hilc_cli.disturbance.streams import Triple
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.laws.hybrid import HybridLaw, compensated_error, learned_error, with_derivative
+from hilc_cli.laws.correction import learned_error
+from hilc_cli.laws.hybrid import HybridLaw, compensated_error, with_derivative
 from hilc_cli.reference.path import POSITION_TOLERANCE
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.findings import Rows
