@@ -80,7 +80,8 @@ def test_tables_of_a_sweep(write: Write, folder: Path) -> None:
 def test_tables_of_a_sweep_with_choices(write: Write, folder: Path) -> None:
     write()
     vary = ["controller.gains.l1=0.1,0.5", "robot.wheel_radius=0.1,0.2"]
-    sweep = hilc_api.sweep("scenario.yaml", vary, over=["robot.wheel_radius"], robust="worst")
+    plan = hilc_api.plan_sweep("scenario.yaml", vary, over="robot.wheel_radius", robust="worst")
+    sweep = hilc_api.sweep(plan, hilc_api.Execution(workers=1))
     sweep.write("sweep", plots=False)
     same(sweep.to_pandas("choices"), folder / "sweep/choices.csv")
 
