@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -27,7 +28,7 @@ Coefficients = tuple[
 ]  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GainMatrix:
     """Rows: left and right wheel. Columns: errors in x [m], y [m] and heading [rad].
 
@@ -39,7 +40,7 @@ class GainMatrix:
     left: tuple[Affine, Affine, Affine]
     right: tuple[Affine, Affine, Affine]
 
-    @property
+    @cached_property
     def coefficients(self) -> Coefficients:
         """The 18 coefficients, row by row, as `wheel_correction` takes them."""
         a, b, c = self.left
@@ -55,7 +56,7 @@ class GainMatrix:
         a, b, c, d, e, f = (Affine(*coefficients[first : first + 3]) for first in range(0, 18, 3))
         return cls((a, b, c), (d, e, f))
 
-    @property
+    @cached_property
     def is_kinematic(self) -> bool:
         """Whether it has the form of Eq. 45, with any wheel radius and half track."""
         coefficients = self.coefficients
@@ -191,6 +192,7 @@ def _validate(value: object) -> Named | Rows:
     return matrix
 
 
+@lru_cache(maxsize=64)  # cases of a sweep have few of them
 def gain_matrix(choice: Named | Rows, model: Robot) -> GainMatrix:
     """The gain matrix with the controller's wheel radius and half track in it.
 

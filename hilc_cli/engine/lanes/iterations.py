@@ -9,11 +9,8 @@ import numpy as np
 from hilc_cli.disturbance.streams import Stream, Words as WordArray
 from hilc_cli.engine.lanes.headings import FORMULAS as HEADING_FORMULAS, cos_sin, renewed
 from hilc_cli.engine.lanes.kernel import (
-    CHANGE_SQUARES,
     COS,
     ERROR,
-    ERROR_SUM,
-    FASTEST_WHEEL,
     FORMULAS as KERNEL_FORMULAS,
     GAIN_COS,
     GAIN_SIN,
@@ -22,17 +19,13 @@ from hilc_cli.engine.lanes.kernel import (
     HEADING_GAINS,
     INITIAL,
     KEPT,
-    LARGEST,
     LARGEST_SQUARE,
-    LATER_SQUARE,
-    LATER_SUM,
     LIMIT,
     OUTPUT_NOISE,
     PAST_ERROR,
     ROW,
     SATURATED,
     SIN,
-    SQUARE_SUM,
     TOTAL,
     Integers,
     M,
@@ -43,6 +36,16 @@ from hilc_cli.engine.lanes.kernel import (
 )
 from hilc_cli.engine.lanes.lanes import SUM_ROWS, Field, Noise, Words
 from hilc_cli.engine.lanes.machine_code import cached, compiled, source
+from hilc_cli.engine.lanes.measuring import (
+    CHANGE_SQUARES,
+    ERROR_SUM,
+    FASTEST_WHEEL,
+    LARGEST,
+    LATER_SQUARE,
+    LATER_SUM,
+    SQUARE_SUM,
+    measure,
+)
 from hilc_cli.engine.lanes.noise import FORMULAS as NOISE_FORMULAS, draw_output, draw_pose
 from hilc_cli.engine.lanes.wheels import FORMULAS as WHEEL_FORMULAS, move, stop
 from hilc_cli.reference.sampled import Floats
@@ -241,22 +244,13 @@ def _run_iterations(
         ends = False
         for j in range(W):
             ends |= last[j] == iteration
-        if ends:
-            follow(
-                lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                tracks, decay, directions, derivative, full_matrix, read_heading,
-                reference_heading, previous_heading,
-                planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, True,
-                state_kind, output_kind,
-            )  # fmt: skip
-        else:
-            follow(
-                lanes, words, noise, history, x_desired, y_desired, heading_desired,
-                tracks, decay, directions, derivative, full_matrix, read_heading,
-                reference_heading, previous_heading,
-                planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, None,
-                state_kind, output_kind,
-            )  # fmt: skip
+        follow(
+            lanes, words, noise, history, x_desired, y_desired, heading_desired,
+            tracks, decay, directions, derivative, full_matrix, read_heading,
+            reference_heading, previous_heading,
+            planned, pid, pulsed, twists, late, late_alike, wheels, disturbed, ends,
+            state_kind, output_kind,
+        )  # fmt: skip
         goes_on = _compiled_note(
             lanes, errors, sums, last, diverged_at, x_desired[n], y_desired[n], tracks, n, iteration
         )
@@ -266,7 +260,7 @@ def _run_iterations(
 
 _PARTS = (
     *(*KERNEL_FORMULAS, *HEADING_FORMULAS, *NOISE_FORMULAS, *WHEEL_FORMULAS),
-    *(source(follow), source(draw_pose), source(move), source(renewed)),
+    *(source(follow), source(draw_pose), source(move), source(renewed), source(measure)),
 )
 _CONSTANTS = (Field, Stream, is_finite)
 run_iterations = cached(_run_iterations, (*_PARTS, *_CONSTANTS))

@@ -15,6 +15,7 @@ from hilc_cli.disturbance.streams import Words
 from hilc_cli.engine.lanes.headings import RENEWAL, cos_sin, renewed
 from hilc_cli.engine.lanes.lanes import BLOCK, HISTORY_FIELDS, LANES, Field, History, Noise
 from hilc_cli.engine.lanes.machine_code import LIBERTIES, compiled, formula, use_widest_vectors
+from hilc_cli.engine.lanes.measuring import measure, remember
 from hilc_cli.engine.lanes.noise import draw_output, draw_state
 from hilc_cli.engine.lanes.trigonometry import SHORT_TURN, rotated, short_turn
 from hilc_cli.engine.lanes.wheels import move
@@ -84,14 +85,8 @@ K_X, KEPT = int(Field.K_X) * W, int(Field.KEPT) * W
 TOTAL = int(Field.ERROR_TOTAL) * W
 COS, SIN = int(Field.COS) * W, int(Field.SIN) * W
 GAIN_COS, GAIN_SIN = int(Field.GAIN_COS) * W, int(Field.GAIN_SIN) * W
-PAST_MEAN, PAST_DIFFERENCE = int(Field.PAST_MEAN) * W, int(Field.PAST_HALF_DIFFERENCE) * W
 LARGEST_SQUARE = int(Field.LARGEST_SQUARE) * W
-LATER_SQUARE = int(Field.LATER_LARGEST_SQUARE) * W
-LATER_SUM = int(Field.LATER_ERROR_SUM) * W
-ERROR_SUM, SQUARE_SUM = int(Field.ERROR_SUM) * W, int(Field.SQUARE_SUM) * W
-LARGEST = int(Field.LARGEST_ERRORS) * W
-FASTEST_WHEEL = int(Field.FASTEST_WHEEL) * W
-SATURATED, CHANGE_SQUARES = int(Field.SATURATED) * W, int(Field.CHANGE_SQUARES) * W
+SATURATED = int(Field.SATURATED) * W
 STATE_NOISE, OUTPUT_NOISE = int(Noise.STATE) * W, int(Noise.OUTPUT) * W
 ROW = HISTORY_FIELDS * W
 MEAN, DIFFERENCE = int(History.MEAN) * W, int(History.HALF_DIFFERENCE) * W
@@ -122,7 +117,7 @@ def _follow(
     late_alike: int,
     wheels: int,
     disturbed: bool | None,
-    all_metrics: bool | None,
+    all_metrics: bool,
     state_kind: int,
     output_kind: int,
 ) -> None:
@@ -162,7 +157,7 @@ def _follow(
         late_alike: The same of all lanes; -1 where they differ.
         wheels: What there is of wheels, see `wheels.parts_of`.
         disturbed: Anything: there are disturbances of state or output.
-        all_metrics: Anything: measure all metrics; None: only the largest position error.
+        all_metrics: Whether to measure all metrics, not only the largest position error.
         state_kind: Distribution of the state's disturbance, see `noise`.
         output_kind: Distribution of the output's.
     """
@@ -182,8 +177,9 @@ def _follow(
         if twists is not None and tracks is None:
             speed_desired, yaw_rate_desired = twists[4 * k], twists[4 * k + 1]
             cos_desired, sin_desired = twists[4 * k + 2], twists[4 * k + 3]
+        if all_metrics:
+            remember(lanes, history[row : row + 2 * W])
         limited = False
-        later = 1.0 if 2 * (k + 1) >= steps else 0.0
         for j in range(W):
             if (
                 read_heading is not None
@@ -298,9 +294,6 @@ def _follow(
                 mean_correction, difference_correction = _wheel_correction(
                     matrix, cos, sin, weighted_x, weighted_y, weighted_heading
                 )
-            if all_metrics is not None:
-                lanes[PAST_MEAN + j] = history[row + MEAN + j]
-                lanes[PAST_DIFFERENCE + j] = history[row + DIFFERENCE + j]
             if planned is not None:
                 mean = planned[before + MEAN + j] + mean_correction
                 difference = planned[before + DIFFERENCE + j] + difference_correction
@@ -322,8 +315,7 @@ def _follow(
                 mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
                 # Only here, too, what is to be limited: a lane does not see its neighbours.
                 over = abs(mean) + abs(difference) > lanes[TOLERATED + j]
-                if all_metrics is not None:
-                    lanes[SATURATED + j] += 1.0 if over else 0.0
+                lanes[SATURATED + j] += 1.0 if over else 0.0
                 within = _limit_wheel_means(mean, difference, lanes[LIMIT + j])
                 history[row + MEAN + j] = within[0] if over else mean
                 history[row + DIFFERENCE + j] = within[1] if over else difference
@@ -346,18 +338,10 @@ def _follow(
                 if previous_heading is not None:
                     gain_heading -= history[after + ERROR + 2 * W + j]
                 lanes[GAIN_COS + j], lanes[GAIN_SIN + j] = cos_sin(gain_heading)
-        renewal = k & (RENEWAL - 1) == RENEWAL - 1
+        renewal = k & (RENEWAL - 1) == RENEWAL - 1  # of cosines and sines
         anew = renewal
         for j in range(W):
             mean, difference = history[row + MEAN + j], history[row + DIFFERENCE + j]
-            if all_metrics is not None:
-                change = mean - lanes[PAST_MEAN + j]
-                difference_change = difference - lanes[PAST_DIFFERENCE + j]
-                lanes[CHANGE_SQUARES + j] += 2.0 * (
-                    change * change + difference_change * difference_change
-                )
-                fastest = abs(mean) + abs(difference)
-                lanes[FASTEST_WHEEL + j] = max(lanes[FASTEST_WHEEL + j], fastest)
             x_before, y_before = lanes[X + j], lanes[Y + j]
             heading_before = lanes[HEADING + j]
             cos, sin = lanes[COS + j], lanes[SIN + j]
@@ -378,26 +362,14 @@ def _follow(
             if tracks is not None:
                 at = 3 * W * (k + 1) + j
                 next_x, next_y, next_heading = tracks[at], tracks[at + W], tracks[at + 2 * W]
-                counts = 1.0 if k < lanes[SAMPLES + j] else 0.0
-                later = counts if 2 * (k + 1) >= lanes[SAMPLES + j] else 0.0
-                x = x if counts > 0 else x_before
-                y = y if counts > 0 else y_before
-                heading = heading if counts > 0 else heading_before
+                goes_on = k < lanes[SAMPLES + j]
+                x = x if goes_on else x_before
+                y = y if goes_on else y_before
+                heading = heading if goes_on else heading_before
             lanes[X + j], lanes[Y + j], lanes[HEADING + j] = x, y, heading
             error_x, error_y, error_heading = next_x - x, next_y - y, next_heading - heading
             square = error_x * error_x + error_y * error_y
             lanes[LARGEST_SQUARE + j] = max(square, lanes[LARGEST_SQUARE + j])
-            if all_metrics is not None:
-                distance = math.sqrt(square)
-                if tracks is not None:
-                    distance, square = counts * distance, counts * square
-                lanes[ERROR_SUM + j] += distance
-                lanes[LATER_SUM + j] += later * distance
-                lanes[LATER_SQUARE + j] = max(later * square, lanes[LATER_SQUARE + j])
-                lanes[SQUARE_SUM + j] += square
-                lanes[LARGEST + j] = max(lanes[LARGEST + j], abs(error_x))
-                lanes[LARGEST + W + j] = max(lanes[LARGEST + W + j], abs(error_y))
-                lanes[LARGEST + 2 * W + j] = max(lanes[LARGEST + 2 * W + j], abs(error_heading))
             if disturbed is not None:
                 error_x -= noise[OUTPUT_NOISE + offset + j]
                 error_y -= noise[OUTPUT_NOISE + offset + W + j]
@@ -420,7 +392,10 @@ def _follow(
             history[after + ERROR + j] = error_x
             history[after + ERROR + W + j] = error_y
             history[after + ERROR + 2 * W + j] = error_heading
-
+        if all_metrics:
+            measure(
+                lanes, history[row : row + 2 * W], next_x, next_y, next_heading, tracks, k, steps
+            )
         if anew:
             for j in range(W):
                 lanes[COS + j], lanes[SIN + j] = renewed(

@@ -34,7 +34,7 @@ def pass_assembly(request: pytest.FixtureRequest) -> str:
     x = np.linspace(0, 1, 9)
     history = aligned(10 * HISTORY_FIELDS * LANES, np.float64)
     disturbed = request.param
-    flags = (*(None,) * 5, disturbed, *(None,) * 7, -1, 0, disturbed, None)
+    flags = (*(None,) * 5, disturbed, *(None,) * 7, -1, 0, disturbed, False)
     fresh(lanes, words, drawn, history, x, x, x, *flags, noise.NORMAL, noise.NORMAL)
     (assembly,) = fresh.inspect_asm().values()
     return str(assembly)
