@@ -42,8 +42,8 @@ def test_there_are_three() -> None:
 
 
 def test_it_is_a_valid_notebook_of_few_bytes(file: Path) -> None:
-    notebook = nbformat.reads(file.read_text(encoding="utf-8"), as_version=nbformat.NO_CONVERT)
-    assert (notebook.nbformat, notebook.nbformat_minor) == (4, 5)
+    notebook = read(file)
+    assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         nbformat.validate(notebook)
