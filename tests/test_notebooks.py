@@ -13,6 +13,7 @@ import nbformat
 import pytest
 
 from tests.notebooks import FOLDER, NOTEBOOKS, executed, read, told
+from tests.test_documents import anchors
 
 MOST = 300_000  # bytes of a notebook with its outputs
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -41,8 +42,8 @@ def test_there_are_three() -> None:
 
 
 def test_it_is_a_valid_notebook_of_few_bytes(file: Path) -> None:
-    notebook = nbformat.reads(file.read_text(encoding="utf-8"), as_version=nbformat.NO_CONVERT)
-    assert (notebook.nbformat, notebook.nbformat_minor) == (4, 5)
+    notebook = read(file)
+    assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         nbformat.validate(notebook)
@@ -63,6 +64,16 @@ def test_cells_are_plain_python(file: Path) -> None:
         if cell["cell_type"] == "code":
             assert ast.parse(source).body, cell["id"]  # no magics
             assert max(map(len, source.splitlines())) <= 100, cell["id"]
+
+
+def test_its_links_lead_somewhere(file: Path) -> None:
+    texts = ["".join(c["source"]) for c in read(file)["cells"] if c["cell_type"] == "markdown"]
+    links = re.findall(r"\]\(([^)\s]+)\)", "\n".join(texts))
+    assert links
+    for link in links:
+        target, _, anchor = link.partition("#")
+        assert (FOLDER / target).exists(), link
+        assert not anchor or anchor in anchors(FOLDER / target), link
 
 
 def test_what_it_shows_is_what_comes_of_it(
