@@ -70,7 +70,8 @@ after: [1, 2]
 """
 
 SWEEP = ("sweep", "scenario.yaml", "--vary", "controller.gain_matrix=model,unit",
-         "--vary", "iterations=1,2", "--bands", "--no-plots", "--workers", "1")  # fmt: skip
+         "--vary", "iterations=1,2", "--bands", "--no-plots", "--workers", "1",
+         "--over", "iterations")  # fmt: skip
 PLOT = ("--dpi", "20", "--out", "drawn", "--kind")
 REPRODUCTION = "reproduction"
 """Not a command: only whether one may be written there, as that alone reads the folder."""
@@ -89,9 +90,11 @@ COMMANDS: dict[str, list[tuple[str, ...]]] = {
         (*SWEEP, "--out", "sweep", "--resume"),
         (*SWEEP, "--out", "sweep"),
         ("run", "sweep/scenario.yaml", "--no-plots", "--out", "again"),
+        ("run", "sweep", "--case", "1", "--no-plots", "--out", "again"),
+        ("run", "sweep", "--best", "--no-plots", "--out", "again"),
         ("check", "sweep/scenario.yaml"),
         ("compare", "sweep", "b", "--no-plots", "--out", "both"),
-        ("plot", "sweep", *PLOT, "map"),
+        ("plot", "sweep", *PLOT, "spread"),
         ("plot", "sweep", *PLOT, "effects"),
         ("plot", "sweep", *PLOT, "bands"),
     ],
@@ -139,7 +142,7 @@ def make_folders(place: Path) -> None:
     for name in "ab":
         hilc.run(scenario).write(name, plots=False)
         Path(name, "learning.csv").write_text(LEARNING)
-    plan = plan_sweep(scenario, [SWEEP[3], SWEEP[5]], bands=True)
+    plan = plan_sweep(scenario, [SWEEP[3], SWEEP[5]], bands=True, over="iterations")
     alone = Execution(workers=1)
     sweep(plan, alone, work_folder="new.part").write("sweep", plots=False)
     for number, name in enumerate(("part.1-of-2", "part.2-of-2"), 1):

@@ -231,7 +231,8 @@ def sweep(
       hilc sweep my.yaml --vary controller.gains.l1=0:20 --cases 200 \\
           --minimise max_position_error_m
       hilc sweep my.yaml --vary controller.gains.l1=0.1:10:20:log \\
-          --vary robot.wheel_radius=0.19:0.21:5 --over robot.wheel_radius --robust worst
+          --vary robot.wheel_radius=0.19:0.21:5 --over robot.wheel_radius \\
+          --robust worst
       hilc sweep --merge runs/my-sweep.1-of-2 runs/my-sweep.2-of-2
     """
     from hilc_cli.cli.default_folders import SWEEP, default_folder

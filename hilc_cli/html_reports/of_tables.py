@@ -28,11 +28,12 @@ _DIGITS = 4
 
 def sweep_chapter(data: SweepData) -> Chapter:
     """A sweep: how it went, its best cases or choices, its pictures."""
-    summary, choices = summarise_sweep(data), choices_of(data)
+    summary = summarise_sweep(data)
     ranked = as_sweep_of_choices(data) if data.over else data
     headline = f"{len(data):,} cases of {', '.join(data.axes)}"
     tables = [names_and_values("How it went", summary_rows(summary)), best_cases(data)]
     if data.over:
+        choices = choices_of(data)
         headline = f"{len(choices):,} choices of {', '.join(choices.values)}, each with what may "
         headline += f"happen to {', '.join(data.over)}: {len(data):,} cases"
         rows = summary_rows(replace(summary, best=[]))

@@ -275,7 +275,7 @@ USAGE: list[tuple[str, list[str], str]] = [
     (
         "plot-kind",
         ["plot", ".", "--kind", "err"],
-        "hilc: invalid value for '--kind': 'err' is not one of 'path-change', 'final-path', 'error-along-path', 'error', 'wheel-speeds', 'summary', 'learning', 'animation', 'curve', 'map', 'effects', 'best', 'bands', 'search'; see 'hilc plot --help'",
+        "hilc: invalid value for '--kind': 'err' is not one of 'path-change', 'final-path', 'error-along-path', 'error', 'wheel-speeds', 'summary', 'learning', 'animation', 'curve', 'map', 'effects', 'best', 'spread', 'bands', 'search'; see 'hilc plot --help'",
     ),
     (
         "plot-nofolder",

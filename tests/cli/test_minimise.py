@@ -205,8 +205,11 @@ def test_lucky_seeds_are_warned_of(hilc: Hilc) -> None:
     assert outcome.code == 0
     assert outcome.err.startswith(
         "hilc: warning: disturbance.seed varies: the search will find lucky disturbances, "
-        "not good values\n"
+        "not good values; --over disturbance.seed tries each choice with all of them\n"
     )
+    gains = ("--vary", f"{L1}=1:19", "--over", "disturbance.seed", "--out", "judged")
+    judged = hilc("sweep", "scenario.yaml", *noise, *options, *gains)
+    assert (judged.code, judged.err) == (0, "")
 
 
 def test_nothing_is_found(hilc: Hilc) -> None:

@@ -234,6 +234,20 @@ def test_pictures_are_those_of_the_choices(hilc: Hilc) -> None:
     }
 
 
+@pytest.mark.parametrize("over", [["x"], [L1, RADIUS], [L1, L1], "x", [1]])
+@pytest.mark.parametrize("file", ["sweep.json", "plan.json"])
+def test_folder_of_a_stranger_may_say_anything(hilc: Hilc, file: str, over: object) -> None:
+    shard = ("--shard", "1/2") if file == "plan.json" else ()
+    assert hilc(*GRID, *shard) == DONE
+    place = sweeps.FOLDER.with_name(f"{sweeps.FOLDER.name}.1-of-2") if shard else sweeps.FOLDER
+    document = json.loads((place / file).read_text())
+    (place / file).write_text(json.dumps({**document, "over": over}))
+    command = ("sweep", "--merge", str(place)) if shard else ("plot", str(place))
+    outcome = hilc(*command)
+    assert outcome.code == 2 and outcome.err.startswith(f"hilc: {place}/{file}: is damaged: ")
+    assert outcome.err.count("\n") == 1
+
+
 def test_python_takes_the_same() -> None:
     plan = hilc_api.plan_sweep("scenario.yaml", [GAINS, RADII], over=[RADIUS], robust="mean")
     assert repr(plan).splitlines()[-1] == f"  over: {RADIUS}"

@@ -84,6 +84,24 @@ def test_batches(cases: int) -> None:
     assert found[:-1] == list(batches(cases + 100))[: len(found) - 1]
 
 
+@pytest.mark.parametrize("seed", [0, 1])
+def test_refinement_reaches_the_answer_of_a_grid(tmp_path: Path, seed: int) -> None:
+    """After one iteration the error is |1 - d_t l1|: a kink at 10, which a grid of 21 has."""
+    plan_of(tmp_path)
+    scenario = hilc.load_scenario(tmp_path / "scenario.yaml", {"iterations": 1})
+    grid = hilc.sweep(plan_sweep(scenario, {L1: "0:20:21"}))
+    plan = plan_sweep(scenario, {L1: "0:20"}, minimise=METRIC, cases=60, seed=seed)
+    found = hilc.sweep(plan)
+    errors = found.columns[METRIC]
+    assert grid.columns[METRIC].min() == pytest.approx(0, abs=1e-12)
+    assert errors.min() < 2e-6 < 1e-3 < errors[:45].min()
+    assert found.how["search"]["refinement"] == {
+        "method": "Brent's within bounds",
+        "cases": 15,
+        "first_case": 45,
+    }
+
+
 def reopened(folder: Path, plan: Plan) -> FolderStore:
     return open_store(folder / "part", plan, Chunk(0, CASES), None, resume=True, force=False)
 

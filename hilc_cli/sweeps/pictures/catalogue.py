@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -39,9 +39,21 @@ class SweepPicture:
     of_choices: bool = False
     place: int = 0
 
-    def shown(self, data: SweepData) -> SweepData:
-        """What it draws of a sweep: its choices, a row each, or its cases."""
-        return as_sweep_of_choices(data) if self.of_choices and data.over else data
+
+class _Rows:
+    """The cases of a sweep, and its choices, which are made once, when a picture asks for them."""
+
+    def __init__(self, cases: SweepData) -> None:
+        self.cases = cases
+
+    @cached_property
+    def choices(self) -> SweepData:
+        """A row per choice, if some keys happen."""
+        return as_sweep_of_choices(self.cases) if self.cases.over else self.cases
+
+    def of(self, picture: SweepPicture) -> SweepData:
+        """What a picture draws."""
+        return self.choices if picture.of_choices else self.cases
 
 
 def kinds_for(data: SweepData) -> tuple[str, ...]:
@@ -53,13 +65,17 @@ def kinds_for(data: SweepData) -> tuple[str, ...]:
     a single value and the seed of the disturbances do not count. Where keys happen, curve, map and
     best cases are those of the choices.
     """
-    if not len(data):
+    return _kinds_for(_Rows(data))
+
+
+def _kinds_for(rows: _Rows) -> tuple[str, ...]:
+    if not len(rows.cases):
         return ()
     pictures: dict[str, SweepPicture] = {name: kind.load() for name, kind in SWEEP_PICTURES.items()}
     shown = [
         name
         for name, each in pictures.items()
-        if each.fits(each.shown(data)) and each.by_default(each.shown(data))
+        if each.fits(rows.of(each)) and each.by_default(rows.of(each))
     ]
     return tuple(sorted(shown, key=lambda name: pictures[name].place))
 
@@ -75,8 +91,9 @@ def draw_sweep(kind: str, data: SweepData, look: Look = USUAL) -> Figure:
     Raises:
         UsageError: There is no such kind, or it does not fit this sweep.
     """
-    picture = _fitting(kind, data)
-    return picture.draw(picture.shown(data), look)
+    rows = _Rows(data)
+    picture = _fitting(kind, rows)
+    return picture.draw(rows.of(picture), look)
 
 
 def save_sweep_figures(
@@ -106,30 +123,30 @@ def save_sweep_figures(
             written then.
         OSError: A file cannot be written.
     """
-    chosen = kinds or kinds_for(data)
-    pictures = {kind: _fitting(kind, data) for kind in chosen}
-    drawn = {kind: partial(each.draw, each.shown(data), look) for kind, each in pictures.items()}
+    rows = _Rows(data)
+    pictures = {kind: _fitting(kind, rows) for kind in kinds or _kinds_for(rows)}
+    drawn = {kind: partial(each.draw, rows.of(each), look) for kind, each in pictures.items()}
     return save_pictures(drawn, folder, formats, dpi)
 
 
-def _fitting(kind: str, data: SweepData) -> SweepPicture:
+def _fitting(kind: str, rows: _Rows) -> SweepPicture:
     """The picture of a kind, if a sweep has one.
 
     Raises:
         UsageError: It has none.
     """
     if kind in RUN_PICTURES or kind in MOVING_PICTURES:
-        raise UsageError(f"picture '{kind}' is one of runs; pictures of this sweep: {_shown(data)}")
+        raise UsageError(f"picture '{kind}' is one of runs; pictures of this sweep: {_shown(rows)}")
     if kind not in SWEEP_PICTURES:
         raise UsageError(f"unknown kind of picture '{kind}'; {suggestion(kind, SWEEP_PICTURES)}")
     picture: SweepPicture = SWEEP_PICTURES[kind].load()
-    if not len(data):
+    if not len(rows.cases):
         raise UsageError("there is no case to draw")
-    if not picture.fits(picture.shown(data)):
+    if not picture.fits(rows.of(picture)):
         needs = f"picture '{kind}' needs {picture.needs}"
-        raise UsageError(f"{needs}; pictures of this sweep: {_shown(data)}")
+        raise UsageError(f"{needs}; pictures of this sweep: {_shown(rows)}")
     return picture
 
 
-def _shown(data: SweepData) -> str:
-    return ", ".join(kinds_for(data)) or "none"
+def _shown(rows: _Rows) -> str:
+    return ", ".join(_kinds_for(rows)) or "none"

@@ -75,7 +75,8 @@ def draw_spread_of_choices(axes: Axes, data: SweepData) -> None:
         data: A sweep in which some keys happen.
     """
     table, metric = choices_of(data), metric_of_cases(data)
-    shown = _shown(data, table)
+    choices = as_sweep_of_choices(data)
+    shown = _shown(choices, table)
     smallest = np.full(len(table), np.inf)
     np.fmin.at(smallest, table.choice_of, metric)
     figures = {name: table.figures[name][shown.numbers] for name in _LINES}
@@ -118,12 +119,13 @@ def draw_spread_of_choices(axes: Axes, data: SweepData) -> None:
     notes = []
     if len(shown.numbers) < len(table):
         notes.append(f"the best {len(shown.numbers)} of {len(table):,} choices")
-    labels.set_title(axes, labels.wrapped(_title(data, table), width), [*notes, *scale.notes()])
+    labels.set_title(
+        axes, labels.wrapped(_title(data, choices, table), width), [*notes, *scale.notes()]
+    )
 
 
-def _shown(data: SweepData, table: ChoiceTable) -> _Shown:
+def _shown(choices: SweepData, table: ChoiceTable) -> _Shown:
     """All choices along their only key, or the best ones by their rank."""
-    choices = as_sweep_of_choices(data)
     keys = curve_keys(choices)
     if keys is not None and keys[1] is None and keys[0] != SEED_KEY:
         where = key_axis(choices, keys[0])
@@ -168,9 +170,8 @@ def _draw_best(axes: Axes, table: ChoiceTable, shown: _Shown, figure: Floats) ->
     )
 
 
-def _title(data: SweepData, table: ChoiceTable) -> str:
+def _title(data: SweepData, choices: SweepData, table: ChoiceTable) -> str:
     ranked = table.ranked()
-    choices = as_sweep_of_choices(data)
     if not ranked:
         return f"No choice has a value of the {metric_name(choices)}"
     best = ranked[0]
