@@ -61,9 +61,8 @@ STEPS = (
         "runs/three-gains", ("effects", "best"),
     ),
     Step(
-        "hilc sweep example:fig8a --set 'disturbance.output.bound=[5 mm, 5 mm, 0.5 deg]' "
-        "--vary disturbance.seed=1..50 --bands --out runs/noise",
-        "runs/noise", ("bands",),
+        "hilc sweep example:fig8a --vary robot.wheel_radius=0.15:0.25:41 --bands --out runs/radii",
+        "runs/radii", ("bands",),
     ),
     Step(
         f"{SWEEP}=0.01:10:log --vary controller.gains.l2=0:20 --minimise max_position_error_m "
