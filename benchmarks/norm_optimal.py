@@ -1,16 +1,24 @@
 """What norm-optimal learning reaches on the paper's trajectories, and what it costs.
 
 Usage: python benchmarks/norm_optimal.py [--iterations N] [--seeds N] [--picture FILE]
+       python benchmarks/norm_optimal.py --cost [--beside FOLDER] [--iterations N] [--samples N ...]
 
 Four trajectories, without and with the paper's initial errors, three beliefs of the platform, and
 the paper's speed limit. Errors are of the position: over the whole path without initial error, over
 its second half with one. The earliest sample is the first whose pose the platform can have at all.
+
+With --cost: processor time for each sample and pass, simulation included, of trajectories that are
+sampled more and more finely, and of a plan alone; with --beside in turn from these sources and from
+those in another folder, such as those of an older commit.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+import json
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -142,6 +150,71 @@ def draw(path: Path) -> None:
     figure.savefig(path, dpi=100)
 
 
+COSTS: dict[str, tuple[str, dict[str, Any]]] = {
+    "circle": ("fig3-circle", {}),
+    "circle, both noises": ("fig3-circle", {"disturbance": {"seed": 1, **NOISES["both"]}}),
+    "circle from the wrong start": ("fig4-compensated", {}),
+    "circle, too fast for the wheels": ("fig3-circle", {"controller.b_w": 8.0}),
+    "lap of a small robot, noises": ("small-robot", {}),
+}
+TIMED = """\
+import json, sys, time
+from hilc_cli.surroundings import settle
+settle()
+import hilc_cli as hilc
+from hilc_cli.engine.loop import simulate
+from hilc_cli.theory.laws.norm_optimal_noise import planned_motion
+scenario, given, samples, iterations = json.loads(sys.argv[1])
+given = {"controller.law": "norm-optimal", **given, "iterations": iterations}
+if scenario.startswith("fig"):
+    limit = given.pop("controller.b_w", 180)
+    given["controller"] = {"law": given.pop("controller.law"), "b_w": limit}
+
+def experiment(samples):
+    reference = hilc.load_scenario(f"example:{scenario}", given).experiment().reference
+    if samples is not None:
+        given["controller"]["h"] = max(1, samples // 10)
+        given["trajectory.sample_time"] = reference.samples * reference.sample_time / samples
+    return hilc.load_scenario(f"example:{scenario}", given).experiment()
+
+short = experiment(60)
+planned_motion(short, short.law)  # loads its machine code
+for _ in simulate(short):
+    pass
+measured = experiment(samples)
+start = time.process_time()
+planned_motion(measured, measured.law)
+planned = time.process_time()
+for _ in simulate(measured):
+    pass
+run, n = time.process_time() - planned, measured.reference.samples
+print(json.dumps([1e6 * run / n / iterations, 1e6 * (planned - start) / n]))
+"""
+"""Prints microseconds for each sample and pass, and for each sample of the plan that
+`hilc check` makes."""
+
+
+def costs(folders: Sequence[Path], samples: Sequence[int], iterations: int) -> None:
+    """Prints a row for each case and number of samples, of the fastest of three."""
+    for name, (scenario, given) in COSTS.items():
+        for n in samples if scenario.startswith("fig") else [None]:
+            asked = json.dumps([scenario, given, n, iterations])
+            found = [[(1e9, 1e9)] for _ in folders]
+            for _ in range(3):
+                for folder, times in zip(folders, found, strict=True):
+                    code = f"import sys; sys.path.insert(0, {str(folder.resolve())!r})\n{TIMED}"
+                    told = subprocess.run(
+                        [sys.executable, "-c", code, asked],
+                        check=True,
+                        capture_output=True,
+                        cwd=folder,
+                    )
+                    times.append(tuple(json.loads(told.stdout)))
+            runs = [f"{min(run for run, _ in times):.1f}" for times in found]
+            plans = [f"{min(plan for _, plan in times):.2f}" for times in found]
+            print(f"| {name} | {n or ''} | {' | '.join(runs)} | {' | '.join(plans)} |", flush=True)
+
+
 def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(
@@ -150,7 +223,16 @@ def main() -> None:
     parser.add_argument("--iterations", type=int, default=10)
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--picture", type=Path)
+    parser.add_argument("--cost", action="store_true")
+    parser.add_argument("--beside", type=Path)
+    parser.add_argument("--samples", type=int, nargs="+", default=[1_200, 12_000, 120_000])
     given = parser.parse_args()
+    if given.cost:
+        here = Path(__file__).parents[1]
+        folders = [here] if given.beside is None else [given.beside, here]
+        print("case, samples, microseconds for each sample and pass, and for each sample of a plan")
+        costs(folders, given.samples, given.iterations)
+        return
     if given.picture is not None:
         draw(given.picture)
         return

@@ -120,12 +120,13 @@ def bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats) 
     scale = 1 / np.sqrt(np.diag(matrix).clip(min=np.finfo(float).tiny))
     matrix = matrix * scale * scale[:, None] + _APART * np.eye(count)
     pull, bottom, top = pull * scale, lowest / scale, highest / scale
-    at, free = np.zeros(count), np.ones(count, dtype=bool)
+    at = np.zeros(count)
+    free = ((bottom < 0) | (pull > 0)) & ((top > 0) | (pull < 0))
     for _ in range(4 * count):  # a few more than it ever takes
         inside = np.flatnonzero(free)
-        left = pull - (matrix[:, ~free] * at[~free]).sum(axis=1)
+        left = pull - (matrix * np.where(free, 0.0, at)).sum(axis=1)
         best = at.copy()
-        best[inside] = np.linalg.solve(matrix[np.ix_(inside, inside)], left[inside])
+        best[inside] = np.linalg.solve(matrix[inside][:, inside], left[inside])
         move = best - at
         bound = np.where(move < 0, bottom, top)
         beyond = np.flatnonzero(np.where(move < 0, best < bottom, best > top))
@@ -137,7 +138,7 @@ def bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats) 
             continue
         at = best
         slope = pull - (matrix * at).sum(axis=1)
-        inwards = np.where(free, 0.0, np.where(at <= bottom, slope, -slope))
+        inwards = np.where(free | (top <= bottom), 0.0, np.where(at <= bottom, slope, -slope))
         if inwards.max() <= 1e-12 * np.abs(pull).max():
             break
         free[inwards.argmax()] = True

@@ -62,6 +62,7 @@ Delay and lag are hardly told apart where speeds change slowly, nor R and B in a
 
 PRIOR = np.array([0.3, 0.05, 0.5, 0.3, 0.3, 0.5])
 """Standard deviations of the parameters beforehand: shares, seconds, and rad/s of friction."""
+_BEFOREHAND = np.diag(PRIOR**-2)  # information
 _MEASURED = 0.4  # of the standard error beforehand; what is less sure is not measured
 _HIGHEST = np.array([1.5, 0.5, 1.5, 1.0, 2.0, 10.0])
 """Logarithms of shares of what was believed; delay [s], lag [s], friction [rad/s]."""
@@ -102,8 +103,7 @@ class MotorBelief:
     @classmethod
     def at_first(cls, motor: Motor, noise: Noise) -> MotorBelief:
         """Returns what the user says."""
-        parameters = np.array([0.0, 0.0, 0.0, motor.delay, motor.lag, motor.friction])
-        return cls(motor, parameters, np.diag(PRIOR**2), noise)
+        return cls(motor, parameters_at_first(motor), np.diag(PRIOR**2), noise)
 
     @property
     def motor(self) -> Motor:
@@ -152,6 +152,11 @@ class MotorBelief:
         variances = (np.einsum("ki,ij->kj", gone, self.covariance) * gone).sum(axis=1)
         way, turn = variances.reshape(-1, 2).max(axis=0).tolist()
         return way, turn
+
+
+def parameters_at_first(motor: Motor) -> Floats:
+    """Returns the parameters of what is believed beforehand."""
+    return np.array([0.0, 0.0, 0.0, motor.delay, motor.lag, motor.friction])
 
 
 def motor_of(first: Motor, parameters: Floats) -> Motor:
@@ -246,7 +251,7 @@ class Identification:
             passes: Their number.
         """
         told = self._told_of_parameters(belief, belief.parameters, belief.noise, [like])
-        normal = passes * (told.information - np.diag(PRIOR**-2)) + np.diag(PRIOR**-2)
+        normal = passes * (told.information - _BEFOREHAND) + _BEFOREHAND
         return _inverse(normal)
 
     def quietest(self, noise: Noise) -> Noise:
@@ -346,8 +351,8 @@ class Identification:
         """What passes tell of the robot at some parameters."""
         motor = motor_of(belief.first, parameters)
         by_sample = np.zeros((len(passes[0].sent), len(NAMES)))
-        information = np.diag(PRIOR**-2)
-        off = parameters - MotorBelief.at_first(belief.first, noise).parameters
+        information = _BEFOREHAND.copy()
+        off = parameters - parameters_at_first(belief.first)
         value = -0.5 * float(np.square(off / PRIOR).sum())
         for each in passes:
             steps, slopes = steps_and_slopes(motor, each.sent, self._sample_time)
