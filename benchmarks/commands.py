@@ -25,8 +25,8 @@ from run import BARE, SCENARIO, save_arrays
 
 import hilc_cli as hilc
 from hilc_cli.results.metrics import CASE_COLUMNS
-from hilc_cli.sweeps.planning import plan_sweep
 from hilc_cli.sweeps.case_table import write_cases
+from hilc_cli.sweeps.planning import plan_sweep
 from hilc_cli.variation import axis_to_data
 
 HERE = Path(__file__).parents[1]
