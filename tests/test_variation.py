@@ -330,3 +330,21 @@ def test_sobol_points_cover_the_ranges_more_evenly_than_random_ones() -> None:
 def test_grid_of_a_range_without_a_count_is_refused() -> None:
     with pytest.raises(ValueError, match="number of values"):
         len(Cases({"a": UNIT}))
+
+
+@given(st.one_of(ranges("linear"), ranges("log"), whole_ranges()), st.floats(0.001, 0.999))
+def test_place_is_where_a_value_is_drawn(axis: Range, unit: float) -> None:
+    value = axis.drawn(unit)
+    place = axis.place(value)
+    assert 0 <= place <= 1
+    # The same value again, and of numbers that are not rounded the same place.
+    assert axis.drawn(place) == pytest.approx(value, rel=1e-6, abs=1e-6)
+    if not axis.whole:
+        assert place == pytest.approx(unit, abs=1e-3)
+
+
+@given(st.integers(-50, 50), st.integers(0, 40), st.floats(0.001, 0.999))
+def test_place_of_whole_numbers(low: int, width: int, unit: float) -> None:
+    axis = Range(low, low + width, "integer")
+    value = axis.drawn(unit)
+    assert axis.drawn(axis.place(value)) == value

@@ -101,8 +101,8 @@ class Store(ABC):
         """Remembers the results of a chunk."""
 
     @abstractmethod
-    def rows(self) -> Floats:
-        """All rows, shape (cases, columns)."""
+    def rows(self, part: Chunk | None = None) -> Floats:
+        """The rows of some cases, or of all, shape (cases, columns)."""
 
     @abstractmethod
     def errors(self) -> Iterator[Floats]:
@@ -167,9 +167,9 @@ class MemoryStore(Store):
             self._errors[:, cases] = result.errors.T
         self._count(result.chunk, result.failures)
 
-    def rows(self) -> Floats:
-        """All rows, shape (cases, columns)."""
-        return self._rows
+    def rows(self, part: Chunk | None = None) -> Floats:
+        """The rows of some cases, or of all, shape (cases, columns)."""
+        return self._rows if part is None else self._rows[part.first : part.last]
 
     def errors(self) -> Iterator[Floats]:
         """The maximum errors of all cases, iteration by iteration."""

@@ -91,7 +91,7 @@ def search(plan: Plan, store: Store, how: Execution) -> Found:
     compile_for(plan, how.on_compile)
     listed: list[Values] = []
     figures: list[float] = []
-    crew = crew_for(plan, LANES, how)
+    crew = crew_for(plan, LANES * every, how)
 
     def compute_batch(values: Sequence[Values]) -> Floats:
         """The costs of the next choices."""
@@ -101,7 +101,7 @@ def search(plan: Plan, store: Store, how: Execution) -> Found:
         batch = Chunk(first * every, len(listed) * every, rows)
         store.forget_others(batch)
         compute_chunks(plan, store, crew, _missing(plan, store, batch, crew.workers), how)
-        found = costs(plan, store.rows()[batch.first : batch.last]).reshape(-1, every)
+        found = costs(plan, store.rows(batch)).reshape(-1, every)
         figures.extend(robust_figure(found, plan.robust).tolist())
         return np.array(figures[first:])
 

@@ -214,9 +214,11 @@ class FolderStore(Store):
         )
         self._count(result.chunk, result.failures)
 
-    def rows(self) -> Floats:
-        """All rows, shape (cases, columns)."""
-        rows = self._read(ROWS, 0, len(self.cases) * _COLUMNS).reshape(-1, _COLUMNS)
+    def rows(self, part: Chunk | None = None) -> Floats:
+        """The rows of some cases, or of all, shape (cases, columns)."""
+        part = part or self.cases
+        offset = (part.first - self.cases.first) * _COLUMNS
+        rows = self._read(ROWS, offset, len(part) * _COLUMNS).reshape(-1, _COLUMNS)
         check_columns(self.folder / ROWS, CASE_NUMBERS, rows)
         return rows
 

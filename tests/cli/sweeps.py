@@ -74,8 +74,14 @@ def expected() -> dict[str, bytes]:
         folder = Path(name)
         (folder / "sweep.yaml").write_text(SWEEP)
         scenario = hilc.load_scenario(folder / "sweep.yaml")
-        choice = {"over": "disturbance.seed", "robust": "q95"}
-        plan = plan_sweep(scenario, VARY, bands=True, tolerance=0.8, metric=METRIC, **choice)
+        plan = plan_sweep(
+            *(scenario, VARY),
+            bands=True,
+            tolerance=0.8,
+            metric=METRIC,
+            over="disturbance.seed",
+            robust="q95",
+        )
         assert len(plan.cases) == CASES
         sweep(plan).write(folder / "sweep", plots=False)
         found = tables(folder / "sweep")

@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import json
 import statistics
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -64,7 +65,8 @@ def test_six_lines_of_python_give_the_same(hilc: Hilc, robust: str) -> None:
     keys = ("--vary", f"{L1}=1:19:10", "--vary", f"{L2}=0:5:10", "--vary", RADII)
     over = ("--vary", "iterations=2,3", "--over", f"iterations,{RADIUS}", "--robust", robust)
     assert hilc(*SWEEP, *keys, *over) == DONE
-    figure = {"worst": max, "mean": statistics.fmean}[robust]
+    by_name: dict[str, Callable[[list[float]], float]] = {"worst": max, "mean": statistics.fmean}
+    figure = by_name[robust]
 
     cases: dict[tuple[str, str], list[float]] = {}
     with (sweeps.FOLDER / "cases.csv").open() as file:

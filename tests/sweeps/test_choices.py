@@ -6,12 +6,14 @@ import itertools
 import math
 import random
 import statistics
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from hilc_cli.results.metrics import DIVERGED
+from hilc_cli.scenario.sweep_section import Robust
 from hilc_cli.sweeps.choices import (
     FIGURES,
     as_sweep_of_choices,
@@ -36,7 +38,7 @@ def happening(metric: list[float], axes: dict[str, Axis] | None = None) -> Sweep
 
 @pytest.mark.parametrize("order", ["choice first", "happening first", "mixed"])
 @pytest.mark.parametrize("robust", ["worst", "q95", "mean"])
-def test_minimax_by_hand(order: str, robust: str) -> None:
+def test_minimax_by_hand(order: str, robust: Robust) -> None:
     """Whichever key changes fastest, and with words and numbers among what is chosen."""
     words = Choices(("a", None, True, 1))
     axes: dict[str, Axis] = {L1: GAINS, "word": words, SEED: Range(1, 7, "integer")}
@@ -53,11 +55,12 @@ def test_minimax_by_hand(order: str, robust: str) -> None:
         values = data.case(number)
         key = (values[L1], repr(values["word"]))
         cases.setdefault(key, []).append(error)
-    figure = {
+    by_name: dict[str, Callable[[list[float]], float]] = {
         "worst": max,
         "q95": lambda errors: float(np.quantile(errors, 0.95)),
         "mean": statistics.fmean,
-    }[robust]
+    }
+    figure = by_name[robust]
     by_hand = [figure(errors) for errors in cases.values()]
 
     table = choices_of(data)
@@ -121,7 +124,8 @@ def test_quantiles_are_those_of_numpy(percent: int, size: int) -> None:
 def test_figures_of_a_search_are_those_of_the_table() -> None:
     metric = np.random.default_rng(1).uniform(size=(3, 9))
     metric[1, 4] = math.inf
-    for robust in ("worst", "q95", "mean"):
+    names: tuple[Robust, ...] = ("worst", "q95", "mean")
+    for robust in names:
         table = choices_of(replace(happening(metric.ravel().tolist()), robust=robust))
         assert robust_figure(metric, robust).tolist() == table.figures[robust].tolist()
 

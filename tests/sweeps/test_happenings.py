@@ -62,7 +62,7 @@ def test_happenings_are_drawn_apart_from_choices() -> None:
     """The same range would otherwise give both the same numbers."""
     axes: dict[str, Axis] = {"one": Range(0.0, 1.0), "other": Range(0.0, 1.0)}
     for sample in ("random", "sobol"):
-        cases = cases_of(axes, sample, 16, 5, ("other",), 16)  # type: ignore[arg-type]
+        cases = cases_of(axes, sample, 16, 5, ("other",), 16)
         assert isinstance(cases, CrossedCases)
         assert not set(cases.choices.column("one")) & set(cases.happenings.column("other"))
 

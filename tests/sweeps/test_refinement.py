@@ -29,6 +29,10 @@ def refined(axes: dict[str, Axis], cost: Cost, before: int, steps: int) -> list[
     return found
 
 
+def smallest(cost: Cost, tried: list[Values]) -> float:
+    return min(cost(*values) for values in tried)
+
+
 @pytest.mark.parametrize("power", [1, 2, 4])
 def test_bottom_of_a_hollow(power: int) -> None:
     """A kink, a parabola, a flat bottom: in 15 steps nearer than 4000 points in equal steps."""
@@ -37,7 +41,7 @@ def test_bottom_of_a_hollow(power: int) -> None:
         return abs(x - math.sqrt(2)) ** power
 
     found = refined(X, cost, 20, 15)
-    assert min(cost(*values) for values in found) < cost(math.sqrt(2) + 4 / 4000 / 2)
+    assert smallest(cost, found) < cost(math.sqrt(2) + 4 / 4000 / 2)
 
 
 def test_several_keys() -> None:
@@ -48,7 +52,7 @@ def test_several_keys() -> None:
 
     before = [tuple(row.values()) for row in Cases(axes, "sobol", 60).values(0, 60)]
     found = refined(axes, cost, 60, 60)
-    assert min(cost(*values) for values in found) < 0.1 * min(cost(*values) for values in before)
+    assert smallest(cost, found) < 0.1 * smallest(cost, before)
 
 
 def test_values_stay_within_their_ranges() -> None:

@@ -22,7 +22,8 @@ from hilc_cli.sweeps.chunks import Chunk, ChunkResult, MemoryStore
 from hilc_cli.sweeps.compute import Execution, run_chunk
 from hilc_cli.sweeps.plan import Plan
 from hilc_cli.sweeps.planning import plan_sweep
-from hilc_cli.sweeps.search import Sampler, Values, batches, costs, own_metric, search
+from hilc_cli.sweeps.refinement import Values
+from hilc_cli.sweeps.search import Sampler, batches, costs, own_metric, search
 from hilc_cli.sweeps.store import FolderStore, open_store
 from hilc_cli.variation import Axis, Cases, Choices, Range
 from hilc_cli.workers.crews import Crew, Outcome

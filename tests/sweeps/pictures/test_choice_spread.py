@@ -8,6 +8,7 @@ import pytest
 from matplotlib.axes import Axes
 
 from hilc_cli.errors import UsageError
+from hilc_cli.scenario.sweep_section import Robust
 from hilc_cli.sweeps.data import OwnValues, SweepData
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
 from hilc_cli.variation import Axis, Range
@@ -20,7 +21,7 @@ GAINS = Range(0.1, 10.0, "log", 5)
 
 
 def over(
-    axes: dict[str, Axis], metric: list[float] | None = None, robust: str = "worst"
+    axes: dict[str, Axis], metric: list[float] | None = None, robust: Robust = "worst"
 ) -> SweepData:
     given = bowl if metric is None else np.array(metric)
     return replace(sweep(axes, given), over=(RADIUS,), robust=robust)
@@ -47,7 +48,7 @@ METRIC = [3, 4, 5, 2, 3, 4, 1, 2, 3, 5, 6, math.inf, 7, FAILED, 8]
 
 
 @pytest.mark.parametrize(("robust", "best"), [("worst", 3.0), ("q95", 2.9), ("mean", 2.0)])
-def test_figures_along_the_only_key(robust: str, best: float) -> None:
+def test_figures_along_the_only_key(robust: Robust, best: float) -> None:
     figure = draw_sweep("spread", over({L1: GAINS, RADIUS: RADII}, METRIC, robust))
     (axes,) = figure.axes
     gains = [0.1, 10**-0.5, 1, 10**0.5, 10]
@@ -83,7 +84,8 @@ def test_map_is_that_of_the_figure() -> None:
         [max(bowl({L1: g, L2: l2, RADIUS: r}) for r in (0.1, 0.2, 0.3)) for g in GAINS.ladder()]
         for l2 in (0.0, 1.0, 2.0)
     ]
-    np.testing.assert_allclose(np.reshape(mesh.get_array(), (3, 5)), expected)
+    found = np.asarray(mesh.get_array(), dtype=float).reshape(3, 5)
+    np.testing.assert_allclose(found, np.array(expected))
 
 
 def test_best_ones_side_by_side_if_there_are_several_keys() -> None:
