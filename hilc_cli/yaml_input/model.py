@@ -48,6 +48,12 @@ class Model(BaseModel):
     looked_at: ClassVar[tuple[str, ...]] = ()
     """Keys whose valid values `misfits` looks at: they are validated before the others, once."""
 
+    def __setstate__(self, state: dict[Any, Any]) -> None:
+        """Takes the values that another process has sent, where nothing may have been validated."""
+        super().__setstate__(state)
+        # Pydantic before 2.14 cannot write out what is within another model and is not built yet.
+        type(self).model_rebuild()
+
     @classmethod
     def chosen_by(cls, data: object = None) -> tuple[str, str] | None:
         """Returns the key, and its value, by which this model is chosen where there are several.
