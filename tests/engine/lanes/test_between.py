@@ -87,6 +87,7 @@ def known_before(experiment: Experiment, last: Floats) -> Floats:
 def test_a_cosine_is_multiplied_by_the_factor_of_the_filter(cutoff: float) -> None:
     """In closed form: cosines of the mirrored signal are eigenvectors."""
     experiment = lane_experiment(0, np.random.default_rng(2))
+    assert isinstance(experiment.law, PidLaw)
     law = replace(experiment.law, cutoff=cutoff, forgetting=0.0, rectifying=None)
     n = experiment.reference.samples
     history = aligned((n + 3) * HISTORY_FIELDS * LANES, np.float64)
