@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
+from matplotlib.text import Text
 from matplotlib.ticker import Formatter, MaxNLocator
 from numpy.typing import NDArray
 
@@ -242,7 +243,7 @@ def set_iterations(axes: Axes, last: int) -> None:
 
 def set_title(
     axes: Axes, title: str, notes: Iterable[str] = (), *, tells_apart: bool = False
-) -> None:
+) -> Text:
     """Titles a panel; what the reader must know stands between title and panel, a line each.
 
     Args:
@@ -251,6 +252,9 @@ def set_title(
         notes: They stand there in any case.
         tells_apart: Whether nothing else says which of several panels it is, so that the title
             stands there in any case, too.
+
+    Returns:
+        The title.
     """
     notes = list(notes)
     if not (look_of(axes).title or tells_apart):
@@ -262,7 +266,8 @@ def set_title(
         longest = int(width * 72 / (0.56 * (SMALL_SIZE - 0.5)))
         notes = [line for note in notes for line in balanced(note, longest)]
     # A fixed height spares Matplotlib from measuring all tick labels to find a free one.
-    axes.set_title(title, loc="left", y=1.0, pad=_TITLE_PAD + _LINE_PITCH * len(notes))
+    pad = _TITLE_PAD + _LINE_PITCH * len(notes)
+    heading = axes.set_title(title, loc="left", y=1.0, pad=pad)
     if notes:
         axes.annotate(
             "\n".join(notes),
@@ -276,6 +281,7 @@ def set_title(
             annotation_clip=False,
             gid=_NOTES,
         )
+    return heading
 
 
 def spare_room(panels: Iterable[Axes]) -> float:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from matplotlib.animation import PillowWriter
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
+from matplotlib.text import Text
 from matplotlib.transforms import Affine2D
+from PIL.Image import Dither, Image, fromarray, new
 
 from hilc_cli.drawing import labels, layout, style, view
 from hilc_cli.drawing.sheet import Sheet
@@ -24,6 +28,7 @@ from hilc_cli.runs.pictures.path_change import chosen_trials
 _MOST_PASSES = 6
 _FRAMES, _HELD = 20, 5  # of a pass, and on which it stands at its end
 _PER_SECOND = 15
+_COLORS = 256  # of a GIF
 _WIDTH = 3.8  # of the panel [inch]
 _SMALLEST = 0.022  # half the robot's width, of the view
 _PAST_COLOR = "0.72"
@@ -46,13 +51,28 @@ def save_animation(
     """
     trials = _spread(chosen_trials(run, iterations))
     with style.applied(look):
-        stage = _Stage(run, trials, look)
-        writer = PillowWriter(fps=_PER_SECOND)
-        with writer.saving(stage.figure, str(file), dpi * stage.figure.scale):
-            for trial in trials:
-                for sample in _samples(run.reference.samples):
-                    stage.show(trial, sample)
-                    writer.grab_frame()
+        stage = _Stage(run, trials, look, dpi)
+        frames = [
+            stage.show(trial, sample)
+            for trial in trials
+            for sample in _samples(run.reference.samples)
+        ]
+    palette = _palette(frames[-1])
+    first, *others = (frame.quantize(palette=palette, dither=Dither.NONE) for frame in frames)
+    first.save(file, save_all=True, append_images=others, duration=1000 // _PER_SECOND, loop=0)
+
+
+def _palette(last: Image) -> Image:
+    """An image with the commonest colours of the last frame, which has all that there are.
+
+    With one palette for all frames a GIF has a fifth of the bytes.
+    """
+    width, height = last.size
+    counted: Any = last.getcolors(width * height)  # is typed for images of one channel, too
+    common = sorted(counted, reverse=True)[:_COLORS]
+    palette = new("P", (1, 1))
+    palette.putpalette([channel for _, color in common for channel in color])
+    return palette
 
 
 def _samples(last: int) -> Iterator[int]:
@@ -74,8 +94,8 @@ def _spread(trials: list[Trial]) -> list[Trial]:
 class _Stage:
     """The sheet, on which everything that moves can be put in its place."""
 
-    def __init__(self, run: RunData, trials: list[Trial], look: Look) -> None:
-        """Draws what stays as it is."""
+    def __init__(self, run: RunData, trials: list[Trial], look: Look, dpi: int) -> None:
+        """Draws what stays as it is, which takes longer than what moves."""
         self._run, self._trials = run, trials
         shown = view.view_of([run.reference], trials)
         height = max(2.4, _WIDTH * view.shape_of(shown))
@@ -101,11 +121,19 @@ class _Stage:
             zorder=7,
         )
         axes.add_patch(self._robot)
-        self._title(trials[-1], run.reference.samples)
+        title = self._title(trials[-1], run.reference.samples)
         layout.finish(figure, axes)
+        figure.dpi = dpi * figure.scale
+        self._canvas = FigureCanvasAgg(figure)
+        self._moving: list[Artist] = [*axes.lines, self._robot, title]
+        self._moving.sort(key=lambda artist: artist.get_zorder())
+        for artist in self._moving:
+            artist.set_animated(True)  # is left out of what stays
+        self._canvas.draw()
+        self._still = self._canvas.copy_from_bbox(figure.bbox)
 
-    def show(self, trial: Trial, sample: int) -> None:
-        """Puts the robot where it was at a sample of an iteration."""
+    def show(self, trial: Trial, sample: int) -> Image:
+        """A picture of the robot where it was at a sample of an iteration."""
         before = [each for each in self._trials if each.iteration < trial.iteration]
         gap = np.array([np.nan])
         self._past.set_data(
@@ -120,12 +148,16 @@ class _Stage:
         there.translate(float(trial.x[sample]), float(trial.y[sample]))
         self._robot.set_transform(there + self._axes.transData)
         self._title(trial, sample)
+        self._canvas.restore_region(self._still)
+        for artist in self._moving:
+            self._axes.draw_artist(artist)
+        return fromarray(np.asarray(self._canvas.buffer_rgba())[..., :3])
 
-    def _title(self, trial: Trial, sample: int) -> None:
+    def _title(self, trial: Trial, sample: int) -> Text:
         time = sample * self._run.reference.sample_time
         error = float(self._run.position_error(trial.iteration)[sample])
         text = f"Iteration {trial.iteration}, {time:.2f} s, error {labels.number_text(error, 3)} m"
-        labels.set_title(self._axes, text, [])
+        return labels.set_title(self._axes, text, [])
 
 
 def robot_outline(robot: Robot) -> Outline:
