@@ -71,16 +71,15 @@ class Refinement:
             costs: How good they were, the smaller the better; infinite is the worst.
             another: Gives a case where there is nothing left to be refined.
         """
-        self._axes = dict(axes)
-        keys = list(axes)
-        self._places = [keys.index(key) for key in refinable(axes)]
-        self._ranges = [axis for axis in axes.values() if isinstance(axis, Range)]
-        self._ranges = [axis for axis in self._ranges if axis.low < axis.high]
+        self._places = [place for place, key in enumerate(axes) if key in refinable(axes)]
+        found = [axes[key] for key in refinable(axes)]
+        self._ranges = [axis for axis in found if isinstance(axis, Range)]
         self.method = "Nelder-Mead" if len(self._places) > 1 else "Brent's within bounds"
         self._known = dict(zip(tried, costs, strict=True))
         self._another = another
         self._starts: list[tuple[Values, list[float]]] = []
-        self._exact = {tuple(self._flat(values).tolist()): values for values in tried}
+        # A value that is known is taken as it is, not as it comes back from its place.
+        self._exact = {(*self._flat(values), *self._others(values)): values for values in tried}
         self._asked: Values = ()
 
     def ask(self) -> Values:
@@ -112,9 +111,10 @@ class Refinement:
         for values in best:
             if not math.isfinite(self._known[values]):
                 return False
-            point = self._flat(values)
-            before = [self._flat(start) for start, _ in self._starts]
-            if all(np.abs(point - other).max() > _APART for other in before):
+            others = self._others(values)
+            before = [start for start, _ in self._starts if self._others(start) == others]
+            away = [np.abs(self._flat(values) - self._flat(start)).max() for start in before]
+            if all(distance > _APART for distance in away):
                 self._starts.append((values, self._bracket(values)))
                 return True
         return False
@@ -128,18 +128,17 @@ class Refinement:
         if len(self._places) > 1:
             return []
         at = float(self._flat(values)[0])
-        beside = [
-            float(self._flat(other)[0]) for other in self._known if self._differs(other, values)
-        ]
+        others = self._others(values)
+        alike = [other for other in self._known if self._others(other) == others]
+        beside = [float(self._flat(other)[0]) for other in alike]
         low = max((other for other in beside if other < at), default=min(0.0, at))
         high = min((other for other in beside if other > at), default=max(1.0, at))
         return sorted({low, at, high})
 
-    def _differs(self, values: Values, start: Values) -> bool:
-        """Whether values are as at a start but for the one key that is refined."""
-        (place,) = self._places
-        others = [(a, b) for i, (a, b) in enumerate(zip(values, start, strict=True)) if i != place]
-        return all(type(a) is type(b) and a == b for a, b in others)
+    def _others(self, values: Values) -> tuple[object, ...]:
+        """What is not refined, each with its type: 1 and true are equal, but not the same."""
+        kept = [value for place, value in enumerate(values) if place not in self._places]
+        return tuple((type(value), value) for value in kept)
 
     def _go_down(self, start: Values, bracket: list[float]) -> None:
         """Runs one of SciPy's methods to its end, unless it comes to a point that is not known."""
@@ -201,8 +200,8 @@ class Refinement:
 
     def _values(self, start: Values, point: Floats) -> Values:
         """The values at a place in the ranges, all else as at a start."""
-        known = self._exact.get(tuple(point.tolist()))
-        if known is not None and (len(self._places) > 1 or self._differs(known, start)):
+        known = self._exact.get((*point, *self._others(start)))
+        if known is not None:
             return known
         values = list(start)
         for place, axis, share in zip(self._places, self._ranges, point.tolist(), strict=True):

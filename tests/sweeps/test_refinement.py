@@ -77,6 +77,14 @@ def test_lists_stay_at_the_best_that_was_found() -> None:
     assert {word for word, _ in found} == {"b"}
 
 
+def test_points_that_differ_in_words_alone_are_told_apart() -> None:
+    """Few whole numbers, which many cases of either word share."""
+    whole: dict[str, Axis] = {"n": Range(1, 4, "integer"), "m": Range(1, 4, "integer")}
+    axes: dict[str, Axis] = {"word": Choices(("bad", "good")), **whole, **X}
+    found = refined(axes, lambda word, n, m, x: 9.0 * (word == "bad") + n + m + x * x, 40, 30)
+    assert [values[0] for values in found[:20]] == ["good"] * 20
+
+
 def test_no_case_twice_and_the_same_each_time() -> None:
     """Several hollows, plateaus, and points that diverge."""
 
