@@ -177,7 +177,7 @@ def experiment(samples):
         given["trajectory.sample_time"] = reference.samples * reference.sample_time / samples
     return hilc.load_scenario(f"example:{scenario}", given).experiment()
 
-short = experiment(60)
+short = experiment(None if samples is None else 60)
 planned_motion(short, short.law)  # loads its machine code
 for _ in simulate(short):
     pass

@@ -142,7 +142,8 @@ def bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats) 
         if inwards.max() <= 1e-12 * np.abs(pull).max():
             break
         free[inwards.argmax()] = True
-    return (at * scale).clip(lowest, highest)
+    step: Floats = (at * scale).clip(lowest, highest)
+    return step
 
 
 def _half_square(matrix: Floats, step: Floats) -> float:

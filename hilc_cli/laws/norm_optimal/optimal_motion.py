@@ -88,7 +88,7 @@ closed_loop = cached(_closed_loop, parts=[drifting_step])
 MOST_STEPS = 100
 _SHORTEST = 2.0**-10  # of a step along the search direction
 _SETTLED = 1e-4  # relative gain of a step at which the search ends
-_EXACT = 1e-6  # share of the cost that the bounded problem may miss
+_EXACT = 1e-9  # share of the cost that the bounded problem may miss
 
 
 @dataclass(frozen=True, slots=True, eq=False)
