@@ -124,7 +124,7 @@ class _Stage:
         title = self._title(trials[-1], run.reference.samples)
         layout.finish(figure, axes)
         figure.dpi = dpi * figure.scale
-        self._canvas = FigureCanvasAgg(figure)
+        self._canvas: Any = FigureCanvasAgg(figure)  # is not typed
         self._moving: list[Artist] = [*axes.lines, self._robot, title]
         self._moving.sort(key=lambda artist: artist.get_zorder())
         for artist in self._moving:
