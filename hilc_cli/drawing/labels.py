@@ -19,7 +19,7 @@ from hilc_cli.drawing.style import LIMIT_COLOR, MARKER_SIZE, NOTE_COLOR, SMALL_S
 from hilc_cli.results.run import RunData, distinct_names
 from hilc_cli.wording import printable
 
-Entitle = Callable[[Axes, str, Sequence[str]], None]
+Entitle = Callable[[Axes, str, Sequence[str]], object]
 """Titles a panel and puts notes that the reader must know beside it, as `set_title` does."""
 
 LONGEST_LABEL = 64

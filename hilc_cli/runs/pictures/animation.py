@@ -124,13 +124,14 @@ class _Stage:
         title = self._title(trials[-1], run.reference.samples)
         layout.finish(figure, axes)
         figure.dpi = dpi * figure.scale
-        self._canvas: Any = FigureCanvasAgg(figure)  # is not typed
+        canvas: Any = FigureCanvasAgg(figure)  # is not typed
+        self._canvas = canvas
         self._moving: list[Artist] = [*axes.lines, self._robot, title]
         self._moving.sort(key=lambda artist: artist.get_zorder())
         for artist in self._moving:
             artist.set_animated(True)  # is left out of what stays
-        self._canvas.draw()
-        self._still = self._canvas.copy_from_bbox(figure.bbox)
+        canvas.draw()
+        self._still = canvas.copy_from_bbox(figure.bbox)
 
     def show(self, trial: Trial, sample: int) -> Image:
         """A picture of the robot where it was at a sample of an iteration."""
