@@ -17,6 +17,7 @@ from hilc_cli.laws.correction import MatrixControl, learned_error
 from hilc_cli.laws.feedback import TrackingControl, tracking_twist
 from hilc_cli.laws.gain_matrix import wheel_correction
 from hilc_cli.laws.law import Plan
+from hilc_cli.laws.norm_optimal.regulator_control import RegulatorControl, on_arrival
 from hilc_cli.numba_loading import DISABLED, types
 from hilc_cli.plants.kinematic import advance, limit_wheel_speeds, wheel_speeds_from_twist
 from hilc_cli.reference.sampled import Floats, Reference
@@ -25,6 +26,7 @@ FORMULAS = (
     advance,
     learned_error,
     limit_wheel_speeds,
+    on_arrival,
     tracking_twist,
     wheel_correction,
     wheel_speeds_from_twist,
@@ -33,14 +35,15 @@ FORMULAS = (
     _advance,
     _learned_error,
     _limit_wheel_speeds,
+    _on_arrival,
     _tracking_twist,
     _wheel_correction,
     _wheel_speeds_from_twist,
 ) = [compiled(function) for function in FORMULAS]
 
-FIXED, GAINS, KNOWN, RUNNING, TRACKING = range(5)
+FIXED, GAINS, KNOWN, RUNNING, TRACKING, REGULATOR = range(6)
 """How a plan answers: not at all; by gains; by a matrix on errors that are known, or on running
-ones; by the tracking controller."""
+ones; by the tracking controller; by the regulator of norm-optimal learning."""
 
 
 def _drive(
@@ -57,6 +60,7 @@ def _drive(
     headings: Floats,
     scalars: tuple[float, float, float],
     model: tuple[float, float],
+    late: Floats,
     beta: Floats,
     alpha: Floats,
 ) -> int:
@@ -71,12 +75,14 @@ def _drive(
         answer: FIXED, GAINS, KNOWN, RUNNING or TRACKING.
         planned: Left and right wheel speed before any answer [rad/s], shape (2, n).
         rows: By answer the gains and how far the plan is off the reference, shape (9, n); past
-            errors, shape (3, n); or speed and yaw rate, shape (2, n).
+            errors, shape (3, n); speed and yaw rate, shape (2, n); or what `RegulatorControl` has
+            beside the inputs, shape (8, n).
         matrices: Coefficients of each gain matrix, shape (m, 18).
         numbers: Which of them it is at each sample, shape (n,).
         headings: Cosine and sine of where the matrix is taken, shape (2, n); (2, 0): measured.
-        scalars: l1, l2, l3 or k_x, k_y, k_theta.
-        model: Believed wheel radius and signed half track [m].
+        scalars: l1, l2, l3; k_x, k_y, k_theta; or the rates and the half track of the regulator.
+        model: Believed wheel radius and signed half track [m], or both radii of the regulator.
+        late: Of the regulator, see there.
         beta: Disturbance of the state, shape (n, 3); (0, 3): none.
         alpha: Disturbance of the output, shape (n + 1, 3); (0, 3): none.
 
@@ -86,6 +92,7 @@ def _drive(
     x, y, heading = poses[0, 0], poses[1, 0], poses[2, 0]
     saturated = 0
     before_x = before_y = before_heading = 0.0
+    faster, turning = np.empty(inputs.shape[1]), np.empty(inputs.shape[1])
     for k in range(inputs.shape[1]):
         seen_x, seen_y, seen_heading = x, y, heading
         if len(alpha):
@@ -99,6 +106,22 @@ def _drive(
             away_heading = error_heading + rows[8, k]
             left = left + rows[0, k] * away_x + rows[1, k] * away_y + rows[2, k] * away_heading
             right = right + rows[3, k] * away_x + rows[4, k] * away_y + rows[5, k] * away_heading
+        elif answer == REGULATOR:
+            ahead_rate, aside_rate, half_track = scalars
+            ahead, aside, heading_there = _on_arrival(
+                error_x + rows[0, k], error_y + rows[1, k], error_heading + rows[2, k],
+                rows[3, k], rows[4, k], rows[5, k], rows[6, k],
+            )  # fmt: skip
+            for since in range(min(len(late), k)):
+                ahead -= late[since] * faster[k - 1 - since]
+                heading_there -= late[since] * turning[k - 1 - since]
+            faster[k] = ahead_rate * ahead
+            turning[k] = aside_rate * heading_there + rows[7, k] * aside
+            wheel = half_track * turning[k]
+            left, right = (
+                left + (faster[k] + wheel) / model[0],
+                right + (faster[k] - wheel) / model[1],
+            )
         elif answer == TRACKING:
             k_x, k_y, k_theta = scalars
             speed, yaw_rate = _tracking_twist(
@@ -148,19 +171,20 @@ drive = cached(_drive, parts=FORMULAS)
 
 _Arguments = tuple[
     int, Floats, Floats, Floats, NDArray[np.intp], Floats, tuple[float, float, float],
-    tuple[float, float],
+    tuple[float, float], Floats,
 ]  # fmt: skip
 _NONE, _NO_MATRICES = np.empty((3, 0)), np.empty((0, 18))
 _NO_NUMBERS, _NO_HEADINGS = np.empty(0, dtype=np.intp), np.empty((2, 0))
-_NO_SCALARS, _NO_MODEL = (0.0, 0.0, 0.0), (1.0, 1.0)
+_NO_SCALARS, _NO_MODEL, _NOT_LATE = (0.0, 0.0, 0.0), (1.0, 1.0), np.empty(0)
 
 
 _numba: Any = types  # is not typed
-_PLANE, _NUMBERS = _numba.float64[:, ::1], _numba.int64[::1]
+_PLANE, _LINE = _numba.float64[:, ::1], _numba.float64[::1]
+_NUMBERS = _numba.int64[::1]
 _PAIR, _TRIPLE = _numba.UniTuple(_numba.float64, 2), _numba.UniTuple(_numba.float64, 3)
 _SIGNATURE = (
     *(_PLANE, _PLANE, _PLANE, _PAIR, _numba.float64, _numba.int64),
-    *(_PLANE, _PLANE, _PLANE, _NUMBERS, _PLANE, _TRIPLE, _PAIR, _PLANE, _PLANE),
+    *(_PLANE, _PLANE, _PLANE, _NUMBERS, _PLANE, _TRIPLE, _PAIR, _LINE, _PLANE, _PLANE),
 )
 _PAYS = 2_000_000
 """Samples of a run from which on it is faster to compile the code first."""
@@ -180,7 +204,9 @@ def prepare() -> None:
 def knows(plan: Plan) -> bool:
     """Whether there is machine code for a plan."""
     feedback = plan.feedback
-    return feedback is None or isinstance(feedback, np.ndarray | MatrixControl | TrackingControl)
+    return feedback is None or isinstance(
+        feedback, np.ndarray | MatrixControl | TrackingControl | RegulatorControl
+    )
 
 
 def run_pass(
@@ -212,10 +238,9 @@ def run_pass(
     poses, inputs = np.empty((3, n + 1)), np.empty((2, n))
     poses[:, 0] = start
     none = np.empty((0, 3))
-    answer, planned, rows, matrices, numbers, headings, scalars, model = _numbers(plan, reference)
     saturated = drive(
         desired, poses, inputs, step_gains, speed_limit,
-        answer, planned, rows, matrices, numbers, headings, scalars, model,
+        *_numbers(plan, reference),
         none if beta is None else np.ascontiguousarray(beta),
         none if alpha is None else np.ascontiguousarray(alpha),
     )  # fmt: skip
@@ -239,18 +264,25 @@ def _numbers(plan: Plan, reference: Reference) -> _Arguments:
             _NO_HEADINGS if feedback.headings is None else np.stack(feedback.headings),
             scalars,
             _NO_MODEL,
+            _NOT_LATE,
         )
+    if isinstance(feedback, RegulatorControl):
+        columns = np.ascontiguousarray(feedback.rows.T)
+        return (
+            REGULATOR, columns[:2], columns[2:], *nothing,
+            (*feedback.rates, feedback.half_track), feedback.radii, feedback.late,
+        )  # fmt: skip
     planned = np.stack([plan.left, plan.right])
     if isinstance(feedback, TrackingControl):
         law = feedback.law
         return (
             TRACKING, planned, np.stack(feedback.twist), *nothing,
             (law.k_x, law.k_y, law.k_theta),
-            (law.model.wheel_radius, law.model.signed_half_track),
+            (law.model.wheel_radius, law.model.signed_half_track), _NOT_LATE,
         )  # fmt: skip
     if isinstance(feedback, np.ndarray):
         away = (plan.poses - reference.poses)[:-1]
         gains = feedback.reshape(-1, 6)
         rows = np.ascontiguousarray(np.concatenate([gains, away], axis=1).T)
-        return GAINS, planned, rows, *nothing, _NO_SCALARS, _NO_MODEL
-    return FIXED, planned, _NONE, *nothing, _NO_SCALARS, _NO_MODEL
+        return GAINS, planned, rows, *nothing, _NO_SCALARS, _NO_MODEL, _NOT_LATE
+    return FIXED, planned, _NONE, *nothing, _NO_SCALARS, _NO_MODEL, _NOT_LATE

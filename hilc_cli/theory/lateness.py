@@ -109,7 +109,7 @@ class Lateness:
         inputs = np.stack([task.initial_left, task.initial_right], axis=1)
         rate = fastest(motor, reference.sample_time)
         found = regulator(motor, inputs, reference.poses, reference, rate, rate)
-        return _narrowest(loops_of(experiment, lambda: found), self._longest, own)
+        return _narrowest(loops_of(experiment, found.controller), self._longest, own)
 
     @property
     def _longest(self) -> float:

@@ -12,6 +12,7 @@ from hilc_cli.engine.compiled_pass import knows, pays, prepare, run_pass
 from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.engine.loop import MeasuredTrials, prepare_machine_code
 from hilc_cli.laws.law import Plan
+from hilc_cli.laws.norm_optimal.regulator_control import RegulatorControl
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.running import load_scenario
 
@@ -30,6 +31,10 @@ SCENARIOS: dict[str, tuple[str, Mapping[str, Any]]] = {
     "disturbed": ("figure-eight", {}),
     "pid": ("pid-figure-eight", {}),
     "tracking": ("feedback-circle", {"iterations": 1}),
+    "regulator": ("norm-optimal-arc-and-line", {}),
+    "regulator, noise": ("norm-optimal-arc-and-line", {
+        **NOISE, "disturbance.output.bound": ["1 cm", "1 cm", "1 deg"],
+    }),
     "diverging": ("fig6i", {"controller.b_w": None, "controller.gains.l3": 1e5}),
 }  # fmt: skip
 
@@ -62,15 +67,17 @@ def test_passes_are_the_same_to_the_bit(name: str, monkeypatch: pytest.MonkeyPat
             assert getattr(one, part).tobytes() == getattr(other, part).tobytes()
 
 
-def test_plans_with_gains_are_the_same_to_the_bit() -> None:
+@pytest.mark.parametrize("answer", ["gains", "a regulator that is late"])
+def test_feedback_about_a_plan_is_the_same_to_the_bit(answer: str) -> None:
     experiment = load_scenario("example:fig3-circle").experiment()
     reference, draw = experiment.reference, np.random.default_rng(1)
     n = reference.samples
+    feedback = draw.normal(size=(n, 2, 3)) if answer == "gains" else late_regulator(n, draw)
     plan = Plan(
         draw.normal(size=n),
         draw.normal(size=n),
         reference.poses + draw.normal(scale=0.1, size=(n + 1, 3)),
-        draw.normal(size=(n, 2, 3)),
+        feedback,
     )
     beta, alpha = draw.normal(size=(n, 3)), draw.normal(size=(n + 1, 3))
     assert knows(plan)
@@ -91,6 +98,12 @@ def test_plans_with_gains_are_the_same_to_the_bit() -> None:
         x, y, heading = (float(m + b) for m, b in zip(moved, beta[k], strict=True))
         assert poses[:, k + 1].tolist() == [x, y, heading]
     assert 0 < saturated < n
+
+
+def late_regulator(n: int, draw: np.random.Generator) -> RegulatorControl:
+    """One whose corrections are seven samples under way."""
+    late = 1e-2 * np.linspace(1, 0, 7)
+    return RegulatorControl(draw.normal(size=(n, 10)), late, (3.0, 2.0), (0.2, 0.21), 0.5)
 
 
 def test_other_controllers_stay_in_plain_python() -> None:

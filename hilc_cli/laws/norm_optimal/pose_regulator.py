@@ -8,13 +8,12 @@ and is no faster than delay, lag and the noise of the readings allow.
 from __future__ import annotations
 
 import math
-from collections import deque
 
 import numpy as np
 
-from hilc_cli.laws.law import WheelController
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor
+from hilc_cli.laws.norm_optimal.regulator_control import RegulatorControl
 from hilc_cli.reference.sampled import Floats, Reference
 
 _IN_HAND = 0.7
@@ -91,7 +90,7 @@ def regulator(
     reference: Reference,
     ahead_rate: float,
     aside_rate: float,
-) -> WheelController:
+) -> RegulatorControl:
     """Returns the feedback about a plan.
 
     Args:
@@ -117,28 +116,8 @@ def regulator(
     away = poses - reference.poses
     rows = np.column_stack(
         [inputs, away[:n], way, np.cos(there[:, 2]), np.sin(there[:, 2]), steering]
-    ).tolist()
-    left_radius, right_radius, half_track = motor.left_radius, motor.right_radius, motor.half_track
-    shares = late.tolist()
-    sent: deque[tuple[float, float]] = deque(maxlen=max(len(shares), 1))
-
-    def wheel_speeds(
-        k: int, cos: float, sin: float, error_x: float, error_y: float, error_heading: float
-    ) -> tuple[float, float]:
-        if k == 0:
-            sent.clear()
-        left, right, dx, dy, dh, way_x, way_y, cos_there, sin_there, steer = rows[k]
-        x, y, heading = error_x + dx, error_y + dy, error_heading + dh
-        # A heading that is off turns the way until then.
-        x, y = x - heading * way_y, y + heading * way_x
-        ahead, aside = cos_there * x + sin_there * y, cos_there * y - sin_there * x
-        for share, (faster, turning) in zip(shares, sent, strict=False):
-            ahead -= share * faster
-            heading -= share * turning
-        faster = ahead_rate * ahead
-        turning = aside_rate * heading + steer * aside
-        sent.appendleft((faster, turning))
-        wheel = half_track * turning
-        return left + (faster + wheel) / left_radius, right + (faster - wheel) / right_radius
-
-    return wheel_speeds
+    )
+    rates = ahead_rate, aside_rate
+    return RegulatorControl(
+        rows, late, rates, (motor.left_radius, motor.right_radius), motor.half_track
+    )

@@ -283,7 +283,8 @@ def _gains(
         turn=noise.turn + (heading**2 + turn) / n,
     )
     rates = bandwidths(belief.motor, noise, reference.sample_time, limit)
-    return _linear(regulator(belief.motor, inputs, plan.poses, reference, *rates), plan, n)
+    feedback = regulator(belief.motor, inputs, plan.poses, reference, *rates)
+    return _linear(feedback.controller(), plan, n)
 
 
 def _linear(controller: WheelController, plan: NormOptimalPlan, n: int) -> Floats:

@@ -94,7 +94,7 @@ def test_feedback_brings_the_robot_back(delay: float, lag: float, untold: float)
     inputs = commands_for(believed, steps, STEP)
     poses = moved(np.zeros(3), steps_of(believed, inputs, STEP), np.zeros((600, 3)), 0.5)
     rates = bandwidths(believed, LOUD, STEP, 1e3)
-    controller = regulator(believed, inputs, poses, reference, *rates)
+    controller = regulator(believed, inputs, poses, reference, *rates).controller()
     start = np.array([0.05, 0.05, 0.1])
     robot = believed._replace(delay=delay + untold)
     off = np.abs(closed(controller, robot, start, reference) - poses).max(axis=1)
@@ -111,7 +111,7 @@ def test_pass_begins_anew() -> None:
     motor = MOTOR._replace(delay=0.1)
     controller = regulator(
         motor, commands_for(motor, steps, STEP), reference.poses, reference, 3.0, 3.0
-    )
+    ).controller()
     first, second = ([controller(k, 1.0, 0.0, 0.1, 0.1, 0.1) for k in range(20)] for _ in range(2))
     assert first == second
 
@@ -119,7 +119,7 @@ def test_pass_begins_anew() -> None:
 def test_without_speed_nothing_is_steered_aside() -> None:
     n = 30
     still = Reference("still", STEP, *np.zeros((3, n + 1)))
-    controller = regulator(MOTOR, np.zeros((n, 2)), still.poses, still, 3.0, 3.0)
+    controller = regulator(MOTOR, np.zeros((n, 2)), still.poses, still, 3.0, 3.0).controller()
     left, right = controller(0, 1.0, 0.0, 0.0, 0.05, 0.0)
     assert (left, right) == pytest.approx((0.0, 0.0), abs=1e-12)
     left, right = controller(1, 1.0, 0.0, 0.05, 0.0, 0.0)
