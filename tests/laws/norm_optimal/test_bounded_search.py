@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -47,7 +48,7 @@ SHARES = np.array([[1.0, 0.0, 0.3], [0.2, 1.0, 0.0], [0.0, 0.5, 1.0], [1.0, 1.0,
 COUNT = 200
 
 
-def told_by(squares: Floats) -> object:
+def told_by(squares: Floats) -> Callable[[Floats], Told]:
     """The likelihood of variances when mean squares of their sums are known."""
 
     def told(variances: Floats) -> Told:
@@ -73,10 +74,10 @@ def test_variances_are_found_from_far_above_and_from_a_floor(
         highest,
         1e-6,
         most_steps=40,
-        kept=0.02,  # type: ignore[arg-type]
+        kept=0.02,
     )
     expected = minimize(
-        lambda logarithms: -told(np.exp(logarithms)).value,  # type: ignore[operator]
+        lambda logarithms: -told(np.exp(logarithms)).value,
         np.zeros(3),
         bounds=[(np.log(1e-8), np.log(1e6))] * 3,
         options={"ftol": 1e-15, "gtol": 1e-10},

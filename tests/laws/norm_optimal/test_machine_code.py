@@ -32,9 +32,8 @@ GAINS, INVERSES = (
 POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
-MOTOR_MOTION = motor_quadratic.MotorMotion(
-    *RANDOM.normal(0, 0.5, (7, N, 2)), turns=(0.3, -0.2), under_way=0.3, whole=2
-)
+STEPS, WAY_X, WAY_Y, *OF_WHEELS = RANDOM.normal(0, 0.5, (7, N, 2))
+MOTOR_MOTION = motor_quadratic.MotorMotion(STEPS, WAY_X, WAY_Y, *OF_WHEELS, (0.3, -0.2), 0.3, 2)
 GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
 COVARIANCES = np.array([each.T @ each for each in RANDOM.normal(0, 1, (N + 1, 4, 3))])
 INSIDE = bounded_changes.Inside(RANDOM.normal(0, 1, (N, 2)), *RANDOM.uniform(0.1, 1, (4, N, 2)))
@@ -133,8 +132,9 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
 
 def copied(value: Any) -> Any:
     """An argument of its own, arrays in tuples as well."""
-    if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return value._replace(**{name: copied(getattr(value, name)) for name in value._fields})
+    if isinstance(value, tuple):
+        own = [copied(each) for each in value]
+        return type(value)(*own) if hasattr(value, "_fields") else tuple(own)
     return value.copy() if isinstance(value, np.ndarray) else value
 
 
