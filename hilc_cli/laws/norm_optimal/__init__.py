@@ -7,6 +7,6 @@ with robot and noise; `identification` finds the model behind passes with `bound
 `cosines` along the path and by what `chance` makes; `motor_quadratic` and `motor_plan` find what
 to send under the speed limit, `linear_quadratic`, `optimal_motion` and `rectified` the way into the
 trajectory from where the platform really starts, both by `bounded_changes`;
-`pose_regulator` is the feedback, `regulator_control` what it does in a pass; `safeguard` goes back where learning made it worse; `learner` is
-the law at work, `law` is how it is asked for.
+`pose_regulator` is the feedback, `regulator_control` what that does in a pass; `safeguard` goes
+back where learning made it worse; `learner` is the law at work, `law` is how it is asked for.
 """
