@@ -21,7 +21,7 @@ def write_pages(folder: Path) -> str:
     panels = by_panel()
     for commands in panels.values():
         for name, command in commands.items():
-            page(folder, f"{FOLDER}/{name}.rst", _page(name, command))
+            page(folder, f"{FOLDER}/{name}.rst", _page(_context(name, command, None)))
     return page(folder, f"{FOLDER}.rst", _overview(panels))
 
 
@@ -51,18 +51,31 @@ def _overview(panels: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
     yield from contents(f"commands/{name}" for commands in panels.values() for name in commands)
 
 
-def _page(name: str, command: Any) -> Iterator[str]:
+def _context(name: str, command: Any, parent: Any) -> Any:
+    """What a command is asked for, below that of another or of ``hilc`` itself.
+
+    From there it has what all commands share: a command remembers the first option for help that it
+    was asked with.
+    """
+    if parent is None:
+        group = typer.main.get_command(app)
+        parent = group.make_context("hilc", [], resilient_parsing=True)
+    return command.make_context(name, [], parent=parent, resilient_parsing=True)
+
+
+def _page(context: Any) -> Iterator[str]:
     """Returns the lines of a command's page, its own commands included."""
-    yield from heading(f"hilc {name}", "=")
-    yield from _described(f"hilc {name}", command)
-    if isinstance(command, TyperGroup):
-        for part, inner in command.commands.items():
-            yield from heading(f"hilc {name} {part}", "-")
-            yield from _described(f"hilc {name} {part}", inner)
+    yield from heading(context.command_path, "=")
+    yield from _described(context)
+    if isinstance(context.command, TyperGroup):
+        for part, inner in context.command.commands.items():
+            below = _context(part, inner, context)
+            yield from heading(below.command_path, "-")
+            yield from _described(below)
 
 
-def _described(name: str, command: Any) -> Iterator[str]:
-    context = command.make_context(name, [], resilient_parsing=True)
+def _described(context: Any) -> Iterator[str]:
+    command, name = context.command, context.command_path
     yield from code(command.get_usage(context).removeprefix("Usage: "), "text")
     yield from _help(inspect.cleandoc(command.help or ""))
     yield f".. program:: {name}\n"

@@ -65,6 +65,11 @@ STEPS = (
         "runs/radii", ("bands",),
     ),
     Step(
+        f"{SWEEP}=0.05:5:25:log --vary robot.wheel_radius=0.15:0.25:11 "
+        "--over robot.wheel_radius --robust worst --out runs/choices",
+        "runs/choices", ("spread",),
+    ),
+    Step(
         f"{SWEEP}=0.01:10:log --vary controller.gains.l2=0:20 --minimise max_position_error_m "
         "--cases 60 --out runs/tuned",
         "runs/tuned", ("search",),

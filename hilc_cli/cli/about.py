@@ -15,7 +15,7 @@ from hilc_cli.wording import counted, printable
 from hilc_cli.workers.crews import available_cores
 
 _DISTRIBUTION = "hilc-cli"
-_DEVELOPERS = "dev"
+_DEVELOPERS = "dev", "docs"
 _CODE = ("*.nbi", "*.nbc")
 _REQUIREMENT = re.compile(
     r"""(?P<name>[A-Za-z0-9._-]+).*?(?:;.*extra\s*==\s*["'](?P<extra>[\w-]+)["'].*)?"""
@@ -47,7 +47,7 @@ def _packages() -> tuple[list[str], dict[str, str]]:
         assert found is not None  # it is hilc's own
         if found["extra"] is None:
             needed.append(found["name"])
-        elif found["extra"] != _DEVELOPERS:
+        elif found["extra"] not in _DEVELOPERS:
             extras[found["extra"]] = found["name"]
     return needed, extras
 

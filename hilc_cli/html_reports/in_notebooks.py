@@ -30,7 +30,12 @@ from hilc_cli.html_reports.chapter import (
     names_and_values,
     picture,
 )
-from hilc_cli.html_reports.of_tables import LEADERBOARD_SHOWS, best_cases
+from hilc_cli.html_reports.of_tables import (
+    LEADERBOARD_SHOWS,
+    best_cases,
+    best_choices,
+    notes_of,
+)
 from hilc_cli.html_reports.templates import own_file, template
 from hilc_cli.identification.identifying import Identification
 from hilc_cli.identification.report import HEADER, estimate_row, sentences
@@ -51,9 +56,10 @@ from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import summarise
 from hilc_cli.runs.pictures.catalogue import draw
 from hilc_cli.runs.report import learned_rows, summary_rows
+from hilc_cli.sweeps.choices import choices_of
 from hilc_cli.sweeps.data import SweepData, summarise_sweep
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
-from hilc_cli.sweeps.report import summary_rows as sweep_rows, sweep_notes
+from hilc_cli.sweeps.report import summary_rows as sweep_rows
 from hilc_cli.wording import counted, listed
 
 if TYPE_CHECKING:
@@ -138,9 +144,10 @@ def _of_sweep(data: SweepData) -> Chapter:
         kind="sweep",
         title=data.name,
         headline=f"{counted(len(data), 'case')} of {listed(data.axes)}",
-        warnings=sweep_notes(data, summary),
+        warnings=notes_of(data),
         tables=[
             names_and_values("How it went", sweep_rows(summary)),
+            *([best_choices(data, choices_of(data))] if data.over else []),
             replace(
                 best_cases(data, _BEST_CASES, by_metric_alone=True, rest="to_pandas()"),
                 is_folded=False,

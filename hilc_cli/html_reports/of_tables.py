@@ -29,7 +29,6 @@ _DIGITS = 4
 def sweep_chapter(data: SweepData) -> Chapter:
     """A sweep: how it went, its best cases or choices, its pictures."""
     summary = summarise_sweep(data)
-    ranked = as_sweep_of_choices(data) if data.over else data
     headline = f"{len(data):,} cases of {', '.join(data.axes)}"
     tables = [names_and_values("How it went", summary_rows(summary)), best_cases(data)]
     if data.over:
@@ -37,12 +36,12 @@ def sweep_chapter(data: SweepData) -> Chapter:
         headline = f"{len(choices):,} choices of {', '.join(choices.values)}, each with what may "
         headline += f"happen to {', '.join(data.over)}: {len(data):,} cases"
         rows = summary_rows(replace(summary, best=[]))
-        tables = [names_and_values("How it went", rows), _best_choices(data, choices), tables[1]]
+        tables = [names_and_values("How it went", rows), best_choices(data, choices), tables[1]]
     return Chapter(
         kind="sweep",
         title=data.name,
         headline=headline,
-        warnings=sweep_notes(ranked, summarise_sweep(ranked)),
+        warnings=notes_of(data),
         tables=tables,
         pictures=[
             picture(SWEEP_PICTURES[kind].shows, partial(draw_sweep, kind, data))
@@ -51,7 +50,13 @@ def sweep_chapter(data: SweepData) -> Chapter:
     )
 
 
-def _best_choices(data: SweepData, choices: ChoiceTable) -> Table:
+def notes_of(data: SweepData) -> list[str]:
+    """What there is to be said of the cases of a sweep, or of its choices."""
+    ranked = as_sweep_of_choices(data) if data.over else data
+    return sweep_notes(ranked, summarise_sweep(ranked))
+
+
+def best_choices(data: SweepData, choices: ChoiceTable) -> Table:
     """The choices with the smallest figure, with what else is known of their cases."""
     ranked = choices.ranked()[:_BEST_CHOICES]
     rows = tuple(

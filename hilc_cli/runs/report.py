@@ -111,6 +111,9 @@ def _estimate(value: float, error: float, unit: str) -> str:
     size = math.floor(math.log10(abs(value))) if value else 0
     sure = size - math.floor(math.log10(error)) + 2 if error else _MOST
     places = max(0, min(max(sure, _FEWEST), _MOST) - 1 - size)
+    if error:
+        # What is nothing beside its error has no digits of its own.
+        places = min(places, max(0, 2 - math.floor(math.log10(error))))
     shown = (f"{number} {unit}".rstrip() for number in (f"{value:.{places}f}", f"{error:.2g}"))
     return ", standard error ".join(shown)
 

@@ -599,7 +599,7 @@ TRIALS: dict[str, tuple[Callable[[], tuple[Floats, Floats | None]], AlignOptions
     "backward": (
         lambda: (driven(-WHEELS), None),
         AlignOptions(),
-        "log.csv: drives another path: 6 m away from the planned one at 8.00 s, both from their starts; the most is 1.5 m (safety.max_error); driven backward it is near: does the robot drive backward?",
+        "log.csv: drives another path: 6.1 m away from the planned one at 8.00 s, both from their starts; the most is 1.5 m (safety.max_error); driven backward it is near: does the robot drive backward?",
     ),
     "another-plan": (
         lambda: (driven(), commands(np.roll(WHEELS, 200, axis=0) * [1.0, -1.0])),

@@ -338,7 +338,8 @@ class Identification:
         """The likeliest parameters with the noise as it is, and what passes tell there."""
         return likeliest(
             lambda tried: self._told_of_parameters(belief, tried, noise, passes),
-            parameters,
+            # Other searches, and what a user believes, begin elsewhere.
+            parameters.clip(_LOWEST, _HIGHEST),
             _LOWEST,
             _HIGHEST,
             settled,
