@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
+from unittest.mock import patch
 
 from numpy_script import last_maximum_error
 
@@ -28,6 +29,7 @@ import hilc_cli as hilc
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import simulate_batch
 from hilc_cli.engine.lanes.lanes import LANES
+from hilc_cli.engine.loop import prepare_machine_code
 from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.law import Law
@@ -219,7 +221,7 @@ def quiet_rows(repeats: int) -> Iterable[Row]:
     scenario = hilc.load_scenario("example:fig8a")
     yield Row("scalar C, cc -O3 -march=native", *scalar_c(repeats))
     last = float(hilc.run(scenario).metrics["max_position_error_m"][-1])
-    yield Row("loop engine", seconds(lambda: hilc.run(scenario), 1), last)
+    yield from loop_engine(scenario, last)
     yield Row("NumPy script", seconds(lambda: last_maximum_error(10), 1) / 11 * 101)
     yield octave()
     yield batch("batch engine, Eq. 17", scenario, repeats)
@@ -229,13 +231,21 @@ def quiet_rows(repeats: int) -> Iterable[Row]:
     yield batch("batch engine, Eq. 21", hilc.load_scenario("example:fig4-compensated"), repeats)
 
 
+def loop_engine(scenario: hilc.Scenario, last: float) -> Iterable[Row]:
+    """One experiment after the other, in plain Python and in machine code of the same formulas."""
+    with patch("hilc_cli.engine.loop._takes_machine_code", return_value=False):
+        yield Row("loop engine, plain Python", seconds(lambda: hilc.run(scenario), 1), last)
+    prepare_machine_code()
+    yield Row("loop engine, machine code", seconds(lambda: hilc.run(scenario), 1), last)
+
+
 def noisy_rows(kind: str, repeats: int) -> Iterable[Row]:
     """State and output disturbed, by the same numbers in each row."""
     arguments = (kind, SEED, STATE_BOUND, OUTPUT_BOUND)
     scenario = noisy(KINDS[kind])
     yield Row("scalar C", *scalar_c(repeats, *arguments))
     last = float(hilc.run(scenario).metrics["max_position_error_m"][-1])
-    yield Row("loop engine", seconds(lambda: hilc.run(scenario), 1), last)
+    yield from loop_engine(scenario, last)
     yield batch("batch engine", scenario, repeats)
     for name in ("hybrid, robot as it is", "pid", "feedback"):
         yield batch(f"batch engine, {name}", noisy(KINDS[kind], OTHERS[name]), repeats)

@@ -169,6 +169,9 @@ def _follow(
         before = k * ROW
         row = before + ROW
         after = row + ROW
+        # Of the tracks at k + 1, and of what else lanes have at k of references of their own.
+        here = k * (3 * W) + 3 * W
+        twist, direct = k * (4 * W), k * W
         offset = 3 * W * (k & (BLOCK - 1))
         if disturbed is not None and offset == 0:
             count = min(BLOCK, steps - k)
@@ -273,15 +276,16 @@ def _follow(
                     lanes[M + 15 * W + j], lanes[M + 16 * W + j], lanes[M + 17 * W + j],
                 )  # fmt: skip
             if directions is not None:
-                direction = directions[k] if tracks is None else directions[k * W + j]
+                direction = directions[k] if tracks is None else directions[direct + j]
                 matrix = _steered(
                     matrix, direction * lanes[LATERAL + j], direction * lanes[LATERAL + W + j]
                 )
             if twists is not None:
                 if tracks is not None:
-                    twist = 4 * W * k + j
-                    speed_desired, yaw_rate_desired = twists[twist], twists[twist + W]
-                    cos_desired, sin_desired = twists[twist + 2 * W], twists[twist + 3 * W]
+                    speed_desired = twists[twist + j]
+                    yaw_rate_desired = twists[twist + W + j]
+                    cos_desired = twists[twist + 2 * W + j]
+                    sin_desired = twists[twist + 3 * W + j]
                 error_x, error_y = history[row + ERROR + j], history[row + ERROR + W + j]
                 speed, yaw_rate = _tracking_twist(
                     lanes[K_X + j], lanes[K_X + W + j], lanes[K_X + 2 * W + j],
@@ -334,7 +338,7 @@ def _follow(
             for j in range(W):
                 gain_heading = next_heading
                 if tracks is not None:
-                    gain_heading = tracks[3 * W * (k + 1) + 2 * W + j]
+                    gain_heading = tracks[here + 2 * W + j]
                 if previous_heading is not None:
                     gain_heading -= history[after + ERROR + 2 * W + j]
                 lanes[GAIN_COS + j], lanes[GAIN_SIN + j] = cos_sin(gain_heading)
@@ -360,8 +364,8 @@ def _follow(
                 y += noise[STATE_NOISE + offset + W + j]
                 heading += noise[STATE_NOISE + offset + 2 * W + j]
             if tracks is not None:
-                at = 3 * W * (k + 1) + j
-                next_x, next_y, next_heading = tracks[at], tracks[at + W], tracks[at + 2 * W]
+                next_x, next_y = tracks[here + j], tracks[here + W + j]
+                next_heading = tracks[here + 2 * W + j]
                 goes_on = k < lanes[SAMPLES + j]
                 x = x if goes_on else x_before
                 y = y if goes_on else y_before
