@@ -130,6 +130,20 @@ def test_what_is_no_scenario_is_told(call: Callable[[Any], object], wrong: objec
         call(wrong)
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: hilc_api.run({1: 2}),  # type: ignore[dict-item]
+        lambda: hilc_api.run({"name": "a", 1: 2}),  # type: ignore[dict-item]
+        lambda: hilc_api.load_scenario("example:fig3-circle", overrides={1: 3}),  # type: ignore[dict-item]
+        lambda: hilc_api.load_case("runs/none", "3"),  # type: ignore[arg-type]
+    ],
+)
+def test_keys_and_numbers_of_another_kind_are_told(call: Callable[[], object]) -> None:
+    with pytest.raises(hilc_api.HilcError, match=r"unknown key|must be a"):
+        call()
+
+
 def test_a_run_is_no_scenario(make_run: MakeRun) -> None:
     with pytest.raises(UsageError, match="got RunData"):
         hilc_api.run(make_run())  # type: ignore[arg-type]

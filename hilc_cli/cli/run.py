@@ -52,7 +52,9 @@ Case = Annotated[
         "--case", metavar="N", help="Of the folder of a sweep: its case N.", show_default=False
     ),
 ]
-Best = Annotated[bool, typer.Option("--best", help="Of the folder of a sweep: its best case.")]
+Best = Annotated[
+    bool, typer.Option("--best", help="Of the folder of a sweep: its best case, or choice.")
+]
 
 
 def run(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hilc_cli.compiling import cached, compiled, is_at_hand
 from hilc_cli.laws.correction import MatrixControl, learned_error
-from hilc_cli.laws.feedback import TrackingControl, tracking_twist
+from hilc_cli.laws.feedback import FeedbackLaw, TrackingControl, tracking_twist
 from hilc_cli.laws.gain_matrix import wheel_correction
 from hilc_cli.laws.law import Plan
 from hilc_cli.laws.norm_optimal.regulator_control import RegulatorControl, on_arrival
@@ -72,7 +72,7 @@ def _drive(
         inputs: Left and right wheel speed within the limit [rad/s], shape (2, n), set.
         step_gains: Distance per sum of the wheel speeds [m s], turn per difference [s].
         bound: b_w [rad/s].
-        answer: FIXED, GAINS, KNOWN, RUNNING or TRACKING.
+        answer: FIXED, GAINS, KNOWN, RUNNING, TRACKING or REGULATOR.
         planned: Left and right wheel speed before any answer [rad/s], shape (2, n).
         rows: By answer the gains and how far the plan is off the reference, shape (9, n); past
             errors, shape (3, n); speed and yaw rate, shape (2, n); or what `RegulatorControl` has
@@ -201,12 +201,29 @@ def prepare() -> None:
         drive.compile(_SIGNATURE)
 
 
-def knows(plan: Plan) -> bool:
-    """Whether there is machine code for a plan."""
-    feedback = plan.feedback
-    return feedback is None or isinstance(
-        feedback, np.ndarray | MatrixControl | TrackingControl | RegulatorControl
-    )
+def knows(plan: Plan, reference: Reference) -> bool:
+    """Whether there is machine code for a plan, which does not look at the length of arrays.
+
+    A class that is built on a known one may do something else: only those themselves are known.
+    """
+    n, feedback = reference.samples, plan.feedback
+    needed: list[tuple[NDArray[Any], tuple[int, ...]]]
+    if type(feedback) is MatrixControl:
+        arrays = [*feedback.inputs, *feedback.past, *(feedback.headings or ())]
+        needed = [(array, (n,)) for array in arrays]
+        if len(feedback.past) != 3 or feedback.gains.numbers.shape != (n,):
+            return False
+    elif type(feedback) is RegulatorControl:
+        needed = [(feedback.rows, (n, 10)), (feedback.late, feedback.late.shape[:1])]
+    else:
+        needed = [(plan.left, (n,)), (plan.right, (n,))]
+        if isinstance(feedback, np.ndarray):
+            needed += [(feedback, (n, 2, 3)), (plan.poses, (n + 1, 3))]
+        elif type(feedback) is TrackingControl and type(feedback.law) is FeedbackLaw:
+            needed += [(part, (n,)) for part in feedback.twist]
+        elif feedback is not None:
+            return False
+    return all(array.shape == shape and array.dtype == np.float64 for array, shape in needed)
 
 
 def run_pass(

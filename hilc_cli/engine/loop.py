@@ -20,7 +20,7 @@ from hilc_cli.laws.law import Plan
 from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.plants.plant import Plant, Pose
-from hilc_cli.reference.sampled import Floats
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import measure
 from hilc_cli.results.trial import Trial, is_finite
 
@@ -63,7 +63,7 @@ def prepare_machine_code() -> None:
 
 def _takes_machine_code(experiment: Experiment) -> bool:
     samples = experiment.reference.samples * (experiment.iterations + 1)
-    if not isinstance(experiment.plant, KinematicPlant):
+    if type(experiment.plant) is not KinematicPlant:  # another one may move as it likes
         return False
     if "hilc_cli.numba_loading" not in sys.modules and samples < _PAYS:
         return False
@@ -96,7 +96,8 @@ def _run_iteration(
     alpha = disturbance.of_output(iteration, steps + 1)
     offset = disturbance.of_initial_pose(iteration)
     x, y, heading = (p + o for p, o in zip(experiment.initial_pose, offset, strict=True))
-    motion = _compiled_motion if compiled and _has_machine_code(plan) else _plain_motion
+    has_code = compiled and _has_machine_code(plan, reference)
+    motion = _compiled_motion if has_code else _plain_motion
     poses, inputs, saturated = motion(experiment, plant, plan, (x, y, heading), beta, alpha)
     if poses is None:
         raise DivergedError(iteration)
@@ -122,10 +123,10 @@ _Motion = tuple[Floats | None, Floats, int]
 limit, shape (2, n); at how many samples that acted."""
 
 
-def _has_machine_code(plan: Plan) -> bool:
+def _has_machine_code(plan: Plan, reference: Reference) -> bool:
     from hilc_cli.engine.compiled_pass import knows
 
-    return knows(plan)
+    return knows(plan, reference)
 
 
 def _compiled_motion(

@@ -34,6 +34,7 @@ from hilc_cli.html_reports.of_tables import (
     LEADERBOARD_SHOWS,
     best_cases,
     best_choices,
+    headline_of,
     notes_of,
 )
 from hilc_cli.html_reports.templates import own_file, template
@@ -56,7 +57,6 @@ from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import summarise
 from hilc_cli.runs.pictures.catalogue import draw
 from hilc_cli.runs.report import learned_rows, summary_rows
-from hilc_cli.sweeps.choices import choices_of
 from hilc_cli.sweeps.data import SweepData, summarise_sweep
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
 from hilc_cli.sweeps.report import summary_rows as sweep_rows
@@ -143,11 +143,11 @@ def _of_sweep(data: SweepData) -> Chapter:
     return Chapter(
         kind="sweep",
         title=data.name,
-        headline=f"{counted(len(data), 'case')} of {listed(data.axes)}",
+        headline=headline_of(data),
         warnings=notes_of(data),
         tables=[
             names_and_values("How it went", sweep_rows(summary)),
-            *([best_choices(data, choices_of(data))] if data.over else []),
+            *best_choices(data),
             replace(
                 best_cases(data, _BEST_CASES, by_metric_alone=True, rest="to_pandas()"),
                 is_folded=False,

@@ -16,10 +16,11 @@ from hilc_cli.leaderboards.picture import leaderboard_figure
 from hilc_cli.results.metrics import CASE_COLUMNS, CASE_METRICS
 from hilc_cli.results.picture_kinds import SWEEP_PICTURES
 from hilc_cli.sweeps.choice_report import shown
-from hilc_cli.sweeps.choices import FIGURES, ChoiceTable, as_sweep_of_choices, choices_of
+from hilc_cli.sweeps.choices import FIGURES, as_sweep_of_choices, choices_of
 from hilc_cli.sweeps.data import SweepData, summarise_sweep
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep, kinds_for
 from hilc_cli.sweeps.report import summary_rows, sweep_notes
+from hilc_cli.wording import counted, listed
 
 _BEST_CASES, _BEST_CHOICES = 25, 10
 LEADERBOARD_SHOWS = "how near each law comes to the trajectory, and how soon"
@@ -29,20 +30,13 @@ _DIGITS = 4
 def sweep_chapter(data: SweepData) -> Chapter:
     """A sweep: how it went, its best cases or choices, its pictures."""
     summary = summarise_sweep(data)
-    headline = f"{len(data):,} cases of {', '.join(data.axes)}"
-    tables = [names_and_values("How it went", summary_rows(summary)), best_cases(data)]
-    if data.over:
-        choices = choices_of(data)
-        headline = f"{len(choices):,} choices of {', '.join(choices.values)}, each with what may "
-        headline += f"happen to {', '.join(data.over)}: {len(data):,} cases"
-        rows = summary_rows(replace(summary, best=[]))
-        tables = [names_and_values("How it went", rows), best_choices(data, choices), tables[1]]
+    rows = summary_rows(replace(summary, best=[]) if data.over else summary)
     return Chapter(
         kind="sweep",
         title=data.name,
-        headline=headline,
+        headline=headline_of(data),
         warnings=notes_of(data),
-        tables=tables,
+        tables=[names_and_values("How it went", rows), *best_choices(data), best_cases(data)],
         pictures=[
             picture(SWEEP_PICTURES[kind].shows, partial(draw_sweep, kind, data))
             for kind in kinds_for(data)
@@ -56,9 +50,24 @@ def notes_of(data: SweepData) -> list[str]:
     return sweep_notes(ranked, summarise_sweep(ranked))
 
 
-def best_choices(data: SweepData, choices: ChoiceTable) -> Table:
-    """The choices with the smallest figure, with what else is known of their cases."""
+def headline_of(data: SweepData) -> str:
+    """How many cases a sweep has, and of what; of choices first, if some keys happen."""
+    cases = f"{counted(len(data), 'case')}"
+    if not data.over:
+        return f"{cases} of {listed(data.axes)}"
+    choices = choices_of(data)
+    return (
+        f"{counted(len(choices), 'choice')} of {listed(choices.values)}, each with what may happen "
+        f"to {listed(data.over)}: {cases}"
+    )
+
+
+def best_choices(data: SweepData) -> list[Table]:
+    """The choices with the smallest figure, if there are any, with what is known of their cases."""
+    choices = choices_of(data)
     ranked = choices.ranked()[:_BEST_CHOICES]
+    if not data.over or not ranked:
+        return []
     rows = tuple(
         (
             Cell(str(number)),
@@ -75,7 +84,7 @@ def best_choices(data: SweepData, choices: ChoiceTable) -> Table:
     units = ("", *("" for _ in choices.values), *(unit for _ in words), "", "")
     note = f"All {len(choices):,} choices are in choices.csv." if len(ranked) < len(choices) else ""
     caption = f"Best choices by their {choices.robust} {data.metric}"
-    return Table(caption, (Grid("", (heads, units), (True,) * len(heads), rows),), note)
+    return [Table(caption, (Grid("", (heads, units), (True,) * len(heads), rows),), note)]
 
 
 def best_cases(

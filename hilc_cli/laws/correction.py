@@ -155,10 +155,11 @@ def corrected_plan(
         right[here] += corrections[1]
     feedback: MatrixControl | None = None
     if choice == "measured" or running is not None:
+        # Copies: whoever handed in a pass may use its arrays again.
         feedback = MatrixControl(
             gains,
-            inputs,
-            past if running is None else ahead,
+            (inputs[0].copy(), inputs[1].copy()),
+            [part.copy() for part in (past if running is None else ahead)],
             running,
             None if choice == "measured" else headings,
         )

@@ -192,7 +192,12 @@ def _validate(value: object) -> Named | Rows:
     return matrix
 
 
-@lru_cache(maxsize=64)  # cases of a sweep have few of them
+@lru_cache(maxsize=64)
+def _named_matrix(choice: Named, model: Robot) -> GainMatrix:
+    """One of those that have a name, of which the cases of a sweep have few."""
+    return _NAMED[choice](model)
+
+
 def gain_matrix(choice: Named | Rows, model: Robot) -> GainMatrix:
     """The gain matrix with the controller's wheel radius and half track in it.
 
@@ -203,7 +208,7 @@ def gain_matrix(choice: Named | Rows, model: Robot) -> GainMatrix:
         PydanticCustomError: An entry is no expression affine in cos and sin, or not finite.
     """
     if isinstance(choice, str):
-        return _NAMED[choice](model)
+        return _named_matrix(choice, model)
     names = {
         "cos": Affine(cos=1.0),
         "sin": Affine(sin=1.0),

@@ -344,9 +344,12 @@ def _shared_out(
     crew: Crew[int, _Result] = Alone(work) if workers == 1 else Processes(work, workers)
     try:
         for outcome in hand_out(range(len(titles)), crew, lambda: None):
-            if outcome.result is None:
+            result = outcome.result
+            if result is None and outcome.is_final and outcome.error is None:
+                result = work(outcome.piece)  # which raises here what it has raised in a worker
+            if result is None:
                 raise outcome.error or WorkersError(f"{titles[outcome.piece]}: {outcome.reason}")
-            yield outcome.piece, outcome.result
+            yield outcome.piece, result
     finally:
         crew.dismiss()
 

@@ -26,15 +26,19 @@ def choices_table(data: SweepData, choices: ChoiceTable) -> Table:
     from rich.table import Table
 
     title = f"{len(choices):,} choices by their {choices.robust} {choices.metric}"
+    ranked = choices.ranked()
+    more = len(choices) - len(ranked[:_BEST])
     table = Table(
         title=f"{title}, over {printable(listed(data.over))}",
+        caption=f"{more:,} more are in choices.csv" if more else None,
+        caption_justify="left",
         box=box.SIMPLE_HEAD,
         title_justify="left",
         title_style="bold",
     )
     for head in ("choice", *map(printable, choices.values), *FIGURES, "diverged", "worst case"):
         table.add_column(head, justify="right")
-    for number in choices.ranked()[:_BEST]:
+    for number in ranked[:_BEST]:
         values = [printable(shown(value)) for value in choices.choice(number).values()]
         figures = [_number(float(choices.figures[name][number])) for name in FIGURES]
         diverged = f"{choices.diverged[number]} of {choices.cases[number]}"

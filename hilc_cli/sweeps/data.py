@@ -145,15 +145,21 @@ class SweepData(InNotebooks):
         return len(self.columns[DIVERGED])
 
     def __repr__(self) -> str:
-        ranked = self.ranked()
         lines = [f"varied: {listed(self.axes)}"]
+        title = f"{type(self).__name__} of {self.name!r}: {len(self)} cases"
+        if self.over:
+            from hilc_cli.sweeps.choices import choices_of  # which is built on this file
+
+            lines.append(f"of which {listed(self.over)} may happen to any choice")
+            return in_short(title, *lines, *repr(choices_of(self)).splitlines())
+        ranked = self.ranked()
         if self.failed.any() or self.diverged.any():
             lines.append(f"{self.failed.sum()} failed, {self.diverged.sum()} diverged")
         if ranked:
             best = ", ".join(f"{key}={value}" for key, value in self.case(ranked[0]).items())
             lines.append(f"smallest {self.metric}: {self.columns[self.metric][ranked[0]]:.6g}")
             lines.append(f"in case {ranked[0]}: {best}")
-        return in_short(f"{type(self).__name__} of {self.name!r}: {len(self)} cases", *lines)
+        return in_short(title, *lines)
 
     @property
     def row(self) -> str:

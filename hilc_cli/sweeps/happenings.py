@@ -35,7 +35,9 @@ class CrossedCases:
     @property
     def count(self) -> int:
         """Number of cases, which may be more than `len` can tell."""
-        return self.choices.count * self.happenings.count
+        if self.happenings.sampling == "grid":  # which may be too many to be made
+            return self.choices.count * self.happenings.count
+        return self.choices.count * len(self._happenings)
 
     def values(self, first: int, last: int) -> list[dict[str, Value]]:
         """What each key is in cases ``first`` to ``last - 1``."""
@@ -54,7 +56,7 @@ class CrossedCases:
         if key in self.choices.axes:
             every = len(self._happenings)
             return [value for value in self.choices.column(key) for _ in range(every)]
-        return self.happenings.column(key) * len(self.choices)
+        return [happening[key] for happening in self._happenings] * len(self.choices)
 
     def happened(self) -> list[tuple[Value, ...]]:
         """What each key that happens is in each happening."""
@@ -76,8 +78,9 @@ class CrossedCases:
 
     @cached_property
     def _happenings(self) -> list[dict[str, Value]]:
-        """All happenings, which are needed again for each choice."""
-        return self.happenings.values(0, len(self.happenings))
+        """All happenings, which are needed again for each choice; drawn twice counts once."""
+        drawn = self.happenings.values(0, len(self.happenings))
+        return list({tuple(happening.items()): happening for happening in drawn}.values())
 
 
 def cases_of(

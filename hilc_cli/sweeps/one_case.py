@@ -41,10 +41,13 @@ def load_case(
         UsageError: It is no such folder, or has no such case.
         HilcError: As for `load_scenario`.
     """
+    if case is not None and (isinstance(case, bool) or not isinstance(case, int)):
+        raise UsageError(f"a case must be a whole number, or None for the best one, got {case!r}")
     data = read_sweep(folder)
     number = best_case(data) if case is None else case
     if number is None:
-        raise UsageError(f"{folder}: no case has a value of {data.metric}, so there is no best one")
+        none = f"no choice has a value of {data.robust}" if data.over else "no case has a value of"
+        raise UsageError(f"{folder}: {none} {data.metric}, so there is no best one")
     if not 0 <= number < len(data):
         raise UsageError(
             f"--case {number}: {folder} has no such case; give a number from 0 to {len(data) - 1}"

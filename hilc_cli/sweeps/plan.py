@@ -278,6 +278,7 @@ class Plan:
                 "disturbance.seed varies: the search will find lucky disturbances, not good "
                 "values; --over disturbance.seed tries each choice with all of them"
             )
+        found += _followed(self)
         return found + _hidden_by_initial_error(self)
 
     def _fullest(self) -> Scenario:
@@ -362,6 +363,22 @@ def least_initial_error(plan: Plan) -> float:
     spec = plan.scenario.spec
     offset, bound = spec.initial_error[:2], spec.disturbance.initial_pose.bound[:2]
     return math.hypot(*(max(0.0, abs(o) - b) for o, b in zip(offset, bound, strict=True)))
+
+
+def _followed(plan: Plan) -> list[str]:
+    """Sizes of the robot that happen, and that the controller would know at once."""
+    model = plan.scenario.spec.model
+    believed = {
+        "wheel_radius": model.wheel_radius is not None,
+        "half_track": model.half_track is not None or model.wheel_separation is not None,
+    }
+    believed["wheel_separation"] = believed["half_track"]
+    sizes = (key.split(".")[1] for key in plan.over if root(key) == "robot" and "." in key)
+    return [
+        f"robot.{size} may happen, but the controller believes whatever it is: give model.{size}"
+        for size in dict.fromkeys(sizes)
+        if size in believed and not believed[size] and f"model.{size}" not in plan.axes
+    ]
 
 
 def _hidden_by_initial_error(plan: Plan) -> list[str]:

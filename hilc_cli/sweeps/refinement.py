@@ -104,6 +104,8 @@ class Refinement:
     def tell(self, costs: Floats | Sequence[float]) -> None:
         """How good the case was that it was asked for last."""
         self._known[self._asked] = float(costs[0])
+        place = (*self._flat(self._asked), *self._others(self._asked))
+        self._exact.setdefault(place, self._asked)
 
     def _begin(self) -> bool:
         """Chooses the best known point that is far from all where it has begun before."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -174,10 +174,8 @@ class SweepReport:
         _check_found(data)
 
     def _summary(self, data: SweepData, failures: Sequence[Failure], folder: Path) -> None:
-        summary, as_it_is = (
-            summarise_sweep(data, 0 if data.over and not self.json else 5),
-            data.as_it_is,
-        )
+        # Of what happens, the luckiest case is nobody's choice.
+        summary, as_it_is = summarise_sweep(data, 0 if data.over else 5), data.as_it_is
         ranked = as_sweep_of_choices(data) if data.over else data
         best = summarise_sweep(ranked)
         if self.json:
@@ -192,9 +190,9 @@ class SweepReport:
                 document["choices"] = choices_document(data, choices_of(data), folder)
             print_json(document)
         elif not self.quiet:
-            told = replace(summary, best=[]) if data.over else summary
-            print_table(two_columns(f"{summary.name}, {summary.cases:,} cases", summary_rows(told)))
-            if data.over:
+            title = f"{summary.name}, {summary.cases:,} cases"
+            print_table(two_columns(title, summary_rows(summary)))
+            if data.over and best.best:
                 print_table(choices_table(data, choices_of(data)))
             if as_it_is is not None:
                 print_table(search_table(best, as_it_is, ranked.row, measured(ranked)))

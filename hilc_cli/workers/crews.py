@@ -136,7 +136,11 @@ class _Worker(Generic[Piece]):
             theirs.close()
             self.here: Connection = Connection(ours.detach())
         self.piece: Piece | None = None
-        self._say(work)
+        try:
+            self._say(work)
+        except BaseException:  # it cannot be sent, or not now: nobody knows of the process yet
+            self.end()
+            raise
 
     def give(self, piece: Piece) -> None:
         """Hands over a piece."""

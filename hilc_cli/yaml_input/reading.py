@@ -120,7 +120,7 @@ def kind_of(keys: Collection[str], kinds: Sequence[str]) -> str:
     given = _told_by(keys)
     if given is not None and given in kinds:
         return given
-    known = {key.lower() for key in keys}
+    known = {key.lower() for key in keys if isinstance(key, str)}  # of Python, they may be anything
     return next((kind for kind in kinds if not _TELLING[kind].isdisjoint(known)), kinds[0])
 
 
@@ -245,8 +245,8 @@ class Inputs:
             is_folder = path.is_dir()
         if is_folder and SCENARIOS in kinds and (path / _OF_A_SWEEP).is_file():
             raise UsageError(
-                f"{path}: is the folder of a sweep; run one of its cases with hilc run --case N or "
-                f"--best; {path / 'scenario.yaml'} is the scenario of all of them"
+                f"{path}: is the folder of a sweep; run one of its cases with hilc run {path} "
+                f"--case N or --best; {path / 'scenario.yaml'} is the scenario of all of them"
             )
         for kind in kinds if is_folder else ():
             inside = path / f"{_ONE[kind]}.yaml"  # as result folders have it
@@ -340,6 +340,8 @@ def parts_of_key(key: str, option: str) -> tuple[str, ...]:
     Raises:
         InvalidInputError: It is so long that it is no key, whatever it says.
     """
+    if not isinstance(key, str):
+        raise UsageError(f"a key must be a text such as controller.gains.l1, got {key!r}")
     if len(key) > LONGEST_KEY:
         shown = f"{option} {shortened(key, _SHOWN_OF_LONG_KEYS)}"
         message = f"has a key of {len(key)} characters; give keys with dots between them, such as "

@@ -193,8 +193,30 @@ def test_nothing_stands_everything(hilc: Hilc) -> None:
     assert {choice[f"worst_{METRIC}"] for choice in rows("choices.csv")} == {"inf"}
     outcome = hilc("run", str(sweeps.FOLDER), "--best")
     assert outcome.err == (
-        f"hilc: {sweeps.FOLDER}: no case has a value of {METRIC}, so there is no best one\n"
+        f"hilc: {sweeps.FOLDER}: no choice has a value of worst {METRIC}, so there is no best one\n"
     )
+
+
+def test_sizes_that_the_controller_follows_are_no_happenings() -> None:
+    said = "robot.half_track may happen, but the controller believes whatever it is"
+    vary = {L1: [1, 2], "robot.half_track": [0.4, 0.6]}
+
+    def warned(over: str | None, model: object) -> str:
+        scenario = hilc_api.load_scenario("example:fig8a", {"model": model})
+        return "\n".join(hilc_api.plan_sweep(scenario, vary, over=over).warnings())
+
+    assert said in warned("robot.half_track", None)
+    assert said not in warned(None, None)
+    assert said not in warned("robot.half_track", {"half_track": 0.5})
+
+
+def test_the_luckiest_case_is_nobodys_choice(hilc: Hilc) -> None:
+    outcome = hilc(*GRID, "--json")
+    document = json.loads(outcome.out)
+    assert document["best"] == []
+    assert len(document["choices"]["best"]) == 5
+    told = repr(hilc_api.read_sweep(document["folder"]))
+    assert f"smallest worst {METRIC}" in told and "in case" not in told
 
 
 def test_what_is_printed(hilc: Hilc) -> None:

@@ -104,7 +104,7 @@ def test_case_has_pictures_and_takes_changes(hilc: Hilc) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ([], "{0}: is the folder of a sweep; run one of its cases with hilc run --case N or "
+        ([], "{0}: is the folder of a sweep; run one of its cases with hilc run {0} --case N or "
              "--best; {0}/scenario.yaml is the scenario of all of them"),
         (["--case", "5"], "--case 5: {0} has no such case; give a number from 0 to 4"),
         (["--case", "-1"], "--case -1: {0} has no such case; give a number from 0 to 4"),

@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 from hilc_cli.engine import loop
-from hilc_cli.engine.compiled_pass import knows, pays, prepare, run_pass
+from hilc_cli.engine.compiled_pass import drive, knows, pays, run_pass
 from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.engine.loop import MeasuredTrials, prepare_machine_code
-from hilc_cli.laws.law import Plan
+from hilc_cli.laws.correction import MatrixControl
+from hilc_cli.laws.law import Plan, WheelController
 from hilc_cli.laws.norm_optimal.regulator_control import RegulatorControl
+from hilc_cli.plants.kinematic_plant import KinematicPlant
+from hilc_cli.plants.plant import Pose, Step
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.running import load_scenario
 
@@ -80,7 +83,7 @@ def test_feedback_about_a_plan_is_the_same_to_the_bit(answer: str) -> None:
         feedback,
     )
     beta, alpha = draw.normal(size=(n, 3)), draw.normal(size=(n + 1, 3))
-    assert knows(plan)
+    assert knows(plan, reference)
     start = (9.0, 0.1, 1.5)
     gains = experiment.plant.lane_gains(reference.sample_time)
     assert gains is not None
@@ -106,12 +109,63 @@ def late_regulator(n: int, draw: np.random.Generator) -> RegulatorControl:
     return RegulatorControl(draw.normal(size=(n, 10)), late, (3.0, 2.0), (0.2, 0.21), 0.5)
 
 
-def test_other_controllers_stay_in_plain_python() -> None:
-    plan = Learning(load_scenario("example:fig3-circle").experiment()).plan()
-    assert knows(plan)
-    assert not knows(replace(plan, feedback=lambda k, *seen: (1.0, 1.0)))
+class HalfAsFast(KinematicPlant):
+    def start(self, pose: Pose, sample_time: float) -> Step:
+        step = super().start(pose, sample_time)
+        return lambda pose, left, right: step(pose, left / 2, right / 2)
+
+
+class StandsStill(MatrixControl):
+    def controller(self) -> WheelController:
+        return lambda k, *seen: (0.0, 0.0)
+
+
+def test_what_is_built_on_something_known_is_asked_itself() -> None:
+    experiment = load_scenario("example:fig3-circle", SHORT).experiment()
+    ones = np.ones(experiment.reference.samples)
+    slow = replace(
+        experiment,
+        plant=HalfAsFast(experiment.robot),
+        initial_left=ones,
+        initial_right=ones,
+        learn_in_first=False,
+        iterations=0,
+    )
+    (first, *_), _ = passes(slow)
+    step = experiment.robot.wheel_radius * experiment.reference.sample_time
+    assert np.hypot(np.diff(first.x), np.diff(first.y)) == pytest.approx(step / 2)
+    plan = Learning(replace(experiment, learn_in_first=True)).plan()
+    known = plan.feedback
+    assert isinstance(known, MatrixControl)
+    assert knows(plan, experiment.reference)
+    other = StandsStill(known.gains, known.inputs, known.past)
+    assert not knows(replace(plan, feedback=other), experiment.reference)
+
+
+def test_plans_of_another_length_and_other_controllers_stay_in_plain_python() -> None:
+    experiment = load_scenario("example:fig3-circle").experiment()
+    plan, reference = Learning(experiment).plan(), experiment.reference
+    assert knows(plan, reference)
+    assert not knows(replace(plan, feedback=lambda k, *seen: (1.0, 1.0)), reference)
+    alone = replace(plan, feedback=None)
+    assert knows(alone, reference)
+    assert not knows(replace(alone, left=alone.left[:-1]), reference)
+    assert not knows(replace(alone, left=alone.left.astype(np.int64)), reference)
+    gains = np.zeros((reference.samples - 1, 2, 3))
+    assert not knows(replace(plan, feedback=gains), reference)
+
+
+def test_arrays_that_were_handed_in_may_be_used_again() -> None:
+    experiment = load_scenario("example:fig3-circle", SHORT).experiment()
+    trial = passes(experiment)[0][-1]
+    learning = Learning(experiment)
+    learning.take_in(trial)
+    plan = learning.plan()
+    before = plan.controller(experiment.reference)(5, 1.0, 0.0, 0.0, 0.0, 0.0)
+    trial.left[:] = trial.x[:] = 77.0
+    assert plan.controller(experiment.reference)(5, 1.0, 0.0, 0.0, 0.0, 0.0) == before
 
 
 def test_code_that_is_at_hand_pays_for_every_run() -> None:
-    prepare()
     assert pays(1)
+    assert len(drive.signatures) == 1  # whatever was run above

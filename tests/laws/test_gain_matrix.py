@@ -7,8 +7,15 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from pydantic_core import PydanticCustomError
 
-from hilc_cli.laws.gain_matrix import GainMatrix, model_gain, unit_gain, wheel_correction
+from hilc_cli.laws.gain_matrix import (
+    GainMatrix,
+    gain_matrix,
+    model_gain,
+    unit_gain,
+    wheel_correction,
+)
 from hilc_cli.plants.kinematic import Robot, TurnConvention
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.yaml_input.expressions import Affine
@@ -99,3 +106,11 @@ def test_contradicting_matrix_of_equation_57_can_be_expressed() -> None:
     np.testing.assert_allclose(
         as_array(matrix, math.pi / 3), [[0.5, 0.2, 2.59], [0.5, root, -2.59]], rtol=1e-14
     )
+
+
+@pytest.mark.parametrize("entry", [[1], {"a": 1}, True, None])
+def test_what_is_no_entry_is_refused_whatever_was_validated_before(entry: object) -> None:
+    robot = Robot(0.1, 0.2)
+    gain_matrix(((1, 0, 0), (0, 1, 0)), robot)
+    with pytest.raises(PydanticCustomError, match="must be a number or an expression"):
+        gain_matrix(((1, 0, 0), (0, entry, 0)), robot)  # type: ignore[arg-type]

@@ -77,3 +77,14 @@ def test_cases_of_a_search() -> None:
     assert list(zip(listed.column("error"), listed.column("seed"), strict=True)) == (
         2 * cases.happened()
     )
+
+
+def test_what_is_drawn_twice_happens_once() -> None:
+    axes: dict[str, Axis] = {"gain": Choices((1.0, 2.0)), "seed": Range(1, 3, "integer")}
+    cases = cases_of(axes, "grid", 0, 1, ("seed",), 10)
+    rows = cases.values(0, len(cases))
+    assert sorted((row["gain"], row["seed"]) for row in rows) == [
+        (gain, seed) for gain in (1.0, 2.0) for seed in (1, 2, 3)
+    ]
+    assert cases.count == 6
+    assert cases.column("seed") == [row["seed"] for row in rows]

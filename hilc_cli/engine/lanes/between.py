@@ -207,7 +207,8 @@ def _back(left: Floats, numbers: Floats, planned: Floats) -> None:
             planned[s * W + j] = 3.0 * first + second if numbers[SMOOTHED + j] > 0 else as_it_is
 
 
-forth, back = cached(_forth, [combined]), cached(_back, [combined])
+# History stands for the file that says how lanes are laid out.
+forth, back = cached(_forth, [combined, History]), cached(_back, [combined, History])
 
 
 class Planner:

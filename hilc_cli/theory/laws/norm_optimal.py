@@ -19,8 +19,6 @@ from hilc_cli.theory.laws.norm_optimal_noise import expected_of_norm_optimal
 from hilc_cli.theory.learning.outcome import Outcome
 from hilc_cli.theory.noise import Remedies, WheelNoise, noise_findings, wheel_findings, wheel_rows
 
-_MADE_UP_FOR = "feedback makes up for a wrong model"
-
 
 class NormOptimalTheory(LawTheory):
     """How soon the law is on the trajectory, and what is left in the last iteration."""
