@@ -51,7 +51,7 @@ RETURNED, PULSE = 0, 2 * W
 ADDED = 3 * W
 
 # Rows of what elimination leaves of each sample: r, and y of the five signals; complex. Those of
-# sample k come behind k + 1 times as many: the first are zeros.
+# sample k come behind k + 1 times as many: the first are zeros, and so are those behind the last.
 Y = 2 * W
 LEFT = 12 * W
 
@@ -94,7 +94,7 @@ def _forth(history: Floats, added: Floats, left: Floats, numbers: Floats) -> Non
     Args:
         history: See `History`, of the pass before.
         added: 3 rows of each sample, see RETURNED.
-        left: 12 rows of each sample behind those that are zero, set, see Y.
+        left: 12 rows of each sample between those that are zero, set, see Y.
         numbers: Rows KP to BEHIND; those behind the parameters are set.
     """
     use_widest_vectors()
@@ -103,7 +103,7 @@ def _forth(history: Floats, added: Floats, left: Floats, numbers: Floats) -> Non
         numbers[SUM + j] = history[ROW + ERROR + j]
     for j in range(Q, NUMBER_ROWS * W):
         numbers[j] = 0.0
-    for k in range(len(left) // LEFT - 1):
+    for k in range(len(left) // LEFT - 2):
         # Few arrays, and places in them that are plain numbers: or the compiler finds no vectors.
         here, now, addition = left[k * LEFT :], history[(k + 1) * ROW :], added[k * ADDED :]
         last = float(k + 1)
@@ -181,7 +181,7 @@ def _back(left: Floats, numbers: Floats, planned: Floats) -> None:
         planned: n + 1 rows as in the history; behind the last sample it is left as it comes.
     """
     use_widest_vectors()
-    n = len(left) // LEFT - 1
+    n = len(left) // LEFT - 2
     for step in range(n):
         k = n - 1 - step
         # Of this sample and the next; what is planned is for the next.
@@ -236,7 +236,7 @@ class Planner:
         self._numbers = np.concatenate(
             [parameters.ravel(), np.empty((NUMBER_ROWS - PARAMETER_ROWS) * W)]
         )
-        self._left = np.zeros((n + 1) * LEFT)
+        self._left = np.zeros((n + 2) * LEFT)
 
     def first(self, planned: Floats) -> None:
         """Plans to send the first input as it is."""
