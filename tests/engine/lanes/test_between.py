@@ -1,12 +1,14 @@
 """What is known of the next pass, against the law's own NumPy and its cosine transform."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes import between
 from hilc_cli.engine.lanes.between import Planner
 from hilc_cli.engine.lanes.lanes import HISTORY_FIELDS, LANES
 from hilc_cli.engine.lanes.packs import aligned
@@ -101,3 +103,28 @@ def test_a_cosine_is_multiplied_by_the_factor_of_the_filter(cutoff: float) -> No
     found = planned.reshape(-1, HISTORY_FIELDS, LANES)[:n, 0]
     np.testing.assert_allclose(found, factors * cosines, atol=1e-13)
     np.testing.assert_allclose(LowPass(cutoff, 1e-3).factors(frequencies), factors)
+
+
+@pytest.mark.parametrize("n", [1, 2, 40])
+def test_no_place_is_beyond_its_array(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Interpreted, NumPy looks at each of them; machine code does not."""
+    draw = np.random.default_rng(3)
+    history = draw.normal(size=(n + 3) * between.ROW)
+    added = np.zeros(n * between.ADDED)
+    numbers = np.zeros(between.NUMBER_ROWS * LANES)
+    rows = [0.5, 0.1, 0.05, 1.0, 1.0, 1.0, -3.0, 0.1, 0.3, n]
+    numbers[: len(rows) * LANES] = np.repeat(rows, LANES)
+
+    def planned(forth: Callable[..., None], back: Callable[..., None]) -> Floats:
+        left, known = np.zeros((n + 2) * between.LEFT), numbers.copy()
+        found = np.zeros((n + 1) * between.ROW)
+        forth(history, added, left, known)
+        back(left, known, found)
+        return found[: n * between.ROW]
+
+    compiled = planned(between.forth, between.back)
+    for name in ("_product", "_combined", "_weighed", "_eliminated", "_stepped_back"):
+        monkeypatch.setattr(between, name, getattr(between, name).py_func)
+    monkeypatch.setattr(between, "use_widest_vectors", lambda: None)
+    interpreted = planned(between.forth.py_func, between.back.py_func)
+    np.testing.assert_allclose(compiled, interpreted, rtol=1e-12, atol=1e-14)
