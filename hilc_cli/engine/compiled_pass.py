@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.compiling import cached, compiled, is_at_hand
+from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.correction import MatrixControl, learned_error
 from hilc_cli.laws.feedback import FeedbackLaw, TrackingControl, tracking_twist
 from hilc_cli.laws.gain_matrix import wheel_correction
@@ -20,6 +21,7 @@ from hilc_cli.laws.law import Plan
 from hilc_cli.laws.norm_optimal.regulator_control import RegulatorControl, on_arrival
 from hilc_cli.numba_loading import DISABLED, types
 from hilc_cli.plants.kinematic import advance, limit_wheel_speeds, wheel_speeds_from_twist
+from hilc_cli.plants.plant import Pose
 from hilc_cli.reference.sampled import Floats, Reference
 
 FORMULAS = (
@@ -227,22 +229,18 @@ def knows(plan: Plan, reference: Reference) -> bool:
 
 
 def run_pass(
+    experiment: Experiment,
     plan: Plan,
-    reference: Reference,
-    start: tuple[float, float, float],
-    step_gains: tuple[float, float],
-    speed_limit: float,
+    start: Pose,
     beta: Floats | None,
     alpha: Floats | None,
 ) -> tuple[Floats, Floats, int]:
     """Runs a plan that `knows` knows.
 
     Args:
+        experiment: Of the paper's platform.
         plan: The plan, its feedforward not yet within the limit.
-        reference: The trajectory.
         start: Pose at which it starts.
-        step_gains: See `KinematicPlant.lane_gains`.
-        speed_limit: b_w [rad/s]; infinity for none.
         beta: Disturbance of the state, shape (n, 3); None for none.
         alpha: Disturbance of the output, shape (n + 1, 3); None for none.
 
@@ -250,13 +248,15 @@ def run_pass(
         The poses, shape (3, n + 1), the wheel speeds, shape (2, n), and at how many samples the
         limit acted. After numbers that are not finite, what follows are not numbers.
     """
-    n = reference.samples
+    reference, n = experiment.reference, experiment.reference.samples
+    gains = experiment.plant.lane_gains(reference.sample_time)
+    assert gains is not None  # of such a platform
     desired = np.stack([reference.x, reference.y, reference.heading])
     poses, inputs = np.empty((3, n + 1)), np.empty((2, n))
     poses[:, 0] = start
     none = np.empty((0, 3))
     saturated = drive(
-        desired, poses, inputs, step_gains, speed_limit,
+        desired, poses, inputs, gains, experiment.speed_limit,
         *_numbers(plan, reference),
         none if beta is None else np.ascontiguousarray(beta),
         none if alpha is None else np.ascontiguousarray(alpha),

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from hilc_cli.laws.law import Plan
 from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.plants.plant import Plant, Pose
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import measure
 from hilc_cli.results.trial import Trial, is_finite
 
@@ -96,9 +97,9 @@ def _run_iteration(
     alpha = disturbance.of_output(iteration, steps + 1)
     offset = disturbance.of_initial_pose(iteration)
     x, y, heading = (p + o for p, o in zip(experiment.initial_pose, offset, strict=True))
-    has_code = compiled and _has_machine_code(plan, reference)
-    motion = _compiled_motion if has_code else _plain_motion
-    poses, inputs, saturated = motion(experiment, plant, plan, (x, y, heading), beta, alpha)
+    run_pass = _machine_code(experiment, plan) if compiled else None
+    run_pass = run_pass or partial(_run_pass, plant)
+    poses, inputs, saturated = run_pass(experiment, plan, (x, y, heading), beta, alpha)
     if poses is None:
         raise DivergedError(iteration)
     xs, ys, headings = poses
@@ -123,30 +124,16 @@ _Motion = tuple[Floats | None, Floats, int]
 limit, shape (2, n); at how many samples that acted."""
 
 
-def _has_machine_code(plan: Plan, reference: Reference) -> bool:
-    from hilc_cli.engine.compiled_pass import knows
+def _machine_code(experiment: Experiment, plan: Plan) -> Callable[..., _Motion] | None:
+    """What runs a plan in machine code; None if there is none for it."""
+    from hilc_cli.engine.compiled_pass import knows, run_pass
 
-    return knows(plan, reference)
+    return run_pass if knows(plan, experiment.reference) else None
 
 
-def _compiled_motion(
-    experiment: Experiment,
+def _run_pass(
     plant: Plant,
-    plan: Plan,
-    start: Pose,
-    beta: Floats | None,
-    alpha: Floats | None,
-) -> _Motion:
-    from hilc_cli.engine.compiled_pass import run_pass
-
-    gains = plant.lane_gains(experiment.reference.sample_time)
-    assert gains is not None  # of the paper's platform
-    return run_pass(plan, experiment.reference, start, gains, experiment.speed_limit, beta, alpha)
-
-
-def _plain_motion(
     experiment: Experiment,
-    plant: Plant,
     plan: Plan,
     start: Pose,
     beta: Floats | None,

@@ -128,16 +128,8 @@ class Lab(InNotebooks):
         return self._state.run
 
     def to_pandas(self, table: str = "iterations") -> DataFrame:
-        """A table as a data frame of pandas, with the columns of its CSV file.
-
-        Args:
-            table: Of those that a run has; a row of iterations is a trial.
-
-        Raises:
-            UnknownNameError: There is no such table of this lab; names those that there are.
-            MissingPackageError: pandas is not installed.
-        """
-        return self.run.to_pandas(table)
+        """As `LabState.to_pandas`."""
+        return self._state.to_pandas(table)
 
     def add_log(
         self,

@@ -212,11 +212,11 @@ def compute_entries(
         FailedContestError: A run cannot be computed.
         WorkersError: Processes cannot be started.
     """
+    prepare_machine_code()
     crew: Crew[Contest, Entry] = (
         Alone(work) if workers == 1 else Processes(work, min(workers, len(contests)))
     )
     entries: dict[Contest, Entry] = {}
-    prepare_machine_code()
     try:
         for outcome in hand_out(contests, crew, go_on):
             contest = outcome.piece

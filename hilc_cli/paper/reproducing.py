@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from hilc_cli.engine.loop import prepare_machine_code
 from hilc_cli.errors import ExistingResultsError, UsageError
@@ -20,35 +20,24 @@ from hilc_cli.paper.contents import (
     DATA,
     FIGURES,
     INDEX,
-    MOTOR_LIMIT,
     OWN_DATA,
     REPRODUCTION_FOLDER,
     PaperFigure,
-    PaperPanel,
-    data_name,
-    picture_name,
     with_shown,
 )
-from hilc_cli.paper.panel import Panel, PanelRow, panel_table
+from hilc_cli.paper.panel import Panel
 from hilc_cli.paper.plan import ReproductionPlan
 from hilc_cli.paper.reading import READINGS, Reading, readings_named
-from hilc_cli.paper.texts import gains_text, group_text, index_text, situation_text
+from hilc_cli.paper.sheets import DrawnSheets, draw_sheet
+from hilc_cli.paper.texts import index_text
 from hilc_cli.results.folder import DRAWN_WITH, origin, versions
 from hilc_cli.results.frames import frame
 from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
-from hilc_cli.results.run import RunData
 from hilc_cli.runs.running import Run, run
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.wording import in_short, listed
-from hilc_cli.workers.crews import (
-    Alone,
-    Crew,
-    Processes,
-    WorkersError,
-    available_cores,
-    hand_out,
-)
+from hilc_cli.workers.crews import shared_out
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawn
@@ -100,7 +89,7 @@ class Reproduction(InNotebooks):
         self, figure: PaperFigure, reading: Reading, look: Look = USUAL
     ) -> tuple[Drawn, list[Panel]]:
         """Draws one of the paper's figures under a reading, and tells its panels."""
-        return _sheet(
+        return draw_sheet(
             figure, reading, self.runs[reading.name], self.plan.scenarios[reading.name], look
         )
 
@@ -151,9 +140,9 @@ class Reproduction(InNotebooks):
             sheets = tuple(product(plan.figures, (reading.name for reading in plan.readings)))
             # Plain dicts, which can be sent.
             scenarios = {name: dict(named) for name, named in plan.scenarios.items()}
-            draw = _Drawing(sheets, scenarios, runs, shown, dpi, look)
+            draw = DrawnSheets(sheets, scenarios, runs, shown, dpi, look)
             titles = [f"figure {figure.number} ({reading})" for figure, reading in sheets]
-            for _, files in _shared_out(draw, titles, share=len(sheets) > 1):
+            for _, files in shared_out(draw, titles, share=len(sheets) > 1):
                 for name, content in files.items():
                     (into / name).write_bytes(content)
                 on_step()
@@ -225,11 +214,14 @@ class _Work:
     claims: tuple[tuple[Claim, str], ...]
     scenarios: tuple[Scenario, ...]
 
-    def __len__(self) -> int:
-        return len(self.claims) + len(self.scenarios)
+    @property
+    def are_many(self) -> bool:
+        """Whether the runs are worth the start of other processes, and of machine code."""
+        return sum(scenario.spec.iterations + 1 for scenario in self.scenarios) >= _MANY
 
     def __call__(self, number: int) -> Finding | Run:
-        prepare_machine_code()
+        if self.are_many:
+            prepare_machine_code()
         if number < len(self.claims):
             claim, reading = self.claims[number]
             return claim.judge(Evidence(readings_named(reading)[0], {}))
@@ -250,10 +242,10 @@ def _simulate(
     titles = [f"{claim.name} ({reading})" for claim, reading in claims]
     titles += [f"{name} ({reading})" for reading, name in keys]
     work = _Work(tuple(claims), tuple(plan.scenarios[reading][name] for reading, name in keys))
-    iterations = sum(scenario.spec.iterations + 1 for scenario in work.scenarios)
     found: dict[int, Finding | Run] = {}
-    prepare_machine_code()
-    for number, result in _shared_out(work, titles, share=iterations >= _MANY):
+    if work.are_many:
+        prepare_machine_code()
+    for number, result in shared_out(work, titles, share=work.are_many):
         found[number] = result
         if isinstance(result, Run):
             on_step()
@@ -267,91 +259,6 @@ def _simulate(
             claim, reading = claims[number]
             findings[claim.name, reading] = result
     return runs, findings
-
-
-@dataclass(frozen=True, slots=True)
-class _Drawing:
-    """What a worker gets, and does: it draws a sheet, which with its panels' data are files.
-
-    Attributes:
-        sheets: A figure and the name of a reading each.
-        scenarios: By reading and name.
-        runs: Likewise.
-        suffixes: Of the pictures.
-        dpi: Of PNG files.
-        look: How the sheets are to look.
-    """
-
-    sheets: tuple[tuple[PaperFigure, str], ...]
-    scenarios: Mapping[str, Mapping[str, Scenario]]
-    runs: Mapping[str, Mapping[str, Run]]
-    suffixes: tuple[str, ...]
-    dpi: int
-    look: Look
-
-    def __call__(self, number: int) -> dict[str, bytes]:
-        from hilc_cli.drawing.save import render  # Matplotlib starts slowly
-
-        figure, name = self.sheets[number]
-        (reading,) = readings_named(name)
-        sheet, drawn = _sheet(figure, reading, self.runs[name], self.scenarios[name], self.look)
-        files = {
-            picture_name(figure, reading, suffix): render(sheet, suffix, self.dpi)
-            for suffix in self.suffixes
-        }
-        for panel, content in zip(figure.panels, drawn, strict=True):
-            files[data_name(panel, reading)] = panel_table(content)
-        return files
-
-
-def _sheet(
-    figure: PaperFigure,
-    reading: Reading,
-    runs: Mapping[str, Run],
-    scenarios: Mapping[str, Scenario],
-    look: Look,
-) -> tuple[Drawn, list[Panel]]:
-    """A figure under a reading, and its panels."""
-    from hilc_cli.paper.sheet import sheet_figure  # Matplotlib starts slowly
-
-    rows = [_row(panels, runs, scenarios, reading) for panels in figure.rows]
-    drawn = sheet_figure(
-        f"Figure {figure.number}. {figure.title}",
-        f"{reading.name.capitalize()} reading: {reading.law}",
-        rows,
-        look,
-    )
-    return drawn, [panel for row in rows for panel in row.panels]
-
-
-_Result = TypeVar("_Result")
-
-
-def _shared_out(
-    work: Callable[[int], _Result], titles: Sequence[str], *, share: bool
-) -> Iterator[tuple[int, _Result]]:
-    """Does pieces of work that have a title each: their numbers and results, as they come.
-
-    Args:
-        work: Does a piece, by its number.
-        titles: What each is called in an error.
-        share: Whether they are worth the start of worker processes.
-
-    Raises:
-        WorkersError: Worker processes cannot do anything here.
-    """
-    workers = min(available_cores(), len(titles)) if share else 1
-    crew: Crew[int, _Result] = Alone(work) if workers == 1 else Processes(work, workers)
-    try:
-        for outcome in hand_out(range(len(titles)), crew, lambda: None):
-            result = outcome.result
-            if result is None and outcome.is_final and outcome.error is None:
-                result = work(outcome.piece)  # which raises here what it has raised in a worker
-            if result is None:
-                raise outcome.error or WorkersError(f"{titles[outcome.piece]}: {outcome.reason}")
-            yield outcome.piece, result
-    finally:
-        crew.dismiss()
 
 
 def check_reproduction(plan: ReproductionPlan, folder: str | Path, *, force: bool = False) -> None:
@@ -393,37 +300,6 @@ def _is_among(manifest: Mapping[str, Any], plan: ReproductionPlan) -> bool:
 
 def _write(path: Path, text: str) -> None:
     path.write_text(text, encoding="utf-8", newline="\n")
-
-
-def _row(
-    panels: tuple[PaperPanel, ...],
-    runs: Mapping[str, RunData],
-    scenarios: Mapping[str, Scenario],
-    reading: Reading,
-) -> PanelRow:
-    """What a row of a figure shows under a reading."""
-    first = panels[0]
-    scenario = scenarios[first.situation.scenario]
-    together = all(panel.situation == first.situation for panel in panels)
-    if together:
-        heading = f"({first.letter[0]}) {situation_text(first.situation, scenario, reading)}"
-    else:
-        heading = group_text(first.situation, scenario, reading)
-    return PanelRow(
-        heading,
-        tuple(
-            Panel(
-                panel.letter,
-                panel.kind,
-                panel.kind.capitalize()
-                if together
-                else gains_text(scenarios[panel.situation.scenario]),
-                runs[panel.situation.scenario],
-                MOTOR_LIMIT,
-            )
-            for panel in panels
-        ),
-    )
 
 
 def _command(plan: ReproductionPlan, formats: Sequence[str], dpi: int, look: Look) -> str:

@@ -8,7 +8,7 @@ import socket
 import subprocess
 import sys
 from collections import Counter, deque
-from collections.abc import Callable, Hashable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -253,6 +253,33 @@ def hand_out(
                     waiting.appendleft(outcome.piece)
                     continue
             yield outcome
+
+
+def shared_out(
+    work: Callable[[int], Result], titles: Sequence[str], *, share: bool
+) -> Iterator[tuple[int, Result]]:
+    """Does pieces of work that have a title each: their numbers and results, as they come.
+
+    Args:
+        work: Does a piece, by its number.
+        titles: What each is called in an error.
+        share: Whether they are worth the start of worker processes.
+
+    Raises:
+        WorkersError: Worker processes cannot do anything here.
+    """
+    workers = min(available_cores(), len(titles)) if share else 1
+    crew: Crew[int, Result] = Alone(work) if workers == 1 else Processes(work, workers)
+    try:
+        for outcome in hand_out(range(len(titles)), crew, lambda: None):
+            result = outcome.result
+            if result is None and outcome.is_final and outcome.error is None:
+                result = work(outcome.piece)  # which raises here what it has raised in a worker
+            if result is None:
+                raise outcome.error or WorkersError(f"{titles[outcome.piece]}: {outcome.reason}")
+            yield outcome.piece, result
+    finally:
+        crew.dismiss()
 
 
 def available_cores() -> int:

@@ -29,6 +29,7 @@ from hilc_cli.paper.plan import ReproductionPlan, plan_reproduction
 from hilc_cli.paper.reading import CHOICES, LITERAL
 from hilc_cli.paper.report import print_claims
 from hilc_cli.paper.reproducing import reproduce
+from hilc_cli.workers import crews
 from tests.cli.inputs import listing, put_odd_things
 from tests.cli.processes import run_hilc
 from tests.conftest import Hilc, Outcome
@@ -420,7 +421,7 @@ def test_worker_processes_give_the_same_runs(monkeypatch: pytest.MonkeyPatch) ->
     plan = quick(["fig4"])
     alone = reproduce(plan)
     monkeypatch.setattr(reproducing, "_MANY", 1)
-    monkeypatch.setattr(reproducing, "available_cores", lambda: 2)
+    monkeypatch.setattr(crews, "available_cores", lambda: 2)
     shared = reproduce(plan)
     for reading, name in product(READINGS, ("fig4-uncompensated", "fig4-compensated")):
         one, other = alone.runs[reading][name], shared.runs[reading][name]

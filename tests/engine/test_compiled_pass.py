@@ -59,7 +59,7 @@ def test_passes_are_the_same_to_the_bit(name: str, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(loop, "_takes_machine_code", lambda experiment: False)
     plain, diverged_at = passes(experiment)
     monkeypatch.setattr(loop, "_takes_machine_code", lambda experiment: True)
-    monkeypatch.setattr(loop, "_plain_motion", None)  # is not fallen back to
+    monkeypatch.setattr(loop, "_run_pass", None)  # is not fallen back to
     compiled, compiled_diverged_at = passes(experiment)
     assert (diverged_at is not None) == (name == "diverging")
     assert diverged_at == compiled_diverged_at
@@ -85,9 +85,9 @@ def test_feedback_about_a_plan_is_the_same_to_the_bit(answer: str) -> None:
     beta, alpha = draw.normal(size=(n, 3)), draw.normal(size=(n + 1, 3))
     assert knows(plan, reference)
     start = (9.0, 0.1, 1.5)
-    gains = experiment.plant.lane_gains(reference.sample_time)
-    assert gains is not None
-    poses, inputs, saturated = run_pass(plan, reference, start, gains, 20.0, beta, alpha)
+    poses, inputs, saturated = run_pass(
+        replace(experiment, speed_limit=20.0), plan, start, beta, alpha
+    )
     x, y, heading = start
     controller = plan.controller(reference)
     step = experiment.plant.start(start, reference.sample_time)

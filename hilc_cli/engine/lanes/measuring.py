@@ -60,7 +60,7 @@ def _measure(
     """
     use_widest_vectors()
     later = 1.0 if 2 * (k + 1) >= steps else 0.0
-    counts = 1.0
+    counts, here = 1.0, k * (3 * W) + 3 * W
     for j in range(W):
         mean, difference = sent[MEAN + j], sent[DIFFERENCE + j]
         change = mean - lanes[PAST_MEAN + j]
@@ -70,8 +70,8 @@ def _measure(
         lanes[FASTEST_WHEEL + j] = max(lanes[FASTEST_WHEEL + j], fastest)
     for j in range(W):
         if tracks is not None:
-            at = 3 * W * (k + 1) + j
-            next_x, next_y, next_heading = tracks[at], tracks[at + W], tracks[at + 2 * W]
+            next_x, next_y = tracks[here + j], tracks[here + W + j]
+            next_heading = tracks[here + 2 * W + j]
             counts = 1.0 if k < lanes[SAMPLES + j] else 0.0
             later = counts if 2 * (k + 1) >= lanes[SAMPLES + j] else 0.0
         error_x, error_y = next_x - lanes[X + j], next_y - lanes[Y + j]

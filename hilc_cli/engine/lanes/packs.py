@@ -78,8 +78,8 @@ class Pack:
         steps = reference.samples
         own = kind.own_reference
         self.tracks = aligned(3 * (steps + 1) * LANES, np.float64) if own else None
-        planned = aligned((steps + 1) * HISTORY_FIELDS * LANES, np.float64)
-        self.planned = planned if kind.planned else None
+        planned = (steps + 1) * HISTORY_FIELDS * LANES
+        self.planned = aligned(planned, np.float64) if kind.planned else None
         self._planner: Planner | None = None
         self.twists: Floats | None = None
         if kind.law is FeedbackLaw:

@@ -97,7 +97,7 @@ def short_turn(turn: float) -> tuple[float, float, float]:
     """Cosine less 1, sine, and sine by turn, of `SHORT_TURN` at most [rad]."""
     square = turn * turn
     fourth = square * square
-    # Taylor's series; what is left out is below 1e-16.
+    # Taylor's series; what is left out is below 1e-16, of sine by turn below 1e-15.
     less = square * ((-1 / 2 + square * (1 / 24)) + fourth * (-1 / 720 + square * (1 / 40320)))
     sine_less = square * ((-1 / 6 + square * (1 / 120)) + fourth * (-1 / 5040))
     return less, turn + turn * sine_less, 1 + sine_less

@@ -26,7 +26,7 @@ from hilc_cli.sweeps.pictures.metric_axis import (
     show_metric,
 )
 from hilc_cli.sweeps.pictures.picking import Integers, Outcome, curve_keys
-from hilc_cli.sweeps.pictures.shared import within
+from hilc_cli.sweeps.pictures.shared import draw_star, within
 from hilc_cli.wording import listed
 
 _WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
@@ -157,17 +157,7 @@ def _draw_best(axes: Axes, table: ChoiceTable, shown: _Shown, figure: Floats) ->
     best = np.flatnonzero(table.rank[shown.numbers] == 1)
     if not len(best) or (axes.get_yscale() == "log" and figure[best[0]] <= 0):
         return
-    axes.plot(
-        *(shown.where.positions[best[0]], figure[best[0]]),
-        linestyle="none",
-        marker="*",
-        markersize=12,
-        markerfacecolor=style.BEST_COLOR,
-        markeredgecolor="black",
-        markeredgewidth=style.THIN,
-        zorder=5,
-        label="Best",
-    )
+    draw_star(axes, float(shown.where.positions[best[0]]), float(figure[best[0]]))
 
 
 def _title(data: SweepData, choices: SweepData, table: ChoiceTable) -> str:

@@ -23,7 +23,7 @@ from hilc_cli.sweeps.pictures.metric_axis import (
     show_metric,
 )
 from hilc_cli.sweeps.pictures.picking import results_of, thinned
-from hilc_cli.sweeps.pictures.shared import heading_of
+from hilc_cli.sweeps.pictures.shared import draw_star, heading_of
 
 _WIDTH, _HEIGHT = 5.8, 3.8  # of the panel [inch]
 
@@ -83,17 +83,7 @@ def draw_search(axes: Axes, data: SweepData) -> None:
         )
     ranked = data.ranked()
     if ranked and (results.metric[ranked[0]] > 0 or not scale.is_logarithmic):
-        axes.plot(
-            *(ranked[0], results.metric[ranked[0]]),
-            linestyle="none",
-            marker="*",
-            markersize=12,
-            markerfacecolor=style.BEST_COLOR,
-            markeredgecolor="black",
-            markeredgewidth=style.THIN,
-            zorder=5,
-            label="Best",
-        )
+        draw_star(axes, ranked[0], float(results.metric[ranked[0]]))
     draw_zeros(axes, where.positions, results.metric, scale)
     draw_edge_marks(axes, where, results.outcomes, every, size=3.0)
     axes.set_xlabel(data.row.capitalize())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -59,23 +60,33 @@ def draw_best(
     case = int(combinations.cases[best[0]])
     metric = float(combinations.metric[best[0]])
     at_zero = y is None and axes.get_yscale() == "log" and metric <= 0
-    axes.plot(
-        columns[0].positions[case],
-        ZERO_HEIGHT if at_zero else metric if y is None else y[case],
+    draw_star(
+        axes,
+        float(columns[0].positions[case]),
+        float(ZERO_HEIGHT if at_zero else metric if y is None else y[case]),
         transform=axes.get_xaxis_transform() if at_zero else axes.transData,
-        linestyle="none",
-        marker="*",
         markersize=17 if behind else 12,
         markerfacecolor=color,
-        markeredgecolor="black",
-        markeredgewidth=style.THIN,
         zorder=1.5 if behind else 5,
-        label="Best",
     )
     names = short_names([column.key for column in columns])
     values = ", ".join(f"{name} = {value_text(data.values[k][case])}" for k, name in names.items())
     text = f"{metric_text(data, metric)} at {values}"
     return f"Best median: {text}" if combinations.is_median else f"Best: {text} ({data.row} {case})"
+
+
+def draw_star(axes: Axes, x: float, y: float, **other: Any) -> None:
+    """Marks the best of all with a star; what is not as usual is told as to `Axes.plot`."""
+    usual = {"markersize": 12, "markerfacecolor": style.BEST_COLOR, "zorder": 5}
+    axes.plot(
+        *(x, y),
+        linestyle="none",
+        marker="*",
+        markeredgecolor="black",
+        markeredgewidth=style.THIN,
+        label="Best",
+        **{**usual, **other},
+    )
 
 
 # The bands by the places of their ends among QUANTILES, the wider one first.
