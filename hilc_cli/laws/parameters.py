@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, get_args
 
 from pydantic import Field
@@ -30,7 +31,7 @@ SpeedLimit = Annotated[
 SLOWEST = 1.0  # [s]; no wheels are told less often what to do
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Setting:
     """What a law may depend on beside its own parameters.
 
@@ -64,8 +65,12 @@ class Setting:
         Source:
             Qiao et al. 2021, Fig. 2.
         """
-        pairs = zip(self.initial_error, self.initial_bound, strict=True)
-        return any(abs(error) > tolerance or bound > tolerance for error, bound in pairs)
+        return self._largest_initial_error > tolerance
+
+    @cached_property
+    def _largest_initial_error(self) -> float:
+        """The largest component of what a run starts off by, or of its bound."""
+        return max(*map(abs, self.initial_error), *self.initial_bound)
 
 
 class Controller(Model):

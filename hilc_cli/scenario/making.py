@@ -10,13 +10,15 @@ import math
 from collections.abc import Callable
 from functools import lru_cache
 from operator import is_
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
+from hilc_cli.disturbance.streams import Disturbance, Triple
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.plants.kinematic import feedforward
+from hilc_cli.plants.plant import Plant
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.scenario.scenario import ScenarioSpec
 
@@ -34,6 +36,7 @@ class ExperimentMaker:
         self._reference: _Kept[Reference] = _Kept()
         self._setting: _Kept[Setting] = _Kept()
         self._first_input: _Kept[tuple[Floats, Floats]] = _Kept()
+        self._common: _Kept[_Common] = _Kept()
         self._plant, self._law, self._disturbance = (_Kept[Any]() for _ in range(3))
 
     def reference(self, spec: ScenarioSpec) -> Reference:
@@ -78,22 +81,46 @@ class ExperimentMaker:
             TimingError: As for `reference`.
             ValueError: A number that follows from the law's parameters is not finite.
         """
-        setting, robot, controller = self.setting(spec), spec.robot, spec.controller
-        left, right = self._first_input.of(
-            lambda: first_input(spec, given, setting), setting, spec.initial_input, given
-        )
+        controller = spec.controller
+        # The law's parameters lead into nothing else, but for a limit by which the path is timed.
+        timing = None if spec.trajectory.timing is None else controller
+        others = {**vars(spec), "controller": timing}.values()
+        common = self._common.of(lambda: self._common_of(spec, given), given, *others)
+        setting, plant, initial_pose, (left, right), disturbance = common
         return Experiment(
-            reference=setting.reference,
-            plant=self._plant.of(robot.as_plant, robot),
-            law=self._law.of(lambda: controller.law_on(setting), controller, setting),
-            initial_pose=spec.start_pose,
-            initial_left=left,
-            initial_right=right,
-            learn_in_first=spec.learns_in_first,
-            iterations=spec.iterations,
-            speed_limit=math.inf if controller.b_w is None else controller.b_w,
-            disturbance=self._disturbance.of(spec.disturbance.disturbance, spec.disturbance),
+            setting.reference,
+            plant,
+            self._law.of(lambda: controller.law_on(setting), controller, setting),
+            initial_pose,
+            left,
+            right,
+            spec.learns_in_first,
+            spec.iterations,
+            math.inf if controller.b_w is None else controller.b_w,
+            disturbance,
         )
+
+    def _common_of(self, spec: ScenarioSpec, given: tuple[Floats, Floats] | None) -> _Common:
+        setting, robot = self.setting(spec), spec.robot
+        return _Common(
+            setting,
+            self._plant.of(robot.as_plant, robot),
+            spec.start_pose,
+            self._first_input.of(
+                lambda: first_input(spec, given, setting), setting, spec.initial_input, given
+            ),
+            self._disturbance.of(spec.disturbance.disturbance, spec.disturbance),
+        )
+
+
+class _Common(NamedTuple):
+    """What experiments that differ in their law have in common."""
+
+    setting: Setting
+    plant: Plant
+    initial_pose: Triple
+    first_input: tuple[Floats, Floats]
+    disturbance: Disturbance
 
 
 class _Kept(Generic[_Made]):

@@ -45,8 +45,9 @@ class CaseSpecs:
             parts: Whole sections in the place of the scenario's.
         """
         changes: dict[Any, Any] = dict(parts)
+        fields = self.base.__dict__
         for section in self._sections:
-            changes[section.name] = section.of(getattr(self.base, section.name), values)
+            changes[section.name] = section.of(fields[section.name], values)
         return _with_fields(self.base, changes)
 
 
@@ -109,24 +110,29 @@ def _with_values(part: Any, below: _KeyTree | str, values: Mapping[str, Value]) 
     """The part with values in their places, all else as it was."""
     if isinstance(below, str):
         return values.get(below, part)
-    changes = {at: _with_values(value_at(part, (at,)), tree, values) for at, tree in below.items()}
     if isinstance(part, BaseModel):
+        fields: Mapping[Any, Any] = part.__dict__
+        changes = {at: _with_values(fields[at], tree, values) for at, tree in below.items()}
         return _with_fields(part, changes)
-    return tuple(changes.get(index, old) for index, old in enumerate(part))
+    return tuple(
+        _with_values(old, below[index], values) if index in below else old
+        for index, old in enumerate(part)
+    )
 
 
-def _with_fields(model: _Model, changes: dict[Any, Any]) -> _Model:
+def _with_fields(model: _Model, changes: Mapping[Any, Any]) -> _Model:
     """What ``model_copy`` gives of a model without private attributes, in half its time."""
     if model.__pydantic_private__ is not None:
         return model.model_copy(update=changes)
-    copy = model.__class__.__new__(model.__class__)
-    _set(copy, "__dict__", model.__dict__ | changes)
-    _set(copy, "__pydantic_fields_set__", model.__pydantic_fields_set__ | changes.keys())
+    copy = _new(model.__class__)
+    _set(copy, "__dict__", {**model.__dict__, **changes})
+    _set(copy, "__pydantic_fields_set__", model.__pydantic_fields_set__.union(changes))
     _set(copy, "__pydantic_extra__", model.__pydantic_extra__)
     _set(copy, "__pydantic_private__", None)
     return copy
 
 
+_new = object.__new__
 _set = object.__setattr__  # models are frozen
 
 

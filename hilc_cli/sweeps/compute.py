@@ -13,7 +13,7 @@ import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import BatchResult, is_compiled, simulate_batch, simulate_many
-from hilc_cli.engine.lanes.kinds import Kind, knows
+from hilc_cli.engine.lanes.kinds import Kind, knows, member
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import HilcError, UsageError
 from hilc_cli.reference.sampled import Floats
@@ -198,7 +198,7 @@ def _some_experiments(plan: Plan) -> list[Experiment]:
     for values in looked_at:
         with suppress(*CANNOT_BE_MADE):  # told when the case is computed
             experiment = plan.experiment(values)
-            found.setdefault(Kind.of(experiment), experiment)
+            found.setdefault(Kind.of(member(experiment)), experiment)
     return list(found.values())
 
 
@@ -254,7 +254,7 @@ def _filters_passes(plan: Plan) -> bool:
     for number in {0, len(plan.cases) - 1}:
         with suppress(*CANNOT_BE_MADE):
             (values,) = plan.cases.values(number, number + 1)
-            if Kind.of(plan.experiment(values)).planned:
+            if Kind.of(member(plan.experiment(values))).planned:
                 return True
     return False
 

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from hilc_cli.compiling import is_at_hand
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.iterations import run_iterations
-from hilc_cli.engine.lanes.kinds import Kind, knows
+from hilc_cli.engine.lanes.kinds import Kind, Member, member, offered
 from hilc_cli.engine.lanes.lanes import LANES, SUM_ROWS
 from hilc_cli.engine.lanes.packs import NEVER as NEVER, Pack
 from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.laws.pid import PidLaw
-from hilc_cli.numba_loading import typeof
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.numba_loading import DISABLED, typeof
+from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import MAX_ERROR, METRICS, Sums, metrics_of_sums
 
 Integers = NDArray[np.int64]
@@ -58,27 +58,9 @@ def simulate_batch(experiments: Sequence[Experiment], own_references: bool = Fal
         own_references: Whether lanes have references of their own, see `simulate_many`.
 
     Raises:
-        UsageError: An experiment has a law that this engine does not know.
+        UsageError: An experiment has a law or a plant that this engine does not know.
     """
-    cases = len(experiments)
-    most = max(experiment.iterations for experiment in experiments)
-    final = np.empty((cases, len(METRICS)))
-    errors = np.empty((cases, most + 1))
-    diverged_at = np.empty(cases, dtype=np.int64)
-    for kind, members in groups(experiments, own_references):
-        pack = Pack(_longest(experiments, members), kind)
-        sums = np.empty((SUM_ROWS, len(members)))
-        noted = np.empty((most + 1, LANES))
-        for first in range(0, len(members), LANES):
-            numbers = members[first : first + LANES]
-            used = len(numbers)
-            _run(pack, [experiments[number] for number in numbers], noted)
-            sums[:, first : first + used] = pack.sums.reshape(-1, LANES)[:, :used]
-            errors[numbers] = noted[:, :used].T
-            diverged_at[numbers] = pack.diverged_at[:used]
-        samples = np.array([experiments[number].reference.samples for number in members])
-        final[members] = metrics_of_sums(Sums(samples, *sums))
-    return BatchResult(final, errors, diverged_at)
+    return _simulate([member(experiment) for experiment in experiments], own_references)
 
 
 def simulate_many(experiments: Sequence[Experiment], own_references: bool = False) -> BatchResult:
@@ -92,6 +74,11 @@ def simulate_many(experiments: Sequence[Experiment], own_references: bool = Fals
             trajectories share them. That takes longer for those that share their trajectory, and
             changes last digits: whoever compares results decides it for all of them.
     """
+    offers = [None if DISABLED else offered(experiment) for experiment in experiments]
+    in_lanes = [number for number, offer in enumerate(offers) if offer is not None]
+    members = [offer for offer in offers if offer is not None]
+    if len(members) == len(experiments):
+        return _simulate(members, own_references)
     cases = len(experiments)
     most = max(experiment.iterations for experiment in experiments)
     result = BatchResult(
@@ -99,15 +86,39 @@ def simulate_many(experiments: Sequence[Experiment], own_references: bool = Fals
         np.full((cases, most + 1), np.nan),
         np.full(cases, NEVER, dtype=np.int64),
     )
-    in_lanes = [number for number, each in enumerate(experiments) if knows(each)]
-    if in_lanes:
-        batch = simulate_batch([experiments[number] for number in in_lanes], own_references)
+    if members:
+        batch = _simulate(members, own_references)
         result.final[in_lanes] = batch.final
         result.errors[in_lanes, : batch.errors.shape[1]] = batch.errors
         result.diverged_at[in_lanes] = batch.diverged_at
-    for number in sorted(set(range(cases)) - set(in_lanes)):
-        _one(experiments[number], result, number)
+    for number, offer in enumerate(offers):
+        if offer is None:
+            _one(experiments[number], result, number)
     return result
+
+
+def _simulate(members: Sequence[Member], own_references: bool) -> BatchResult:
+    """Runs experiments that are all known here."""
+    cases = len(members)
+    most = max(each.experiment.iterations for each in members)
+    final = np.empty((cases, len(METRICS)))
+    errors = np.empty((cases, most + 1))
+    diverged_at = np.empty(cases, dtype=np.int64)
+    for kind, alike in groups(members, own_references):
+        references = [members[number].experiment.reference for number in alike]
+        pack = Pack(references[-1], kind)
+        sums = np.empty((SUM_ROWS, len(alike)))
+        noted = np.empty((most + 1, LANES))
+        for first in range(0, len(alike), LANES):
+            numbers = alike[first : first + LANES]
+            used = len(numbers)
+            _run(pack, [members[number] for number in numbers], noted)
+            sums[:, first : first + used] = pack.sums.reshape(-1, LANES)[:, :used]
+            errors[numbers] = noted[:, :used].T
+            diverged_at[numbers] = pack.diverged_at[:used]
+        samples = np.array([reference.samples for reference in references])
+        final[alike] = metrics_of_sums(Sums(samples, *sums))
+    return BatchResult(final, errors, diverged_at)
 
 
 def _one(experiment: Experiment, result: BatchResult, number: int) -> None:
@@ -121,32 +132,27 @@ def _one(experiment: Experiment, result: BatchResult, number: int) -> None:
 
 
 def groups(
-    experiments: Sequence[Experiment], own_references: bool = False
+    members: Sequence[Member], own_references: bool = False
 ) -> Iterator[tuple[Kind, list[int]]]:
     """Numbers of the experiments that can share lanes, and their kind; the shortest first."""
     found: dict[tuple[float, Kind], list[int]] = {}
-    for number, experiment in enumerate(experiments):
-        reference = experiment.reference
+    for number, each in enumerate(members):
+        reference = each.experiment.reference
         shared = reference.sample_time if own_references else id(reference)
-        found.setdefault((shared, Kind.of(experiment, own_references)), []).append(number)
-    for (_, kind), members in found.items():
-        yield kind, sorted(members, key=lambda number: experiments[number].reference.samples)
+        found.setdefault((shared, Kind.of(each, own_references)), []).append(number)
+    for (_, kind), alike in found.items():
+        yield kind, sorted(alike, key=lambda number: members[number].experiment.reference.samples)
 
 
-def _longest(experiments: Sequence[Experiment], numbers: Sequence[int]) -> Reference:
-    """The reference with the most samples."""
-    return max((experiments[number].reference for number in numbers), key=lambda r: r.samples)
-
-
-def _run(pack: Pack, experiments: Sequence[Experiment], errors: Floats) -> None:
+def _run(pack: Pack, members: Sequence[Member], errors: Floats) -> None:
     """Runs all iterations; lanes that have diverged are run again up to where they did."""
-    pack.fill(experiments)
+    pack.fill(members)
     errors[:] = np.nan
     _run_passes(pack, errors)
     gone = pack.diverged_at != NEVER
     if gone.any():
         sums, diverged_at = pack.sums.reshape(-1, LANES).copy(), pack.diverged_at.copy()
-        pack.restart(experiments)
+        pack.restart(members)
         pack.last[:] = np.where(gone, diverged_at - 1, NEVER)
         _run_passes(pack, errors)
         again = pack.sums.reshape(-1, LANES)
@@ -215,11 +221,12 @@ def is_compiled(experiments: Sequence[Experiment], own_references: bool = False)
     written; the environment variable ``NUMBA_CACHE_DIR`` names another one.
 
     Raises:
-        UsageError: An experiment has a law that the batch engine does not know.
+        UsageError: An experiment has a law or a plant that the batch engine does not know.
     """
     signatures = set()
-    for kind, members in groups(experiments, own_references):
-        pack = Pack(experiments[members[0]].reference, kind)
+    members = [member(experiment) for experiment in experiments]
+    for kind, alike in groups(members, own_references):
+        pack = Pack(members[alike[0]].experiment.reference, kind)
         values = *arguments(pack, np.empty((1, LANES))), 0, _NO_END
         signatures.add(tuple(map(typeof, values)))
     return all(is_at_hand(run_iterations, signature) for signature in signatures)

@@ -24,8 +24,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.lanes.kinds import known_parameters
+from hilc_cli.engine.lanes.kinds import Member
 from hilc_cli.engine.lanes.lanes import HISTORY_FIELDS, LANES, History
 from hilc_cli.engine.lanes.machine_code import cached, formula, use_widest_vectors
 from hilc_cli.laws.pid import PidLaw, combined
@@ -214,13 +213,13 @@ forth, back = cached(_forth, [combined, History]), cached(_back, [combined, Hist
 class Planner:
     """Plans the next pass of all lanes from the history of the one before."""
 
-    def __init__(self, experiments: Sequence[Experiment]) -> None:
+    def __init__(self, members: Sequence[Member]) -> None:
         """Takes the experiments of the first lanes; the other lanes get the plan of the last."""
-        n = max(experiment.reference.samples for experiment in experiments)
+        n = max(member.experiment.reference.samples for member in members)
         inputs, added = np.zeros((n, 2, W)), np.zeros((n, 3, W))
         parameters = np.zeros((PARAMETER_ROWS, W))
-        for lane, experiment in enumerate(experiments):
-            law, reference = known_parameters(experiment), experiment.reference
+        for lane, (experiment, law, *_) in enumerate(members):
+            reference = experiment.reference
             assert isinstance(law, PidLaw)  # no other law is of this kind
             samples, sample_time = reference.samples, reference.sample_time
             parameters[:, lane:] = np.array(_parameters(law, samples, sample_time))[:, np.newaxis]

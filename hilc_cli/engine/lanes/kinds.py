@@ -55,37 +55,35 @@ class Kind(NamedTuple):
     own_reference: bool = False
 
     @classmethod
-    def of(cls, experiment: Experiment, own_reference: bool = False) -> Kind:
-        """The kind of an experiment, whose lane may have a reference of its own.
-
-        Raises:
-            UsageError: It has a law that the batch engine does not know.
-        """
-        law, disturbance = known_parameters(experiment), experiment.disturbance
-        wheels = lane_wheels(experiment)
-        kind = cls(
-            type(law),
-            learn_in_first=experiment.learn_in_first,
-            state=_distribution(disturbance.state),
-            output=_distribution(disturbance.output),
-            pose=_distribution(disturbance.initial_pose),
-            wheels=None if wheels is None else parts_of(wheels),
-            own_reference=own_reference,
-        )
-        if isinstance(law, FeedbackLaw):
-            return kind
-        kind = kind._replace(gain_heading=law.gain_heading, full_matrix=not law.matrix.is_kinematic)
+    def of(cls, member: Member, own_reference: bool = False) -> Kind:
+        """The kind of an experiment, whose lane may have a reference of its own."""
+        experiment, law, wheels = member.experiment, member.law, member.wheels
+        disturbance = experiment.disturbance
+        compensation = derivative = lateral = rectifying = planned = full_matrix = False
+        heading: GainHeading = "measured"
+        if not isinstance(law, FeedbackLaw):
+            heading, full_matrix = law.gain_heading, not law.matrix.is_kinematic
         if isinstance(law, PidLaw):
             planned = law.cutoff is not None or _returns(law, experiment)
-            return kind._replace(
-                planned=planned, rectifying=law.rectifying is not None and not planned
-            )
-        lateral = law.lateral != 0
-        return kind._replace(
-            compensation=law.compensation is not None,
-            derivative=law.derivative != 0,
-            lateral=lateral,
-            full_matrix=lateral or kind.full_matrix,
+            rectifying = law.rectifying is not None and not planned
+        elif isinstance(law, LaneParameters):
+            compensation, derivative = law.compensation is not None, law.derivative != 0
+            lateral = law.lateral != 0
+        return cls(
+            type(law),
+            compensation,
+            derivative,
+            heading,
+            lateral,
+            full_matrix or lateral,
+            rectifying,
+            planned,
+            experiment.learn_in_first,
+            _distribution(disturbance.state),
+            _distribution(disturbance.output),
+            _distribution(disturbance.initial_pose),
+            None if wheels is None else parts_of(wheels),
+            own_reference,
         )
 
     @property
@@ -105,34 +103,61 @@ def _returns(law: PidLaw, experiment: Experiment) -> bool:
     return law.forgetting != 0 and any(wheel.any() for wheel in first)
 
 
+class Member(NamedTuple):
+    """An experiment that can be run in lanes, with what it offers for that.
+
+    Attributes:
+        experiment: The experiment.
+        law: What its law offers.
+        wheels: The wheels of its plant; None if it offers none, but gains.
+        gains: The gains of its plant; of no meaning beside wheels.
+    """
+
+    experiment: Experiment
+    law: LaneLaw
+    wheels: LaneWheels | None
+    gains: tuple[float, float]
+
+
+def offered(experiment: Experiment) -> Member | None:
+    """An experiment with what it offers to be run here; None if its law or plant offers nothing."""
+    law, wheels, gains = _offers(experiment)
+    if law is None or (wheels is None and gains is None):
+        return None
+    return Member(experiment, law, wheels, gains or _NO_GAINS)
+
+
+def member(experiment: Experiment) -> Member:
+    """The same of an experiment that offers something.
+
+    Raises:
+        UsageError: The batch engine does not know its law or its plant.
+    """
+    found = offered(experiment)
+    if found is None:
+        if _offers(experiment)[0] is None:
+            raise UsageError("the batch engine knows the laws hybrid, pid and feedback only")
+        raise UsageError("the batch engine does not know the plant")
+    return found
+
+
 def knows(experiment: Experiment) -> bool:
     """Whether the batch engine runs here, and knows the experiment's law and plant."""
-    moves = lane_wheels(experiment) is not None or lane_gains(experiment) is not None
-    return moves and _lane_parameters(experiment) is not None and not DISABLED
+    return not DISABLED and offered(experiment) is not None
 
 
-def lane_wheels(experiment: Experiment) -> LaneWheels | None:
-    """Returns the wheels of the experiment's plant; None if it offers none to be run here."""
-    return experiment.plant.lane_wheels(experiment.reference.sample_time)
+_NO_GAINS = (0.0, 0.0)
 
 
-def lane_gains(experiment: Experiment) -> tuple[float, float] | None:
-    """Returns the gains of the experiment's plant; None if it moves in a way not known here."""
-    return experiment.plant.lane_gains(experiment.reference.sample_time)
-
-
-def _lane_parameters(experiment: Experiment) -> LaneLaw | None:
-    """Returns what the experiment's law offers to be run here; None if it offers nothing."""
-    offer = getattr(experiment.law, "lane_parameters", None)
-    return None if offer is None else offer()
-
-
-def known_parameters(experiment: Experiment) -> LaneLaw:
-    """Returns the same of a law that offers something; of another one raises a UsageError."""
-    parameters = _lane_parameters(experiment)
-    if parameters is None:
-        raise UsageError("the batch engine knows the laws hybrid, pid and feedback only")
-    return parameters
+def _offers(
+    experiment: Experiment,
+) -> tuple[LaneLaw | None, LaneWheels | None, tuple[float, float] | None]:
+    """What law and plant of an experiment offer: parameters; wheels, or gains."""
+    law, plant = getattr(experiment.law, "lane_parameters", None), experiment.plant
+    sample_time = experiment.reference.sample_time
+    wheels = plant.lane_wheels(sample_time)
+    gains = plant.lane_gains(sample_time) if wheels is None else None
+    return None if law is None else law(), wheels, gains
 
 
 def _distribution(source: Bounded) -> int:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hilc_cli.disturbance.streams import round_keys
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.between import Planner
-from hilc_cli.engine.lanes.kinds import Kind, lane_wheels
+from hilc_cli.engine.lanes.kinds import Kind, Member
 from hilc_cli.engine.lanes.lanes import (
     FIELDS,
     HISTORY_FIELDS,
@@ -98,14 +98,13 @@ class Pack:
             else:
                 self.directions = directions
 
-    def fill(self, experiments: Sequence[Experiment]) -> None:
+    def fill(self, members: Sequence[Member]) -> None:
         """Puts experiments into the lanes; empty lanes repeat the last of them."""
+        experiments = [member.experiment for member in members]
         cases = len(experiments)
         last = [experiment.iterations for experiment in experiments]
         self.last[:cases], self.last[cases:] = last, NEVER
-        rows = np.array(
-            [parameter_rows(experiment, self.kind, self._direction) for experiment in experiments]
-        )
+        rows = np.array([parameter_rows(member, self.kind, self._direction) for member in members])
         lanes = self.lanes.reshape(FIELDS, LANES)
         for by_left, by_right in _BY_WHEELS:
             left, right = rows[:, by_left].copy(), rows[:, by_right]
@@ -116,9 +115,9 @@ class Pack:
             for lane, experiment in enumerate(experiments):
                 self._lay(experiment.reference, lane)
         if self.planned is not None:
-            self._planner = Planner(experiments)
+            self._planner = Planner(members)
         if self.late is not None:
-            self.late[:cases] = list(map(self._numbers_late, experiments))
+            self.late[:cases] = list(map(_numbers_late, members))
             self.late[cases:] = self.late[cases - 1]
             first = int(self.late[0])
             self.late_alike = first if (self.late == first).all() else -1
@@ -127,16 +126,16 @@ class Pack:
             places = self.words.reshape(WORD_ROWS, LANES)
             places[: words.shape[1], :cases] = words.T
             places[: words.shape[1], cases:] = words[-1][:, np.newaxis]
-        self.restart(experiments)
+        self.restart(members)
 
-    def restart(self, experiments: Sequence[Experiment]) -> None:
+    def restart(self, members: Sequence[Member]) -> None:
         """Sets the history to before iteration 0, and forgets what has been found out."""
         self.history[:] = 0.0
         self.sums[:] = np.nan
         self.diverged_at[:] = NEVER
         inputs = self.history.reshape(-1, HISTORY_FIELDS, LANES)[1:-2]
         known: dict[tuple[int, int], tuple[Floats, Floats] | None] = {}
-        for lane, experiment in enumerate(experiments):
+        for lane, (experiment, *_) in enumerate(members):
             left, right = experiment.initial_left, experiment.initial_right
             # Most often the cases share their first input, and it is zero.
             both = id(left), id(right)
@@ -178,18 +177,19 @@ class Pack:
         else:
             self._planner.plan(self.history, self.planned)
 
-    def _numbers_late(self, experiment: Experiment) -> int:
-        """How many numbers of the history an experiment's wheels are late, at most all of them."""
-        wheels = lane_wheels(experiment)
-        assert wheels is not None  # of such a kind
-        return min(wheels.whole, experiment.reference.samples + 1) * HISTORY_FIELDS * LANES
-
 
 def _twists(reference: Reference) -> Floats:
     """What `Pack.twists` tells of a reference, one sample after the other."""
     heading = reference.heading[:-1]
     columns = [*reference_twist(reference), np.cos(heading), np.sin(heading)]
     return np.stack(columns, axis=1).ravel()
+
+
+def _numbers_late(member: Member) -> int:
+    """How many numbers of the history an experiment's wheels are late, at most all of them."""
+    assert member.wheels is not None  # of such a kind
+    most = member.experiment.reference.samples + 1
+    return min(member.wheels.whole, most) * HISTORY_FIELDS * LANES
 
 
 def _word_rows(experiment: Experiment) -> list[int]:

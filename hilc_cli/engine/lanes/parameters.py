@@ -6,16 +6,8 @@ from typing import NamedTuple
 
 from hilc_cli.disturbance.normal import probabilities
 from hilc_cli.disturbance.streams import Bounded
-from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.lanes.kinds import (
-    Kind,
-    LaneLaw,
-    known_parameters,
-    lane_gains,
-    lane_wheels,
-)
+from hilc_cli.engine.lanes.kinds import Kind, LaneLaw, Member
 from hilc_cli.engine.lanes.lanes import Field
-from hilc_cli.errors import UsageError
 from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.gain_matrix import Coefficients, model_gain
 from hilc_cli.laws.hybrid import with_lateral_gain
@@ -27,19 +19,20 @@ _NONE = (0.0, 0.0, 0.0)
 _NO_WHEELS = (0.0,) * (Field.FORGOTTEN - Field.LEFT_GAIN)
 
 
-def parameter_rows(experiment: Experiment, kind: Kind, direction: float) -> list[float]:
+def parameter_rows(member: Member, kind: Kind, direction: float) -> list[float]:
     """Returns the rows up to Field.POSITION_GAINS, or to Field.STATE if nothing is drawn.
 
     Of the matrix and the lateral gain they are those of the wheels.
 
     Args:
-        experiment: Of the kind.
-        kind: Of the experiment.
+        member: Of the kind.
+        kind: Of the member.
         direction: By which a lateral gain comes to the gain matrix, see `LaneParameters`.
     """
+    experiment = member.experiment
     sample_time, limit = experiment.reference.sample_time, experiment.speed_limit
-    law = _law_rows(known_parameters(experiment), kind, direction, sample_time)
-    gains, wheels = _motion(experiment, sample_time)
+    law = _law_rows(member.law, kind, direction, sample_time)
+    gains, wheels = _motion(member, sample_time)
     parameters = [
         *law.gains, limit, limit * (1 + _ROUNDING), *gains, *law.falling, law.rate,
         *experiment.initial_pose, *law.matrix, *law.lateral, *wheels, law.forgotten, *law.tracking,
@@ -87,22 +80,17 @@ def _law_rows(law: LaneLaw, kind: Kind, direction: float, sample_time: float) ->
     )
 
 
-def _motion(
-    experiment: Experiment, sample_time: float
-) -> tuple[tuple[float, float], tuple[float, ...]]:
+def _motion(member: Member, sample_time: float) -> tuple[tuple[float, float], tuple[float, ...]]:
     """The rows of the gains of mean and half difference, and those from Field.LEFT_GAIN on."""
-    wheels = lane_wheels(experiment)
-    if wheels is not None:
-        return (0.0, 0.0), (
-            wheels.left_gain, wheels.right_gain, wheels.per_half_track, wheels.drift_gain,
-            0.5 if wheels.exact else 0.0, wheels.fraction,
-            wheels.dead_zone, wheels.followed, wheels.most, wheels.lag, sample_time,
-        )  # fmt: skip
-    gains = lane_gains(experiment)
-    if gains is None:
-        raise UsageError("the batch engine does not know the plant")
-    distance_gain, turn_gain = gains
-    return (2 * distance_gain, 2 * turn_gain), _NO_WHEELS
+    wheels = member.wheels
+    if wheels is None:
+        distance_gain, turn_gain = member.gains
+        return (2 * distance_gain, 2 * turn_gain), _NO_WHEELS
+    return (0.0, 0.0), (
+        wheels.left_gain, wheels.right_gain, wheels.per_half_track, wheels.drift_gain,
+        0.5 if wheels.exact else 0.0, wheels.fraction,
+        wheels.dead_zone, wheels.followed, wheels.most, wheels.lag, sample_time,
+    )  # fmt: skip
 
 
 def _noise_rows(source: Bounded) -> list[float]:

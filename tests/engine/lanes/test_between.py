@@ -10,6 +10,7 @@ import pytest
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes import between
 from hilc_cli.engine.lanes.between import Planner
+from hilc_cli.engine.lanes.kinds import member
 from hilc_cli.engine.lanes.lanes import HISTORY_FIELDS, LANES
 from hilc_cli.engine.lanes.packs import aligned
 from hilc_cli.laws.law import Iteration, Task
@@ -59,7 +60,7 @@ def test_lanes_plan_what_the_law_plans() -> None:
     waves = np.cumsum(draw.normal(size=(most + 3, HISTORY_FIELDS, LANES)), axis=0)
     history[:] = (waves + draw.normal(size=waves.shape)).ravel()
     planned = aligned((most + 1) * HISTORY_FIELDS * LANES, np.float64)
-    planner = Planner(experiments)
+    planner = Planner([member(experiment) for experiment in experiments])
     planner.plan(history, planned)
     planner.plan(history, planned)  # nothing is left of the first time
     rows = planned.reshape(-1, HISTORY_FIELDS, LANES)
@@ -98,7 +99,7 @@ def test_a_cosine_is_multiplied_by_the_factor_of_the_filter(cutoff: float) -> No
     frequencies = np.pi * np.arange(LANES) * 12 / n
     cosines = np.cos(frequencies * (np.arange(n)[:, np.newaxis] + 0.5))
     rows[1 : n + 1, 0] = cosines
-    Planner([replace(experiment, law=law)]).plan(history, planned)
+    Planner([member(replace(experiment, law=law))]).plan(history, planned)
     factors = 1 / (1 + (np.tan(frequencies / 2) / np.tan(np.pi * cutoff * 1e-3)) ** 4)
     found = planned.reshape(-1, HISTORY_FIELDS, LANES)[:n, 0]
     np.testing.assert_allclose(found, factors * cosines, atol=1e-13)

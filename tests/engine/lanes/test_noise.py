@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.disturbance.streams import Bounded, Distribution, Disturbance
-from hilc_cli.engine.lanes.kinds import Kind
+from hilc_cli.engine.lanes.kinds import Kind, member
 from hilc_cli.engine.lanes.lanes import BLOCK, LANES, WORD_ROWS, Field, Noise, Words
 from hilc_cli.engine.lanes.noise import NONE, draw_output, draw_pose, draw_state
 from hilc_cli.engine.lanes.packs import Pack
@@ -31,12 +31,11 @@ def disturbances(distribution: Distribution) -> list[Disturbance]:
 def drawn_in_lanes(name: str, cases: list[Disturbance], first: int, count: int) -> Floats:
     """Offsets of all lanes, shape (count, 3, LANES)."""
     reference = paper_reference("circle", 0.1)
-    experiments = [
-        experiment_of(reference, law_of(0.5, 0.25, 0.25), disturbance=case) for case in cases
-    ]
-    kind = Kind.of(experiments[0])
+    law = law_of(0.5, 0.25, 0.25)
+    members = [member(experiment_of(reference, law, disturbance=case)) for case in cases]
+    kind = Kind.of(members[0])
     pack = Pack(reference, kind)
-    pack.fill(experiments)
+    pack.fill(members)
     words = pack.words.reshape(WORD_ROWS, LANES)
     words[Words.PASS :] = ITERATION * words[Words.FREQUENCY : Words.PASS]
     FUNCTIONS[name](pack.noise, pack.lanes, pack.words, kind.state, first, count)
