@@ -77,6 +77,8 @@ def plot(
     from hilc_cli.sweeps.sweep_folder import is_sweep, plot_sweep, read_sweep
 
     kinds = [str(name) for name in kind or []]
+    if formats and kinds and all(name in MOVING_PICTURES for name in kinds):
+        raise UsageError(f"--format: {kinds[0]} is always a GIF; leave --format out")
     if not runs:
         runs = [newest_results(RUNS, kinds)]
         if not quiet:

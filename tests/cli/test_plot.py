@@ -264,3 +264,10 @@ def test_animation_is_a_gif_of_the_run_folder(
 def test_animation_is_of_one_run(hilc: Hilc, runs: Path) -> None:
     outcome = hilc("plot", "runs/test", "runs/other", "--kind", "animation")
     assert (outcome.code, outcome.err) == (2, "hilc: picture 'animation' is of one run, got 2\n")
+
+
+def test_animation_alone_has_no_other_format(hilc: Hilc, runs: Path, folder: Path) -> None:
+    outcome = hilc("plot", "runs/test", "--kind", "animation", "--format", "svg")
+    message = "hilc: --format: animation is always a GIF; leave --format out\n"
+    assert (outcome.code, outcome.err) == (2, message)
+    assert not (folder / "runs/test/animation.gif").exists()
