@@ -1,7 +1,8 @@
 """A pass of the loop engine as machine code: to the bit what it is in plain Python.
 
-The formulas are the same, compiled without liberties. It knows the paper's platform, plans without
-feedback or with gains, and controllers that tell their numbers; all else stays in plain Python.
+The formulas are the same, compiled without liberties. It knows the paper's platform and robots as
+they are, plans without feedback or with gains, and controllers that tell their numbers; all else
+stays in plain Python.
 """
 
 from __future__ import annotations
@@ -19,9 +20,22 @@ from hilc_cli.laws.feedback import FeedbackLaw, TrackingControl, tracking_twist
 from hilc_cli.laws.gain_matrix import wheel_correction
 from hilc_cli.laws.law import Plan
 from hilc_cli.laws.norm_optimal.regulator_control import RegulatorControl, on_arrival
-from hilc_cli.numba_loading import DISABLED, types
-from hilc_cli.plants.kinematic import advance, limit_wheel_speeds, wheel_speeds_from_twist
-from hilc_cli.plants.plant import Pose
+from hilc_cli.numba_loading import DISABLED, register_jitable, types
+from hilc_cli.plants.imperfect_plant import (
+    ImperfectPlant,
+    chord_per_arc,
+    drift_out_of_bend,
+    rolling_step,
+)
+from hilc_cli.plants.kinematic import (
+    advance,
+    drifting_step,
+    limit_wheel_speeds,
+    wheel_speeds_from_twist,
+)
+from hilc_cli.plants.kinematic_plant import KinematicPlant
+from hilc_cli.plants.motor import wheel_turn
+from hilc_cli.plants.plant import Plant, Pose
 from hilc_cli.reference.sampled import Floats, Reference
 
 FORMULAS = (
@@ -29,19 +43,26 @@ FORMULAS = (
     learned_error,
     limit_wheel_speeds,
     on_arrival,
+    rolling_step,
     tracking_twist,
     wheel_correction,
     wheel_speeds_from_twist,
+    wheel_turn,
 )
 (
     _advance,
     _learned_error,
     _limit_wheel_speeds,
     _on_arrival,
+    _rolling_step,
     _tracking_twist,
     _wheel_correction,
     _wheel_speeds_from_twist,
+    _wheel_turn,
 ) = [compiled(function) for function in FORMULAS]
+
+for part in (chord_per_arc, drift_out_of_bend, drifting_step):
+    register_jitable(error_model="numpy")(part)  # of `rolling_step`
 
 FIXED, GAINS, KNOWN, RUNNING, TRACKING, REGULATOR = range(6)
 """How a plan answers: not at all; by gains; by a matrix on errors that are known, or on running
@@ -53,6 +74,9 @@ def _drive(
     poses: Floats,
     inputs: Floats,
     step_gains: tuple[float, float],
+    whole: int,
+    motors: tuple[float, float, float, float, float, float],
+    moves: tuple[float, float, float, float, bool],
     bound: float,
     answer: int,
     planned: Floats,
@@ -73,6 +97,10 @@ def _drive(
         poses: Driven, likewise; the first is where it starts, the others are set.
         inputs: Left and right wheel speed within the limit [rad/s], shape (2, n), set.
         step_gains: Distance per sum of the wheel speeds [m s], turn per difference [s].
+        whole: Of a robot as it is: samples until an input begins to arrive; -1 of the paper's.
+        motors: Of a robot as it is: the fraction of a sample that inputs are later, and what
+            `wheel_turn` takes.
+        moves: Of a robot as it is: what `rolling_step` takes.
         bound: b_w [rad/s].
         answer: FIXED, GAINS, KNOWN, RUNNING, TRACKING or REGULATOR.
         planned: Left and right wheel speed before any answer [rad/s], shape (2, n).
@@ -95,6 +123,7 @@ def _drive(
     saturated = 0
     before_x = before_y = before_heading = 0.0
     faster, turning = np.empty(inputs.shape[1]), np.empty(inputs.shape[1])
+    before_left = before_right = speed_left = speed_right = 0.0
     for k in range(inputs.shape[1]):
         seen_x, seen_y, seen_heading = x, y, heading
         if len(alpha):
@@ -155,16 +184,36 @@ def _drive(
         limited_left, limited_right = _limit_wheel_speeds(left, right, bound)  # Eq. 25
         if limited_left != left or limited_right != right:
             saturated += 1
-        # What `euler_step` says.
-        distance_gain, turn_gain = step_gains
-        x, y, heading = _advance(
-            x, y, heading, math.cos(heading), math.sin(heading),
-            distance_gain * (limited_left + limited_right),
-            turn_gain * (limited_left - limited_right),
-        )  # fmt: skip
+        inputs[0, k], inputs[1, k] = limited_left, limited_right
+        if whole >= 0:
+            # What `Wheel` says.
+            fraction, dead_zone, followed, most, lag, sample_time = motors
+            arrived_left = inputs[0, k - whole] if k >= whole else 0.0
+            arrived_right = inputs[1, k - whole] if k >= whole else 0.0
+            left_turn, speed_left = _wheel_turn(
+                fraction * before_left + (1 - fraction) * arrived_left,
+                speed_left, dead_zone, followed, most, lag, sample_time,
+            )  # fmt: skip
+            right_turn, speed_right = _wheel_turn(
+                fraction * before_right + (1 - fraction) * arrived_right,
+                speed_right, dead_zone, followed, most, lag, sample_time,
+            )  # fmt: skip
+            before_left, before_right = arrived_left, arrived_right
+            left_gain, right_gain, half_track, drift_gain, exact = moves
+            x, y, heading = _rolling_step(
+                x, y, heading, left_turn, right_turn,
+                left_gain, right_gain, half_track, drift_gain, exact,
+            )  # fmt: skip
+        else:
+            # What `euler_step` says.
+            distance_gain, turn_gain = step_gains
+            x, y, heading = _advance(
+                x, y, heading, math.cos(heading), math.sin(heading),
+                distance_gain * (limited_left + limited_right),
+                turn_gain * (limited_left - limited_right),
+            )  # fmt: skip
         if len(beta):
             x, y, heading = x + beta[k, 0], y + beta[k, 1], heading + beta[k, 2]  # Eq. 11
-        inputs[0, k], inputs[1, k] = limited_left, limited_right
         poses[0, k + 1], poses[1, k + 1], poses[2, k + 1] = x, y, heading
     return saturated
 
@@ -177,6 +226,7 @@ _Arguments = tuple[
 ]  # fmt: skip
 _NONE, _NO_MATRICES = np.empty((3, 0)), np.empty((0, 18))
 _NO_NUMBERS, _NO_HEADINGS = np.empty(0, dtype=np.intp), np.empty((2, 0))
+_NO_GAINS, _NO_MOTORS, _NO_MOVES = (0.0, 0.0), (0.0,) * 6, (1.0, 1.0, 1.0, 0.0, False)
 _NO_SCALARS, _NO_MODEL, _NOT_LATE = (0.0, 0.0, 0.0), (1.0, 1.0), np.empty(0)
 
 
@@ -184,8 +234,10 @@ _numba: Any = types  # is not typed
 _PLANE, _LINE = _numba.float64[:, ::1], _numba.float64[::1]
 _NUMBERS = _numba.int64[::1]
 _PAIR, _TRIPLE = _numba.UniTuple(_numba.float64, 2), _numba.UniTuple(_numba.float64, 3)
+_MOTORS = _numba.UniTuple(_numba.float64, 6)
+_MOVES = _numba.Tuple([*[_numba.float64] * 4, _numba.boolean])
 _SIGNATURE = (
-    *(_PLANE, _PLANE, _PLANE, _PAIR, _numba.float64, _numba.int64),
+    *(_PLANE, _PLANE, _PLANE, _PAIR, _numba.int64, _MOTORS, _MOVES, _numba.float64, _numba.int64),
     *(_PLANE, _PLANE, _PLANE, _NUMBERS, _PLANE, _TRIPLE, _PAIR, _LINE, _PLANE, _PLANE),
 )
 _PAYS = 2_000_000
@@ -201,6 +253,11 @@ def prepare() -> None:
     """Loads the machine code, or compiles and keeps it."""
     if not DISABLED:
         drive.compile(_SIGNATURE)
+
+
+def moves(plant: Plant) -> bool:
+    """Whether there is machine code for a plant; one that is built on a known one is not known."""
+    return type(plant) in (KinematicPlant, ImperfectPlant)
 
 
 def knows(plan: Plan, reference: Reference) -> bool:
@@ -238,7 +295,7 @@ def run_pass(
     """Runs a plan that `knows` knows.
 
     Args:
-        experiment: Of the paper's platform.
+        experiment: Of a plant that `moves` knows.
         plan: The plan, its feedforward not yet within the limit.
         start: Pose at which it starts.
         beta: Disturbance of the state, shape (n, 3); None for none.
@@ -249,19 +306,29 @@ def run_pass(
         limit acted. After numbers that are not finite, what follows are not numbers.
     """
     reference, n = experiment.reference, experiment.reference.samples
-    gains = experiment.plant.lane_gains(reference.sample_time)
-    assert gains is not None  # of such a platform
     desired = np.stack([reference.x, reference.y, reference.heading])
     poses, inputs = np.empty((3, n + 1)), np.empty((2, n))
     poses[:, 0] = start
     none = np.empty((0, 3))
     saturated = drive(
-        desired, poses, inputs, gains, experiment.speed_limit,
+        desired, poses, inputs, *_motion(experiment.plant, reference.sample_time),
+        experiment.speed_limit,
         *_numbers(plan, reference),
         none if beta is None else np.ascontiguousarray(beta),
         none if alpha is None else np.ascontiguousarray(alpha),
     )  # fmt: skip
     return poses, inputs, saturated
+
+
+def _motion(plant: Plant, sample_time: float) -> tuple[Any, ...]:
+    """The arguments of `drive` that tell of a plant."""
+    if not isinstance(plant, ImperfectPlant):
+        return plant.lane_gains(sample_time), -1, _NO_MOTORS, _NO_MOVES
+    motor = plant.drivetrain.motor
+    whole, fraction = motor.samples_late(sample_time)
+    most, followed = motor.acceleration * sample_time, motor.followed(sample_time)
+    motors = fraction, motor.dead_zone, followed, most, motor.lag, sample_time
+    return _NO_GAINS, whole, motors, plant.moves(sample_time)
 
 
 def _numbers(plan: Plan, reference: Reference) -> _Arguments:

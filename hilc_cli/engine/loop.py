@@ -19,7 +19,6 @@ from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import Plan
 from hilc_cli.plants.kinematic import limit_wheel_speeds
-from hilc_cli.plants.kinematic_plant import KinematicPlant
 from hilc_cli.plants.plant import Plant, Pose
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import measure
@@ -64,13 +63,11 @@ def prepare_machine_code() -> None:
 
 def _takes_machine_code(experiment: Experiment) -> bool:
     samples = experiment.reference.samples * (experiment.iterations + 1)
-    if type(experiment.plant) is not KinematicPlant:  # another one may move as it likes
-        return False
     if "hilc_cli.numba_loading" not in sys.modules and samples < _PAYS:
         return False
-    from hilc_cli.engine.compiled_pass import pays  # the compiler starts slowly
+    from hilc_cli.engine.compiled_pass import moves, pays  # the compiler starts slowly
 
-    return pays(samples)
+    return moves(experiment.plant) and pays(samples)
 
 
 def _run_iteration(

@@ -30,33 +30,73 @@ class ImperfectPlant(Plant):
 
     def start(self, pose: Pose, sample_time: float) -> Step:
         """Starts a pass with both wheels at rest and no input under way."""
-        drivetrain = self.drivetrain
-        motor, slip = drivetrain.motor, drivetrain.slip
+        motor = self.drivetrain.motor
         left_wheel, right_wheel = motor.wheel(sample_time), motor.wheel(sample_time)
-        half = (1 - slip.longitudinal) / 2
-        left_gain, right_gain = half * drivetrain.left_radius, half * drivetrain.right_radius
-        half_track, exact = self.robot.signed_half_track, self.exact
-        drift_gain = slip.lateral / sample_time
+        left_gain, right_gain, half_track, drift_gain, exact = self.moves(sample_time)
 
         def step(pose: Pose, left: float, right: float) -> Pose:
             x, y, heading = pose
-            left_way, right_way = left_gain * left_wheel(left), right_gain * right_wheel(right)
-            distance, turn = left_way + right_way, (left_way - right_way) / half_track
-            drift_left = drift_out_of_bend(distance, turn, drift_gain)
-            # On an arc the platform moves along its chord, which is shorter and turned half way.
-            middle = turn / 2 if exact else 0.0
-            if not math.isfinite(heading + middle):
-                middle = 0.0  # the pose is infinite in any case
-            chord = chord_per_arc(middle, math.sin(middle))
-            cos, sin = math.cos(heading + middle), math.sin(heading + middle)
-            ahead, left_over = chord * distance, chord * drift_left
-            return drifting_step(x, y, heading, cos, sin, ahead, turn, 0.0, left_over, 0.0)
+            return rolling_step(
+                x, y, heading, left_wheel(left), right_wheel(right),
+                left_gain, right_gain, half_track, drift_gain, exact,
+            )  # fmt: skip
 
         return step
+
+    def moves(self, sample_time: float) -> tuple[float, float, float, float, bool]:
+        """Returns what `rolling_step` takes of the platform."""
+        drivetrain = self.drivetrain
+        slip, half = drivetrain.slip, (1 - drivetrain.slip.longitudinal) / 2
+        return (
+            half * drivetrain.left_radius,
+            half * drivetrain.right_radius,
+            self.robot.signed_half_track,
+            slip.lateral / sample_time,
+            self.exact,
+        )
 
     def lane_wheels(self, sample_time: float) -> LaneWheels:
         """Returns all that there is of wheels, motors and tyres."""
         return self.drivetrain.lane_wheels(self.robot.signed_half_track, self.exact, sample_time)
+
+
+def rolling_step(
+    x: float,
+    y: float,
+    heading: float,
+    left_turn: float,
+    right_turn: float,
+    left_gain: float,
+    right_gain: float,
+    half_track: float,
+    drift_gain: float,
+    exact: bool,
+) -> Pose:
+    """Pose one sample later.
+
+    Args:
+        x: Of the wheel midpoint [m].
+        y: Likewise [m].
+        heading: [rad].
+        left_turn: By which the left wheel turns [rad].
+        right_turn: Likewise the right wheel.
+        left_gain: What a turn of the left wheel moves the midpoint [m/rad].
+        right_gain: Likewise of the right wheel.
+        half_track: With its sign [m].
+        drift_gain: See `drift_out_of_bend`.
+        exact: Whether it moves on an arc.
+    """
+    left_way, right_way = left_gain * left_turn, right_gain * right_turn
+    distance, turn = left_way + right_way, (left_way - right_way) / half_track
+    drift_left = drift_out_of_bend(distance, turn, drift_gain)
+    # On an arc the platform moves along its chord, which is shorter and turned half way.
+    middle = turn / 2 if exact else 0.0
+    if not math.isfinite(heading + middle):
+        middle = 0.0  # the pose is infinite in any case
+    chord = chord_per_arc(middle, math.sin(middle))
+    cos, sin = math.cos(heading + middle), math.sin(heading + middle)
+    ahead, left_over = chord * distance, chord * drift_left
+    return drifting_step(x, y, heading, cos, sin, ahead, turn, 0.0, left_over, 0.0)
 
 
 def drift_out_of_bend(distance: float, turn: float, drift_gain: float) -> float:
