@@ -11,6 +11,7 @@ Source:
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Literal, TypeVar
@@ -97,6 +98,30 @@ class Stream(IntEnum):
     INITIAL_POSE = 2
 
 
+UnitNumbers = Callable[[int, Stream, int, int], Floats]
+"""What draws numbers, as `unit_numbers` does."""
+
+
+def unit_numbers(seed: int, stream: Stream, iteration: int, count: int) -> Floats:
+    """Random numbers strictly between 0 and 1 for x, y and heading of each sample.
+
+    Args:
+        seed: The key.
+        stream: Whose they are.
+        iteration: Of which pass.
+        count: Samples.
+
+    Returns:
+        Shape (3, count).
+    """
+    sample = np.arange(count, dtype=np.uint64)
+    pass_word, stream_word = np.full_like(sample, iteration), np.full_like(sample, int(stream))
+    # Three of the four words of one counter: x, y and heading of that sample.
+    words = philox((sample, pass_word, stream_word, np.zeros_like(sample)), seed)[:3]
+    numbers: Floats = open_unit_interval(np.stack(words))
+    return numbers
+
+
 @dataclass(frozen=True, slots=True)
 class Bounded:
     """A random pose offset that never exceeds its bound.
@@ -135,36 +160,41 @@ class Disturbance:
     output: Bounded = field(default_factory=Bounded)
     initial_pose: Bounded = field(default_factory=Bounded)
 
-    def of_state(self, iteration: int, steps: int) -> Floats | None:
+    def of_state(
+        self, iteration: int, steps: int, units: UnitNumbers = unit_numbers
+    ) -> Floats | None:
         """beta(k) of an iteration, shape (steps, 3); None if there is none."""
-        return self._draw(self.state, Stream.STATE, iteration, steps)
+        return _drawn(self.state, units, self.seed, Stream.STATE, iteration, steps)
 
-    def of_output(self, iteration: int, samples: int) -> Floats | None:
+    def of_output(
+        self, iteration: int, samples: int, units: UnitNumbers = unit_numbers
+    ) -> Floats | None:
         """alpha(k) of an iteration, shape (samples, 3); None if there is none."""
-        return self._draw(self.output, Stream.OUTPUT, iteration, samples)
+        return _drawn(self.output, units, self.seed, Stream.OUTPUT, iteration, samples)
 
     def of_initial_pose(self, iteration: int) -> Triple:
         """Offset of the initial pose of an iteration [m, m, rad]."""
-        offset = self._draw(self.initial_pose, Stream.INITIAL_POSE, iteration, 1)
+        stream = Stream.INITIAL_POSE
+        offset = _drawn(self.initial_pose, unit_numbers, self.seed, stream, iteration, 1)
         if offset is None:
             return (0.0, 0.0, 0.0)
         x, y, heading = offset[0].tolist()
         return (x, y, heading)
 
-    def _draw(self, source: Bounded, stream: Stream, iteration: int, count: int) -> Floats | None:
-        if not source.active:
-            return None
-        sample = np.arange(count, dtype=np.uint64)
-        pass_word = np.full_like(sample, 0 if source.repeat else iteration)
-        stream_word = np.full_like(sample, int(stream))
-        # Three of the four words of one counter: x, y and heading of that sample.
-        words = philox((sample, pass_word, stream_word, np.zeros_like(sample)), self.seed)[:3]
-        columns = [
-            scaled(open_unit_interval(word), source.distribution, bound, deviation)
-            for word, bound, deviation in zip(words, source.bound, source.deviation, strict=True)
-        ]
-        offsets: Floats = np.stack(columns, axis=1)
-        return offsets
+
+def _drawn(
+    source: Bounded, units: UnitNumbers, seed: int, stream: Stream, iteration: int, count: int
+) -> Floats | None:
+    """The offsets of a source at some samples, shape (count, 3); None if there are none."""
+    if not source.active:
+        return None
+    numbers = units(seed, stream, 0 if source.repeat else iteration, count)
+    columns = [
+        scaled(number, source.distribution, bound, deviation)
+        for number, bound, deviation in zip(numbers, source.bound, source.deviation, strict=True)
+    ]
+    offsets: Floats = np.stack(columns, axis=1)
+    return offsets
 
 
 def scaled(unit: Floats, distribution: Distribution, bound: float, deviation: float) -> Floats:

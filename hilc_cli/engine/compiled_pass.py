@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.compiling import cached, compiled, is_at_hand
+from hilc_cli.disturbance import compiled_streams
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.correction import MatrixControl, learned_error
 from hilc_cli.laws.feedback import FeedbackLaw, TrackingControl, tracking_twist
@@ -246,13 +247,16 @@ _PAYS = 2_000_000
 
 def pays(samples: int) -> bool:
     """Whether so many samples of one run are faster in machine code."""
-    return not DISABLED and (samples >= _PAYS or is_at_hand(drive, _SIGNATURE))
+    if DISABLED or samples >= _PAYS:
+        return not DISABLED
+    return is_at_hand(drive, _SIGNATURE) and compiled_streams.are_at_hand()
 
 
 def prepare() -> None:
     """Loads the machine code, or compiles and keeps it."""
     if not DISABLED:
         drive.compile(_SIGNATURE)
+        compiled_streams.prepare()
 
 
 def moves(plant: Plant) -> bool:

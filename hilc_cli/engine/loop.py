@@ -15,6 +15,7 @@ from functools import partial
 
 import numpy as np
 
+from hilc_cli.disturbance.streams import UnitNumbers, unit_numbers
 from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import Plan
@@ -90,8 +91,9 @@ def _run_iteration(
     """
     reference, disturbance = experiment.reference, experiment.disturbance
     steps = reference.samples
-    beta = disturbance.of_state(iteration, steps)
-    alpha = disturbance.of_output(iteration, steps + 1)
+    units = _unit_numbers() if compiled else unit_numbers
+    beta = disturbance.of_state(iteration, steps, units)
+    alpha = disturbance.of_output(iteration, steps + 1, units)
     offset = disturbance.of_initial_pose(iteration)
     x, y, heading = (p + o for p, o in zip(experiment.initial_pose, offset, strict=True))
     run_pass = _machine_code(experiment, plan) if compiled else None
@@ -119,6 +121,13 @@ def _run_iteration(
 _Motion = tuple[Floats | None, Floats, int]
 """Poses, shape (3, n + 1), None if it left the finite numbers on the way; wheel speeds within the
 limit, shape (2, n); at how many samples that acted."""
+
+
+def _unit_numbers() -> UnitNumbers:
+    """What draws the same numbers in machine code."""
+    from hilc_cli.disturbance import compiled_streams
+
+    return compiled_streams.unit_numbers
 
 
 def _machine_code(experiment: Experiment, plan: Plan) -> Callable[..., _Motion] | None:

@@ -12,13 +12,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from hilc_cli.disturbance import compiled_streams
 from hilc_cli.disturbance.streams import (
     Bounded,
     Distribution,
     Disturbance,
+    Stream,
     Triple,
     open_unit_interval,
     philox,
+    unit_numbers,
 )
 from hilc_cli.reference.sampled import Floats
 
@@ -292,3 +295,25 @@ def test_many_counters_at_once_give_the_words_of_each() -> None:
 def test_smallest_and_largest_word_stay_inside_the_unit_interval() -> None:
     ends = open_unit_interval(np.array([0, 0xFFFFFFFF], dtype=np.uint64))
     assert ends.tolist() == [2.0**-33, 1 - 2.0**-33]
+
+
+@given(
+    seed=st.integers(0, 2**64 - 1),
+    stream=st.sampled_from(Stream),
+    iteration=st.integers(0, 2**32 - 1),
+    count=st.integers(1, 40),
+)
+def test_machine_code_draws_the_same_numbers(
+    seed: int, stream: Stream, iteration: int, count: int
+) -> None:
+    found = compiled_streams.unit_numbers(seed, stream, iteration, count)
+    assert found.tobytes() == unit_numbers(seed, stream, iteration, count).tobytes()
+
+
+def test_disturbances_take_what_draws_their_numbers() -> None:
+    disturbance = Disturbance(5, source("uniform"), source("truncated-normal", repeat=True))
+    for draw in (disturbance.of_state, disturbance.of_output):
+        usual, compiled = draw(3, 100), draw(3, 100, compiled_streams.unit_numbers)
+        assert usual is not None
+        assert compiled is not None
+        assert usual.tobytes() == compiled.tobytes()
