@@ -147,10 +147,11 @@ def corrected_plan(
     headings = cosines_and_sines(reference)
     if choice == "previous":
         headings = _cosines_and_sines(reference.heading[:-1] - previous.error_heading[:-1])
-    at = np.stack([*headings, *past])
     left, right = inputs[0].copy(), inputs[1].copy()
     for matrix, here in gains.parts():
-        corrections = wheel_correction(matrix.coefficients, *at[:, here])
+        corrections = wheel_correction(
+            matrix.coefficients, *(row[here] for row in (*headings, *past))
+        )
         left[here] += corrections[0]
         right[here] += corrections[1]
     feedback: MatrixControl | None = None

@@ -90,10 +90,11 @@ class FeedbackLaw:
 
     def learner(self, task: Task) -> Learner:
         """The law, which will learn nothing."""
-        return LastIteration(task, lambda last: self.plan(task.reference))
+        plan = self.plan(task.reference)
+        return LastIteration(task, lambda last: plan)
 
     def plan(self, reference: Reference) -> Plan:
-        """Plans every iteration: the reference's own wheel speeds, and the feedback about it."""
+        """Plans every iteration alike: the reference's own wheel speeds, and the feedback about it."""
         twist, model = reference_twist(reference), self.model
         left, right = wheel_speeds_from_twist(*twist, model.wheel_radius, model.signed_half_track)
         return Plan(left, right, reference.poses, TrackingControl(self, twist))

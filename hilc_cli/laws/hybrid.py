@@ -168,12 +168,13 @@ class HybridLaw:
 
     def learner(self, task: Task) -> Learner:
         """The law at the start of an experiment."""
-        return LastIteration(task, lambda last: self.plan(last, task.reference))
+        reference = task.reference
+        gains = self.gains_along(reference)
+        return LastIteration(task, lambda last: self.plan(last, reference, gains))
 
-    def plan(self, previous: Iteration, reference: Reference) -> Plan:
+    def plan(self, previous: Iteration, reference: Reference, gains: GainsAlong) -> Plan:
         """Plans the next iteration, learning from the previous one, see `corrected_plan`."""
         has_feedback = not self.compensation and (self.l2 != 0 or self.l3 != 0)
-        gains = self.gains_along(reference)
         return corrected_plan(
             gains,
             (previous.left, previous.right),

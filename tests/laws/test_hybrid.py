@@ -58,7 +58,7 @@ def law(
 
 def speeds_of(law: HybridLaw) -> WheelController:
     """The controller of the iteration after the previous one."""
-    return law.plan(PREVIOUS, REFERENCE).controller(REFERENCE)
+    return law.plan(PREVIOUS, REFERENCE, law.gains_along(REFERENCE)).controller(REFERENCE)
 
 
 def test_learning_adds_the_error_of_the_next_sample() -> None:
