@@ -8,6 +8,7 @@ stays in plain Python.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -222,8 +223,8 @@ def _drive(
 drive = cached(_drive, parts=FORMULAS)
 
 _Arguments = tuple[
-    int, Floats, Floats, Floats, NDArray[np.intp], Floats, tuple[float, float, float],
-    tuple[float, float], Floats,
+    int, Floats, Floats, Floats, NDArray[np.intp], Floats, tuple[float, ...], tuple[float, ...],
+    Floats,
 ]  # fmt: skip
 _NONE, _NO_MATRICES = np.empty((3, 0)), np.empty((0, 18))
 _NO_NUMBERS, _NO_HEADINGS = np.empty(0, dtype=np.intp), np.empty((2, 0))
@@ -316,7 +317,7 @@ def run_pass(
     none = np.empty((0, 3))
     saturated = drive(
         desired, poses, inputs, *_motion(experiment.plant, reference.sample_time),
-        experiment.speed_limit,
+        float(experiment.speed_limit),
         *_numbers(plan, reference),
         none if beta is None else np.ascontiguousarray(beta),
         none if alpha is None else np.ascontiguousarray(alpha),
@@ -327,12 +328,18 @@ def run_pass(
 def _motion(plant: Plant, sample_time: float) -> tuple[Any, ...]:
     """The arguments of `drive` that tell of a plant."""
     if not isinstance(plant, ImperfectPlant):
-        return plant.lane_gains(sample_time), -1, _NO_MOTORS, _NO_MOVES
+        return _floats(plant.lane_gains(sample_time)), -1, _NO_MOTORS, _NO_MOVES
     motor = plant.drivetrain.motor
     whole, fraction = motor.samples_late(sample_time)
     most, followed = motor.acceleration * sample_time, motor.followed(sample_time)
     motors = fraction, motor.dead_zone, followed, most, motor.lag, sample_time
-    return _NO_GAINS, whole, motors, plant.moves(sample_time)
+    *gains, exact = plant.moves(sample_time)
+    return _NO_GAINS, whole, _floats(motors), (*_floats(gains), exact)
+
+
+def _floats(numbers: Iterable[float] | None) -> tuple[float, ...]:
+    """Numbers of which none is a whole one, for which code would be compiled anew."""
+    return tuple(map(float, numbers or ()))
 
 
 def _numbers(plan: Plan, reference: Reference) -> _Arguments:
@@ -347,10 +354,10 @@ def _numbers(plan: Plan, reference: Reference) -> _Arguments:
             answer,
             np.stack(feedback.inputs),
             np.stack(list(feedback.past)),
-            np.array([matrix.coefficients for matrix in feedback.gains.matrices]),
+            np.array([matrix.coefficients for matrix in feedback.gains.matrices], dtype=float),
             feedback.gains.numbers,
             _NO_HEADINGS if feedback.headings is None else np.stack(feedback.headings),
-            scalars,
+            _floats(scalars),
             _NO_MODEL,
             _NOT_LATE,
         )
@@ -358,15 +365,16 @@ def _numbers(plan: Plan, reference: Reference) -> _Arguments:
         columns = np.ascontiguousarray(feedback.rows.T)
         return (
             REGULATOR, columns[:2], columns[2:], *nothing,
-            (*feedback.rates, feedback.half_track), feedback.radii, feedback.late,
+            _floats((*feedback.rates, feedback.half_track)), _floats(feedback.radii),
+            feedback.late,
         )  # fmt: skip
     planned = np.stack([plan.left, plan.right])
     if isinstance(feedback, TrackingControl):
         law = feedback.law
         return (
             TRACKING, planned, np.stack(feedback.twist), *nothing,
-            (law.k_x, law.k_y, law.k_theta),
-            (law.model.wheel_radius, law.model.signed_half_track), _NOT_LATE,
+            _floats((law.k_x, law.k_y, law.k_theta)),
+            _floats((law.model.wheel_radius, law.model.signed_half_track)), _NOT_LATE,
         )  # fmt: skip
     if isinstance(feedback, np.ndarray):
         away = (plan.poses - reference.poses)[:-1]

@@ -94,7 +94,7 @@ class FeedbackLaw:
         return LastIteration(task, lambda last: plan)
 
     def plan(self, reference: Reference) -> Plan:
-        """Plans every iteration alike: the reference's own wheel speeds, and the feedback about it."""
+        """Plans each iteration: the reference's own wheel speeds, and the feedback about it."""
         twist, model = reference_twist(reference), self.model
         left, right = wheel_speeds_from_twist(*twist, model.wheel_radius, model.signed_half_track)
         return Plan(left, right, reference.poses, TrackingControl(self, twist))

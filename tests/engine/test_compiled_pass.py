@@ -12,9 +12,16 @@ from hilc_cli.engine.compiled_pass import drive, knows, pays, run_pass
 from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.engine.loop import MeasuredTrials, prepare_machine_code
 from hilc_cli.laws.correction import MatrixControl
+from hilc_cli.laws.feedback import FeedbackLaw
+from hilc_cli.laws.gain_matrix import GainMatrix
+from hilc_cli.laws.hybrid import HybridLaw
 from hilc_cli.laws.law import Plan, WheelController
 from hilc_cli.laws.norm_optimal.regulator_control import RegulatorControl
+from hilc_cli.plants.drivetrain import Drivetrain
+from hilc_cli.plants.imperfect_plant import ImperfectPlant
+from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.kinematic_plant import KinematicPlant
+from hilc_cli.plants.motor import Motor
 from hilc_cli.plants.plant import Pose, Step
 from hilc_cli.results.trial import Trial
 from hilc_cli.runs.running import load_scenario
@@ -180,6 +187,19 @@ def test_arrays_that_were_handed_in_may_be_used_again() -> None:
     before = plan.controller(experiment.reference)(5, 1.0, 0.0, 0.0, 0.0, 0.0)
     trial.left[:] = trial.x[:] = 77.0
     assert plan.controller(experiment.reference)(5, 1.0, 0.0, 0.0, 0.0, 0.0) == before
+
+
+def test_whole_numbers_need_no_code_of_their_own() -> None:
+    experiment = load_scenario("example:feedback-circle", SHORT).experiment()
+    law = FeedbackLaw(1, 2, 3, Robot(1, 1))
+    motor = Motor(delay=0, lag=1, acceleration=100, dead_zone=0)
+    plant = ImperfectPlant(Robot(1, 1), Drivetrain(1, 1, motor), exact=False)
+    matrix = GainMatrix.of((0, 1, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1, -1, 0, 0))
+    hybrid = HybridLaw(1, 1, 1, matrix, "measured", compensation=False, h=1)
+    for other in (law, hybrid):
+        passes(replace(experiment, law=other, plant=plant, speed_limit=200))
+        passes(replace(experiment, law=other, plant=KinematicPlant(Robot(1, 1)), speed_limit=200))
+    assert len(drive.signatures) == 1
 
 
 def test_code_that_is_at_hand_pays_for_every_run() -> None:
