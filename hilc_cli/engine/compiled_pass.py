@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -273,9 +274,10 @@ def knows(plan: Plan, reference: Reference) -> bool:
     n, feedback = reference.samples, plan.feedback
     needed: list[tuple[NDArray[Any], tuple[int, ...]]]
     if type(feedback) is MatrixControl:
-        arrays = [*feedback.inputs, *feedback.past, *(feedback.headings or ())]
-        needed = [(array, (n,)) for array in arrays]
-        if len(feedback.past) != 3 or feedback.gains.numbers.shape != (n,):
+        needed = [(feedback.inputs, (2, n)), (feedback.past, (3, n))]
+        if feedback.headings is not None:
+            needed.append((feedback.headings, (2, n)))
+        if feedback.gains.numbers.shape != (n,):
             return False
     elif type(feedback) is RegulatorControl:
         needed = [(feedback.rows, (n, 10)), (feedback.late, feedback.late.shape[:1])]
@@ -311,18 +313,23 @@ def run_pass(
         limit acted. After numbers that are not finite, what follows are not numbers.
     """
     reference, n = experiment.reference, experiment.reference.samples
-    desired = np.stack([reference.x, reference.y, reference.heading])
     poses, inputs = np.empty((3, n + 1)), np.empty((2, n))
     poses[:, 0] = start
     none = np.empty((0, 3))
     saturated = drive(
-        desired, poses, inputs, *_motion(experiment.plant, reference.sample_time),
+        _desired(reference), poses, inputs, *_motion(experiment.plant, reference.sample_time),
         float(experiment.speed_limit),
         *_numbers(plan, reference),
         none if beta is None else np.ascontiguousarray(beta),
         none if alpha is None else np.ascontiguousarray(alpha),
     )  # fmt: skip
     return poses, inputs, saturated
+
+
+@lru_cache(maxsize=4)
+def _desired(reference: Reference) -> Floats:
+    """The reference's x, y and heading, shape (3, n + 1)."""
+    return np.stack([reference.x, reference.y, reference.heading])
 
 
 def _motion(plant: Plant, sample_time: float) -> tuple[Any, ...]:
@@ -352,11 +359,11 @@ def _numbers(plan: Plan, reference: Reference) -> _Arguments:
             answer, scalars = RUNNING, feedback.running
         return (
             answer,
-            np.stack(feedback.inputs),
-            np.stack(list(feedback.past)),
+            np.ascontiguousarray(feedback.inputs),
+            np.ascontiguousarray(feedback.past),
             np.array([matrix.coefficients for matrix in feedback.gains.matrices], dtype=float),
             feedback.gains.numbers,
-            _NO_HEADINGS if feedback.headings is None else np.stack(feedback.headings),
+            _NO_HEADINGS if feedback.headings is None else np.ascontiguousarray(feedback.headings),
             _floats(scalars),
             _NO_MODEL,
             _NOT_LATE,

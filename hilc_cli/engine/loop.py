@@ -21,7 +21,7 @@ from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import Plan
 from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.plants.plant import Plant, Pose
-from hilc_cli.reference.sampled import Floats
+from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import measure
 from hilc_cli.results.trial import Trial, is_finite
 
@@ -104,9 +104,7 @@ def _run_iteration(
     xs, ys, headings = poses
     lefts, rights = inputs
     trial = Trial(iteration, xs, ys, headings, lefts, rights, saturated)
-    with np.errstate(over="ignore", invalid="ignore"):
-        largest = float(np.hypot(reference.x - trial.x, reference.y - trial.y).max())
-    if not is_finite(largest, *poses[:, -1].tolist()):
+    if not _stayed_finite(trial, reference):
         raise DivergedError(iteration)
     if alpha is None:
         return trial, trial
@@ -116,6 +114,16 @@ def _run_iteration(
         y=trial.y + alpha[:, 1],
         heading=trial.heading + alpha[:, 2],
     )
+
+
+def _stayed_finite(trial: Trial, reference: Reference) -> bool:
+    end = float(trial.x[-1]), float(trial.y[-1]), float(trial.heading[-1])
+    with np.errstate(over="ignore", invalid="ignore"):
+        off_x, off_y = np.abs(reference.x - trial.x), np.abs(reference.y - trial.y)
+        # The corner of the box around all errors is as far out as any of them, and sooner found.
+        if is_finite(math.hypot(off_x.max(), off_y.max()), *end):
+            return True
+        return is_finite(float(np.hypot(off_x, off_y).max()), *end)
 
 
 _Motion = tuple[Floats | None, Floats, int]

@@ -45,19 +45,19 @@ class MatrixControl(NumericController):
 
     Attributes:
         gains: The gain matrix at each sample.
-        inputs: u of the left and the right wheel [rad/s], shape (n,) each.
-        past: What e is made of beforehand, in x, y and heading, shape (n,) each: e itself, or with
+        inputs: u of the left and the right wheel [rad/s], shape (2, n).
+        past: What e is made of beforehand, in x, y and heading, shape (3, n): e itself, or with
             `running` what l1 acts on.
         running: l1, l2 and l3 of Eq. 17 where e depends on the running iteration, too.
-        headings: Cosine and sine of the headings at which the matrix is taken instead, shape (n,)
-            each.
+        headings: Cosine and sine of the headings at which the matrix is taken instead, shape
+            (2, n).
     """
 
     gains: GainsAlong
-    inputs: tuple[Floats, Floats]
-    past: PastErrors
+    inputs: Floats
+    past: Floats
     running: tuple[float, float, float] | None = None
-    headings: tuple[Floats, Floats] | None = None
+    headings: Floats | None = None
 
     def controller(self) -> WheelController:
         """Returns the controller for one pass."""
@@ -159,10 +159,10 @@ def corrected_plan(
         # Copies: whoever handed in a pass may use its arrays again.
         feedback = MatrixControl(
             gains,
-            (inputs[0].copy(), inputs[1].copy()),
-            [part.copy() for part in (past if running is None else ahead)],
+            np.stack(inputs),
+            np.stack(list(past if running is None else ahead)),
             running,
-            None if choice == "measured" else headings,
+            None if choice == "measured" else np.stack(headings),
         )
     return Plan(left, right, reference.poses, feedback)
 
