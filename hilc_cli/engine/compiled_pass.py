@@ -346,7 +346,7 @@ def _motion(plant: Plant, sample_time: float) -> tuple[Any, ...]:
 
 def _floats(numbers: Iterable[float] | None) -> tuple[float, ...]:
     """Numbers of which none is a whole one, for which code would be compiled anew."""
-    return tuple(map(float, numbers or ()))
+    return tuple([float(number) for number in numbers or ()])
 
 
 def _numbers(plan: Plan, reference: Reference) -> _Arguments:
