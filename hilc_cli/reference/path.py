@@ -13,6 +13,16 @@ import numpy as np
 
 from hilc_cli.reference.corners import RoundingError, rounded
 from hilc_cli.reference.placed import MAX_SAMPLES, Placed
+from hilc_cli.reference.placing import (
+    HEADING_TOLERANCE,
+    POSITION_TOLERANCE,
+    Moved,
+    Pose,
+    placed_arc,
+    placed_clothoid,
+    placed_line,
+    slack_at,
+)
 from hilc_cli.reference.plans import (
     ArcPlan,
     ClothoidPlan,
@@ -25,17 +35,13 @@ from hilc_cli.reference.plans import (
     TurnPlan,
 )
 from hilc_cli.reference.profiled import PathTiming, Profile, Share, profile_of
-from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.segments import (
-    Arc,
     Backward,
-    Clothoid,
-    Line,
     Segment,
     TurnInPlace,
     end_of,
     nearest_equivalent_angle,
-    turn_sign,
 )
 from hilc_cli.reference.smooth_parts import curvature_jumps
 from hilc_cli.reference.splines import CurveError
@@ -57,16 +63,9 @@ __all__ = [
     "build_reference",
 ]
 
-POSITION_TOLERANCE = 1e-9  # [m]
-HEADING_TOLERANCE = 1e-9  # [rad]
-MOST_TURNING = 10_000.0
-"""By which a clothoid may turn [rad]."""
 _SAME_HEADING = 0.01  # [rad]: with less of a corner in between, a lap begins as it ends
 _BACK = math.radians(135)
 """A corner beyond which a segment is probably meant to be driven the other way."""
-_LAST_PLACES = 8  # so many units in the last place coordinates may be off in any case
-
-Pose = tuple[float, float, float]
 
 
 class PathBuilder:
@@ -247,7 +246,7 @@ class PathBuilder:
 
     def _slack(self, *coordinates: float) -> float:
         """How far a point of such coordinates may be off [m]."""
-        return _slack(self._tolerance, *coordinates)
+        return slack_at(self._tolerance, *coordinates)
 
     def _place(self, plan: SegmentPlan) -> Placed:
         if isinstance(plan, ThroughPlan):
@@ -262,12 +261,17 @@ class PathBuilder:
             return Placed(TurnInPlace((x, y), running), plan.duration)
         pose = (x, y, running - math.pi) if plan.reverse else self._pose
         segment: Segment
+        moved: Moved = None
         if isinstance(plan, LinePlan):
-            segment = self._line(plan, pose)
+            segment, moved = placed_line(plan, pose, self._tolerance)
         elif isinstance(plan, ArcPlan):
-            segment = self._arc(plan, pose)
+            segment, moved = placed_arc(plan, pose, self._tolerance)
         else:
-            segment = self._clothoid(plan, pose)
+            # Where the robot begins to drive the other way, its wheels steer on as they did.
+            turns_round = plan.reverse != self._is_backward
+            segment = placed_clothoid(plan, pose, (-1 if turns_round else 1) * self._curvature)
+        if moved is not None:
+            self._move(*moved)
         segment = Backward(segment) if plan.reverse else segment
         return Placed(segment, plan.duration, plan.speed)
 
@@ -297,78 +301,6 @@ class PathBuilder:
             raise PathError(f"starts with a corner of {jump:.3g} rad that {error}") from None
         return replace(placed, segment=second), replace(before, segment=first)
 
-    def _line(self, plan: LinePlan, pose: Pose) -> Line:
-        x, y, running = pose
-        if plan.to is not None:
-            end = plan.to
-            length = math.dist((x, y), end)
-            heading = nearest_equivalent_angle(math.atan2(end[1] - y, end[0] - x), running)
-            turned = abs(heading - running)
-            if turned > HEADING_TOLERANCE and length * turned <= self._slack(x, y, *end):
-                heading = running  # the end may be off by so little: no corner is meant
-                end = (x + length * math.cos(heading), y + length * math.sin(heading))
-                self._move("end", end, plan.to)
-        elif plan.length is not None:
-            length, heading = plan.length, running
-            end = (x + length * math.cos(heading), y + length * math.sin(heading))
-        else:
-            raise PathError("has no end; give 'to' or 'length'")
-        if length <= POSITION_TOLERANCE:
-            raise PathError(
-                f"has no length: it starts and ends at ({x:.9g}, {y:.9g}); "
-                "give another end point or leave the line out",
-                "to" if plan.to is not None else "length",
-            )
-        return Line((x, y), end, heading)
-
-    def _arc(self, plan: ArcPlan, pose: Pose) -> Arc:
-        x, y, running = pose
-        side = turn_sign(plan.turn) * math.pi / 2
-        if plan.center is None:
-            if plan.radius is None:
-                raise PathError("has no place; give 'center' or 'radius'")
-            return _tangent_arc(plan, pose, plan.radius)
-        center = plan.center
-        distance = math.dist(center, (x, y))
-        radius = distance if plan.radius is None else plan.radius
-        slack = self._slack(x, y, *center)
-        if abs(distance - radius) > slack:
-            raise PathError(
-                f"does not pass through ({x:.9g}, {y:.9g}), where the path stands: that point is "
-                f"{distance:.9g} m from the centre, a gap of {abs(distance - radius):.3g} m to "
-                f"the radius of {radius:.9g} m; correct the centre, the radius or the segment "
-                "before",
-                "center",
-            )
-        if radius <= POSITION_TOLERANCE:
-            raise PathError(
-                f"has its centre at ({x:.9g}, {y:.9g}), where the path stands; give another centre",
-                "center",
-            )
-        start_angle = math.atan2(y - center[1], x - center[0])
-        heading = nearest_equivalent_angle(start_angle + side, running)
-        if max(abs(heading - running), abs(distance - radius)) > POSITION_TOLERANCE:
-            # The centre may be off by so little: neither a gap nor a corner is meant.
-            tangent = _tangent_arc(plan, pose, radius)
-            if math.dist(tangent.center, center) <= slack:
-                self._move("centre", tangent.center, center)
-                return tangent
-            radius = distance if abs(distance - radius) > POSITION_TOLERANCE else radius
-        return Arc(center, radius, start_angle, plan.sweep, plan.turn, heading)
-
-    def _clothoid(self, plan: ClothoidPlan, pose: Pose) -> Clothoid:
-        # Where the robot begins to drive the other way, its wheels steer on as they did.
-        turns_round = plan.reverse != self._is_backward
-        arrives = -self._curvature if turns_round else self._curvature
-        start = arrives if plan.start_curvature is None else plan.start_curvature
-        clothoid = Clothoid(pose[:2], pose[2], plan.length, start, plan.end_curvature)
-        if clothoid.turning > MOST_TURNING:
-            raise PathError(
-                f"turns by up to {clothoid.turning:.4g} rad; the most is {MOST_TURNING:g} rad: "
-                "give smaller curvatures, or a shorter length"
-            )
-        return clothoid
-
     def _through(self, plan: ThroughPlan) -> Placed:
         points, turned = plan.points, math.pi if plan.reverse else 0.0
         heading = None
@@ -383,7 +315,7 @@ class PathBuilder:
                     f"starts at ({first}), {gap:.3g} m from ({x:.9g}, {y:.9g}), where the path "
                     "stands; make its first point the one where the segment before ends"
                 )
-            self._move("first point", (x, y), points[0])
+            self._move("first point", gap)
             points = np.concatenate([[[x, y]], points[1:]])
         try:
             curve = curve_through(
@@ -392,7 +324,7 @@ class PathBuilder:
                 smoothing=plan.smoothing,
                 closed=plan.closed,
                 slack=slack,
-                same=_slack(POSITION_TOLERANCE, *map(float, points[0])),
+                same=slack_at(POSITION_TOLERANCE, *map(float, points[0])),
                 start_heading=heading,
                 end_heading=None if plan.heading is None else plan.heading - turned,
                 corners=self._corners,
@@ -412,9 +344,9 @@ class PathBuilder:
         segment = Backward(curve.segment) if plan.reverse else curve.segment
         return Placed(segment, plan.duration, plan.speed, clock=clock)
 
-    def _move(self, what: str, new: Sequence[float], given: Sequence[float] | Floats) -> None:
+    def _move(self, what: str, distance: float) -> None:
         """Notes that something given stands for a point beside it."""
-        self.moved.append((len(self._placed), what, math.dist(new, given)))
+        self.moved.append((len(self._placed), what, distance))
 
     def _take(self, placed: Placed) -> None:
         """Takes a segment in, even if what is said of its time is told to be wrong.
@@ -440,19 +372,6 @@ def _other_way(segment: Segment) -> str:
     if isinstance(segment, Backward):
         return "leave out its 'reverse: true'"
     return "set 'reverse: true' to drive it backward"
-
-
-def _slack(tolerance: float, *coordinates: float) -> float:
-    """A tolerance, but no less than what the coordinates can be told apart by [m]."""
-    return max(tolerance, _LAST_PLACES * math.ulp(max(map(abs, coordinates))))
-
-
-def _tangent_arc(plan: ArcPlan, pose: Pose, radius: float) -> Arc:
-    """An arc that leaves a pose along its heading."""
-    x, y, running = pose
-    side = turn_sign(plan.turn) * math.pi / 2
-    center = (x + radius * math.cos(running + side), y + radius * math.sin(running + side))
-    return Arc(center, radius, running - side, plan.sweep, plan.turn, running)
 
 
 def build_reference(
