@@ -244,13 +244,16 @@ _SIGNATURE = (
     *(_PLANE, _PLANE, _PLANE, _NUMBERS, _PLANE, _TRIPLE, _PAIR, _LINE, _PLANE, _PLANE),
 )
 _PAYS = 2_000_000
-"""Samples of a run from which on it is faster to compile the code first."""
+"""Samples from which on it is faster to compile the code first."""
 
 
-def pays(samples: int) -> bool:
-    """Whether so many samples of one run are faster in machine code."""
-    if DISABLED or samples >= _PAYS:
-        return not DISABLED
+def pays(samples: float) -> bool:
+    """Whether so many samples are faster in machine code, even if it must be compiled first."""
+    return not DISABLED and (samples >= _PAYS or is_compiled())
+
+
+def is_compiled() -> bool:
+    """Whether nothing need be compiled."""
     return is_at_hand(drive, _SIGNATURE) and compiled_streams.are_at_hand()
 
 

@@ -173,12 +173,24 @@ def crew_for(plan: Plan, cases: int, how: Execution) -> Crew[Chunk, ChunkResult]
 
 def compile_for(plan: Plan, on_compile: Callable[[], None]) -> None:
     """Compiles here, and tells of it, what all workers would otherwise compile in silence."""
-    looked_at = _some_experiments(plan) if plan.in_lanes else []
+    if not plan.in_lanes:
+        _compile_passes(len(plan.cases) * samples_per_case(plan), on_compile)
+        return
+    looked_at = _some_experiments(plan)
     if looked_at and not is_compiled(looked_at, plan.own_references):
         on_compile()
         short = [replace(experiment, iterations=0) for experiment in looked_at]
         with suppress(Exception):  # what cannot be run is told when its case is computed
             simulate_batch(short, plan.own_references)
+
+
+def _compile_passes(samples: float, on_compile: Callable[[], None]) -> None:
+    """Compiles what passes of the loop engine take, if that pays for so many samples."""
+    from hilc_cli.engine import compiled_pass  # loads all laws
+
+    if compiled_pass.pays(samples) and not compiled_pass.is_compiled():
+        on_compile()
+        compiled_pass.prepare()
 
 
 def _some_experiments(plan: Plan) -> list[Experiment]:

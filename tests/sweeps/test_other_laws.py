@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 import hilc_cli as hilc_api
+from hilc_cli.engine import compiled_pass
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.law import Figures, Iteration, LastIteration, Learner, Task
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.scenario.making import ExperimentMaker
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.sweeps.chunks import Chunk
-from hilc_cli.sweeps.compute import cases_per_chunk, run_chunk
+from hilc_cli.sweeps.compute import cases_per_chunk, compile_for, run_chunk
 from hilc_cli.sweeps.estimate import estimate
 from hilc_cli.sweeps.plan import Plan
 from tests.conftest import Write
@@ -49,6 +50,19 @@ def test_rows_are_those_of_single_runs(plan: Plan) -> None:
         if found.diverged_at is None and settled is not None:
             assert row["iterations_to_tolerance"] == settled
     assert result.rows[:, -1].tolist() == [0, 0, 0, 0, 0, 1]
+
+
+@pytest.mark.parametrize(("at_hand", "pays"), [(False, True), (True, True), (False, False)])
+def test_code_for_many_passes_is_compiled_once_before_the_workers(
+    plan: Plan, monkeypatch: pytest.MonkeyPatch, at_hand: bool, pays: bool
+) -> None:
+    done: list[str] = []
+    samples = 3 * (1 + 31) * plan.scenario.spec.reference.samples
+    monkeypatch.setattr(compiled_pass, "_PAYS", samples if pays else samples + 1)
+    monkeypatch.setattr(compiled_pass, "is_compiled", lambda: at_hand)
+    monkeypatch.setattr(compiled_pass, "prepare", lambda: done.append("compiled"))
+    compile_for(plan, lambda: done.append("told"))
+    assert done == (["told", "compiled"] if pays and not at_hand else [])
 
 
 def test_workers_and_chunks_do_not_change_the_numbers(plan: Plan) -> None:
