@@ -14,10 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.bounded_search import Found, likeliest
 from hilc_cli.laws.norm_optimal.filter_slopes import parameter_score
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
-from hilc_cli.laws.norm_optimal.motor import Motor, steps_and_slopes, steps_of
+from hilc_cli.laws.norm_optimal.motor import Motor, made_slopes, steps_and_slopes, steps_of
 from hilc_cli.laws.norm_optimal.noise_score import noise_score
 from hilc_cli.reference.sampled import Floats
 
@@ -147,11 +148,29 @@ class MotorBelief:
         Returns:
             Of the way [m^2] and of the heading [rad^2].
         """
-        _, slopes = self.steps_and_slopes(inputs, sample_time)
-        gone = np.cumsum(slopes, axis=0).reshape(-1, len(NAMES))
-        variances = (np.einsum("ki,ij->kj", gone, self.covariance) * gone).sum(axis=1)
-        way, turn = variances.reshape(-1, 2).max(axis=0).tolist()
-        return way, turn
+        return drift(self.motor, self.covariance, inputs, sample_time)  # type: ignore[no-any-return]
+
+
+def _drift(
+    motor: Motor, covariance: Floats, inputs: Floats, sample_time: float
+) -> tuple[float, float]:
+    """What `MotorBelief.drift` returns: the largest variances of sums of steps."""
+    _, slopes = made_slopes(motor, inputs, sample_time)
+    gone, most = np.zeros((2, 6)), np.zeros(2)
+    for k in range(len(inputs)):
+        for part in range(2):
+            variance = 0.0
+            for i in range(6):
+                gone[part, i] += slopes[k, part, i]
+                row = 0.0
+                for j in range(i):
+                    row += covariance[i, j] * gone[part, j]
+                variance += gone[part, i] * (2.0 * row + covariance[i, i] * gone[part, i])
+            most[part] = max(most[part], variance)
+    return most[0], most[1]
+
+
+drift = cached(_drift, parts=[made_slopes])
 
 
 def parameters_at_first(motor: Motor) -> Floats:

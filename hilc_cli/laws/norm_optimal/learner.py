@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import NamedTuple
@@ -13,14 +15,14 @@ from hilc_cli.laws.law import Figures, Iteration, Plan
 from hilc_cli.laws.norm_optimal.chance import seldom_above
 from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
 from hilc_cli.laws.norm_optimal.law import IDENTIFIED, MERGE_TIME, MISFITS, NormOptimalLaw
-from hilc_cli.laws.norm_optimal.misfit import misfits
+from hilc_cli.laws.norm_optimal.misfit import Innovations
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter, smoothed_poses
 from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, steps_of
 from hilc_cli.laws.norm_optimal.motor_plan import motor_plan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
 from hilc_cli.laws.norm_optimal.rectified import MERGED, rectified_reference
-from hilc_cli.laws.norm_optimal.repeating import repeating
+from hilc_cli.laws.norm_optimal.repeating import Repeating
 from hilc_cli.laws.norm_optimal.safeguard import Learned, Safeguard
 from hilc_cli.laws.safety_net import STEP_SHARE, WENT_BACK
 from hilc_cli.plants.kinematic import step_gains
@@ -88,7 +90,9 @@ class Driven(NamedTuple):
     @property
     def surprise(self) -> float:
         """Mean square of what was not expected: about 1 where the belief explains it."""
-        return float(np.nanmean(np.square(self.white)))
+        squares = np.square(self.white)
+        mean = float(squares.mean())
+        return mean if math.isfinite(mean) else float(np.nanmean(squares))
 
 
 class NormOptimalLearner:
@@ -115,7 +119,9 @@ class NormOptimalLearner:
             motor = Motor(*radii, half_track, *late)
         self._belief = MotorBelief.at_first(motor, Noise(*[_VAGUE**2] * 5))
         self._passes: deque[Pass] = deque(maxlen=MEMORY)
-        self._driven: deque[Driven] = deque(maxlen=MEMORY)
+        self._repeating = Repeating(reference.samples, MEMORY)
+        self._innovations = Innovations(reference.samples, MEMORY)
+        self._begun: deque[Floats] = deque(maxlen=MEMORY)  # where the passes began
         self._starts: deque[Floats] = deque(maxlen=MEMORY)
         self._learned = Learned(self._belief.parameters, np.zeros((reference.samples, 3)))
         self._safeguard = Safeguard(self._learned)
@@ -179,47 +185,55 @@ class NormOptimalLearner:
         """Learns from a pass, and returns by how much the model does not fit, see `misfits`."""
         self._passes.append(latest)
         self._seen += 1
-        passes = self._placed()
+        placed = self._placed()
         early = self._seen <= _ALWAYS or self._seen & (self._seen - 1) == 0
-        seen = None if early else self._smoothed(passes[-1])
+        seen = None if early else self._smoothed(placed(latest))
         if seen is None or seen.surprise > _NEW * self._usual:
+            passes = [placed(each) for each in self._passes]
             self._belief = self._identification.update(self._belief, passes)
-            self._driven = deque((self._smoothed(each) for each in passes), maxlen=MEMORY)
-            self._usual = max(self._driven[-1].surprise, 1.0)
+            self._repeating.clear()
+            self._innovations.clear()
+            for each in passes:
+                seen = self._smoothed(each)
+                self._keep(seen, each.sent)
+            assert seen is not None  # there is a pass
+            self._usual = max(seen.surprise, 1.0)
         else:
-            self._driven.append(seen)
-        self._starts = deque((each.poses[0] for each in self._driven), maxlen=MEMORY)
-        beside = repeating(
-            np.array([each.beyond for each in self._driven]),
-            np.array([each.sent for each in passes]),
-        )
+            self._keep(seen, latest.sent)
+        self._starts = deque(self._begun, maxlen=MEMORY)
+        beside = self._repeating.expected()
         learned = Learned(self._belief.parameters, beside)
-        error = self._error(self._driven[-1].poses)
-        self._learned = self._safeguard.next(error, learned)
-        return misfits(np.array([each.white for each in self._driven]))
+        self._learned = self._safeguard.next(self._error(seen.poses), learned)
+        return self._innovations.misfits()
 
-    def _placed(self) -> list[Pass]:
-        """The passes, with what they tell together of where they start.
+    def _keep(self, seen: Driven, sent: Floats) -> None:
+        """Keeps what a pass was, and what was sent in it."""
+        self._repeating.add(seen.beyond, sent)
+        self._innovations.add(seen.white)
+        self._begun.append(seen.poses[0])
+
+    def _placed(self) -> Callable[[Pass], Pass]:
+        """Gives passes what they tell together of where they start.
 
         As long as starts differ no more than readings of them would, all are at one place, which
         so many readings tell.
         """
-        passes, noise = list(self._passes), self._belief.noise
-        if len(passes) < 2:
-            return passes
-        starts = np.array([each.measured[0] for each in passes])
-        freedom = len(starts) - 1
-        usual = seldom_above(freedom, _RARELY)
+        count, noise = len(self._passes), self._belief.noise
+        if count < 2:
+            return lambda each: each
+        starts = np.array([each.measured[0] for each in self._passes])
+        usual = seldom_above(count - 1, _RARELY)
         read = np.array([noise.position, noise.position, noise.heading])
         if np.any(starts.var(axis=0, ddof=1) > usual * read):
-            return passes
+            return lambda each: each
         start = starts.mean(axis=0) if self._is_clearly_off(starts) else self._target[0]
-        return [
-            each._replace(
-                measured=np.vstack([start, each.measured[1:]]), start_share=1 / len(passes)
-            )
-            for each in passes
-        ]
+
+        def placed(each: Pass) -> Pass:
+            measured = each.measured.copy()
+            measured[0] = start
+            return each._replace(measured=measured, start_share=1 / count)
+
+        return placed
 
     def _error(self, poses: Floats) -> float:
         """RMS of what was off in a pass, from a start off the trajectory in its second half.
@@ -227,7 +241,8 @@ class NormOptimalLearner:
         1 counts as one.
         """
         position, heading = self._law.squared_weights
-        squares = (np.square(poses - self._target) * [position, position, heading]).sum(axis=1)
+        x, y, turned = np.square(poses - self._target).T
+        squares = position * (x + y) + heading * turned
         if not self._start_on_it():
             squares = squares[len(squares) // 2 :]
         return float(np.sqrt(squares.mean()))
@@ -258,9 +273,12 @@ class NormOptimalLearner:
         seen = run_filter(each.measured, steps, lead, belief.noise, each.start_share, keep=True)
         poses = smoothed_poses(seen)
         beyond = body_steps(poses, lead)
-        beyond[:, [0, 2]] -= steps
+        beyond[:, 0] -= steps[:, 0]
+        beyond[:, 2] -= steps[:, 1]
         white = seen.white  # of zeros where nothing was measured
-        white[np.isnan(each.measured[1:, 0])] = np.nan
+        unread = np.isnan(each.measured[1:, 0])
+        if unread.any():
+            white[unread] = np.nan
         return Driven(poses, beyond, white)
 
     def _way_in(self, motor: Motor, start: Floats) -> WayIn:
@@ -269,7 +287,7 @@ class NormOptimalLearner:
         gains = step_gains(radius, motor.half_track, self._reference.sample_time)
         drift = np.zeros((self._reference.samples, 3))
         ideal = motor._replace(delay=0.0, lag=0.0, friction=0.0)
-        steps = body_steps(self._target, self._law.lead)[:, [0, 2]]
+        steps = np.ascontiguousarray(body_steps(self._target, self._law.lead)[:, ::2])
         fastest = float(np.abs(commands_for(ideal, steps, self._reference.sample_time)).max())
         found = rectified_reference(
             self._target,

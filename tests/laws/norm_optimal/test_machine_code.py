@@ -11,12 +11,16 @@ import pytest
 from hilc_cli.laws.norm_optimal import (
     bounded_changes,
     filter_slopes,
+    identification,
     linear_quadratic,
+    misfit,
     motion_filter,
     motor,
+    motor_plan,
     motor_quadratic,
     noise_score,
     optimal_motion,
+    pose_regulator,
     rectified,
     repeating,
 )
@@ -39,6 +43,7 @@ GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
 COVARIANCES = np.array([each.T @ each for each in RANDOM.normal(0, 1, (N + 1, 4, 3))])
 INSIDE = bounded_changes.Inside(RANDOM.normal(0, 1, (N, 2)), *RANDOM.uniform(0.1, 1, (4, N, 2)))
 WITHIN = RANDOM.normal(0, 1, (4, N, 2))
+MOTOR = motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0)
 NOISE = motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5)
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -74,6 +79,17 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, MODEL)),
     "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 900.0, 0.01)),
+    "steps_of": (motor.steps_of, (MOTOR, INPUTS, 0.01)),
+    "commands_for": (motor.commands_for, (MOTOR, INPUTS / 100, 0.01)),
+    "body_steps": (motor.body_steps, (POSES, 0.5)),
+    "wanted": (motor_plan.wanted, (POSES, DRIFT, 0.5)),
+    "made_motion": (
+        motor_plan.made_motion,
+        (INPUTS, MOTOR, POSES[0], DRIFT, 0.01, 0.5, POSES, WEIGHTS, INPUTS + 1, INPUTS**2),
+    ),
+    "drift": (identification.drift, (MOTOR, np.eye(6), INPUTS, 0.01)),
+    "regulated": (pose_regulator.regulated, (INPUTS, POSES, POSES + 0.1, 2, 0.01, 3.0)),
+    "along": (linear_quadratic.linearised, (POSES, 0.1, 0.2)),
     "moved": (motor.moved, (POSES[0], INPUTS / 100, DRIFT, 0.5)),
     "pose filter": (
         motion_filter.filtered,
@@ -99,16 +115,23 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "steps_and_slopes": (
         motor.steps_and_slopes,
-        (motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), INPUTS, 0.01),
+        (MOTOR, INPUTS, 0.01),
     ),
     "with_bounds": (bounded_changes.with_bounds, (INSIDE, *WITHIN[:2], *WITHIN[2:].copy())),
     "towards_centre": (bounded_changes.towards_centre, (INSIDE, WITHIN[0], 3.0, WITHIN[1])),
     "moved_inside": (bounded_changes.moved_inside, (INSIDE, WITHIN[0], WITHIN[1], 0.1, 0.99)),
+    "distances": (
+        repeating.distances,
+        (RANDOM.normal(1, 1, (4, 3, N)), repeating.octaves(N), 2, np.zeros((3, 5, 4, 4))),
+    ),
+    "differences": (repeating.differences, (RANDOM.normal(3, 1, (4, N, 2)), 1)),
+    "in_common": (misfit.in_common, (RANDOM.normal(0, 1, (4, N, 3)), np.zeros((3, N)))),
     "coming_back": (
         repeating.coming_back,
         (
-            RANDOM.normal(1, 1, (3, 4, N)),
+            RANDOM.normal(1, 1, (4, 3, N)),
             np.array([[0, 1], [1, 2], [2, 4], [4, N]]),
+            RANDOM.uniform(1, 2, (3, 4, 4, 4)),
             np.array([1.0, 0.5, 0.1, 0.0]),
             np.array([0.0, 0.1, 10.0]),
             np.array([4.0, 2.0, 1.0]),
@@ -117,7 +140,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "linearised": (
         motor_quadratic.linearised,
-        (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), 0.01, 0.5),
+        (POSES, INPUTS, MOTOR, 0.01, 0.5),
     ),
     **{
         code.py_func.__name__: (code, (MOTOR_MOTION, *arguments))
@@ -125,6 +148,8 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
             (motor_quadratic.factorise, (WEIGHTS, INPUTS**2 + 1, GAINS_7, np.zeros((N, 3)))),
             (motor_quadratic.solve, (GAINS_7, INPUTS[:, [0, 0, 1]], POSES, INPUTS)),
             (motor_quadratic.input_slopes_after, (WEIGHTS, POSES, INPUTS)),
+            (motor_quadratic.change_of_cost, (WEIGHTS, INPUTS**2, POSES, INPUTS, INPUTS + 1)),
+            (motor_quadratic.of_wheels_at_once, ()),
         )
     },
     "smoother": (motion_filter.smoothed, (POSES, COVARIANCES, POSES + 0.1, COVARIANCES + 0.2)),
