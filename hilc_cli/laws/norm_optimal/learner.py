@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import NamedTuple
@@ -21,7 +21,7 @@ from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, st
 from hilc_cli.laws.norm_optimal.motor_plan import motor_plan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
-from hilc_cli.laws.norm_optimal.rectified import MERGED, rectified_reference
+from hilc_cli.laws.norm_optimal.rectified import MERGED, RectifiedReference, rectified_reference
 from hilc_cli.laws.norm_optimal.repeating import Repeating
 from hilc_cli.laws.norm_optimal.safeguard import Learned, Safeguard
 from hilc_cli.laws.safety_net import STEP_SHARE, WENT_BACK
@@ -66,11 +66,26 @@ class NormOptimalPlan(Plan):
     settled: bool = True
 
 
-class WayIn(NamedTuple):
-    """A way into the trajectory, and whether the search for it settled."""
+class Starts(NamedTuple):
+    """Where passes start.
 
-    poses: Floats
-    settled: bool
+    Attributes:
+        mean: Pose, shape (3,).
+        variances: Of x, y and heading, 0 of a single one, shape (3,).
+        passes: How many they are.
+    """
+
+    mean: Floats
+    variances: Floats
+    passes: int
+
+    @classmethod
+    def of(cls, poses: Iterable[Floats]) -> Starts:
+        """Returns what some poses have in common."""
+        rows = np.array(list(poses))
+        mean = rows.sum(axis=0) / len(rows)
+        variances = np.square(rows - mean).sum(axis=0) / max(len(rows) - 1, 1)
+        return cls(mean, variances, len(rows))
 
 
 class Driven(NamedTuple):
@@ -122,10 +137,13 @@ class NormOptimalLearner:
         self._repeating = Repeating(reference.samples, MEMORY)
         self._innovations = Innovations(reference.samples, MEMORY)
         self._begun: deque[Floats] = deque(maxlen=MEMORY)  # where the passes began
-        self._starts: deque[Floats] = deque(maxlen=MEMORY)
+        self._stood: deque[Floats] = deque(maxlen=MEMORY)  # where passes at rest were
+        self._starts: Starts | None = None
         self._learned = Learned(self._belief.parameters, np.zeros((reference.samples, 3)))
         self._safeguard = Safeguard(self._learned)
         self._plan: NormOptimalPlan | None = None  # of the pass that runs
+        self._way: RectifiedReference | None = None  # of the last plan
+        self._known_way: RectifiedReference | None = None  # of a plan that has been learned from
         self._seen = 0
         self._usual = 1.0
 
@@ -150,7 +168,8 @@ class NormOptimalLearner:
             if latest.sent.any():
                 misfit = self._take_in(latest)
             else:
-                self._starts.append(np.nanmean(latest.measured, axis=0))
+                self._stood.append(np.nanmean(latest.measured, axis=0))
+                self._starts = Starts.of(chain(self._begun, self._stood))
         merge_time, settled = self._of_plan(plan)
         return {
             **self._identified(),
@@ -185,6 +204,7 @@ class NormOptimalLearner:
         """Learns from a pass, and returns by how much the model does not fit, see `misfits`."""
         self._passes.append(latest)
         self._seen += 1
+        self._known_way = self._way
         placed = self._placed()
         early = self._seen <= _ALWAYS or self._seen & (self._seen - 1) == 0
         seen = None if early else self._smoothed(placed(latest))
@@ -200,7 +220,8 @@ class NormOptimalLearner:
             self._usual = max(seen.surprise, 1.0)
         else:
             self._keep(seen, latest.sent)
-        self._starts = deque(self._begun, maxlen=MEMORY)
+        self._stood.clear()
+        self._starts = Starts.of(self._begun)
         beside = self._repeating.expected()
         learned = Learned(self._belief.parameters, beside)
         self._learned = self._safeguard.next(self._error(seen.poses), learned)
@@ -221,12 +242,12 @@ class NormOptimalLearner:
         count, noise = len(self._passes), self._belief.noise
         if count < 2:
             return lambda each: each
-        starts = np.array([each.measured[0] for each in self._passes])
+        starts = Starts.of(each.measured[0] for each in self._passes)
         usual = seldom_above(count - 1, _RARELY)
         read = np.array([noise.position, noise.position, noise.heading])
-        if np.any(starts.var(axis=0, ddof=1) > usual * read):
+        if np.any(starts.variances > usual * read):
             return lambda each: each
-        start = starts.mean(axis=0) if self._is_clearly_off(starts) else self._target[0]
+        start = starts.mean if self._is_clearly_off(starts) else self._target[0]
 
         def placed(each: Pass) -> Pass:
             measured = each.measured.copy()
@@ -247,24 +268,16 @@ class NormOptimalLearner:
             squares = squares[len(squares) // 2 :]
         return float(np.sqrt(squares.mean()))
 
-    def _usual_start(self) -> Floats:
-        """Pose from which passes start."""
-        starts: Floats = np.array(self._starts) if self._starts else self._target[:1]
-        mean: Floats = starts.mean(axis=0)
-        return mean
-
     def _start_on_it(self) -> bool:
         """Whether passes start on the trajectory, as far as they clearly tell."""
-        return not self._starts or not self._is_clearly_off(np.array(self._starts))
+        return self._starts is None or not self._is_clearly_off(self._starts)
 
-    def _is_clearly_off(self, starts: Floats) -> bool:
+    def _is_clearly_off(self, starts: Starts) -> bool:
         """Whether some starts tell another one than the trajectory's."""
         noise = self._belief.noise
-        variances = np.array([noise.position, noise.position, noise.heading])
-        if len(starts) > 1:
-            variances = np.maximum(variances, starts.var(axis=0, ddof=1))
-        off = np.abs(starts.mean(axis=0) - self._target[0])
-        return bool(np.any(off > CLEARLY * np.sqrt(variances / len(starts)) + _ON_IT))
+        variances = np.maximum([noise.position, noise.position, noise.heading], starts.variances)
+        off = np.abs(starts.mean - self._target[0])
+        return bool(np.any(off > CLEARLY * np.sqrt(variances / starts.passes) + _ON_IT))
 
     def _smoothed(self, each: Pass) -> Driven:
         """What a pass was as the belief and all its readings say."""
@@ -281,7 +294,7 @@ class NormOptimalLearner:
             white[unread] = np.nan
         return Driven(poses, beyond, white)
 
-    def _way_in(self, motor: Motor, start: Floats) -> WayIn:
+    def _way_in(self, motor: Motor, start: Floats) -> RectifiedReference:
         """A way into the trajectory from a start off it."""
         radius = (motor.left_radius + motor.right_radius) / 2
         gains = step_gains(radius, motor.half_track, self._reference.sample_time)
@@ -289,14 +302,14 @@ class NormOptimalLearner:
         ideal = motor._replace(delay=0.0, lag=0.0, friction=0.0)
         steps = np.ascontiguousarray(body_steps(self._target, self._law.lead)[:, ::2])
         fastest = float(np.abs(commands_for(ideal, steps, self._reference.sample_time)).max())
-        found = rectified_reference(
+        return rectified_reference(
             self._target,
             start,
             Model(*gains, drift, self._speed_limit),
             self._law.h,
             (*self._law.squared_weights, (_FREE * fastest + 1e-9) ** -2),
+            self._known_way,
         )
-        return WayIn(found.poses, found.settled)
 
     def plan(self, start: Floats | None = None) -> NormOptimalPlan:
         """Plans the next pass anew from the geometry: only what is known of the robot is kept.
@@ -307,11 +320,12 @@ class NormOptimalLearner:
         reference, law = self._reference, self._law
         motor = self._belief.with_parameters(self._learned.parameters).motor
         on_it = self._start_on_it() if start is None else _is_near(start, self._target[0])
-        start = self._usual_start() if start is None else start
-        way_in = WayIn(self._target, settled=True) if on_it else self._way_in(motor, start)
+        if start is None:
+            start = self._target[0] if self._starts is None else self._starts.mean
+        way_in = self._way = None if on_it else self._way_in(motor, start)
         found = motor_plan(
             motor,
-            way_in.poses,
+            self._target if way_in is None else way_in.poses,
             start,
             self._learned.beside,
             reference.sample_time,
@@ -326,7 +340,7 @@ class NormOptimalLearner:
             right,
             found.poses,
             merge_sample=self._merged(found.poses),
-            settled=way_in.settled and found.settled,
+            settled=found.settled and (way_in is None or way_in.settled),
         )
         if law.feedback == "regulator":
             rates = self._rates(found.inputs)
@@ -360,9 +374,12 @@ class NormOptimalLearner:
         n-th of it in each.
         """
         belief, noise = self._belief, self._belief.noise
-        starts = np.array(self._starts) if self._starts else self._target[:1]
-        middle = starts.mean(axis=0) if len(starts) > 1 else self._target[0]
-        x, y, heading = np.square(starts - middle).sum(axis=0) / max(len(starts) - 1, 1)
+        scattered = np.zeros(3)
+        if self._starts is not None:
+            scattered = self._starts.variances
+            if self._starts.passes == 1:
+                scattered = np.square(self._starts.mean - self._target[0])
+        x, y, heading = scattered.tolist()
         way, turn = belief.drift(inputs, self._reference.sample_time)
         n = len(inputs)
         return noise._replace(

@@ -9,6 +9,7 @@ the path; in each octave of them its power is held against what noise alone may 
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,15 +68,20 @@ def misfits(innovations: NDArray[np.float64]) -> Floats:
         return np.full(3, np.nan)
     common = np.zeros((3, n))
     measured = in_common(innovations, common)
-    power = np.square(cosines(common)) / (max(measured, 1) / n)
-    found = np.zeros(3)
-    lowest, beyond = 0, 1
-    while lowest < n:
-        band = power[:, lowest:beyond]
-        allowed = max(_CLEARLY, seldom_above(band.shape[1], _RARELY))
-        found = np.maximum(found, band.mean(axis=1) / allowed)
-        lowest, beyond = beyond, 2 * beyond
-    return found
+    power: Floats = np.square(cosines(common)) / (max(measured, 1) / n)
+    lowest, lengths, allowed = _octaves(n)
+    found: Floats = np.add.reduceat(power, lowest, axis=1) / (lengths * allowed)
+    worst: Floats = found.max(axis=1)
+    return worst
+
+
+@cache
+def _octaves(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
+    """The first cosine of each octave, their number, and the mean power that noise may make."""
+    lowest = np.array([0, *(1 << np.arange((n - 1).bit_length())).tolist()])
+    lengths = np.diff(lowest, append=n)
+    allowed = [max(_CLEARLY, seldom_above(length, _RARELY)) for length in lengths.tolist()]
+    return lowest, lengths, np.array(allowed)
 
 
 def _in_common(innovations: Floats, common: Floats) -> int:

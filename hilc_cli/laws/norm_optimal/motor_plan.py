@@ -29,6 +29,7 @@ from hilc_cli.laws.norm_optimal.motor_quadratic import (
     linearised,
     of_wheels_at_once,
 )
+from hilc_cli.laws.norm_optimal.optimal_motion import ends
 from hilc_cli.reference.sampled import Floats
 
 _MOST_STEPS = 30
@@ -118,6 +119,10 @@ def motor_plan(
         far = cost > _FAR * len(inputs)
         near = _EXACT_FAR * cost if far else exact
         best = bounded_changes(problem, lowest, highest, near)
+        foreseen = -problem.change_of_cost(best.changes)
+        if foreseen <= exact:
+            settled = True
+            break
         changes = best.changes
         if delayed:
             changes = np.concatenate([changes[delayed:], np.zeros((delayed, 2))])
@@ -125,15 +130,14 @@ def motor_plan(
         while length >= _SHORTEST:
             tried = (inputs + length * changes).clip(-speed_limit, speed_limit)
             reached, there = made_motion(tried, *motion, *aim)
-            if there <= cost + exact:  # at the optimum, a step is as good as none
+            if there <= cost + exact:  # near the optimum, a step is as good as none
                 break
             length /= 2
         else:
             break
-        gain, inputs, poses, cost = cost - there, tried, reached, there
-        # Where the quadratic has foreseen what the step gains, the next one has nothing to add.
-        missed = abs(gain + problem.change_of_cost(best.changes)) if length == 1.0 else math.inf
-        if min(gain, missed) <= (_SETTLED_FAR if far else _SETTLED) * cost:
+        missed = abs(cost - there - foreseen) if length == 1.0 else math.inf
+        before, inputs, poses, cost = cost, tried, reached, there
+        if ends(before, cost, missed, _SETTLED_FAR if far else _SETTLED):
             settled = True
             break
     return MotorPlan(inputs, poses, settled)

@@ -123,6 +123,7 @@ def rectified_reference(
     model: Model,
     h: int,
     weights: tuple[float, float, float],
+    known: RectifiedReference | None = None,
 ) -> RectifiedReference:
     """The rectified reference from a start.
 
@@ -132,6 +133,7 @@ def rectified_reference(
         model: The platform.
         h: Sample from which on it shall be on the trajectory, >= 1.
         weights: Of a squared position error, heading error and wheel speed.
+        known: That of a start, or of a platform, which may be nearly the same; None if none is.
     """
     position, heading, wheel = weights
     n = len(trajectory) - 1
@@ -143,18 +145,17 @@ def rectified_reference(
     pose_weights = np.stack([position / (_FINER**-2 + allowed), heading / (1 + allowed)], axis=1)
     own = trajectory_inputs(trajectory, model)
     steps = np.hypot(*np.diff(trajectory[:, :2], axis=0).T)
-    inputs, motion = tracked(
-        start,
-        trajectory,
-        own,
-        min(_RATE / h, _FASTEST),
-        0.1 * float(steps.max()) + 1e-12,
-        model,
-    )
+    tracking = min(_RATE / h, _FASTEST), 0.1 * float(steps.max()) + 1e-12, model
+    inputs, motion = tracked(start, trajectory, own, *tracking)
     fastest = max(float(np.abs(own).max()), float(np.abs(inputs).max()))
     limit = min(model.speed_limit, _SPARE * (fastest + wheel**-0.5))
     model = model._replace(speed_limit=limit)
-    best = optimal_motion(model, Aim(trajectory, pose_weights, own, wheel), inputs, motion)
+    aim = Aim(trajectory, pose_weights, own, wheel)
+    if known is not None:
+        again = tracked(start, known.motion, known.inputs, *tracking[:2], model)
+        if aim.cost(*again) < aim.cost(inputs, motion):
+            inputs, motion = again
+    best = optimal_motion(model, aim, inputs, motion)
     away = np.hypot(*(best.poses - trajectory)[:, :2].T) > MERGED
     merged = int(np.flatnonzero(away)[-1]) + 1 if away.any() else 0
     freedom = squared / (1 + squared)

@@ -10,6 +10,7 @@ import pytest
 
 from hilc_cli.laws.norm_optimal import (
     bounded_changes,
+    bounded_search,
     filter_slopes,
     identification,
     linear_quadratic,
@@ -76,6 +77,17 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "closed_loop": (
         optimal_motion.closed_loop,
         (POSES[0], INPUTS, POSES, FEEDBACK, MODEL),
+    ),
+    "stepped": (
+        optimal_motion.stepped,
+        (
+            optimal_motion.Aim(POSES + 0.1, RANDOM.uniform(1, 2, (N + 1, 2)), INPUTS, 0.1),
+            *(MODEL, INPUTS, POSES, INPUTS / 10, POSES / 10, FEEDBACK, 0.5),
+        ),
+    ),
+    "bounded_step": (
+        bounded_search.bounded_step,
+        (COVARIANCES[0], np.array([1.0, -2.0, 3.0]), np.zeros(3) - 0.1, np.ones(3)),
     ),
     "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, MODEL)),
     "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 900.0, 0.01)),

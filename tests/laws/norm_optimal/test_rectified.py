@@ -39,7 +39,26 @@ def rectified(start: Floats, h: int, speed_limit: float = 30.0) -> RectifiedRefe
     return rectified_reference(arc(), start, model_with(speed_limit), h, WEIGHTS)
 
 
+NEAR, FAR = np.array([1e-3, -1e-3, 2e-3]), np.array([0.1, -0.2, 0.5])
 OFFSETS = [(0.2, 0.0, 0.0), (-0.3, 0.1, 1.5), (0.0, 0.4, -0.5)]
+
+
+@pytest.mark.parametrize("offset", OFFSETS)
+def test_way_that_is_known_is_found_again_in_fewer_steps_and_is_as_good(
+    offset: tuple[float, float, float],
+) -> None:
+    """Of nearly the same start, and of one that it is of no use for."""
+    model, start = model_with(30.0), arc()[0] + offset
+    known = rectified(start, 150)
+    for other in (start, start + NEAR, start + FAR):
+        anew = rectified(other, 150)
+        found = rectified_reference(arc(), other, model, 150, WEIGHTS, known)
+        assert found.settled
+        assert found.merged == pytest.approx(anew.merged, abs=1)
+        assert found.motion == pytest.approx(anew.motion, abs=2e-3)
+        assert np.abs(found.inputs).max() <= 30.0
+    again = rectified_reference(arc(), start, model, 150, WEIGHTS, known)
+    assert again.motion == pytest.approx(known.motion, abs=1e-3)
 
 
 @pytest.mark.parametrize("offset", OFFSETS)
