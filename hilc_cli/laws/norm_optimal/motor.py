@@ -18,6 +18,9 @@ from hilc_cli.reference.sampled import Floats
 FRICTION_EDGE = 0.005
 """Wheel speed [rad/s] over which friction changes its sign."""
 
+_SQUARE_ROUNDS = 1e-8
+"""Relative to a number, the square of such a share is rounding."""
+
 NO_LAG = 1e-6
 """A lag up to this [s] is none."""
 
@@ -59,15 +62,15 @@ def _effective(command: float, friction: float) -> tuple[float, float]:
     wanted, edge = abs(command), FRICTION_EDGE
     # Newton's method from the right of the root, where the function is concave up to there.
     v = max(wanted - friction, wanted * edge / (edge + friction))
+    slope = 1.0
     for _ in range(50):
-        root = math.sqrt(v * v + edge * edge)
-        slope = 1.0 + friction * edge * edge / (root * root * root)
-        step = (v + friction * v / root - wanted) / slope
+        inverse = 1.0 / math.sqrt(v * v + edge * edge)
+        rubs = friction * inverse
+        slope = 1.0 + rubs * (edge * inverse) ** 2
+        step = (v + rubs * v - wanted) / slope
         v = max(v - step, 0.0)
-        if abs(step) <= 1e-13 * (v + edge):
+        if abs(step) <= _SQUARE_ROUNDS * (v + edge):  # the next one would be about its square
             break
-    root = math.sqrt(v * v + edge * edge)
-    slope = 1.0 + friction * edge * edge / (root * root * root)
     return math.copysign(v, command), 1.0 / slope
 
 
