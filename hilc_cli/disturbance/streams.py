@@ -11,6 +11,7 @@ Source:
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Literal, TypeVar
@@ -79,6 +80,26 @@ def mixed(
     )
 
 
+WordsOfSamples = Callable[[int, int, int, int], tuple[Words, Words, Words]]
+"""Draws the words of samples 0, 1, ...: of their number, the pass's word, the stream's, and the key
+there are three for each, arrays of that length."""
+
+
+def words_of_samples(
+    samples: int, pass_word: int, stream_word: int, key: int
+) -> tuple[Words, Words, Words]:
+    """The words of x, y and heading of samples 0, 1, ..., see `WordsOfSamples`."""
+    sample = np.arange(samples, dtype=np.uint64)
+    counter = (
+        sample,
+        np.full_like(sample, pass_word),
+        np.full_like(sample, stream_word),
+        np.zeros_like(sample),
+    )
+    x, y, heading, _ = philox(counter, key)
+    return x, y, heading
+
+
 def open_unit_interval(words: Any) -> Any:
     """Words as numbers strictly between 0 and 1, symmetric about one half, without rounding."""
     return words * 2.0**-32 + 2.0**-33
@@ -135,35 +156,40 @@ class Disturbance:
     output: Bounded = field(default_factory=Bounded)
     initial_pose: Bounded = field(default_factory=Bounded)
 
-    def of_state(self, iteration: int, steps: int) -> Floats | None:
+    def of_state(
+        self, iteration: int, steps: int, words: WordsOfSamples = words_of_samples
+    ) -> Floats | None:
         """beta(k) of an iteration, shape (steps, 3); None if there is none."""
-        return self._draw(self.state, Stream.STATE, iteration, steps)
+        return self._draw(self.state, Stream.STATE, iteration, steps, words)
 
-    def of_output(self, iteration: int, samples: int) -> Floats | None:
+    def of_output(
+        self, iteration: int, samples: int, words: WordsOfSamples = words_of_samples
+    ) -> Floats | None:
         """alpha(k) of an iteration, shape (samples, 3); None if there is none."""
-        return self._draw(self.output, Stream.OUTPUT, iteration, samples)
+        return self._draw(self.output, Stream.OUTPUT, iteration, samples, words)
 
     def of_initial_pose(self, iteration: int) -> Triple:
         """Offset of the initial pose of an iteration [m, m, rad]."""
-        offset = self._draw(self.initial_pose, Stream.INITIAL_POSE, iteration, 1)
+        pose = self.initial_pose
+        offset = self._draw(pose, Stream.INITIAL_POSE, iteration, 1, words_of_samples)
         if offset is None:
             return (0.0, 0.0, 0.0)
         x, y, heading = offset[0].tolist()
         return (x, y, heading)
 
-    def _draw(self, source: Bounded, stream: Stream, iteration: int, count: int) -> Floats | None:
+    def _draw(
+        self, source: Bounded, stream: Stream, iteration: int, count: int, words: WordsOfSamples
+    ) -> Floats | None:
         if not source.active:
             return None
-        sample = np.arange(count, dtype=np.uint64)
-        pass_word = np.full_like(sample, 0 if source.repeat else iteration)
-        stream_word = np.full_like(sample, int(stream))
         # Three of the four words of one counter: x, y and heading of that sample.
-        words = philox((sample, pass_word, stream_word, np.zeros_like(sample)), self.seed)[:3]
-        columns = [
-            scaled(open_unit_interval(word), source.distribution, bound, deviation)
-            for word, bound, deviation in zip(words, source.bound, source.deviation, strict=True)
-        ]
-        offsets: Floats = np.stack(columns, axis=1)
+        drawn = words(count, 0 if source.repeat else iteration, int(stream), self.seed)
+        offsets = np.empty((count, 3))
+        for i, (word, bound, deviation) in enumerate(
+            zip(drawn, source.bound, source.deviation, strict=True)
+        ):
+            unit = open_unit_interval(word)
+            offsets[:, i] = scaled(unit, source.distribution, bound, deviation)
         return offsets
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.compiling import cached, compiled, is_at_hand
+from hilc_cli.disturbance.compiled_words import words_of_samples
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.laws.correction import MatrixControl, learned_error
 from hilc_cli.laws.feedback import FeedbackLaw, TrackingControl, tracking_twist
@@ -201,6 +202,7 @@ def prepare() -> None:
     """Loads the machine code, or compiles and keeps it."""
     if not DISABLED:
         drive.compile(_SIGNATURE)
+        words_of_samples(1, 0, 0, 0)
 
 
 def knows(plan: Plan, reference: Reference) -> bool:

@@ -15,6 +15,7 @@ from functools import partial
 
 import numpy as np
 
+from hilc_cli.disturbance.streams import WordsOfSamples, words_of_samples
 from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.errors import DivergedError
 from hilc_cli.laws.law import Plan
@@ -93,8 +94,9 @@ def _run_iteration(
     """
     reference, disturbance = experiment.reference, experiment.disturbance
     steps = reference.samples
-    beta = disturbance.of_state(iteration, steps)
-    alpha = disturbance.of_output(iteration, steps + 1)
+    words = _compiled_words() if compiled else words_of_samples
+    beta = disturbance.of_state(iteration, steps, words)
+    alpha = disturbance.of_output(iteration, steps + 1, words)
     offset = disturbance.of_initial_pose(iteration)
     x, y, heading = (p + o for p, o in zip(experiment.initial_pose, offset, strict=True))
     run_pass = _machine_code(experiment, plan) if compiled else None
@@ -129,6 +131,13 @@ def _machine_code(experiment: Experiment, plan: Plan) -> Callable[..., _Motion] 
     from hilc_cli.engine.compiled_pass import knows, run_pass
 
     return run_pass if knows(plan, experiment.reference) else None
+
+
+def _compiled_words() -> WordsOfSamples:
+    """What draws the words of disturbances in machine code."""
+    from hilc_cli.disturbance import compiled_words
+
+    return compiled_words.words_of_samples
 
 
 def _run_pass(

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
+from hilc_cli.disturbance import compiled_words
 from hilc_cli.disturbance.streams import (
     Bounded,
     Distribution,
@@ -19,6 +20,7 @@ from hilc_cli.disturbance.streams import (
     Triple,
     open_unit_interval,
     philox,
+    words_of_samples,
 )
 from hilc_cli.reference.sampled import Floats
 
@@ -292,3 +294,12 @@ def test_many_counters_at_once_give_the_words_of_each() -> None:
 def test_smallest_and_largest_word_stay_inside_the_unit_interval() -> None:
     ends = open_unit_interval(np.array([0, 0xFFFFFFFF], dtype=np.uint64))
     assert ends.tolist() == [2.0**-33, 1 - 2.0**-33]
+
+
+@pytest.mark.parametrize("seed", [0, 7, 2**64 - 1])
+@pytest.mark.parametrize(("pass_word", "stream_word"), [(0, 0), (3, 1), (2**31, 2)])
+def test_machine_code_draws_the_same_words(seed: int, pass_word: int, stream_word: int) -> None:
+    plain = words_of_samples(1000, pass_word, stream_word, seed)
+    compiled = compiled_words.words_of_samples(1000, pass_word, stream_word, seed)
+    for one, other in zip(plain, compiled, strict=True):
+        assert one.tobytes() == other.tobytes()
