@@ -21,7 +21,11 @@ from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, st
 from hilc_cli.laws.norm_optimal.motor_plan import motor_plan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
-from hilc_cli.laws.norm_optimal.rectified import MERGED, RectifiedReference, rectified_reference
+from hilc_cli.laws.norm_optimal.rectified import (
+    RectifiedReference,
+    merged_sample,
+    rectified_reference,
+)
 from hilc_cli.laws.norm_optimal.repeating import Repeating
 from hilc_cli.laws.norm_optimal.safeguard import Learned, Safeguard
 from hilc_cli.laws.safety_net import STEP_SHARE, WENT_BACK
@@ -275,9 +279,13 @@ class NormOptimalLearner:
     def _is_clearly_off(self, starts: Starts) -> bool:
         """Whether some starts tell another one than the trajectory's."""
         noise = self._belief.noise
-        variances = np.maximum([noise.position, noise.position, noise.heading], starts.variances)
-        off = np.abs(starts.mean - self._target[0])
-        return bool(np.any(off > CLEARLY * np.sqrt(variances / starts.passes) + _ON_IT))
+        read = noise.position, noise.position, noise.heading
+        parts = (part.tolist() for part in (starts.mean, self._target[0], starts.variances))
+        each = zip(*parts, strict=True)
+        return any(
+            abs(mean - there) > CLEARLY * math.sqrt(max(own, variance) / starts.passes) + _ON_IT
+            for own, (mean, there, variance) in zip(read, each, strict=True)
+        )
 
     def _smoothed(self, each: Pass) -> Driven:
         """What a pass was as the belief and all its readings say."""
@@ -339,7 +347,7 @@ class NormOptimalLearner:
             left,
             right,
             found.poses,
-            merge_sample=self._merged(found.poses),
+            merge_sample=merged_sample(found.poses, self._target),
             settled=found.settled and (way_in is None or way_in.settled),
         )
         if law.feedback == "regulator":
@@ -348,13 +356,6 @@ class NormOptimalLearner:
             plan = replace(plan, feedback=feedback)
         self._plan = plan
         return plan
-
-    def _merged(self, poses: Floats) -> int | None:
-        """First sample from which a motion stays on the trajectory."""
-        away = np.hypot(*(poses - self._target)[:, :2].T) > MERGED
-        if away[-1]:
-            return None
-        return int(np.flatnonzero(away)[-1]) + 1 if away.any() else 0
 
     def _rates(self, inputs: Floats) -> tuple[float, float]:
         """The bandwidths of the feedback about a plan, see `bandwidths`."""

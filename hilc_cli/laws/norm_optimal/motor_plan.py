@@ -103,18 +103,18 @@ def motor_plan(
     for _ in range(_MOST_STEPS):
         if not math.isfinite(cost):
             break
+        pose_slopes, input_slopes, lowest, highest = around(inputs, poses, *aim, speed_limit)
         problem = _quadratic(
             motor,
             linearised(poses, inputs, motor, sample_time, lead),
             pose_weights,
             _arrived(command, delayed, command),
-            pose_weights * (poses - target),
-            _arrived(command * (inputs - easy), delayed),
+            pose_slopes,
+            _arrived(input_slopes, delayed),
         )
-        lowest, highest = (
-            _arrived(bound - inputs, delayed, bound)
-            for bound in (np.full_like(inputs, -speed_limit), np.full_like(inputs, speed_limit))
-        )
+        if delayed:  # what comes too late to arrive is held by its weight alone
+            lowest = _arrived(lowest, delayed, np.full_like(inputs, -speed_limit))
+            highest = _arrived(highest, delayed, np.full_like(inputs, speed_limit))
         exact = _EXACT * (1 + cost)
         far = cost > _FAR * len(inputs)
         near = _EXACT_FAR * cost if far else exact
@@ -220,6 +220,45 @@ def _made_motion(
     return poses, cost / 2
 
 
+def _around(
+    inputs: Floats,
+    poses: Floats,
+    target: Floats,
+    pose_weights: Floats,
+    easy: Floats,
+    command: Floats,
+    speed_limit: float,
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """How the cost of a motion changes, and how much room commands have about theirs.
+
+    Args:
+        inputs: Commands of the motion [rad/s], shape (n, 2).
+        poses: Its poses, shape (n + 1, 3).
+        target: As for `_made_motion`, as all that follow.
+        pose_weights: Likewise.
+        easy: Likewise.
+        command: Likewise.
+        speed_limit: b_w [rad/s].
+
+    Returns:
+        Derivatives by the poses, shape (n + 1, 3), and by the commands, shape (n, 2); bounds of
+        their changes [rad/s], shape (n, 2) each.
+    """
+    n = len(inputs)
+    pose_slopes, input_slopes = np.empty((n + 1, 3)), np.empty((n, 2))
+    lowest, highest = np.empty((n, 2)), np.empty((n, 2))
+    for k in range(n + 1):
+        for i in range(3):
+            pose_slopes[k, i] = pose_weights[i] * (poses[k, i] - target[k, i])
+    for k in range(n):
+        for wheel in range(2):
+            own = inputs[k, wheel]
+            input_slopes[k, wheel] = command[k, wheel] * (own - easy[k, wheel])
+            lowest[k, wheel], highest[k, wheel] = -speed_limit - own, speed_limit - own
+    return pose_slopes, input_slopes, lowest, highest
+
+
+around = cached(_around)
 wanted = cached(_wanted, parts=[body_step])
 made_motion = cached(_made_motion, parts=[body_step])
 

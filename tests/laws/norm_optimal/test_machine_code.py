@@ -89,6 +89,13 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         bounded_search.bounded_step,
         (COVARIANCES[0], np.array([1.0, -2.0, 3.0]), np.zeros(3) - 0.1, np.ones(3)),
     ),
+    "trajectory_inputs": (rectified.trajectory_inputs, (POSES, MODEL)),
+    "longest_step": (rectified.longest_step, (POSES,)),
+    "last_away": (rectified.last_away, (POSES, POSES + np.linspace(1, 0, N + 1)[:, None], 0.5)),
+    "around": (
+        motor_plan.around,
+        (INPUTS, POSES, POSES + 0.1, WEIGHTS, INPUTS + 1, INPUTS**2, 60.0),
+    ),
     "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, MODEL)),
     "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 900.0, 0.01)),
     "steps_of": (motor.steps_of, (MOTOR, INPUTS, 0.01)),

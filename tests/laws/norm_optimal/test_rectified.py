@@ -11,6 +11,7 @@ from hypothesis import given, settings, strategies as st
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.rectified import (
     RectifiedReference,
+    merged_sample,
     rectified_reference,
     tracked,
     trajectory_inputs,
@@ -202,3 +203,13 @@ def test_first_guess_comes_to_the_trajectory_within_the_limit(
     assert np.abs(inputs).max() <= 60.0 * (1 + 1e-12)
     assert np.hypot(*(poses - target)[-1, :2]) < 0.15
     assert abs(poses[-1, 2] - target[-1, 2]) < 0.3  # not wrapped
+
+
+def test_motion_has_merged_where_it_stays_within_a_millimetre() -> None:
+    off = np.array([0.1, 0.5e-3, 2e-3, 0.9e-3, 0.0])
+    there = np.zeros((5, 3))
+    away = there + np.stack([0.6 * off, 0.8 * off, np.ones(5)], axis=1)
+    assert merged_sample(away, there) == 3
+    assert merged_sample(there, there) == 0
+    assert merged_sample(away[::-1].copy(), there) is None
+    assert merged_sample(np.full((5, 3), np.nan), there) is None
