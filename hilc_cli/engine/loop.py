@@ -94,7 +94,8 @@ def _run_iteration(
     """
     reference, disturbance = experiment.reference, experiment.disturbance
     steps = reference.samples
-    words = _compiled_words() if compiled else words_of_samples
+    drawn = disturbance.state.active or disturbance.output.active
+    words = _compiled_words() if compiled and drawn else words_of_samples
     beta = disturbance.of_state(iteration, steps, words)
     alpha = disturbance.of_output(iteration, steps + 1, words)
     offset = disturbance.of_initial_pose(iteration)

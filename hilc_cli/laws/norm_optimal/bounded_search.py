@@ -85,11 +85,9 @@ def likeliest(
     for _ in range(most_steps):
         nearest = lowest if kept is None else np.maximum(lowest, kept * at)
         for _ in range(_MOST_TRIES):
-            damped = here.information
-            if damping:
-                damped = damped + damping * np.diag(np.diag(damped))
-            step = bounded_step(damped, here.score, nearest - at, highest - at)
-            expected = float((here.score * step).sum() - _half_square(here.information, step))
+            step, expected = bounded_step(
+                here.information, here.score, nearest - at, highest - at, damping
+            )
             if not expected > settled:
                 return Found(at, here)
             tried = (at + step).clip(lowest, highest)
@@ -108,8 +106,10 @@ def likeliest(
     return Found(at, here)
 
 
-def _bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats) -> Floats:
-    """Returns the x between bounds for which x'p - x'A x / 2 is largest, shape (m,).
+def _bounded_step(
+    matrix: Floats, pull: Floats, lowest: Floats, highest: Floats, damping: float
+) -> tuple[Floats, float]:
+    """Finds the x between bounds for which x'p - x'A x / 2 is largest.
 
     What would leave its bounds is held there as long as it pulls outwards.
 
@@ -118,6 +118,10 @@ def _bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats)
         pull: p, shape (m,).
         lowest: Lower bounds, up to 0, shape (m,).
         highest: Upper ones, from 0 on.
+        damping: By this share of it the diagonal of A is enlarged for that.
+
+    Returns:
+        x, shape (m,), and x'p - x'A x / 2 without damping.
 
     Source:
         Stark and Parker: Bounded-variable least squares. Computational Statistics 10 (1995).
@@ -128,13 +132,14 @@ def _bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats)
     free = np.zeros(count, dtype=np.bool_)
     most = 0.0
     for i in range(count):
-        scale[i] = 1.0 / math.sqrt(max(matrix[i, i], _TINY))
+        scale[i] = 1.0 / math.sqrt(max((1.0 + damping) * matrix[i, i], _TINY))
         aim[i], bottom[i], top[i] = pull[i] * scale[i], lowest[i] / scale[i], highest[i] / scale[i]
         free[i] = (bottom[i] < 0.0 or aim[i] > 0.0) and (top[i] > 0.0 or aim[i] < 0.0)
         most = max(most, abs(aim[i]))
     for i in range(count):
         for j in range(count):
-            scaled[i, j] = matrix[i, j] * scale[i] * scale[j] + (_APART if i == j else 0.0)
+            scaled[i, j] = matrix[i, j] * scale[i] * scale[j]
+        scaled[i, i] = (1.0 + damping) * scaled[i, i] + _APART
     for _ in range(4 * count):  # a few more than it ever takes
         best = solved_for_free(scaled, aim, at, free)
         first, share = -1, 1.0
@@ -169,7 +174,13 @@ def _bounded_step(matrix: Floats, pull: Floats, lowest: Floats, highest: Floats)
         free[first] = True
     for i in range(count):
         at[i] = min(max(at[i] * scale[i], lowest[i]), highest[i])
-    return at
+    gain = 0.0
+    for i in range(count):
+        row = 0.0
+        for j in range(count):
+            row += matrix[i, j] * at[j]
+        gain += at[i] * (pull[i] - row / 2)
+    return at, gain
 
 
 def _solved_for_free(matrix: Floats, aim: Floats, at: Floats, free: NDArray[np.bool_]) -> Floats:
@@ -213,7 +224,3 @@ def _solved_for_free(matrix: Floats, aim: Floats, at: Floats, free: NDArray[np.b
 
 solved_for_free = compiled(_solved_for_free)
 bounded_step = cached(_bounded_step)
-
-
-def _half_square(matrix: Floats, step: Floats) -> float:
-    return float((matrix * step * step[:, None]).sum()) / 2

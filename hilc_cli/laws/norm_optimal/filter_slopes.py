@@ -22,7 +22,7 @@ from hilc_cli.laws.norm_optimal.motion_filter import (
     innovation,
     weighed,
 )
-from hilc_cli.laws.norm_optimal.motor import chord
+from hilc_cli.laws.norm_optimal.motor import Motor, chord, made_slopes
 from hilc_cli.reference.sampled import Floats
 
 PARAMETERS = 6  # of a robot: `identification.NAMES`
@@ -137,9 +137,10 @@ innovation_slopes = cached(_innovation_slopes, parts=[chord, foreseen_pose])
 
 
 def _parameter_score(
+    motor: Motor,
+    sent: Floats,
+    sample_time: float,
     measured: Floats,
-    steps: Floats,
-    step_slopes: Floats,
     lead: float,
     noise: Noise,
     start_share: float,
@@ -149,9 +150,10 @@ def _parameter_score(
     """What the readings of one pass say of the robot: sums over what `innovation_slopes` returns.
 
     Args:
-        measured: As there.
-        steps: Likewise.
-        step_slopes: Likewise, shape (n, 2, 6).
+        motor: The robot as it is believed.
+        sent: Wheel speeds sent [rad/s], shape (n, 2).
+        sample_time: d_t [s].
+        measured: As for `innovation_slopes`, as all that follow.
         lead: Likewise.
         noise: Likewise.
         start_share: Likewise.
@@ -161,6 +163,7 @@ def _parameter_score(
     Returns:
         Half the sum of the innovations' squares.
     """
+    steps, step_slopes = made_slopes(motor, sent, sample_time)
     pose = (measured[0, 0], measured[0, 1], measured[0, 2])
     covariance = at_start(noise, start_share)
     lanes = np.zeros(_ROWS * _LANES)
@@ -201,4 +204,4 @@ def _told_by_sample(lanes: Floats, white: tuple[float, float, float]) -> None:
 
 
 told_by_sample = compiled(_told_by_sample)
-parameter_score = cached(_parameter_score, parts=[chord, foreseen_pose])
+parameter_score = cached(_parameter_score, parts=[made_slopes, foreseen_pose])

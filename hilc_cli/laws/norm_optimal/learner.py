@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
 
@@ -13,11 +13,12 @@ import numpy as np
 
 from hilc_cli.laws.law import Figures, Iteration, Plan
 from hilc_cli.laws.norm_optimal.chance import seldom_above
+from hilc_cli.laws.norm_optimal.driven import Driven, driven
 from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
 from hilc_cli.laws.norm_optimal.law import IDENTIFIED, MERGE_TIME, MISFITS, NormOptimalLaw
 from hilc_cli.laws.norm_optimal.misfit import Innovations
-from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter, smoothed_poses
-from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, steps_of
+from hilc_cli.laws.norm_optimal.motion_filter import Noise
+from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for
 from hilc_cli.laws.norm_optimal.motor_plan import motor_plan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
@@ -90,28 +91,6 @@ class Starts(NamedTuple):
         mean = rows.sum(axis=0) / len(rows)
         variances = np.square(rows - mean).sum(axis=0) / max(len(rows) - 1, 1)
         return cls(mean, variances, len(rows))
-
-
-class Driven(NamedTuple):
-    """What a pass was by all its readings.
-
-    Attributes:
-        poses: The likeliest ones, shape (n + 1, 3).
-        beyond: Motion beyond the model: ahead [m], to the left [m], turn [rad], shape (n, 3).
-        white: What was not expected, by its deviation, shape (n, 3); not-a-number where nothing was
-            measured.
-    """
-
-    poses: Floats
-    beyond: Floats
-    white: Floats
-
-    @property
-    def surprise(self) -> float:
-        """Mean square of what was not expected: about 1 where the belief explains it."""
-        squares = np.square(self.white)
-        mean = float(squares.mean())
-        return mean if math.isfinite(mean) else float(np.nanmean(squares))
 
 
 class NormOptimalLearner:
@@ -289,18 +268,9 @@ class NormOptimalLearner:
 
     def _smoothed(self, each: Pass) -> Driven:
         """What a pass was as the belief and all its readings say."""
-        belief, lead = self._belief, self._law.lead
-        steps = steps_of(belief.motor, each.sent, self._reference.sample_time)
-        seen = run_filter(each.measured, steps, lead, belief.noise, each.start_share, keep=True)
-        poses = smoothed_poses(seen)
-        beyond = body_steps(poses, lead)
-        beyond[:, 0] -= steps[:, 0]
-        beyond[:, 2] -= steps[:, 1]
-        white = seen.white  # of zeros where nothing was measured
-        unread = np.isnan(each.measured[1:, 0])
-        if unread.any():
-            white[unread] = np.nan
-        return Driven(poses, beyond, white)
+        belief, sample_time = self._belief, self._reference.sample_time
+        known = belief.motor, sample_time, self._law.lead, belief.noise
+        return Driven(*driven(each.measured, each.sent, *known, each.start_share))
 
     def _way_in(self, motor: Motor, start: Floats) -> RectifiedReference:
         """A way into the trajectory from a start off it."""
@@ -343,19 +313,19 @@ class NormOptimalLearner:
             _FREE,
         )
         left, right = found.inputs.T.copy()
-        plan = NormOptimalPlan(
-            left,
-            right,
-            found.poses,
-            merge_sample=merged_sample(found.poses, self._target),
-            settled=found.settled and (way_in is None or way_in.settled),
-        )
+        feedback = None
         if law.feedback == "regulator":
             rates = self._rates(found.inputs)
             feedback = regulator(motor, found.inputs, found.poses, reference, *rates)
-            plan = replace(plan, feedback=feedback)
-        self._plan = plan
-        return plan
+        self._plan = NormOptimalPlan(
+            left,
+            right,
+            found.poses,
+            feedback,
+            merge_sample=merged_sample(found.poses, self._target),
+            settled=found.settled and (way_in is None or way_in.settled),
+        )
+        return self._plan
 
     def _rates(self, inputs: Floats) -> tuple[float, float]:
         """The bandwidths of the feedback about a plan, see `bandwidths`."""

@@ -11,6 +11,7 @@ import pytest
 from hilc_cli.laws.norm_optimal import (
     bounded_changes,
     bounded_search,
+    driven,
     filter_slopes,
     identification,
     linear_quadratic,
@@ -35,6 +36,8 @@ GAINS, INVERSES = (
     PROBLEM._factors[1],
 )
 POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
+UNREAD = POSES.copy()
+UNREAD[3] = np.nan
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
 MOTOR_MOTION = motor_quadratic.MotorMotion._make(
@@ -87,7 +90,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "bounded_step": (
         bounded_search.bounded_step,
-        (COVARIANCES[0], np.array([1.0, -2.0, 3.0]), np.zeros(3) - 0.1, np.ones(3)),
+        (COVARIANCES[0], np.array([1.0, -2.0, 3.0]), np.zeros(3) - 0.1, np.ones(3), 0.1),
     ),
     "trajectory_inputs": (rectified.trajectory_inputs, (POSES, MODEL)),
     "longest_step": (rectified.longest_step, (POSES,)),
@@ -121,17 +124,10 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "noise_score": (noise_score.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
     "parameter_score": (
         filter_slopes.parameter_score,
-        (
-            POSES,
-            INPUTS / 100,
-            RANDOM.normal(0, 1, (N, 2, 6)),
-            0.5,
-            NOISE,
-            0.3,
-            np.ones((N, 6)),
-            np.ones((6, 6)),
-        ),
+        (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6))),
     ),
+    "driven": (driven.driven, (UNREAD, INPUTS, MOTOR, 0.01, 0.5, NOISE, 0.3)),
+    "squares_of_sums": (identification.squares_of_sums, (DRIFT, 4)),
     "steps_and_slopes": (
         motor.steps_and_slopes,
         (MOTOR, INPUTS, 0.01),
@@ -206,4 +202,4 @@ def test_machine_code_does_what_the_source_says(name: str) -> None:
         results(function, arguments), results(function.py_func, arguments), strict=True
     ):
         if plain is not None:
-            assert compiled == pytest.approx(plain, rel=1e-9, abs=1e-9)
+            assert compiled == pytest.approx(plain, rel=1e-9, abs=1e-9, nan_ok=True)
