@@ -30,7 +30,7 @@ class Driven(NamedTuple):
     surprise: float
 
 
-def _driven(
+def _smooth_pass(
     measured: Floats,
     sent: Floats,
     motor: Motor,
@@ -70,4 +70,4 @@ def _driven(
     return poses, beyond, white, squares / read if read > 0 else math.nan
 
 
-driven = cached(_driven, parts=[made_filter, made_steps])
+smooth_pass = cached(_smooth_pass, parts=[made_filter, made_steps])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
@@ -13,7 +13,7 @@ import numpy as np
 
 from hilc_cli.laws.law import Figures, Iteration, Plan
 from hilc_cli.laws.norm_optimal.chance import seldom_above
-from hilc_cli.laws.norm_optimal.driven import Driven, driven
+from hilc_cli.laws.norm_optimal.driven import Driven, smooth_pass
 from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
 from hilc_cli.laws.norm_optimal.law import IDENTIFIED, MERGE_TIME, MISFITS, NormOptimalLaw
 from hilc_cli.laws.norm_optimal.misfit import Innovations
@@ -147,7 +147,7 @@ class NormOptimalLearner:
         misfit = np.full(len(MISFITS), np.nan)
         # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
         far = _FARTHEST * max(self._reference.size, 1.0)
-        if np.all(np.abs(error) <= far) and np.all(np.abs(latest.sent) <= _LIMIT):
+        if np.abs(error).max() <= far and np.abs(latest.sent).max() <= _LIMIT:
             if latest.sent.any():
                 misfit = self._take_in(latest)
             else:
@@ -196,13 +196,13 @@ class NormOptimalLearner:
             self._belief = self._identification.update(self._belief, passes)
             self._repeating.clear()
             self._innovations.clear()
-            for each in passes:
-                seen = self._smoothed(each)
-                self._keep(seen, each.sent)
-            assert seen is not None  # there is a pass
+            self._begun.clear()
+            driven = [self._smoothed(each) for each in passes]
+            self._keep(driven, passes)
+            seen = driven[-1]
             self._usual = max(seen.surprise, 1.0)
         else:
-            self._keep(seen, latest.sent)
+            self._keep([seen], [latest])
         self._stood.clear()
         self._starts = Starts.of(self._begun)
         beside = self._repeating.expected()
@@ -210,11 +210,12 @@ class NormOptimalLearner:
         self._learned = self._safeguard.next(self._error(seen.poses), learned)
         return self._innovations.misfits()
 
-    def _keep(self, seen: Driven, sent: Floats) -> None:
-        """Keeps what a pass was, and what was sent in it."""
-        self._repeating.add(seen.beyond, sent)
-        self._innovations.add(seen.white)
-        self._begun.append(seen.poses[0])
+    def _keep(self, driven: Sequence[Driven], passes: Sequence[Pass]) -> None:
+        """Keeps what passes were, and what was sent in them."""
+        self._repeating.add([each.beyond for each in driven], [each.sent for each in passes])
+        for each in driven:
+            self._innovations.add(each.white)
+            self._begun.append(each.poses[0])
 
     def _placed(self) -> Callable[[Pass], Pass]:
         """Gives passes what they tell together of where they start.
@@ -270,7 +271,7 @@ class NormOptimalLearner:
         """What a pass was as the belief and all its readings say."""
         belief, sample_time = self._belief, self._reference.sample_time
         known = belief.motor, sample_time, self._law.lead, belief.noise
-        return Driven(*driven(each.measured, each.sent, *known, each.start_share))
+        return Driven(*smooth_pass(each.measured, each.sent, *known, each.start_share))
 
     def _way_in(self, motor: Motor, start: Floats) -> RectifiedReference:
         """A way into the trajectory from a start off it."""

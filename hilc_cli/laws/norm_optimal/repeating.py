@@ -11,6 +11,7 @@ squared difference of the inputs (Patterson and Thompson 1971).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cache
 from itertools import pairwise
 
@@ -52,18 +53,22 @@ class Repeating:
         """Forgets all passes."""
         self._seen = 0
 
-    def add(self, leftover: Floats, sent: Floats) -> None:
-        """Takes in a pass.
+    def add(self, leftovers: Sequence[Floats], sent: Sequence[Floats]) -> None:
+        """Takes in passes, no more than are kept.
 
         Args:
-            leftover: Motion beyond the model: ahead [m], to the left [m], turn [rad], shape (n, 3).
-            sent: Inputs [rad/s], shape (n, 2).
+            leftovers: Motion beyond the model of each: ahead [m], to the left [m], turn [rad],
+                shape (n, 3).
+            sent: Inputs of each [rad/s], shape (n, 2).
         """
         most = len(self._waves)
-        place, kept = self._seen % most, min(self._seen + 1, most)
-        self._waves[place], self._sent[place] = cosines(leftover.T), sent
-        distances(self._waves[:kept], self._octaves, place, self._apart)
-        self._seen += 1
+        for waves, inputs in zip(
+            cosines(np.array(leftovers).transpose(0, 2, 1)), sent, strict=True
+        ):
+            place, kept = self._seen % most, min(self._seen + 1, most)
+            self._waves[place], self._sent[place] = waves, inputs
+            distances(self._waves[:kept], self._octaves, place, self._apart)
+            self._seen += 1
 
     def expected(self) -> Floats:
         """Returns what is expected to come back in the next pass, shape (n, 3).

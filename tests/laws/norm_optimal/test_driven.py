@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.driven import Driven, driven
+from hilc_cli.laws.norm_optimal.driven import Driven, smooth_pass
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter, smoothed_poses
 from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, moved, steps_of
 
@@ -23,7 +23,7 @@ def test_pass_is_filtered_smoothed_and_taken_apart(lead: float) -> None:
     measured = poses + RANDOM.normal(0, 5e-3, poses.shape)
     unread = [4, 5, 6, 30]
     measured[unread] = np.nan
-    found = Driven(*driven(measured, sent, MOTOR, STEP, lead, NOISE, 0.3))
+    found = Driven(*smooth_pass(measured, sent, MOTOR, STEP, lead, NOISE, 0.3))
     whole = run_filter(measured, steps, lead, NOISE, 0.3, keep=True)
     expected = smoothed_poses(whole)
     assert found.poses.tolist() == expected.tolist()

@@ -126,7 +126,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         filter_slopes.parameter_score,
         (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6))),
     ),
-    "driven": (driven.driven, (UNREAD, INPUTS, MOTOR, 0.01, 0.5, NOISE, 0.3)),
+    "smooth_pass": (driven.smooth_pass, (UNREAD, INPUTS, MOTOR, 0.01, 0.5, NOISE, 0.3)),
     "squares_of_sums": (identification.squares_of_sums, (DRIFT, 4)),
     "steps_and_slopes": (
         motor.steps_and_slopes,

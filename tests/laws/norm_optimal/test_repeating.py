@@ -20,7 +20,7 @@ def repeating(leftovers: Floats, sent: Floats | None = None, most: int = 16) -> 
     for own, inputs in zip(
         leftovers, np.zeros((*leftovers.shape[:2], 2)) if sent is None else sent, strict=True
     ):
-        kept.add(own, inputs)
+        kept.add([own], [inputs])
     return kept.expected()
 
 
@@ -139,10 +139,9 @@ def test_oldest_passes_are_forgotten_and_all_where_that_is_asked_for() -> None:
     assert repeating(leftovers, sent, most=4) == pytest.approx(last, abs=1e-12)
     kept = Repeating(N, 4)
     for own, inputs in zip(leftovers, sent, strict=True):
-        kept.add(own, inputs)
+        kept.add([own], [inputs])
     kept.clear()
-    for own, inputs in zip(leftovers[:3], sent[:3], strict=True):
-        kept.add(own, inputs)
+    kept.add([*leftovers[:3]], [*sent[:3]])
     assert kept.expected().tolist() == repeating(leftovers[:3], sent[:3]).tolist()
 
 
