@@ -23,6 +23,9 @@ _DAMPED = 1e-3
 _APART = 1e-13
 """Share of the information that numbers have of their own though others could stand for them: more
 than rounding, which would make a matrix singular."""
+_IDLE, _IDLE_TRIES = 0.1, 2
+"""So many tries in a row that change the likelihood's logarithm by less than this share of what is
+worth a step end a search: at a kink, quadratics promise what is not there."""
 _TINY = float(np.finfo(float).tiny)
 _AS_EXPECTED = 0.75
 """A step that gains this share of what was expected is followed by longer ones."""
@@ -81,7 +84,7 @@ def likeliest(
         most_steps: It ends after so many steps.
         kept: Share that a step leaves of each number at least; None: numbers may have any sign.
     """
-    at, here, damping = start, told(start), 0.0
+    at, here, damping, idle = start, told(start), 0.0, 0
     for _ in range(most_steps):
         nearest = lowest if kept is None else np.maximum(lowest, kept * at)
         for _ in range(_MOST_TRIES):
@@ -93,6 +96,9 @@ def likeliest(
             tried = (at + step).clip(lowest, highest)
             there = told(tried)
             gain = there.value - here.value
+            idle = idle + 1 if abs(gain) < _IDLE * settled else 0
+            if idle == _IDLE_TRIES:
+                return Found(tried, there) if gain >= 0 else Found(at, here)
             if gain >= 0:
                 break
             damping = max(10 * damping, _DAMPED)

@@ -108,3 +108,14 @@ def test_search_that_begins_at_the_end_looks_once() -> None:
     found = likeliest(told, start, bound, bound + 1, 1e-4, most_steps=10)
     assert found.at.tolist() == [0.0, 0.0]
     assert len(asked) == 1
+
+
+def test_search_that_is_promised_what_is_not_there_ends_after_two_idle_tries() -> None:
+    asked = []
+
+    def told(at: Floats) -> Told:
+        asked.append(at)
+        return Told(0.0, np.array([1.0]), np.eye(1))
+
+    likeliest(told, np.zeros(1), np.full(1, -9.0), np.full(1, 9.0), 0.01, most_steps=12)
+    assert len(asked) == 3
