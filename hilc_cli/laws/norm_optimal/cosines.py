@@ -7,6 +7,8 @@ Source:
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from hilc_cli.reference.sampled import Floats
@@ -21,9 +23,11 @@ def cosines(series: Floats) -> Floats:
         series: Shape (..., n).
     """
     n = series.shape[-1]
-    turned = np.fft.rfft(np.concatenate([series[..., ::2], series[..., 1::2][..., ::-1]], axis=-1))
-    turned *= _quarter_turns(n) * np.sqrt(2 / n)
-    shares = np.empty(series.shape)
+    ordered, shares = np.empty(series.shape), np.empty(series.shape)
+    ordered[..., : (n + 1) // 2] = series[..., ::2]
+    ordered[..., (n + 1) // 2 :] = series[..., 1::2][..., ::-1]
+    turned = np.fft.rfft(ordered)
+    turned *= _quarter_turns(n)
     shares[..., : n // 2 + 1] = turned.real
     shares[..., n // 2 + 1 :] = -turned.imag[..., 1 : (n + 1) // 2][..., ::-1]
     shares[..., 0] *= np.sqrt(0.5)
@@ -37,7 +41,7 @@ def from_cosines(shares: Floats) -> Floats:
     turned.real = shares[..., : n // 2 + 1]
     turned.imag[..., 1:] = -shares[..., (n + 1) // 2 :][..., ::-1]
     turned[..., 0] *= np.sqrt(2)
-    turned *= np.conj(_quarter_turns(n)) * np.sqrt(n / 2)
+    turned /= _quarter_turns(n)
     ordered = np.fft.irfft(turned, n)
     series = np.empty(shares.shape)
     series[..., ::2] = ordered[..., : (n + 1) // 2]
@@ -45,7 +49,11 @@ def from_cosines(shares: Floats) -> Floats:
     return series
 
 
+@lru_cache(4)  # the paths of one process are few, and may be long
 def _quarter_turns(n: int) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
-    """By how much waves of the even and of the odd half are apart."""
+    """By how much waves of the even and of the odd half are apart, and their scale."""
     angles = np.pi / (2 * n) * np.arange(n // 2 + 1)
-    return np.asarray(np.cos(angles) - 1j * np.sin(angles), dtype=np.complex128)
+    turns = np.asarray(np.cos(angles) - 1j * np.sin(angles), dtype=np.complex128)
+    turns *= np.sqrt(2 / n)
+    turns.flags.writeable = False
+    return turns

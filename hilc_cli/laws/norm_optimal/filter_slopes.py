@@ -22,15 +22,21 @@ from hilc_cli.laws.norm_optimal.motion_filter import (
     innovation,
     weighed,
 )
-from hilc_cli.laws.norm_optimal.motor import chord
+from hilc_cli.laws.norm_optimal.motor import Motor, chord, made_slopes
 from hilc_cli.reference.sampled import Floats
+
+PARAMETERS = 6  # of a robot: `identification.NAMES`
+_LANES = 8
+"""Numbers in a row of what is kept for each parameter: as many as go well into the processor's
+vectors. All rows are in one array, so that the compiler sees that they do not overlap."""
+_MOVED, _STEP, _WHITE, _SCORE, _INFORMATION, _ROWS = 0, 3, 5, 8, 9, 9 + PARAMETERS
+"""First rows: of the slopes of the pose, of the sample's step, and of its white innovation; of the
+score, and of the information."""
 
 
 def _slopes_of_sample(
-    moved: Floats,
+    lanes: Floats,
     step_slopes: Floats,
-    slopes: Floats,
-    count: int,
     step: tuple[float, float],
     lead: float,
     went: tuple[float, float],
@@ -42,10 +48,8 @@ def _slopes_of_sample(
     """Takes the slopes of the pose through a sample, and finds those of its white innovation.
 
     Args:
-        moved: Slopes of the pose, shape (3, m); gets those after the sample.
-        step_slopes: Slopes of the step, shape (2, m).
-        slopes: Gets those of the innovation, shape (3, m); 0 where nothing was measured.
-        count: m.
+        lanes: See `_LANES`; slopes of an innovation are 0 where nothing was measured.
+        step_slopes: Slopes of the step, shape (2, m) with up to eight parameters.
         step: Way ahead [m] and turn [rad] that the model expects.
         lead: See `motor.moved`.
         went: Way in x and y.
@@ -63,21 +67,25 @@ def _slopes_of_sample(
     shorter *= way * lead
     gx0, gx1, gx2, gy0, gy1, gy2, gh0, gh1, gh2 = gain
     i00, l10, l20, i11, l21, i22 = root
-    for i in range(count):
-        by_way, by_turn = step_slopes[0, i], step_slopes[1, i]
-        along, ahead = moved[2, i] + lead * by_turn, by_way * share + shorter * by_turn
-        mx = moved[0, i] + ahead * cos - dy * along
-        my = moved[1, i] + ahead * sin + dx * along
-        mh = moved[2, i] + by_turn
-        w0, w1, w2 = 0.0, 0.0, 0.0
-        if is_read:
-            w0 = (-mx * cos - my * sin) * i00
-            w1 = (mx * sin - my * cos - l10 * w0) * i11
-            w2 = (-mh - l20 * w0 - l21 * w1) * i22
-        slopes[0, i], slopes[1, i], slopes[2, i] = w0, w1, w2
-        moved[0, i] = mx + gx0 * w0 + gx1 * w1 + gx2 * w2
-        moved[1, i] = my + gy0 * w0 + gy1 * w1 + gy2 * w2
-        moved[2, i] = mh + gh0 * w0 + gh1 * w1 + gh2 * w2
+    if not is_read:
+        i00 = i11 = i22 = 0.0
+    for i in range(step_slopes.shape[1]):
+        lanes[_STEP * _LANES + i] = step_slopes[0, i]
+        lanes[(_STEP + 1) * _LANES + i] = step_slopes[1, i]
+    for i in range(_LANES):
+        by_way, by_turn = lanes[3 * _LANES + i], lanes[4 * _LANES + i]
+        mx, my, mh = lanes[i], lanes[_LANES + i], lanes[2 * _LANES + i]
+        along, ahead = mh + lead * by_turn, by_way * share + shorter * by_turn
+        mx += ahead * cos - dy * along
+        my += ahead * sin + dx * along
+        mh += by_turn
+        w0 = (-mx * cos - my * sin) * i00
+        w1 = (mx * sin - my * cos - l10 * w0) * i11
+        w2 = (-mh - l20 * w0 - l21 * w1) * i22
+        lanes[5 * _LANES + i], lanes[6 * _LANES + i], lanes[7 * _LANES + i] = w0, w1, w2
+        lanes[i] = mx + gx0 * w0 + gx1 * w1 + gx2 * w2
+        lanes[_LANES + i] = my + gy0 * w0 + gy1 * w1 + gy2 * w2
+        lanes[2 * _LANES + i] = mh + gh0 * w0 + gh1 * w1 + gh2 * w2
 
 
 slopes_of_sample = compiled(_slopes_of_sample)
@@ -96,7 +104,7 @@ def _innovation_slopes(
     Args:
         measured: As `run_filter` takes them, shape (n + 1, 3).
         steps: Way ahead [m] and turn [rad] that the model expects in each sample, shape (n, 2).
-        step_slopes: Derivatives of the steps by m parameters, shape (n, 2, m).
+        step_slopes: Derivatives of the steps by up to eight parameters, shape (n, 2, m).
         lead: See `motor.moved`.
         noise: The variances.
         start_share: Share of a reading's variance that the first pose is known to.
@@ -105,7 +113,7 @@ def _innovation_slopes(
     white, slopes = np.empty((n, 3)), np.empty((n, 3, count))
     pose = (measured[0, 0], measured[0, 1], measured[0, 2])
     covariance = at_start(noise, start_share)
-    moved = np.zeros((3, count))  # of the pose
+    lanes = np.zeros(_ROWS * _LANES)
     for k in range(n):
         step, x, y = (steps[k, 0], steps[k, 1]), pose[0], pose[1]
         pose, covariance, cos, sin = foreseen_pose(pose, covariance, *step, lead, noise)
@@ -116,10 +124,10 @@ def _innovation_slopes(
             own = innovation(measured[k + 1], pose, cos, sin, root)
         white[k, 0], white[k, 1], white[k, 2] = own
         went = pose[0] - x, pose[1] - y
-        slopes_of_sample(
-            moved, step_slopes[k], slopes[k], count, step, lead, went, (cos, sin),
-            root, gain, is_read,
-        )  # fmt: skip
+        slopes_of_sample(lanes, step_slopes[k], step, lead, went, (cos, sin), root, gain, is_read)
+        for part in range(3):
+            for i in range(count):
+                slopes[k, part, i] = lanes[(_WHITE + part) * _LANES + i]
         if is_read:
             pose, covariance = corrected(pose, covariance, own, gain)
     return white, slopes
@@ -127,13 +135,12 @@ def _innovation_slopes(
 
 innovation_slopes = cached(_innovation_slopes, parts=[chord, foreseen_pose])
 
-PARAMETERS = 6  # of a robot: `identification.NAMES`
-
 
 def _parameter_score(
+    motor: Motor,
+    sent: Floats,
+    sample_time: float,
     measured: Floats,
-    steps: Floats,
-    step_slopes: Floats,
     lead: float,
     noise: Noise,
     start_share: float,
@@ -143,9 +150,10 @@ def _parameter_score(
     """What the readings of one pass say of the robot: sums over what `innovation_slopes` returns.
 
     Args:
-        measured: As there.
-        steps: Likewise.
-        step_slopes: Likewise, shape (n, 2, 6).
+        motor: The robot as it is believed.
+        sent: Wheel speeds sent [rad/s], shape (n, 2).
+        sample_time: d_t [s].
+        measured: As for `innovation_slopes`, as all that follow.
         lead: Likewise.
         noise: Likewise.
         start_share: Likewise.
@@ -155,10 +163,10 @@ def _parameter_score(
     Returns:
         Half the sum of the innovations' squares.
     """
+    steps, step_slopes = made_slopes(motor, sent, sample_time)
     pose = (measured[0, 0], measured[0, 1], measured[0, 2])
     covariance = at_start(noise, start_share)
-    moved, slopes = np.zeros((3, PARAMETERS)), np.empty((3, PARAMETERS))
-    sums = np.zeros((PARAMETERS, PARAMETERS))
+    lanes = np.zeros(_ROWS * _LANES)
     squares = 0.0
     for k in range(len(steps)):
         step, x, y = (steps[k, 0], steps[k, 1]), pose[0], pose[1]
@@ -166,26 +174,34 @@ def _parameter_score(
         is_read = not math.isnan(measured[k + 1, 0])
         root, gain = weighed(covariance, cos, sin, noise)
         went = pose[0] - x, pose[1] - y
-        slopes_of_sample(
-            moved, step_slopes[k], slopes, PARAMETERS, step, lead, went, (cos, sin),
-            root, gain, is_read,
-        )  # fmt: skip
+        slopes_of_sample(lanes, step_slopes[k], step, lead, went, (cos, sin), root, gain, is_read)
         if not is_read:
             continue
         own = innovation(measured[k + 1], pose, cos, sin, root)
-        w0, w1, w2 = own
-        squares += w0 * w0 + w1 * w1 + w2 * w2
+        squares += own[0] * own[0] + own[1] * own[1] + own[2] * own[2]
+        told_by_sample(lanes, own)
         for i in range(PARAMETERS):
-            score[k, i] -= slopes[0, i] * w0 + slopes[1, i] * w1 + slopes[2, i] * w2
-        for i in range(PARAMETERS):
-            s0, s1, s2 = slopes[0, i], slopes[1, i], slopes[2, i]
-            for j in range(PARAMETERS):
-                sums[i, j] += s0 * slopes[0, j] + s1 * slopes[1, j] + s2 * slopes[2, j]
+            score[k, i] += lanes[_SCORE * _LANES + i]
         pose, covariance = corrected(pose, covariance, own, gain)
     for i in range(PARAMETERS):
         for j in range(PARAMETERS):
-            information[i, j] += sums[i, j]
+            information[i, j] += lanes[(_INFORMATION + i) * _LANES + j]
     return squares / 2
 
 
-parameter_score = cached(_parameter_score, parts=[chord, foreseen_pose])
+def _told_by_sample(lanes: Floats, white: tuple[float, float, float]) -> None:
+    """The score of a sample, and the slopes times the slopes in addition, see `_LANES`."""
+    w0, w1, w2 = white
+    for i in range(_LANES):
+        s0, s1, s2 = lanes[5 * _LANES + i], lanes[6 * _LANES + i], lanes[7 * _LANES + i]
+        lanes[_SCORE * _LANES + i] = -(s0 * w0 + s1 * w1 + s2 * w2)
+    for i in range(PARAMETERS):
+        s0, s1, s2 = lanes[5 * _LANES + i], lanes[6 * _LANES + i], lanes[7 * _LANES + i]
+        for j in range(_LANES):
+            lanes[(9 + i) * _LANES + j] += (
+                s0 * lanes[5 * _LANES + j] + s1 * lanes[6 * _LANES + j] + s2 * lanes[7 * _LANES + j]
+            )
+
+
+told_by_sample = compiled(_told_by_sample)
+parameter_score = cached(_parameter_score, parts=[made_slopes, foreseen_pose])

@@ -14,10 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.bounded_search import Found, likeliest
 from hilc_cli.laws.norm_optimal.filter_slopes import parameter_score
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
-from hilc_cli.laws.norm_optimal.motor import Motor, steps_and_slopes, steps_of
+from hilc_cli.laws.norm_optimal.motor import Motor, made_slopes, steps_and_slopes, steps_of
 from hilc_cli.laws.norm_optimal.noise_score import noise_score
 from hilc_cli.reference.sampled import Floats
 
@@ -62,6 +63,15 @@ Delay and lag are hardly told apart where speeds change slowly, nor R and B in a
 
 PRIOR = np.array([0.3, 0.05, 0.5, 0.3, 0.3, 0.5])
 """Standard deviations of the parameters beforehand: shares, seconds, and rad/s of friction."""
+
+
+def _told_errors(covariance: Floats) -> Floats:
+    """Standard errors of what `TOLD` has, shape (8,)."""
+    errors: Floats = np.sqrt(((TOLD @ covariance) * TOLD).sum(axis=1))
+    return errors
+
+
+_TOLD_AT_FIRST = _told_errors(np.diag(PRIOR**2))
 _BEFOREHAND = np.diag(PRIOR**-2)  # information
 _MEASURED = 0.4  # of the standard error beforehand; what is less sure is not measured
 _HIGHEST = np.array([1.5, 0.5, 1.5, 1.0, 2.0, 10.0])
@@ -118,11 +128,8 @@ class MotorBelief:
     @property
     def told_errors(self) -> Floats:
         """Standard errors of what `TOLD` has; not-a-number for what no pass has told."""
-        now, at_first = (
-            np.sqrt(np.einsum("ki,ij,kj->k", TOLD, each, TOLD))
-            for each in (self.covariance, np.diag(PRIOR**2))
-        )
-        return np.where(now < _MEASURED * at_first, now, np.nan)
+        now = _told_errors(self.covariance)
+        return np.where(now < _MEASURED * _TOLD_AT_FIRST, now, np.nan)
 
     def with_parameters(self, parameters: Floats) -> MotorBelief:
         """Returns the same with other parameters."""
@@ -147,11 +154,29 @@ class MotorBelief:
         Returns:
             Of the way [m^2] and of the heading [rad^2].
         """
-        _, slopes = self.steps_and_slopes(inputs, sample_time)
-        gone = np.cumsum(slopes, axis=0).reshape(-1, len(NAMES))
-        variances = (np.einsum("ki,ij->kj", gone, self.covariance) * gone).sum(axis=1)
-        way, turn = variances.reshape(-1, 2).max(axis=0).tolist()
-        return way, turn
+        return drift(self.motor, self.covariance, inputs, sample_time)  # type: ignore[no-any-return]
+
+
+def _drift(
+    motor: Motor, covariance: Floats, inputs: Floats, sample_time: float
+) -> tuple[float, float]:
+    """What `MotorBelief.drift` returns: the largest variances of sums of steps."""
+    _, slopes = made_slopes(motor, inputs, sample_time)
+    gone, most = np.zeros((2, 6)), np.zeros(2)
+    for k in range(len(inputs)):
+        for part in range(2):
+            variance = 0.0
+            for i in range(6):
+                gone[part, i] += slopes[k, part, i]
+                row = 0.0
+                for j in range(i):
+                    row += covariance[i, j] * gone[part, j]
+                variance += gone[part, i] * (2.0 * row + covariance[i, i] * gone[part, i])
+            most[part] = max(most[part], variance)
+    return most[0], most[1]
+
+
+drift = cached(_drift, parts=[made_slopes])
 
 
 def parameters_at_first(motor: Motor) -> Floats:
@@ -302,18 +327,17 @@ class Identification:
 
         def told(variances: Floats) -> NoiseTold:
             tried = Noise(*variances.tolist())
-            likelihoods, scores, informations = zip(
-                *(
-                    noise_score(measured, own, lead, tried, share)
-                    for measured, own, lead, share in rows
-                ),
-                strict=True,
-            )
-            information = sum(informations) + _NO_INFORMATION * np.eye(len(variances))
+            likelihood, score = 0.0, np.zeros(len(variances))
+            information = _NO_INFORMATION * np.eye(len(variances))
+            for measured, own, lead, share in rows:
+                of_pass = noise_score(measured, own, lead, tried, share)
+                likelihood += of_pass[0]
+                score += of_pass[1]
+                information += of_pass[2]
             by_variances = 1 / variances  # from derivatives by their logarithms
             return NoiseTold(
-                sum(likelihoods),
-                sum(scores) * by_variances,
+                likelihood,
+                score * by_variances,
                 information * by_variances * by_variances[:, None],
             )
 
@@ -356,9 +380,9 @@ class Identification:
         off = parameters - parameters_at_first(belief.first)
         value = -0.5 * float(np.square(off / PRIOR).sum())
         for each in passes:
-            steps, slopes = steps_and_slopes(motor, each.sent, self._sample_time)
-            filtered = each.measured, steps, slopes, self._lead, noise, each.start_share
-            value -= parameter_score(*filtered, by_sample, information)
+            driven = motor, each.sent, self._sample_time
+            seen = each.measured, self._lead, noise, each.start_share
+            value -= parameter_score(*driven, *seen, by_sample, information)
         score = by_sample.sum(axis=0) - off / PRIOR**2
         return ParametersTold(value, score, information, by_sample)
 
@@ -393,17 +417,40 @@ def _covariance(told: ParametersTold) -> Floats:
     reach = math.ceil(4 * (len(scores) / 100) ** (1 / 3)) * 4
     # Products of scores up to that far apart, with weights that fall in a straight line: the
     # squares of all sums of so many in a row.
-    width = reach + 1
-    gone = np.concatenate([np.zeros((1, scores.shape[1])), np.cumsum(scores, axis=0)])
-    ends = np.arange(1, len(scores) + width)
-    sums = gone[ends.clip(max=len(scores))] - gone[(ends - width).clip(min=0)]
-    spread = np.einsum("ki,kj->ij", sums, sums) / width  # no BLAS: its threads cost more
+    spread = squares_of_sums(scores, reach + 1) / (reach + 1)
     robust = covariance @ spread @ covariance
     usual = np.diag(covariance)
     share = np.divide(np.diag(robust), usual, out=np.ones(len(usual)), where=usual > 0)
     larger = np.sqrt(np.maximum(share, 1.0))
     widened: Floats = covariance * np.outer(larger, larger)
     return widened
+
+
+def _squares_of_sums(scores: Floats, width: int) -> Floats:
+    """Adds up the squares of all sums of so many scores in a row, shape (m, m).
+
+    Args:
+        scores: Shape (n, m).
+        width: How many, the first and last ones of fewer.
+    """
+    n, count = scores.shape
+    window, squares = np.zeros(count), np.zeros((count, count))
+    for k in range(n + width - 1):
+        for i in range(count):
+            if k < n:
+                window[i] += scores[k, i]
+            if k >= width:
+                window[i] -= scores[k - width, i]
+        for i in range(count):
+            for j in range(i + 1):
+                squares[i, j] += window[i] * window[j]
+    for i in range(count):
+        for j in range(i):
+            squares[j, i] = squares[i, j]
+    return squares
+
+
+squares_of_sums = cached(_squares_of_sums)
 
 
 def _inverse(information: Floats) -> Floats:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
 
@@ -11,16 +13,21 @@ import numpy as np
 
 from hilc_cli.laws.law import Figures, Iteration, Plan
 from hilc_cli.laws.norm_optimal.chance import seldom_above
+from hilc_cli.laws.norm_optimal.driven import Driven, smooth_pass
 from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
 from hilc_cli.laws.norm_optimal.law import IDENTIFIED, MERGE_TIME, MISFITS, NormOptimalLaw
-from hilc_cli.laws.norm_optimal.misfit import misfits
-from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter, smoothed_poses
-from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, steps_of
+from hilc_cli.laws.norm_optimal.misfit import Innovations
+from hilc_cli.laws.norm_optimal.motion_filter import Noise
+from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for
 from hilc_cli.laws.norm_optimal.motor_plan import motor_plan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
-from hilc_cli.laws.norm_optimal.rectified import MERGED, rectified_reference
-from hilc_cli.laws.norm_optimal.repeating import repeating
+from hilc_cli.laws.norm_optimal.rectified import (
+    RectifiedReference,
+    merged_sample,
+    rectified_reference,
+)
+from hilc_cli.laws.norm_optimal.repeating import Repeating
 from hilc_cli.laws.norm_optimal.safeguard import Learned, Safeguard
 from hilc_cli.laws.safety_net import STEP_SHARE, WENT_BACK
 from hilc_cli.plants.kinematic import step_gains
@@ -64,31 +71,26 @@ class NormOptimalPlan(Plan):
     settled: bool = True
 
 
-class WayIn(NamedTuple):
-    """A way into the trajectory, and whether the search for it settled."""
-
-    poses: Floats
-    settled: bool
-
-
-class Driven(NamedTuple):
-    """What a pass was by all its readings.
+class Starts(NamedTuple):
+    """Where passes start.
 
     Attributes:
-        poses: The likeliest ones, shape (n + 1, 3).
-        beyond: Motion beyond the model: ahead [m], to the left [m], turn [rad], shape (n, 3).
-        white: What was not expected, by its deviation, shape (n, 3); not-a-number where nothing was
-            measured.
+        mean: Pose, shape (3,).
+        variances: Of x, y and heading, 0 of a single one, shape (3,).
+        passes: How many they are.
     """
 
-    poses: Floats
-    beyond: Floats
-    white: Floats
+    mean: Floats
+    variances: Floats
+    passes: int
 
-    @property
-    def surprise(self) -> float:
-        """Mean square of what was not expected: about 1 where the belief explains it."""
-        return float(np.nanmean(np.square(self.white)))
+    @classmethod
+    def of(cls, poses: Iterable[Floats]) -> Starts:
+        """Returns what some poses have in common."""
+        rows = np.array(list(poses))
+        mean = rows.sum(axis=0) / len(rows)
+        variances = np.square(rows - mean).sum(axis=0) / max(len(rows) - 1, 1)
+        return cls(mean, variances, len(rows))
 
 
 class NormOptimalLearner:
@@ -115,11 +117,16 @@ class NormOptimalLearner:
             motor = Motor(*radii, half_track, *late)
         self._belief = MotorBelief.at_first(motor, Noise(*[_VAGUE**2] * 5))
         self._passes: deque[Pass] = deque(maxlen=MEMORY)
-        self._driven: deque[Driven] = deque(maxlen=MEMORY)
-        self._starts: deque[Floats] = deque(maxlen=MEMORY)
+        self._repeating = Repeating(reference.samples, MEMORY)
+        self._innovations = Innovations(reference.samples, MEMORY)
+        self._begun: deque[Floats] = deque(maxlen=MEMORY)  # where the passes began
+        self._stood: deque[Floats] = deque(maxlen=MEMORY)  # where passes at rest were
+        self._starts: Starts | None = None
         self._learned = Learned(self._belief.parameters, np.zeros((reference.samples, 3)))
         self._safeguard = Safeguard(self._learned)
         self._plan: NormOptimalPlan | None = None  # of the pass that runs
+        self._way: RectifiedReference | None = None  # of the last plan
+        self._known_way: RectifiedReference | None = None  # of a plan that has been learned from
         self._seen = 0
         self._usual = 1.0
 
@@ -140,11 +147,12 @@ class NormOptimalLearner:
         misfit = np.full(len(MISFITS), np.nan)
         # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
         far = _FARTHEST * max(self._reference.size, 1.0)
-        if np.all(np.abs(error) <= far) and np.all(np.abs(latest.sent) <= _LIMIT):
+        if np.abs(error).max() <= far and np.abs(latest.sent).max() <= _LIMIT:
             if latest.sent.any():
                 misfit = self._take_in(latest)
             else:
-                self._starts.append(np.nanmean(latest.measured, axis=0))
+                self._stood.append(np.nanmean(latest.measured, axis=0))
+                self._starts = Starts.of(chain(self._begun, self._stood))
         merge_time, settled = self._of_plan(plan)
         return {
             **self._identified(),
@@ -179,47 +187,58 @@ class NormOptimalLearner:
         """Learns from a pass, and returns by how much the model does not fit, see `misfits`."""
         self._passes.append(latest)
         self._seen += 1
-        passes = self._placed()
+        self._known_way = self._way
+        placed = self._placed()
         early = self._seen <= _ALWAYS or self._seen & (self._seen - 1) == 0
-        seen = None if early else self._smoothed(passes[-1])
+        seen = None if early else self._smoothed(placed(latest))
         if seen is None or seen.surprise > _NEW * self._usual:
+            passes = [placed(each) for each in self._passes]
             self._belief = self._identification.update(self._belief, passes)
-            self._driven = deque((self._smoothed(each) for each in passes), maxlen=MEMORY)
-            self._usual = max(self._driven[-1].surprise, 1.0)
+            self._repeating.clear()
+            self._innovations.clear()
+            self._begun.clear()
+            driven = [self._smoothed(each) for each in passes]
+            self._keep(driven, passes)
+            seen = driven[-1]
+            self._usual = max(seen.surprise, 1.0)
         else:
-            self._driven.append(seen)
-        self._starts = deque((each.poses[0] for each in self._driven), maxlen=MEMORY)
-        beside = repeating(
-            np.array([each.beyond for each in self._driven]),
-            np.array([each.sent for each in passes]),
-        )
+            self._keep([seen], [latest])
+        self._stood.clear()
+        self._starts = Starts.of(self._begun)
+        beside = self._repeating.expected()
         learned = Learned(self._belief.parameters, beside)
-        error = self._error(self._driven[-1].poses)
-        self._learned = self._safeguard.next(error, learned)
-        return misfits(np.array([each.white for each in self._driven]))
+        self._learned = self._safeguard.next(self._error(seen.poses), learned)
+        return self._innovations.misfits()
 
-    def _placed(self) -> list[Pass]:
-        """The passes, with what they tell together of where they start.
+    def _keep(self, driven: Sequence[Driven], passes: Sequence[Pass]) -> None:
+        """Keeps what passes were, and what was sent in them."""
+        self._repeating.add([each.beyond for each in driven], [each.sent for each in passes])
+        for each in driven:
+            self._innovations.add(each.white)
+            self._begun.append(each.poses[0])
+
+    def _placed(self) -> Callable[[Pass], Pass]:
+        """Gives passes what they tell together of where they start.
 
         As long as starts differ no more than readings of them would, all are at one place, which
         so many readings tell.
         """
-        passes, noise = list(self._passes), self._belief.noise
-        if len(passes) < 2:
-            return passes
-        starts = np.array([each.measured[0] for each in passes])
-        freedom = len(starts) - 1
-        usual = seldom_above(freedom, _RARELY)
+        count, noise = len(self._passes), self._belief.noise
+        if count < 2:
+            return lambda each: each
+        starts = Starts.of(each.measured[0] for each in self._passes)
+        usual = seldom_above(count - 1, _RARELY)
         read = np.array([noise.position, noise.position, noise.heading])
-        if np.any(starts.var(axis=0, ddof=1) > usual * read):
-            return passes
-        start = starts.mean(axis=0) if self._is_clearly_off(starts) else self._target[0]
-        return [
-            each._replace(
-                measured=np.vstack([start, each.measured[1:]]), start_share=1 / len(passes)
-            )
-            for each in passes
-        ]
+        if np.any(starts.variances > usual * read):
+            return lambda each: each
+        start = starts.mean if self._is_clearly_off(starts) else self._target[0]
+
+        def placed(each: Pass) -> Pass:
+            measured = each.measured.copy()
+            measured[0] = start
+            return each._replace(measured=measured, start_share=1 / count)
+
+        return placed
 
     def _error(self, poses: Floats) -> float:
         """RMS of what was off in a pass, from a start off the trajectory in its second half.
@@ -227,58 +246,49 @@ class NormOptimalLearner:
         1 counts as one.
         """
         position, heading = self._law.squared_weights
-        squares = (np.square(poses - self._target) * [position, position, heading]).sum(axis=1)
+        x, y, turned = np.square(poses - self._target).T
+        squares = position * (x + y) + heading * turned
         if not self._start_on_it():
             squares = squares[len(squares) // 2 :]
         return float(np.sqrt(squares.mean()))
 
-    def _usual_start(self) -> Floats:
-        """Pose from which passes start."""
-        starts: Floats = np.array(self._starts) if self._starts else self._target[:1]
-        mean: Floats = starts.mean(axis=0)
-        return mean
-
     def _start_on_it(self) -> bool:
         """Whether passes start on the trajectory, as far as they clearly tell."""
-        return not self._starts or not self._is_clearly_off(np.array(self._starts))
+        return self._starts is None or not self._is_clearly_off(self._starts)
 
-    def _is_clearly_off(self, starts: Floats) -> bool:
+    def _is_clearly_off(self, starts: Starts) -> bool:
         """Whether some starts tell another one than the trajectory's."""
         noise = self._belief.noise
-        variances = np.array([noise.position, noise.position, noise.heading])
-        if len(starts) > 1:
-            variances = np.maximum(variances, starts.var(axis=0, ddof=1))
-        off = np.abs(starts.mean(axis=0) - self._target[0])
-        return bool(np.any(off > CLEARLY * np.sqrt(variances / len(starts)) + _ON_IT))
+        read = noise.position, noise.position, noise.heading
+        parts = (part.tolist() for part in (starts.mean, self._target[0], starts.variances))
+        each = zip(*parts, strict=True)
+        return any(
+            abs(mean - there) > CLEARLY * math.sqrt(max(own, variance) / starts.passes) + _ON_IT
+            for own, (mean, there, variance) in zip(read, each, strict=True)
+        )
 
     def _smoothed(self, each: Pass) -> Driven:
         """What a pass was as the belief and all its readings say."""
-        belief, lead = self._belief, self._law.lead
-        steps = steps_of(belief.motor, each.sent, self._reference.sample_time)
-        seen = run_filter(each.measured, steps, lead, belief.noise, each.start_share, keep=True)
-        poses = smoothed_poses(seen)
-        beyond = body_steps(poses, lead)
-        beyond[:, [0, 2]] -= steps
-        white = seen.white  # of zeros where nothing was measured
-        white[np.isnan(each.measured[1:, 0])] = np.nan
-        return Driven(poses, beyond, white)
+        belief, sample_time = self._belief, self._reference.sample_time
+        known = belief.motor, sample_time, self._law.lead, belief.noise
+        return Driven(*smooth_pass(each.measured, each.sent, *known, each.start_share))
 
-    def _way_in(self, motor: Motor, start: Floats) -> WayIn:
+    def _way_in(self, motor: Motor, start: Floats) -> RectifiedReference:
         """A way into the trajectory from a start off it."""
         radius = (motor.left_radius + motor.right_radius) / 2
         gains = step_gains(radius, motor.half_track, self._reference.sample_time)
         drift = np.zeros((self._reference.samples, 3))
         ideal = motor._replace(delay=0.0, lag=0.0, friction=0.0)
-        steps = body_steps(self._target, self._law.lead)[:, [0, 2]]
+        steps = np.ascontiguousarray(body_steps(self._target, self._law.lead)[:, ::2])
         fastest = float(np.abs(commands_for(ideal, steps, self._reference.sample_time)).max())
-        found = rectified_reference(
+        return rectified_reference(
             self._target,
             start,
             Model(*gains, drift, self._speed_limit),
             self._law.h,
             (*self._law.squared_weights, (_FREE * fastest + 1e-9) ** -2),
+            self._known_way,
         )
-        return WayIn(found.poses, found.settled)
 
     def plan(self, start: Floats | None = None) -> NormOptimalPlan:
         """Plans the next pass anew from the geometry: only what is known of the robot is kept.
@@ -289,11 +299,12 @@ class NormOptimalLearner:
         reference, law = self._reference, self._law
         motor = self._belief.with_parameters(self._learned.parameters).motor
         on_it = self._start_on_it() if start is None else _is_near(start, self._target[0])
-        start = self._usual_start() if start is None else start
-        way_in = WayIn(self._target, settled=True) if on_it else self._way_in(motor, start)
+        if start is None:
+            start = self._target[0] if self._starts is None else self._starts.mean
+        way_in = self._way = None if on_it else self._way_in(motor, start)
         found = motor_plan(
             motor,
-            way_in.poses,
+            self._target if way_in is None else way_in.poses,
             start,
             self._learned.beside,
             reference.sample_time,
@@ -303,26 +314,19 @@ class NormOptimalLearner:
             _FREE,
         )
         left, right = found.inputs.T.copy()
-        plan = NormOptimalPlan(
-            left,
-            right,
-            found.poses,
-            merge_sample=self._merged(found.poses),
-            settled=way_in.settled and found.settled,
-        )
+        feedback = None
         if law.feedback == "regulator":
             rates = self._rates(found.inputs)
             feedback = regulator(motor, found.inputs, found.poses, reference, *rates)
-            plan = replace(plan, feedback=feedback)
-        self._plan = plan
-        return plan
-
-    def _merged(self, poses: Floats) -> int | None:
-        """First sample from which a motion stays on the trajectory."""
-        away = np.hypot(*(poses - self._target)[:, :2].T) > MERGED
-        if away[-1]:
-            return None
-        return int(np.flatnonzero(away)[-1]) + 1 if away.any() else 0
+        self._plan = NormOptimalPlan(
+            left,
+            right,
+            found.poses,
+            feedback,
+            merge_sample=merged_sample(found.poses, self._target),
+            settled=found.settled and (way_in is None or way_in.settled),
+        )
+        return self._plan
 
     def _rates(self, inputs: Floats) -> tuple[float, float]:
         """The bandwidths of the feedback about a plan, see `bandwidths`."""
@@ -342,9 +346,12 @@ class NormOptimalLearner:
         n-th of it in each.
         """
         belief, noise = self._belief, self._belief.noise
-        starts = np.array(self._starts) if self._starts else self._target[:1]
-        middle = starts.mean(axis=0) if len(starts) > 1 else self._target[0]
-        x, y, heading = np.square(starts - middle).sum(axis=0) / max(len(starts) - 1, 1)
+        scattered = np.zeros(3)
+        if self._starts is not None:
+            scattered = self._starts.variances
+            if self._starts.passes == 1:
+                scattered = np.square(self._starts.mean - self._target[0])
+        x, y, heading = scattered.tolist()
         way, turn = belief.drift(inputs, self._reference.sample_time)
         n = len(inputs)
         return noise._replace(

@@ -1,13 +1,14 @@
-"""A linear quadratic problem along a motion as an object."""
+"""A linear quadratic problem along a motion of wheels that do at once what they are told."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from hilc_cli.compiling import cached
+from hilc_cli.compiling import cached, compiled
 from hilc_cli.reference.sampled import Floats
 
 
@@ -15,16 +16,14 @@ class Linearised(NamedTuple):
     """What A and B consist of: a tuple, since the compiler knows those.
 
     Attributes:
-        steps: dx, dy [m], shape (n, 2).
-        directions: Cosine and sine of the heading, shape (n, 2).
-        distance_gain: a = d_k R / 2 [m s].
-        turn_gain: b = d_k R / (2 B) [s].
+        steps: dx, dy [m], shape (n, 2), which a turn of the heading turns.
+        left: What the left wheel's speed moves: x, y [m s] and heading [s], shape (n, 3).
+        right: Likewise the right wheel's.
     """
 
     steps: Floats
-    directions: Floats
-    distance_gain: float
-    turn_gain: float
+    left: Floats
+    right: Floats
 
 
 def _factorised(
@@ -46,7 +45,7 @@ def _factorised(
     Source:
         Amann, Owens and Rogers 1996: the Riccati equation of norm-optimal learning.
     """
-    steps, directions, a, b = motion
+    steps, lefts, rights = motion
     n = len(steps)
     # P, the cost of a change from sample k + 1 on: symmetric, entries of its upper half.
     xx, xy, xh = pose_weights[n, 0], 0.0, 0.0
@@ -54,23 +53,21 @@ def _factorised(
     hh = pose_weights[n, 1]
     for k in range(n - 1, -1, -1):
         dx, dy = steps[k, 0], steps[k, 1]
-        cos, sin = directions[k, 0], directions[k, 1]
-        # P times the direction, and B' P B.
-        px, py, ph = xx * cos + xy * sin, xy * cos + yy * sin, xh * cos + yh * sin
-        along, mixed, turning = a * a * (px * cos + py * sin), a * b * ph, b * b * hh
-        h00 = input_weights[k, 0] + along + 2 * mixed + turning
-        h11 = input_weights[k, 1] + along - 2 * mixed + turning
-        h01 = along - turning
+        lx, ly, lh = lefts[k, 0], lefts[k, 1], lefts[k, 2]
+        rx, ry, rh = rights[k, 0], rights[k, 1], rights[k, 2]
+        # B' P, and B' P B.
+        g00, g01 = xx * lx + xy * ly + xh * lh, xy * lx + yy * ly + yh * lh
+        g10, g11 = xx * rx + xy * ry + xh * rh, xy * rx + yy * ry + yh * rh
+        g02, g12 = xh * lx + yh * ly + hh * lh, xh * rx + yh * ry + hh * rh
+        h00 = input_weights[k, 0] + g00 * lx + g01 * ly + g02 * lh
+        h11 = input_weights[k, 1] + g10 * rx + g11 * ry + g12 * rh
+        h01 = g00 * rx + g01 * ry + g02 * rh
         inverse = 1.0 / (h00 * h11 - h01 * h01)
         i00, i01, i11 = h11 * inverse, -h01 * inverse, h00 * inverse
         inverses[k, 0], inverses[k, 1], inverses[k, 2] = i00, i01, i11
         # B' P A; the heading's column of A is (-dy, dx, 1).
-        sx, sy = a * px, a * py
-        sh = a * ph + sy * dx - sx * dy
-        tx, ty = b * xh, b * yh
-        th = b * hh + ty * dx - tx * dy
-        g00, g01, g02 = sx + tx, sy + ty, sh + th
-        g10, g11, g12 = sx - tx, sy - ty, sh - th
+        g02 += g01 * dx - g00 * dy
+        g12 += g11 * dx - g10 * dy
         k00, k01, k02 = i00 * g00 + i01 * g10, i00 * g01 + i01 * g11, i00 * g02 + i01 * g12
         k10, k11, k12 = i01 * g00 + i11 * g10, i01 * g01 + i11 * g11, i01 * g02 + i11 * g12
         gains[k, 0, 0], gains[k, 0, 1], gains[k, 0, 2] = k00, k01, k02
@@ -108,13 +105,12 @@ def _solved(
     Source:
         Amann, Owens and Rogers 1996: the costate of norm-optimal learning.
     """
-    steps, directions, a, b = motion
+    steps, lefts, rights = motion
     n = len(steps)
     px, py, ph = pose_slopes[n, 0], pose_slopes[n, 1], pose_slopes[n, 2]
     for k in range(n - 1, -1, -1):
-        along = a * (px * directions[k, 0] + py * directions[k, 1])
-        left = input_slopes[k, 0] + along + b * ph
-        right = input_slopes[k, 1] + along - b * ph
+        left = input_slopes[k, 0] + px * lefts[k, 0] + py * lefts[k, 1] + ph * lefts[k, 2]
+        right = input_slopes[k, 1] + px * rights[k, 0] + py * rights[k, 1] + ph * rights[k, 2]
         changes[k, 0] = -(inverses[k, 0] * left + inverses[k, 1] * right)
         changes[k, 1] = -(inverses[k, 1] * left + inverses[k, 2] * right)
         ph += pose_slopes[k, 2] + py * steps[k, 0] - px * steps[k, 1]
@@ -126,10 +122,10 @@ def _solved(
         for wheel in range(2):
             gain = gains[k, wheel]
             changes[k, wheel] -= gain[0] * dx + gain[1] * dy + gain[2] * dh
-        along = a * (changes[k, 0] + changes[k, 1])
-        dx += along * directions[k, 0] - dh * steps[k, 1]
-        dy += along * directions[k, 1] + dh * steps[k, 0]
-        dh += b * (changes[k, 0] - changes[k, 1])
+        left, right = changes[k, 0], changes[k, 1]
+        dx += left * lefts[k, 0] + right * rights[k, 0] - dh * steps[k, 1]
+        dy += left * lefts[k, 1] + right * rights[k, 1] + dh * steps[k, 0]
+        dh += left * lefts[k, 2] + right * rights[k, 2]
 
 
 def _linear_motion(motion: Linearised, changes: Floats) -> Floats:
@@ -142,15 +138,50 @@ def _linear_motion(motion: Linearised, changes: Floats) -> Floats:
     Returns:
         d, shape (n + 1, 3).
     """
-    steps, directions, a, b = motion
+    steps, lefts, rights = motion
     n = len(steps)
     moved = np.zeros((n + 1, 3))
     for k in range(n):
-        along = a * (changes[k, 0] + changes[k, 1])
-        moved[k + 1, 0] = moved[k, 0] + along * directions[k, 0] - moved[k, 2] * steps[k, 1]
-        moved[k + 1, 1] = moved[k, 1] + along * directions[k, 1] + moved[k, 2] * steps[k, 0]
-        moved[k + 1, 2] = moved[k, 2] + b * (changes[k, 0] - changes[k, 1])
+        left, right = changes[k, 0], changes[k, 1]
+        for i in range(3):
+            moved[k + 1, i] = moved[k, i] + left * lefts[k, i] + right * rights[k, i]
+        moved[k + 1, 0] -= moved[k, 2] * steps[k, 1]
+        moved[k + 1, 1] += moved[k, 2] * steps[k, 0]
     return moved
+
+
+made_motion = compiled(_linear_motion)
+linear_motion = cached(_linear_motion)
+
+
+def _change_of_cost(
+    motion: Linearised,
+    pose_weights: Floats,
+    input_weights: Floats,
+    pose_slopes: Floats,
+    input_slopes: Floats,
+    changes: Floats,
+) -> float:
+    """What a change of the wheel speeds makes of the cost, see `LinearQuadratic`.
+
+    Args:
+        motion: The motion.
+        pose_weights: w and w_h, shape (n + 1, 2).
+        input_weights: Diagonal of V, shape (n, 2).
+        pose_slopes: s, shape (n + 1, 3).
+        input_slopes: v, shape (n, 2).
+        changes: c [rad/s], shape (n, 2).
+    """
+    moved = made_motion(motion, changes)
+    total = 0.0
+    for k in range(len(changes)):
+        for wheel in range(2):
+            change = changes[k, wheel]
+            total += (input_slopes[k, wheel] + input_weights[k, wheel] * change / 2) * change
+        for i in range(3):
+            away, weight = moved[k + 1, i], pose_weights[k + 1, i // 2]
+            total += (pose_slopes[k + 1, i] + weight * away / 2) * away
+    return total
 
 
 def _input_derivatives(motion: Linearised, pose_slopes: Floats) -> Floats:
@@ -163,14 +194,13 @@ def _input_derivatives(motion: Linearised, pose_slopes: Floats) -> Floats:
     Returns:
         Derivatives with respect to the wheel speeds [s/rad], shape (n, 2).
     """
-    steps, directions, a, b = motion
+    steps, lefts, rights = motion
     n = len(steps)
     derivatives = np.empty((n, 2))
     px, py, ph = pose_slopes[n, 0], pose_slopes[n, 1], pose_slopes[n, 2]
     for k in range(n - 1, -1, -1):
-        along = a * (px * directions[k, 0] + py * directions[k, 1])
-        derivatives[k, 0] = along + b * ph
-        derivatives[k, 1] = along - b * ph
+        derivatives[k, 0] = px * lefts[k, 0] + py * lefts[k, 1] + ph * lefts[k, 2]
+        derivatives[k, 1] = px * rights[k, 0] + py * rights[k, 1] + ph * rights[k, 2]
         ph += pose_slopes[k, 2] + py * steps[k, 0] - px * steps[k, 1]
         px += pose_slopes[k, 0]
         py += pose_slopes[k, 1]
@@ -179,7 +209,7 @@ def _input_derivatives(motion: Linearised, pose_slopes: Floats) -> Floats:
 
 factorised = cached(_factorised)
 solved = cached(_solved)
-linear_motion = cached(_linear_motion)
+change_of_cost = cached(_change_of_cost)
 input_derivatives = cached(_input_derivatives)
 
 
@@ -232,19 +262,36 @@ class LinearQuadratic:
         slopes: Floats = self.input_slopes + self.input_weights * changes
         return slopes + input_derivatives(self.motion, pose_slopes)  # type: ignore[no-any-return]
 
+    def change_of_cost(self, changes: Floats) -> float:
+        """What c, shape (n, 2), makes of the cost."""
+        weights, slopes = (
+            (self.pose_weights, self.input_weights),
+            (self.pose_slopes, self.input_slopes),
+        )
+        return float(change_of_cost(self.motion, *weights, *slopes, changes))
+
     def moved(self, changes: Floats) -> Floats:
         """How c, shape (n, 2), changes the motion: d, shape (n + 1, 3)."""
         return linear_motion(self.motion, changes)  # type: ignore[no-any-return]
 
 
-def linearised(poses: Floats, distance_gain: float, turn_gain: float) -> Linearised:
-    """What small changes make of a motion.
+def _linearised(poses: Floats, distance_gain: float, turn_gain: float) -> Linearised:
+    """What small changes of the wheel speeds make of a motion without motors.
 
     Args:
         poses: The motion, shape (n + 1, 3).
         distance_gain: a = d_k R / 2 [m s].
         turn_gain: b = d_k R / (2 B) [s].
     """
-    steps, headings = np.diff(poses[:, :2], axis=0), poses[:-1, 2]
-    directions = np.stack([np.cos(headings), np.sin(headings)], axis=1)
-    return Linearised(steps, directions, distance_gain, turn_gain)
+    n = len(poses) - 1
+    steps, left, right = np.empty((n, 2)), np.empty((n, 3)), np.empty((n, 3))
+    for k in range(n):
+        steps[k, 0], steps[k, 1] = poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1]
+        along_x = distance_gain * math.cos(poses[k, 2])
+        along_y = distance_gain * math.sin(poses[k, 2])
+        left[k, 0], left[k, 1], left[k, 2] = along_x, along_y, turn_gain
+        right[k, 0], right[k, 1], right[k, 2] = along_x, along_y, -turn_gain
+    return Linearised(steps, left, right)
+
+
+linearised = cached(_linearised)

@@ -8,9 +8,13 @@ the path; in each octave of them its power is held against what noise alone may 
 
 from __future__ import annotations
 
+import math
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
+from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.chance import seldom_above
 from hilc_cli.laws.norm_optimal.cosines import cosines
 from hilc_cli.reference.sampled import Floats
@@ -19,6 +23,33 @@ _CLEARLY = 2.0
 """Power that is something new however sure it is: noise is never quite as it is fitted."""
 _RARELY = 1e-5
 """How often noise alone makes more in an octave."""
+
+
+class Innovations:
+    """Those of passes, of which the oldest are forgotten where there are many."""
+
+    def __init__(self, samples: int, most: int) -> None:
+        """Begins with no pass.
+
+        Args:
+            samples: n.
+            most: Passes that are kept.
+        """
+        self._kept = np.empty((most, samples, 3))
+        self._seen = 0
+
+    def clear(self) -> None:
+        """Forgets all passes."""
+        self._seen = 0
+
+    def add(self, white: Floats) -> None:
+        """Takes in a pass, shape (n, 3), as `misfits` takes them."""
+        self._kept[self._seen % len(self._kept)] = white
+        self._seen += 1
+
+    def misfits(self) -> Floats:
+        """Returns `misfits` of the passes that are kept."""
+        return misfits(self._kept[: min(self._seen, len(self._kept))])
 
 
 def misfits(innovations: NDArray[np.float64]) -> Floats:
@@ -35,15 +66,46 @@ def misfits(innovations: NDArray[np.float64]) -> Floats:
     passes, n, _ = innovations.shape
     if passes < 2:
         return np.full(3, np.nan)
-    counts = np.isfinite(innovations[:, :, 0]).sum(axis=0)[:, None]
-    common = np.nansum(innovations, axis=0) / np.sqrt(counts.clip(min=1))
-    share = np.count_nonzero(counts) / n  # of the samples at which anything was measured
-    power = np.square(cosines(np.ascontiguousarray(common.T))) / max(share, 1 / n)
-    found = np.zeros(3)
-    lowest, beyond = 0, 1
-    while lowest < n:
-        band = power[:, lowest:beyond]
-        allowed = max(_CLEARLY, seldom_above(band.shape[1], _RARELY))
-        found = np.maximum(found, band.mean(axis=1) / allowed)
-        lowest, beyond = beyond, 2 * beyond
-    return found
+    common = np.zeros((3, n))
+    measured = in_common(innovations, common)
+    power: Floats = np.square(cosines(common)) / (max(measured, 1) / n)
+    lowest, lengths, allowed = _octaves(n)
+    found: Floats = np.add.reduceat(power, lowest, axis=1) / (lengths * allowed)
+    worst: Floats = found.max(axis=1)
+    return worst
+
+
+@cache
+def _octaves(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
+    """The first cosine of each octave, their number, and the mean power that noise may make."""
+    lowest = np.array([0, *(1 << np.arange((n - 1).bit_length())).tolist()])
+    lengths = np.diff(lowest, append=n)
+    allowed = [max(_CLEARLY, seldom_above(length, _RARELY)) for length in lengths.tolist()]
+    return lowest, lengths, np.array(allowed)
+
+
+def _in_common(innovations: Floats, common: Floats) -> int:
+    """The mean of what was measured in passes, by what its deviation is if it is noise.
+
+    Args:
+        innovations: As for `misfits`.
+        common: Gets the mean times the root of the number of passes that it is of, shape (3, n).
+
+    Returns:
+        The number of samples at which anything was measured.
+    """
+    measured = 0
+    for k in range(innovations.shape[1]):
+        count = 0
+        for p in range(len(innovations)):
+            if not math.isnan(innovations[p, k, 0]):
+                count += 1
+                for part in range(3):
+                    common[part, k] += innovations[p, k, part]
+        measured += count > 0
+        for part in range(3):
+            common[part, k] /= math.sqrt(max(count, 1))
+    return measured
+
+
+in_common = cached(_in_common)

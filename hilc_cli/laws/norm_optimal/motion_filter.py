@@ -269,6 +269,7 @@ def _filtered(
     return white, likelihood, states, covariances, foreseen, foreseen_covariances
 
 
+made_filter = compiled(_filtered)
 filtered = cached(_filtered, parts=[chord])
 
 
@@ -320,6 +321,7 @@ def _smoothed(
             poses[k, i] += before[i, 0] * w0 + before[i, 1] * w1 + before[i, 2] * w2
 
 
+made_smoother = compiled(_smoothed)
 smoothed = cached(_smoothed)
 
 

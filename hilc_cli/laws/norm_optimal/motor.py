@@ -18,6 +18,9 @@ from hilc_cli.reference.sampled import Floats
 FRICTION_EDGE = 0.005
 """Wheel speed [rad/s] over which friction changes its sign."""
 
+_SQUARE_ROUNDS = 1e-8
+"""Relative to a number, the square of such a share is rounding."""
+
 NO_LAG = 1e-6
 """A lag up to this [s] is none."""
 
@@ -59,15 +62,15 @@ def _effective(command: float, friction: float) -> tuple[float, float]:
     wanted, edge = abs(command), FRICTION_EDGE
     # Newton's method from the right of the root, where the function is concave up to there.
     v = max(wanted - friction, wanted * edge / (edge + friction))
+    slope = 1.0
     for _ in range(50):
-        root = math.sqrt(v * v + edge * edge)
-        slope = 1.0 + friction * edge * edge / (root * root * root)
-        step = (v + friction * v / root - wanted) / slope
+        inverse = 1.0 / math.sqrt(v * v + edge * edge)
+        rubs = friction * inverse
+        slope = 1.0 + rubs * (edge * inverse) ** 2
+        step = (v + rubs * v - wanted) / slope
         v = max(v - step, 0.0)
-        if abs(step) <= 1e-13 * (v + edge):
+        if abs(step) <= _SQUARE_ROUNDS * (v + edge):  # the next one would be about its square
             break
-    root = math.sqrt(v * v + edge * edge)
-    slope = 1.0 + friction * edge * edge / (root * root * root)
     return math.copysign(v, command), 1.0 / slope
 
 
@@ -140,10 +143,10 @@ def _wheel_ways(
     return ways
 
 
-wheel_ways = cached(_wheel_ways)
+wheel_ways = compiled(_wheel_ways)
 
 
-def steps_of(motor: Motor, inputs: Floats, sample_time: float) -> Floats:
+def _steps_of(motor: Motor, inputs: Floats, sample_time: float) -> Floats:
     """What the motor makes of commands: way ahead [m] and turn [rad] in each sample, shape (n, 2).
 
     Args:
@@ -151,10 +154,17 @@ def steps_of(motor: Motor, inputs: Floats, sample_time: float) -> Floats:
         inputs: Wheel speeds sent [rad/s], shape (n, 2).
         sample_time: d_t [s].
     """
-    late = motor.delay, motor.lag, motor.friction, motor.acceleration
-    ways = wheel_ways(inputs, *late, sample_time)
-    left, right = motor.left_radius * ways[:, 0], motor.right_radius * ways[:, 1]
-    return np.stack([(left + right) / 2, (left - right) / (2 * motor.half_track)], axis=1)
+    steps = wheel_ways(
+        inputs, motor.delay, motor.lag, motor.friction, motor.acceleration, sample_time
+    )
+    for k in range(len(steps)):
+        left, right = motor.left_radius * steps[k, 0], motor.right_radius * steps[k, 1]
+        steps[k, 0], steps[k, 1] = (left + right) / 2, (left - right) / (2 * motor.half_track)
+    return steps  # type: ignore[no-any-return]
+
+
+made_steps = compiled(_steps_of)
+steps_of = cached(_steps_of)
 
 
 def _steps_and_slopes(motor: Motor, inputs: Floats, sample_time: float) -> tuple[Floats, Floats]:
@@ -221,10 +231,11 @@ def _steps_and_slopes(motor: Motor, inputs: Floats, sample_time: float) -> tuple
     return steps, slopes
 
 
+made_slopes = compiled(_steps_and_slopes)
 steps_and_slopes = cached(_steps_and_slopes)
 
 
-def commands_for(motor: Motor, steps: Floats, sample_time: float) -> Floats:
+def _commands_for(motor: Motor, steps: Floats, sample_time: float) -> Floats:
     """Commands that about make given steps: geometry, lag, friction and delay taken back in turn.
 
     Args:
@@ -236,15 +247,32 @@ def commands_for(motor: Motor, steps: Floats, sample_time: float) -> Floats:
         Wheel speeds to send [rad/s], shape (n, 2); what would have to be sent before the start is
         left out.
     """
-    turning = motor.half_track * steps[:, 1]
-    left, right = steps[:, 0] + turning, steps[:, 0] - turning
-    speeds = np.stack([left / motor.left_radius, right / motor.right_radius], axis=1) / sample_time
-    if len(speeds) > 1:
-        speeds = speeds + motor.lag * np.gradient(speeds, sample_time, axis=0)
-    commands = speeds + motor.friction * speeds / np.hypot(speeds, FRICTION_EDGE)
-    times = np.arange(len(steps)) * sample_time
-    ahead = [np.interp(times + motor.delay, times, wheel) for wheel in commands.T]
-    return np.stack(ahead, axis=1)
+    n = len(steps)
+    speeds, commands = np.empty((n, 2)), np.empty((n, 2))
+    for k in range(n):
+        turning = motor.half_track * steps[k, 1]
+        speeds[k, 0] = (steps[k, 0] + turning) / motor.left_radius / sample_time
+        speeds[k, 1] = (steps[k, 0] - turning) / motor.right_radius / sample_time
+    for k in range(n):
+        before, after = max(k - 1, 0), min(k + 1, n - 1)
+        for wheel in range(2):
+            speed = speeds[k, wheel]
+            if after > before:  # by central differences, and by those there are at the ends
+                rise = speeds[after, wheel] - speeds[before, wheel]
+                speed += motor.lag * rise / ((after - before) * sample_time)
+            rubs = motor.friction * speed / math.sqrt(speed * speed + FRICTION_EDGE**2)
+            commands[k, wheel] = speed + rubs
+    # Sent earlier by the delay; the last one stays. Commands before that are not needed any more.
+    whole, fraction = _arriving(min(motor.delay, n * sample_time), sample_time)
+    for k in range(n):
+        here, after = min(k + whole, n - 1), min(k + whole + 1, n - 1)
+        for wheel in range(2):
+            first, second = commands[here, wheel], commands[after, wheel]
+            commands[k, wheel] = first + fraction * (second - first)
+    return commands
+
+
+commands_for = cached(_commands_for)
 
 
 def _moved(start: Floats, steps: Floats, beside: Floats, lead: float) -> Floats:
@@ -281,11 +309,24 @@ def _chord(half_turn: float) -> float:
 
 
 chord = compiled(_chord)
+made_poses = compiled(_moved)
 moved = cached(_moved)
 
 
-def body_steps(poses: Floats, lead: float) -> Floats:
-    """Motion in each sample as seen from the robot: ahead [m], to the left [m], turn [rad].
+def _body_step(poses: Floats, k: int, lead: float) -> tuple[float, float, float]:
+    """Motion in sample k as seen from the robot: ahead [m], to the left [m], turn [rad]."""
+    x, y = poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1]
+    turn = poses[k + 1, 2] - poses[k, 2]
+    along = poses[k, 2] + lead * turn
+    cos, sin = math.cos(along), math.sin(along)
+    return (cos * x + sin * y) / chord(lead * turn), cos * y - sin * x, turn
+
+
+body_step = compiled(_body_step)
+
+
+def _body_steps(poses: Floats, lead: float) -> Floats:
+    """Motion in each sample as seen from the robot, see `body_step`.
 
     The inverse of `moved`.
 
@@ -296,8 +337,10 @@ def body_steps(poses: Floats, lead: float) -> Floats:
     Returns:
         Shape (n, 3).
     """
-    x, y, turn = np.diff(poses, axis=0).T
-    along = poses[:-1, 2] + lead * turn
-    cos, sin = np.cos(along), np.sin(along)
-    ahead = (cos * x + sin * y) / np.sinc(lead * turn / np.pi)
-    return np.stack([ahead, cos * y - sin * x, turn], axis=1)
+    steps = np.empty((len(poses) - 1, 3))
+    for k in range(len(steps)):
+        steps[k, 0], steps[k, 1], steps[k, 2] = body_step(poses, k, lead)
+    return steps
+
+
+body_steps = cached(_body_steps)

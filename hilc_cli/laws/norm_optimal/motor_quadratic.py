@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hilc_cli.compiling import cached, compiled
+from hilc_cli.laws.norm_optimal.linear_quadratic import Linearised
 from hilc_cli.laws.norm_optimal.motor import Motor, arrived, arriving, chord, effective, kept_share
 from hilc_cli.reference.sampled import Floats
 
@@ -107,6 +108,22 @@ def _linearised(
 
 
 linearised = cached(_linearised, parts=[effective])
+
+
+def _of_wheels_at_once(motion: MotorMotion) -> Linearised:
+    """The same of wheels that do at once what they are told: no speed stays, none is under way."""
+    n = len(motion.steps)
+    moves = np.zeros((2, n, 3))
+    for wheel in range(2):
+        for k in range(motion.whole, n):
+            told = motion.by_command[k, wheel]
+            moves[wheel, k, 0] = motion.way_x[k, wheel] * told
+            moves[wheel, k, 1] = motion.way_y[k, wheel] * told
+            moves[wheel, k, 2] = motion.turns[wheel] * told
+    return Linearised(motion.steps, moves[0], moves[1])
+
+
+of_wheels_at_once = cached(_of_wheels_at_once)
 
 
 def _factorised(
@@ -315,7 +332,37 @@ def _input_slopes(
     return derivatives
 
 
+def _change_of_cost(
+    motion: MotorMotion,
+    pose_weights: Floats,
+    input_weights: Floats,
+    pose_slopes: Floats,
+    input_slopes: Floats,
+    changes: Floats,
+) -> float:
+    """What a change of the commands makes of the cost.
+
+    Args:
+        motion: The motion.
+        pose_weights: Of squares of x, y and heading, shape (3,).
+        input_weights: V, shape (n, 2).
+        pose_slopes: Derivatives of the cost by the poses, shape (n + 1, 3).
+        input_slopes: Likewise by the commands, shape (n, 2).
+        changes: c [rad/s], shape (n, 2).
+    """
+    away, total = np.zeros(7), 0.0
+    for k in range(len(changes)):
+        for wheel in range(2):
+            change = changes[k, wheel]
+            total += (input_slopes[k, wheel] + input_weights[k, wheel] * change / 2) * change
+        pushed(motion, k, away, changes[k, 0], changes[k, 1])
+        for j in range(3):
+            total += (pose_slopes[k + 1, j] + pose_weights[j] * away[j] / 2) * away[j]
+    return total
+
+
 factorise = cached(_factorised)
+change_of_cost = cached(_change_of_cost)
 solve = cached(_solved)
 input_slopes_after = cached(_input_slopes)
 
@@ -362,3 +409,11 @@ class MotorQuadratic:
         slopes: Floats = self.input_slopes + self.input_weights * changes
         slopes += input_slopes_after(self.motion, self.pose_weights, self.pose_slopes, changes)
         return slopes
+
+    def change_of_cost(self, changes: Floats) -> float:
+        """Returns what a change of the commands makes of the cost."""
+        weights, slopes = (
+            (self.pose_weights, self.input_weights),
+            (self.pose_slopes, self.input_slopes),
+        )
+        return float(change_of_cost(self.motion, *weights, *slopes, changes))

@@ -1,6 +1,7 @@
 """How the likelihood of readings changes with the noise, with all that depends on it.
 
-All five variances go through the pose filter side by side, each in a lane of its own.
+Four of the five variances go through the pose filter side by side, each in a lane of its own. What
+the fifth makes of a reading follows: all of them together scale its covariance, and nothing else.
 """
 
 from __future__ import annotations
@@ -25,12 +26,19 @@ from hilc_cli.laws.norm_optimal.motor import chord
 from hilc_cli.reference.sampled import Floats
 
 VARIANCES = 5  # of `Noise`
-_LANES = 8
-"""Numbers in a row of what is kept for each variance: as many as go well into the processor's
-vectors. All rows are in one array, so that the compiler sees that they do not overlap."""
-_MOVED, _P, _OWN, _TOLD, _SCORE, _INFORMATION, _ROWS = 0, 3, 9, 14, 23, 24, 29
-"""First rows: of dx; of dP by half; of each variance, where it is its own; of u, and D by half;
-of the score, and of the information."""
+_LANES = VARIANCES - 1
+"""Numbers in a row of what is kept for each variance but the last: as many as go well into the
+processor's vectors. All rows are in one array, so that the compiler sees that they do not
+overlap."""
+_TOLD, _SIZE = 14, 9
+_MOVED, _P, _OWN, _SCORE, _INFORMATION, _ROWS = 0, 3, 9, 23, 24, 29
+"""First rows: of u, and D by half, the numbers of both together; of dx; of dP by half; of each
+variance, where it is its own; of the score, and of the information."""
+_HALF_ROOT = math.sqrt(0.5)
+"""Of D the diagonal is kept as this share: then products of all numbers add up to u'u + tr D D / 2,
+where those beside the diagonal stand once."""
+_ALL = (0.0, 0.0, 0.0, _HALF_ROOT, 0.0, 0.0, _HALF_ROOT, 0.0, _HALF_ROOT)
+"""u and D of all variances together: no change, and the identity."""
 
 
 def _foreseen_slopes(
@@ -121,20 +129,19 @@ def _corrected_slopes(
     khx, khy, khh = gh0 * tx0 + gh1 * tx1 + gh2 * tx2, gh0 * ty0 + gh1 * ty1 + gh2 * ty2, gh2 * th2
     # S^-1 v = T'w.
     sx, sy, sh = tx0 * w0 + tx1 * w1 + tx2 * w2, ty0 * w0 + ty1 * w1 + ty2 * w2, th2 * w2
-    half_root = math.sqrt(0.5)
     for i in range(_LANES):
         mx, my, mh = lanes[i], lanes[_LANES + i], lanes[2 * _LANES + i]
         pxx, pxy, pxh = lanes[3 * _LANES + i], lanes[4 * _LANES + i], lanes[5 * _LANES + i]
         pyy, pyh, phh = lanes[6 * _LANES + i], lanes[7 * _LANES + i], lanes[8 * _LANES + i]
-        position, heading = lanes[12 * _LANES + i], lanes[13 * _LANES + i]  # dR
+        position = lanes[12 * _LANES + i]  # dR, which has no heading: that is the last variance
         # u, and D = T (dP + dR) T'.
         u0, u1, u2 = whitened(-mx * cos - my * sin, mx * sin - my * cos, -mh, root)
-        qxx, qyy, qhh = pxx + position, pyy + position, phh + heading
+        qxx, qyy = pxx + position, pyy + position
         ax, ay, ah = tx0 * qxx + ty0 * pxy, tx0 * pxy + ty0 * qyy, tx0 * pxh + ty0 * pyh
         bx, by, bh = tx1 * qxx + ty1 * pxy, tx1 * pxy + ty1 * qyy, tx1 * pxh + ty1 * pyh
         cx = tx2 * qxx + ty2 * pxy + th2 * pxh
         cy = tx2 * pxy + ty2 * qyy + th2 * pyh
-        ch = tx2 * pxh + ty2 * pyh + th2 * qhh
+        ch = tx2 * pxh + ty2 * pyh + th2 * phh
         d00, d01, d02 = ax * tx0 + ay * ty0, ax * tx1 + ay * ty1, ax * tx2 + ay * ty2 + ah * th2
         d11, d12 = bx * tx1 + by * ty1, bx * tx2 + by * ty2 + bh * th2
         d22 = cx * tx2 + cy * ty2 + ch * th2
@@ -148,9 +155,9 @@ def _corrected_slopes(
             - (d00 + d11 + d22) / 2
         )
         lanes[14 * _LANES + i], lanes[15 * _LANES + i], lanes[16 * _LANES + i] = u0, u1, u2
-        lanes[17 * _LANES + i], lanes[18 * _LANES + i] = half_root * d00, d01
-        lanes[19 * _LANES + i], lanes[20 * _LANES + i] = d02, half_root * d11
-        lanes[21 * _LANES + i], lanes[22 * _LANES + i] = d12, half_root * d22
+        lanes[17 * _LANES + i], lanes[18 * _LANES + i] = _HALF_ROOT * d00, d01
+        lanes[19 * _LANES + i], lanes[20 * _LANES + i] = d02, _HALF_ROOT * d11
+        lanes[21 * _LANES + i], lanes[22 * _LANES + i] = d12, _HALF_ROOT * d22
         # The pose: dP T'w + G (u - D w).
         e0, e1, e2 = u0 - e0, u1 - e1, u2 - e2
         lanes[i] = mx + pxx * sx + pxy * sy + pxh * sh + gx0 * e0 + gx1 * e1 + gx2 * e2
@@ -168,51 +175,54 @@ def _corrected_slopes(
         h2 = phh - khx * pxh - khy * pyh - khh * phh
         lanes[3 * _LANES + i] = (
             x0 - x0 * kxx - x1 * kxy - x2 * kxh
-            + position * (kxx * kxx + kxy * kxy) + heading * kxh * kxh
+            + position * (kxx * kxx + kxy * kxy)
         )  # fmt: skip
         lanes[4 * _LANES + i] = (
             x1 - x0 * kyx - x1 * kyy - x2 * kyh
-            + position * (kxx * kyx + kxy * kyy) + heading * kxh * kyh
+            + position * (kxx * kyx + kxy * kyy)
         )  # fmt: skip
         lanes[5 * _LANES + i] = (
             x2 - x0 * khx - x1 * khy - x2 * khh
-            + position * (kxx * khx + kxy * khy) + heading * kxh * khh
+            + position * (kxx * khx + kxy * khy)
         )  # fmt: skip
         lanes[6 * _LANES + i] = (
             y1 - y0 * kyx - y1 * kyy - y2 * kyh
-            + position * (kyx * kyx + kyy * kyy) + heading * kyh * kyh
+            + position * (kyx * kyx + kyy * kyy)
         )  # fmt: skip
         lanes[7 * _LANES + i] = (
             y2 - y0 * khx - y1 * khy - y2 * khh
-            + position * (kyx * khx + kyy * khy) + heading * kyh * khh
+            + position * (kyx * khx + kyy * khy)
         )  # fmt: skip
         lanes[8 * _LANES + i] = (
             h2 - h0 * khx - h1 * khy - h2 * khh
-            + position * (khx * khx + khy * khy) + heading * khh * khh
+            + position * (khx * khx + khy * khy)
         )  # fmt: skip
 
 
 corrected_slopes = compiled(_corrected_slopes)
 
 
-def _add_information(lanes: Floats) -> None:
-    """Adds what a reading tells, products of u and D, to the information, see `_LANES`."""
-    for i in range(VARIANCES):
-        u0, u1, u2 = lanes[14 * _LANES + i], lanes[15 * _LANES + i], lanes[16 * _LANES + i]
-        d00, d01, d02 = lanes[17 * _LANES + i], lanes[18 * _LANES + i], lanes[19 * _LANES + i]
-        d11, d12, d22 = lanes[20 * _LANES + i], lanes[21 * _LANES + i], lanes[22 * _LANES + i]
+def _add_information(lanes: Floats) -> float:
+    """Adds what a reading tells, products of u and D, to the information, see `_LANES`.
+
+    Returns:
+        What it tells of the last variance.
+    """
+    own = 0.0
+    for i in range(_LANES):
         for j in range(_LANES):
-            lanes[(24 + i) * _LANES + j] += (
-                u0 * lanes[14 * _LANES + j]
-                + u1 * lanes[15 * _LANES + j]
-                + u2 * lanes[16 * _LANES + j]
-                + d00 * lanes[17 * _LANES + j]
-                + d01 * lanes[18 * _LANES + j]
-                + d02 * lanes[19 * _LANES + j]
-                + d11 * lanes[20 * _LANES + j]
-                + d12 * lanes[21 * _LANES + j]
-                + d22 * lanes[22 * _LANES + j]
-            )
+            product = 0.0
+            for r in range(_TOLD, _TOLD + _SIZE):
+                product += lanes[r * _LANES + i] * lanes[r * _LANES + j]
+            lanes[(_INFORMATION + i) * _LANES + j] += product
+    for r in range(_SIZE):
+        last = _ALL[r]
+        for i in range(_LANES):
+            last -= lanes[(_TOLD + r) * _LANES + i]
+        own += last * last
+        for j in range(_LANES):
+            lanes[(_INFORMATION + _LANES) * _LANES + j] += last * lanes[(_TOLD + r) * _LANES + j]
+    return own
 
 
 add_information = compiled(_add_information)
@@ -244,14 +254,13 @@ def _noise_score(
         section 3.4.5: score and information from the derivatives of the filter.
     """
     lanes = np.zeros(_ROWS * _LANES)  # rows of one number for each variance, see below
-    for i in range(VARIANCES):
-        lanes[_OWN * _LANES + i * _LANES + i] = noise[i]
+    for i in range(_LANES):
+        lanes[(_OWN + i) * _LANES + i] = noise[i]
     # dP of the start.
     lanes[_P * _LANES + 3] = lanes[(_P + 3) * _LANES + 3] = start_share * noise.position
-    lanes[(_P + 5) * _LANES + 4] = start_share * noise.heading
     pose = (measured[0, 0], measured[0, 1], measured[0, 2])
     covariance = at_start(noise, start_share)
-    likelihood = 0.0
+    likelihood, squares, read, last = 0.0, 0.0, 0, 0.0
     for k in range(len(steps)):
         x, y, before = pose[0], pose[1], covariance
         pose, covariance, cos, sin = foreseen_pose(
@@ -262,17 +271,22 @@ def _noise_score(
             continue
         root, gain = weighed(covariance, cos, sin, noise)
         own = innovation(measured[k + 1], pose, cos, sin, root)
-        likelihood -= (own[0] * own[0] + own[1] * own[1] + own[2] * own[2]) / 2
+        squares += own[0] * own[0] + own[1] * own[1] + own[2] * own[2]
+        read += 1
         likelihood += math.log(root[0] * root[3] * root[5])
         corrected_slopes(lanes, own, (cos, sin), root, gain)
-        add_information(lanes)
+        last += add_information(lanes)
         pose, covariance = corrected(pose, covariance, own, gain)
     score, information = np.empty(VARIANCES), np.empty((VARIANCES, VARIANCES))
-    for i in range(VARIANCES):
+    score[_LANES], information[_LANES, _LANES] = (squares - 3 * read) / 2, last
+    for i in range(_LANES):
         score[i] = lanes[_SCORE * _LANES + i]
-        for j in range(VARIANCES):
+        score[_LANES] -= score[i]
+        for j in range(_LANES):
             information[i, j] = lanes[(_INFORMATION + i) * _LANES + j]
-    return likelihood, score, information
+        beside = lanes[(_INFORMATION + _LANES) * _LANES + i]
+        information[_LANES, i] = information[i, _LANES] = beside
+    return likelihood - squares / 2, score, information
 
 
 noise_score = cached(_noise_score, parts=[chord, foreseen_pose])

@@ -82,18 +82,21 @@ def _closed_loop(
     return applied, poses
 
 
+made_loop = compiled(_closed_loop)
 closed_loop = cached(_closed_loop, parts=[drifting_step])
 
 
 MOST_STEPS = 100
 _SHORTEST = 2.0**-10  # of a step along the search direction
 _SETTLED = 1e-4  # relative gain of a step at which the search ends
+FORESEEN = 0.1
+"""Share of the gain that ends a search: if what a step gains has been foreseen that well, and is no
+more than what is left, the next one has nothing to add."""
 _EXACT = 1e-9  # share of the cost that the bounded problem may miss
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Aim:
-    """What is to be least: half the sum of weighted squares of two differences.
+class Aim(NamedTuple):
+    """What is to be least, half the sum of weighted squares of two differences, as a tuple.
 
     Attributes:
         poses: The target, shape (n + 1, 3).
@@ -109,12 +112,56 @@ class Aim:
 
     def cost(self, inputs: Floats, poses: Floats) -> float:
         """The cost of a motion."""
-        error = poses - self.poses
-        # Not by BLAS, which starts threads for long sums.
-        position = (self.pose_weights[1:, 0] * (error[1:, 0] ** 2 + error[1:, 1] ** 2)).sum()
-        heading = (self.pose_weights[1:, 1] * error[1:, 2] ** 2).sum()
-        change = np.square(inputs - self.inputs).sum()
-        return float(position + heading + self.input_weight * change) / 2
+        return float(cost_of(self, inputs, poses))
+
+
+def _cost_of(aim: Aim, inputs: Floats, poses: Floats) -> float:
+    """The cost of a motion, see `Aim`."""
+    target, pose_weights, easy, input_weight = aim
+    cost = 0.0
+    for k in range(len(inputs)):
+        for wheel in range(2):
+            change = inputs[k, wheel] - easy[k, wheel]
+            cost += input_weight * change * change
+        for i in range(3):
+            error = poses[k + 1, i] - target[k + 1, i]
+            cost += pose_weights[k + 1, i // 2] * error * error
+    return cost / 2
+
+
+def _stepped(
+    aim: Aim,
+    model: Model,
+    inputs: Floats,
+    poses: Floats,
+    changes: Floats,
+    moved: Floats,
+    gains: Floats,
+    length: float,
+) -> tuple[Floats, Floats, float]:
+    """A step from a motion.
+
+    Args:
+        aim: What is to be least.
+        model: The platform.
+        inputs: Wheel speeds of the motion [rad/s], shape (n, 2).
+        poses: Its poses, shape (n + 1, 3).
+        changes: The whole step of the wheel speeds [rad/s], shape (n, 2).
+        moved: What it makes of the poses, to first order, shape (n + 1, 3).
+        gains: Feedback that brings the motion there, shape (n, 2, 3).
+        length: Share of the step.
+
+    Returns:
+        Wheel speeds, shape (n, 2), poses, shape (n + 1, 3), and their cost.
+    """
+    towards, wanted = inputs + length * changes, poses + length * moved
+    applied, reached = made_loop(poses[0], towards, wanted, gains, model)
+    return applied, reached, made_cost(aim, applied, reached)
+
+
+made_cost = compiled(_cost_of)
+cost_of = cached(_cost_of)
+stepped = cached(_stepped, parts=[drifting_step])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -126,6 +173,8 @@ class OptimalMotion:
         poses: Where they bring the model, shape (n + 1, 3).
         cost: What it costs.
         length: Share of the way to the solution of the last linear quadratic problem; 0 at first.
+        missed: By how much the cost is not what that problem has foreseen; infinity unless it went
+            the whole way.
         steps: Number of linear quadratic problems that were solved.
         settled: Whether the search ended by itself.
     """
@@ -134,6 +183,7 @@ class OptimalMotion:
     poses: Floats
     cost: float
     length: float = 0.0
+    missed: float = math.inf
     steps: int = 0
     settled: bool = False
 
@@ -165,14 +215,28 @@ def optimal_motion(
             continue
         before, at = at.cost, found
         damping = 0.0 if damping < 1 else damping / 10
-        if before - at.cost <= _SETTLED * before:
+        if ends(before, at.cost, at.missed, _SETTLED):
             settled = True
             break
     return replace(at, steps=steps, settled=settled)
 
 
+def ends(before: float, cost: float, missed: float, settled: float) -> bool:
+    """Whether a search ends with a step.
+
+    Args:
+        before: Cost before it.
+        cost: Cost after it.
+        missed: By how much that is not what the step's quadratic problem has foreseen.
+        settled: Gain at which it ends, as a share of the cost.
+    """
+    gain = before - cost
+    foreseen = missed <= FORESEEN * settled * cost and gain <= cost
+    return foreseen or gain <= settled * cost
+
+
 def _searched(model: Model, aim: Aim, at: OptimalMotion, damping: float) -> OptimalMotion | None:
-    """A motion that does not cost more; None if none is found.
+    """A motion that does not cost more, that at hand if it is the best; None if none is found.
 
     It lies on the way to the solution of the linear quadratic problem. The motion goes there with
     the problem's feedback, which brings it where it is expected; if that does not do for the whole
@@ -188,10 +252,13 @@ def _searched(model: Model, aim: Aim, at: OptimalMotion, damping: float) -> Opti
     limit = model.speed_limit
     tolerance = _EXACT * (1 + at.cost)
     best = bounded_changes(problem, -limit - at.inputs, limit - at.inputs, tolerance)
+    foreseen = problem.change_of_cost(best.changes)
+    if -foreseen <= tolerance:
+        return replace(at, missed=0.0)
     way = best.changes, problem.moved(best.changes)
     found = _best_step(model, aim, at, *way, best.gains)
     if found is not None and found.length == 1:
-        return found
+        return replace(found, missed=abs(found.cost - at.cost - foreseen))
     other = _best_step(model, aim, at, *way, np.zeros_like(best.gains))
     if found is None or (other is not None and other.cost < found.cost):
         return other
@@ -209,10 +276,9 @@ def _best_step(
     found: OptimalMotion | None = None
     length = 1.0
     while length >= _SHORTEST:
-        tried, reached = closed_loop(
-            at.poses[0], at.inputs + length * changes, at.poses + length * moved, gains, model
+        tried, reached, new_cost = stepped(
+            aim, model, at.inputs, at.poses, changes, moved, gains, length
         )
-        new_cost = aim.cost(tried, reached)
         if found is not None and new_cost >= found.cost:
             break
         if new_cost <= at.cost:

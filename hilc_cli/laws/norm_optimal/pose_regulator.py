@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.laws.norm_optimal.regulator_control import RegulatorControl
@@ -103,21 +104,52 @@ def regulator(
     """
     sample_time, n = reference.sample_time, len(inputs)
     late = yet_to_arrive(motor, sample_time) * sample_time
-    arrival = np.minimum(np.arange(n) + round((motor.delay + motor.lag) / sample_time), n)
-    there = poses[arrival]
-    way = there[:, :2] - poses[:n, :2]
-    steps = np.diff(poses, axis=0)
-    speeds = (
-        np.cos(poses[:-1, 2]) * steps[:, 0] + np.sin(poses[:-1, 2]) * steps[:, 1]
-    ) / sample_time
-    speeds = speeds[np.minimum(arrival, n - 1)]
-    slow = _SLOW * float(np.abs(speeds).max()) + 1e-12
-    steering = aside_rate**2 / 4 * speeds / (speeds**2 + slow**2)
-    away = poses - reference.poses
-    rows = np.column_stack(
-        [inputs, away[:n], way, np.cos(there[:, 2]), np.sin(there[:, 2]), steering]
-    )
+    arrival = round((motor.delay + motor.lag) / sample_time)
+    rows = regulated(inputs, poses, reference.poses, min(arrival, n), sample_time, aside_rate)
     rates = ahead_rate, aside_rate
     return RegulatorControl(
         rows, late, rates, (motor.left_radius, motor.right_radius), motor.half_track
     )
+
+
+def _regulated(
+    inputs: Floats,
+    poses: Floats,
+    desired: Floats,
+    arrival: int,
+    sample_time: float,
+    aside_rate: float,
+) -> Floats:
+    """What `RegulatorControl` has to know of each sample, shape (n, 10).
+
+    Args:
+        inputs: Wheel speeds of the plan [rad/s], shape (n, 2).
+        poses: Its poses, shape (n + 1, 3).
+        desired: Those that the errors are told against, shape (n + 1, 3).
+        arrival: Samples until a correction arrives.
+        sample_time: d_t [s].
+        aside_rate: How fast an error sideways, or of the heading, shall fall [1/s].
+    """
+    n = len(inputs)
+    rows, turns = np.empty((n, 10)), np.empty((n + 1, 2))
+    speeds, fastest = np.empty(n), 0.0
+    for k in range(n + 1):
+        turns[k, 0], turns[k, 1] = math.cos(poses[k, 2]), math.sin(poses[k, 2])
+    for k in range(n):
+        x, y = poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1]
+        speeds[k] = (turns[k, 0] * x + turns[k, 1] * y) / sample_time
+    for k in range(n):
+        fastest = max(fastest, abs(speeds[min(k + arrival, n - 1)]))
+    slow = _SLOW * fastest + 1e-12
+    for k in range(n):
+        there, speed = min(k + arrival, n), speeds[min(k + arrival, n - 1)]
+        rows[k, 0], rows[k, 1] = inputs[k, 0], inputs[k, 1]
+        for i in range(3):
+            rows[k, 2 + i] = poses[k, i] - desired[k, i]
+        rows[k, 5], rows[k, 6] = poses[there, 0] - poses[k, 0], poses[there, 1] - poses[k, 1]
+        rows[k, 7], rows[k, 8] = turns[there, 0], turns[there, 1]
+        rows[k, 9] = aside_rate**2 / 4 * speed / (speed * speed + slow * slow)
+    return rows
+
+
+regulated = cached(_regulated)

@@ -123,6 +123,7 @@ def rectified_reference(
     model: Model,
     h: int,
     weights: tuple[float, float, float],
+    known: RectifiedReference | None = None,
 ) -> RectifiedReference:
     """The rectified reference from a start.
 
@@ -132,6 +133,7 @@ def rectified_reference(
         model: The platform.
         h: Sample from which on it shall be on the trajectory, >= 1.
         weights: Of a squared position error, heading error and wheel speed.
+        known: That of a start, or of a platform, which may be nearly the same; None if none is.
     """
     position, heading, wheel = weights
     n = len(trajectory) - 1
@@ -142,39 +144,72 @@ def rectified_reference(
     allowed = squared * np.square((1 - np.arange(n + 1) / h).clip(min=0))
     pose_weights = np.stack([position / (_FINER**-2 + allowed), heading / (1 + allowed)], axis=1)
     own = trajectory_inputs(trajectory, model)
-    steps = np.hypot(*np.diff(trajectory[:, :2], axis=0).T)
-    inputs, motion = tracked(
-        start,
-        trajectory,
-        own,
-        min(_RATE / h, _FASTEST),
-        0.1 * float(steps.max()) + 1e-12,
-        model,
-    )
+    slow = 0.1 * longest_step(trajectory) + 1e-12
+    tracking = min(_RATE / h, _FASTEST), slow, model
+    inputs, motion = tracked(start, trajectory, own, *tracking)
     fastest = max(float(np.abs(own).max()), float(np.abs(inputs).max()))
     limit = min(model.speed_limit, _SPARE * (fastest + wheel**-0.5))
     model = model._replace(speed_limit=limit)
-    best = optimal_motion(model, Aim(trajectory, pose_weights, own, wheel), inputs, motion)
-    away = np.hypot(*(best.poses - trajectory)[:, :2].T) > MERGED
-    merged = int(np.flatnonzero(away)[-1]) + 1 if away.any() else 0
+    aim = Aim(trajectory, pose_weights, own, wheel)
+    if known is not None:
+        again = tracked(start, known.motion, known.inputs, *tracking)
+        if aim.cost(*again) < aim.cost(inputs, motion):
+            inputs, motion = again
+    best = optimal_motion(model, aim, inputs, motion)
     freedom = squared / (1 + squared)
     poses = trajectory + freedom * (best.poses - trajectory)
-    return RectifiedReference(
-        poses, best.inputs, best.poses, limit, None if away[-1] else merged, best.settled
-    )
+    merged = merged_sample(best.poses, trajectory)
+    return RectifiedReference(poses, best.inputs, best.poses, limit, merged, best.settled)
 
 
-def trajectory_inputs(trajectory: Floats, model: Model) -> Floats:
+def merged_sample(poses: Floats, trajectory: Floats) -> int | None:
+    """First sample from which a motion stays within `MERGED` of a trajectory; None if it is not.
+
+    Both are of shape (n + 1, 3).
+    """
+    merged = int(last_away(poses, trajectory, MERGED)) + 1
+    return merged if merged < len(poses) else None
+
+
+def _last_away(poses: Floats, trajectory: Floats, within: float) -> int:
+    """The last sample at which a motion is further than that from a trajectory [m]; -1 if none."""
+    for k in range(len(poses) - 1, -1, -1):
+        if not math.hypot(poses[k, 0] - trajectory[k, 0], poses[k, 1] - trajectory[k, 1]) <= within:
+            return k
+    return -1
+
+
+def _longest_step(trajectory: Floats) -> float:
+    """The longest way from a sample to the next [m]."""
+    longest = 0.0
+    for k in range(len(trajectory) - 1):
+        x, y = trajectory[k + 1, 0] - trajectory[k, 0], trajectory[k + 1, 1] - trajectory[k, 1]
+        longest = max(longest, math.hypot(x, y))
+    return longest
+
+
+last_away = cached(_last_away)
+longest_step = cached(_longest_step)
+
+
+def _trajectory_inputs(trajectory: Floats, model: Model) -> Floats:
     """Wheel speeds for the length and the turn of each step of a trajectory, shape (n, 2).
 
     Args:
         trajectory: Poses, shape (n + 1, 3).
         model: The platform; its limit is not looked at.
     """
-    x, y, turn = np.diff(trajectory, axis=0).T
-    # A step against the heading is one backwards.
-    forward = np.cos(trajectory[:-1, 2]) * x + np.sin(trajectory[:-1, 2]) * y
-    length = np.copysign(np.hypot(x, y), forward)
-    mean = (length - model.drift[:, 0]) / (2 * model.distance_gain)
-    half = (turn - model.drift[:, 2]) / (2 * model.turn_gain)
-    return np.stack([mean + half, mean - half], axis=1)
+    inputs = np.empty((len(trajectory) - 1, 2))
+    for k in range(len(inputs)):
+        x, y = trajectory[k + 1, 0] - trajectory[k, 0], trajectory[k + 1, 1] - trajectory[k, 1]
+        turn = trajectory[k + 1, 2] - trajectory[k, 2]
+        # A step against the heading is one backwards.
+        forward = math.cos(trajectory[k, 2]) * x + math.sin(trajectory[k, 2]) * y
+        length = math.copysign(math.hypot(x, y), forward)
+        mean = (length - model.drift[k, 0]) / (2 * model.distance_gain)
+        half = (turn - model.drift[k, 2]) / (2 * model.turn_gain)
+        inputs[k, 0], inputs[k, 1] = mean + half, mean - half
+    return inputs
+
+
+trajectory_inputs = cached(_trajectory_inputs)

@@ -11,6 +11,8 @@ squared difference of the inputs (Patterson and Thompson 1971).
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -28,44 +30,124 @@ _EXPECTED, _SPREAD = 0.3, 1.0  # decimal logarithm of that share, where passes d
 _UNUSUAL = np.square((np.log10(_GROWTHS.clip(min=1e-2)) - _EXPECTED) / _SPREAD)
 
 
-def repeating(leftovers: NDArray[np.float64], sent: NDArray[np.float64] | None = None) -> Floats:
-    """Returns what is expected to come back.
+class Repeating:
+    """What passes did beyond the model, of which each is taken apart once.
+
+    Of many passes the oldest are forgotten.
+    """
+
+    def __init__(self, samples: int, most: int) -> None:
+        """Begins with no pass.
+
+        Args:
+            samples: n.
+            most: Passes that are kept.
+        """
+        self._octaves = octaves(samples)
+        self._waves = np.empty((most, 3, samples))
+        self._sent = np.empty((most, samples, 2))
+        self._apart = np.zeros((3, len(self._octaves), most, most))
+        self._seen = 0
+
+    def clear(self) -> None:
+        """Forgets all passes."""
+        self._seen = 0
+
+    def add(self, leftovers: Sequence[Floats], sent: Sequence[Floats]) -> None:
+        """Takes in passes, no more than are kept.
+
+        Args:
+            leftovers: Motion beyond the model of each: ahead [m], to the left [m], turn [rad],
+                shape (n, 3).
+            sent: Inputs of each [rad/s], shape (n, 2).
+        """
+        most = len(self._waves)
+        for waves, inputs in zip(
+            cosines(np.array(leftovers).transpose(0, 2, 1)), sent, strict=True
+        ):
+            place, kept = self._seen % most, min(self._seen + 1, most)
+            self._waves[place], self._sent[place] = waves, inputs
+            distances(self._waves[:kept], self._octaves, place, self._apart)
+            self._seen += 1
+
+    def expected(self) -> Floats:
+        """Returns what is expected to come back in the next pass, shape (n, 3).
+
+        Nothing as long as there is one pass only.
+        """
+        _, parts, n = self._waves.shape
+        kept, last = min(self._seen, len(self._waves)), (self._seen - 1) % len(self._waves)
+        if kept < 2:
+            return np.zeros((n, parts))
+        told = [low for low, high in self._octaves if kept >= _PASSES or high <= _SLOWEST]
+        expected = np.zeros((parts, n))
+        coming_back(
+            self._waves[:kept],
+            self._octaves[: len(told)],
+            self._apart,
+            differences(self._sent[:kept], last),
+            _GROWTHS,
+            _UNUSUAL,
+            expected,
+        )
+        return np.ascontiguousarray(from_cosines(expected).T)
+
+
+@cache
+def octaves(samples: int) -> NDArray[np.int64]:
+    """The first and last cosines of each octave, the last not included, shape (octaves, 2)."""
+    edges = [0, *(1 << np.arange(samples.bit_length())).tolist()]
+    found = [(low, min(high, samples)) for low, high in pairwise(edges) if low < samples]
+    return np.array(found)
+
+
+def _distances(waves: Floats, octaves: NDArray[np.int64], place: int, apart: Floats) -> None:
+    """How far a pass is from all others.
 
     Args:
-        leftovers: Motion beyond the model of each pass: ahead [m], to the left [m], turn [rad],
-            shape (passes, n, 3).
-        sent: Inputs of each pass [rad/s], shape (passes, n, 2); None: of all alike.
-
-    Returns:
-        The same of the next pass, shape (n, 3); nothing as long as there is one pass only.
+        waves: Cosines of each pass and component, shape (passes, 3, n).
+        octaves: See `octaves`.
+        place: Of the pass.
+        apart: Gets the squared distances of its octaves, shape (3, octaves, p, p) with a p up to
+            which there may be passes.
     """
-    passes, n, _ = leftovers.shape
-    if passes < 2:
-        return np.zeros((n, 3))
-    waves = cosines(np.ascontiguousarray(leftovers.transpose(2, 0, 1)))
-    edges = [0, *(1 << np.arange(n.bit_length())).tolist()]
-    octaves = [
-        (low, min(high, n))
-        for low, high in pairwise(edges)
-        if low < n and (passes >= _PASSES or high <= _SLOWEST)
-    ]
-    expected = np.zeros((3, n))
-    coming_back(waves, np.array(octaves), _differences(sent, passes), _GROWTHS, _UNUSUAL, expected)
-    return np.ascontiguousarray(from_cosines(expected).T)
+    for part in range(waves.shape[1]):
+        own = waves[place, part]
+        for other in range(len(waves)):
+            row = waves[other, part]
+            for octave in range(len(octaves)):
+                total = 0.0
+                for k in range(octaves[octave, 0], octaves[octave, 1]):
+                    total += (own[k] - row[k]) * (own[k] - row[k])
+                apart[part, octave, place, other] = apart[part, octave, other, place] = total
 
 
-def _differences(sent: NDArray[np.float64] | None, passes: int) -> Floats:
-    """How the inputs of each pass differ from the last ones: mean squares, by their own mean."""
-    if sent is None:
-        return np.zeros(passes)
-    squares: Floats = np.square(sent - sent[-1]).mean(axis=(1, 2))
-    usual = float(squares.mean())
-    return squares / usual if usual > 0 else squares
+def _differences(sent: Floats, last: int) -> Floats:
+    """How the inputs of each pass differ from the last ones: mean squares, by their own mean.
+
+    Args:
+        sent: Inputs [rad/s], shape (passes, n, 2).
+        last: Place of the last ones.
+    """
+    passes, n = sent.shape[0], sent.shape[1]
+    squares = np.empty(passes)
+    usual = 0.0
+    for p in range(passes):
+        left, right = 0.0, 0.0
+        for k in range(n):
+            left += (sent[p, k, 0] - sent[last, k, 0]) ** 2
+            right += (sent[p, k, 1] - sent[last, k, 1]) ** 2
+        squares[p] = (left + right) / (2 * n)
+        usual += squares[p] / passes
+    if usual > 0.0:
+        squares /= usual
+    return squares
 
 
 def _coming_back(
     waves: Floats,
     octaves: NDArray[np.int64],
+    apart: Floats,
     differences: Floats,
     growths: Floats,
     unusual: Floats,
@@ -77,58 +159,53 @@ def _coming_back(
     those from each other, weighted with both.
 
     Args:
-        waves: Cosines of each component and pass, shape (3, passes, n).
-        octaves: Their first and last cosines, the last not included, shape (octaves, 2).
+        waves: Cosines of each pass and component, shape (passes, 3, n).
+        octaves: See `octaves`.
+        apart: How far passes are from each other, see `_distances`.
         differences: Of the inputs of each pass from the last ones, shape (passes,).
         growths: That are tried.
         unusual: How unusual each is: minus twice the logarithm of its likelihood.
         expected: Gets what comes back, shape (3, n).
     """
-    parts, passes = waves.shape[0], waves.shape[1]
-    weights = np.empty(passes)
-    row, apart = np.empty(passes), np.empty((passes, passes))
-    best_weights = np.empty(passes)
+    passes, parts, tried = waves.shape[0], waves.shape[1], len(growths)
+    weights, totals, spreads = np.empty((tried, passes)), np.zeros(tried), np.zeros(tried)
+    for g in range(tried):
+        for p in range(passes):
+            variance = 1.0 + growths[g] * differences[p]
+            weights[g, p] = 1.0 / variance
+            totals[g] += weights[g, p]
+            spreads[g] += math.log(variance)
+        spreads[g] += math.log(totals[g])
     for part in range(parts):
         for octave in range(len(octaves)):
             low, high = octaves[octave, 0], octaves[octave, 1]
             count = high - low
-            apart[:] = 0.0
-            for k in range(low, high):
+            distances = apart[part, octave]
+            least, chance, best = math.inf, 0.0, 0
+            for g in range(tried):
+                own = 0.0
                 for p in range(passes):
-                    row[p] = waves[part, p, k]
-                for p in range(passes):
-                    own = row[p]
+                    row = 0.0
                     for q in range(p):
-                        apart[p, q] += (own - row[q]) * (own - row[q])
-            least, chance = math.inf, 0.0
-            for g in range(len(growths)):
-                total, spread, own = 0.0, 0.0, 0.0
-                for p in range(passes):
-                    variance = 1.0 + growths[g] * differences[p]
-                    weights[p] = 1.0 / variance
-                    total += weights[p]
-                    spread += math.log(variance)
-                for p in range(passes):
-                    for q in range(p):
-                        own += weights[p] * weights[q] * apart[p, q]
-                own /= total * (passes - 1)  # power, at unit variance
-                spread += math.log(total)
+                        row += weights[g, q] * distances[p, q]
+                    own += weights[g, p] * row
+                own /= totals[g] * (passes - 1)  # power, at unit variance
                 power_log = math.log(max(own, 1e-307))
-                unlikely = count * ((passes - 1) * power_log + spread) + unusual[g]
+                unlikely = count * ((passes - 1) * power_log + spreads[g]) + unusual[g]
                 if unlikely < least:
-                    least, chance = unlikely, own / total
-                    for p in range(passes):
-                        best_weights[p] = weights[p] / total
+                    least, chance, best = unlikely, own / totals[g], g
+            for p in range(passes):
+                share = weights[best, p] / totals[best]
+                for k in range(low, high):
+                    expected[part, k] += share * waves[p, part, k]
             power = 0.0
             for k in range(low, high):
-                mean = 0.0
-                for p in range(passes):
-                    mean += best_weights[p] * waves[part, p, k]
-                expected[part, k] = mean
-                power += mean * mean
+                power += expected[part, k] * expected[part, k]
             share = max((power - chance) / power, 0.0) if power > 0.0 else 0.0
             for k in range(low, high):
                 expected[part, k] *= share
 
 
+distances = cached(_distances)
+differences = cached(_differences)
 coming_back = cached(_coming_back)

@@ -23,7 +23,9 @@ def test_step_is_that_of_a_general_solver(seed: int) -> None:
     lowest = -units * random.uniform(0, 1, 6) * random.integers(0, 2, 6)
     highest = units * random.uniform(0, 1, 6) * random.integers(0, 2, 6)
     highest[0], lowest[1] = np.inf, -np.inf
-    found = bounded_step(root.T @ root, root.T @ aim, lowest, highest)
+    found, gain = bounded_step(root.T @ root, root.T @ aim, lowest, highest, 0.0)
+    left = aim - root @ found
+    assert gain == pytest.approx((aim @ aim - left @ left) / 2)
     assert np.all((lowest <= found) & (found <= highest))
     open_ = highest > lowest
     expected = lsq_linear(
@@ -34,6 +36,16 @@ def test_step_is_that_of_a_general_solver(seed: int) -> None:
         tol=1e-15,
     ).x
     assert found[open_] / units[open_] == pytest.approx(expected, abs=1e-8)
+
+
+def test_damping_enlarges_the_diagonal_alone() -> None:
+    random = np.random.default_rng(1)
+    root, pull, reach = random.normal(size=(9, 6)), random.normal(size=6), np.full(6, 0.1)
+    matrix = root.T @ root
+    damped = matrix + 0.3 * np.diag(np.diag(matrix))
+    found, gain = bounded_step(matrix, pull, -reach, reach, 0.3)
+    assert found == pytest.approx(bounded_step(damped, pull, -reach, reach, 0.0)[0], rel=1e-9)
+    assert gain == pytest.approx(found @ pull - found @ matrix @ found / 2)
 
 
 class Told(NamedTuple):
@@ -96,3 +108,14 @@ def test_search_that_begins_at_the_end_looks_once() -> None:
     found = likeliest(told, start, bound, bound + 1, 1e-4, most_steps=10)
     assert found.at.tolist() == [0.0, 0.0]
     assert len(asked) == 1
+
+
+def test_search_that_is_promised_what_is_not_there_ends_after_two_idle_tries() -> None:
+    asked = []
+
+    def told(at: Floats) -> Told:
+        asked.append(at)
+        return Told(0.0, np.array([1.0]), np.eye(1))
+
+    likeliest(told, np.zeros(1), np.full(1, -9.0), np.full(1, 9.0), 0.01, most_steps=12)
+    assert len(asked) == 3

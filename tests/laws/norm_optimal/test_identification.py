@@ -9,7 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
+from hilc_cli.laws.norm_optimal.identification import (
+    Identification,
+    MotorBelief,
+    Pass,
+    squares_of_sums,
+)
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.plants.motor import Motor as RealMotor
@@ -142,3 +147,12 @@ def test_readings_a_kilometre_off_do_no_harm() -> None:
     for measured in (made.measured * 1e3, made.measured + 1e3):
         belief = identified([Pass(measured, made.sent), made])
         assert np.isfinite([*belief.motor[:6], *belief.noise, *belief.errors]).all()
+
+
+@pytest.mark.parametrize(("n", "width"), [(30, 1), (30, 7), (5, 9)])
+def test_squares_of_sums_are_products_with_falling_weights(n: int, width: int) -> None:
+    scores = np.random.default_rng(1).normal(size=(n, 3))
+    apart = np.subtract.outer(np.arange(n), np.arange(n))
+    weights = (width - np.abs(apart)).clip(min=0)
+    expected = scores.T @ weights @ scores
+    assert squares_of_sums(scores, width) == pytest.approx(expected, rel=1e-9, abs=1e-9)

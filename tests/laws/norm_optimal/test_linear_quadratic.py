@@ -45,6 +45,8 @@ def test_slope_and_motion_are_those_of_the_dense_problem() -> None:
     changes = random.normal(0, 10, (15, 2))
     expected = quadratic @ changes.ravel() + linear
     assert problem.slope(changes).ravel() == pytest.approx(expected, rel=1e-11, abs=1e-9)
+    cost = changes.ravel() @ quadratic @ changes.ravel() / 2 + linear @ changes.ravel()
+    assert problem.change_of_cost(changes) == pytest.approx(cost, rel=1e-11)
 
 
 def test_linear_motion_is_the_derivative_of_the_motion() -> None:
@@ -102,8 +104,8 @@ def test_standing_platform_has_no_gain_on_what_is_beside_it() -> None:
     assert np.all(gains[:, :, 1] == 0)
 
 
-def test_motion_is_taken_apart_into_steps_and_directions() -> None:
+def test_motion_is_taken_apart_into_steps_and_what_wheels_move() -> None:
     motion = linearised(np.array([[0, 0, 0], [1, 2, np.pi / 2], [4, 6, 0.0]]), 3.0, 5.0)
     assert motion.steps.tolist() == [[1, 2], [3, 4]]
-    assert motion.directions == pytest.approx(np.array([[1, 0], [0, 1]]), abs=1e-15)
-    assert (motion.distance_gain, motion.turn_gain) == (3, 5)
+    assert motion.left == pytest.approx(np.array([[3, 0, 5], [0, 3, 5]]), abs=1e-15)
+    assert motion.right == pytest.approx(np.array([[3, 0, -5], [0, 3, -5]]), abs=1e-15)

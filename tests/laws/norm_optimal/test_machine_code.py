@@ -10,13 +10,19 @@ import pytest
 
 from hilc_cli.laws.norm_optimal import (
     bounded_changes,
+    bounded_search,
+    driven,
     filter_slopes,
+    identification,
     linear_quadratic,
+    misfit,
     motion_filter,
     motor,
+    motor_plan,
     motor_quadratic,
     noise_score,
     optimal_motion,
+    pose_regulator,
     rectified,
     repeating,
 )
@@ -30,6 +36,8 @@ GAINS, INVERSES = (
     PROBLEM._factors[1],
 )
 POSES, INPUTS = RANDOM.normal(0, 1, (N + 1, 3)), RANDOM.normal(0, 50, (N, 2))
+UNREAD = POSES.copy()
+UNREAD[3] = np.nan
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
 MOTOR_MOTION = motor_quadratic.MotorMotion._make(
@@ -39,6 +47,7 @@ GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
 COVARIANCES = np.array([each.T @ each for each in RANDOM.normal(0, 1, (N + 1, 4, 3))])
 INSIDE = bounded_changes.Inside(RANDOM.normal(0, 1, (N, 2)), *RANDOM.uniform(0.1, 1, (4, N, 2)))
 WITHIN = RANDOM.normal(0, 1, (4, N, 2))
+MOTOR = motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0)
 NOISE = motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5)
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
@@ -72,8 +81,37 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         optimal_motion.closed_loop,
         (POSES[0], INPUTS, POSES, FEEDBACK, MODEL),
     ),
+    "stepped": (
+        optimal_motion.stepped,
+        (
+            optimal_motion.Aim(POSES + 0.1, RANDOM.uniform(1, 2, (N + 1, 2)), INPUTS, 0.1),
+            *(MODEL, INPUTS, POSES, INPUTS / 10, POSES / 10, FEEDBACK, 0.5),
+        ),
+    ),
+    "bounded_step": (
+        bounded_search.bounded_step,
+        (COVARIANCES[0], np.array([1.0, -2.0, 3.0]), np.zeros(3) - 0.1, np.ones(3), 0.1),
+    ),
+    "trajectory_inputs": (rectified.trajectory_inputs, (POSES, MODEL)),
+    "longest_step": (rectified.longest_step, (POSES,)),
+    "last_away": (rectified.last_away, (POSES, POSES + np.linspace(1, 0, N + 1)[:, None], 0.5)),
+    "around": (
+        motor_plan.around,
+        (INPUTS, POSES, POSES + 0.1, WEIGHTS, INPUTS + 1, INPUTS**2, 60.0),
+    ),
     "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, MODEL)),
     "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 900.0, 0.01)),
+    "steps_of": (motor.steps_of, (MOTOR, INPUTS, 0.01)),
+    "commands_for": (motor.commands_for, (MOTOR, INPUTS / 100, 0.01)),
+    "body_steps": (motor.body_steps, (POSES, 0.5)),
+    "wanted": (motor_plan.wanted, (POSES, DRIFT, 0.5)),
+    "made_motion": (
+        motor_plan.made_motion,
+        (INPUTS, MOTOR, POSES[0], DRIFT, 0.01, 0.5, POSES, WEIGHTS, INPUTS + 1, INPUTS**2),
+    ),
+    "drift": (identification.drift, (MOTOR, np.eye(6), INPUTS, 0.01)),
+    "regulated": (pose_regulator.regulated, (INPUTS, POSES, POSES + 0.1, 2, 0.01, 3.0)),
+    "along": (linear_quadratic.linearised, (POSES, 0.1, 0.2)),
     "moved": (motor.moved, (POSES[0], INPUTS / 100, DRIFT, 0.5)),
     "pose filter": (
         motion_filter.filtered,
@@ -86,29 +124,29 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "noise_score": (noise_score.noise_score, (POSES, INPUTS / 100, 0.5, NOISE, 0.3)),
     "parameter_score": (
         filter_slopes.parameter_score,
-        (
-            POSES,
-            INPUTS / 100,
-            RANDOM.normal(0, 1, (N, 2, 6)),
-            0.5,
-            NOISE,
-            0.3,
-            np.ones((N, 6)),
-            np.ones((6, 6)),
-        ),
+        (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6))),
     ),
+    "smooth_pass": (driven.smooth_pass, (UNREAD, INPUTS, MOTOR, 0.01, 0.5, NOISE, 0.3)),
+    "squares_of_sums": (identification.squares_of_sums, (DRIFT, 4)),
     "steps_and_slopes": (
         motor.steps_and_slopes,
-        (motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), INPUTS, 0.01),
+        (MOTOR, INPUTS, 0.01),
     ),
     "with_bounds": (bounded_changes.with_bounds, (INSIDE, *WITHIN[:2], *WITHIN[2:].copy())),
     "towards_centre": (bounded_changes.towards_centre, (INSIDE, WITHIN[0], 3.0, WITHIN[1])),
     "moved_inside": (bounded_changes.moved_inside, (INSIDE, WITHIN[0], WITHIN[1], 0.1, 0.99)),
+    "distances": (
+        repeating.distances,
+        (RANDOM.normal(1, 1, (4, 3, N)), repeating.octaves(N), 2, np.zeros((3, 5, 4, 4))),
+    ),
+    "differences": (repeating.differences, (RANDOM.normal(3, 1, (4, N, 2)), 1)),
+    "in_common": (misfit.in_common, (RANDOM.normal(0, 1, (4, N, 3)), np.zeros((3, N)))),
     "coming_back": (
         repeating.coming_back,
         (
-            RANDOM.normal(1, 1, (3, 4, N)),
+            RANDOM.normal(1, 1, (4, 3, N)),
             np.array([[0, 1], [1, 2], [2, 4], [4, N]]),
+            RANDOM.uniform(1, 2, (3, 4, 4, 4)),
             np.array([1.0, 0.5, 0.1, 0.0]),
             np.array([0.0, 0.1, 10.0]),
             np.array([4.0, 2.0, 1.0]),
@@ -117,7 +155,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "linearised": (
         motor_quadratic.linearised,
-        (POSES, INPUTS, motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0), 0.01, 0.5),
+        (POSES, INPUTS, MOTOR, 0.01, 0.5),
     ),
     **{
         code.py_func.__name__: (code, (MOTOR_MOTION, *arguments))
@@ -125,6 +163,8 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
             (motor_quadratic.factorise, (WEIGHTS, INPUTS**2 + 1, GAINS_7, np.zeros((N, 3)))),
             (motor_quadratic.solve, (GAINS_7, INPUTS[:, [0, 0, 1]], POSES, INPUTS)),
             (motor_quadratic.input_slopes_after, (WEIGHTS, POSES, INPUTS)),
+            (motor_quadratic.change_of_cost, (WEIGHTS, INPUTS**2, POSES, INPUTS, INPUTS + 1)),
+            (motor_quadratic.of_wheels_at_once, ()),
         )
     },
     "smoother": (motion_filter.smoothed, (POSES, COVARIANCES, POSES + 0.1, COVARIANCES + 0.2)),
@@ -162,4 +202,4 @@ def test_machine_code_does_what_the_source_says(name: str) -> None:
         results(function, arguments), results(function.py_func, arguments), strict=True
     ):
         if plain is not None:
-            assert compiled == pytest.approx(plain, rel=1e-9, abs=1e-9)
+            assert compiled == pytest.approx(plain, rel=1e-9, abs=1e-9, nan_ok=True)

@@ -7,9 +7,15 @@ import pytest
 from scipy.optimize import lsq_linear, minimize
 
 from hilc_cli.laws.norm_optimal.bounded_changes import bounded_changes
+from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic
 from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, moved, steps_of
 from hilc_cli.laws.norm_optimal.motor_plan import MotorPlan, motor_plan
-from hilc_cli.laws.norm_optimal.motor_quadratic import MotorMotion, MotorQuadratic, linearised
+from hilc_cli.laws.norm_optimal.motor_quadratic import (
+    MotorMotion,
+    MotorQuadratic,
+    linearised,
+    of_wheels_at_once,
+)
 from hilc_cli.reference.sampled import Floats
 
 N, STEP = 15, 0.05
@@ -93,12 +99,35 @@ def test_solutions_are_those_of_dense_least_squares() -> None:
     changes = RANDOM.normal(0, 1, (N, 2))
     expected = matrix.T @ (matrix @ changes.ravel() + off)
     assert problem.slope(changes).ravel() == pytest.approx(expected, rel=1e-9, abs=1e-7)
+    before = matrix @ changes.ravel() + off
+    cost = (before @ before - off @ off) / 2
+    assert problem.change_of_cost(changes) == pytest.approx(cost, rel=1e-9)
     # Between bounds of which half bind.
     reach = np.full((N, 2), float(np.median(np.abs(best))))
     bounded = bounded_changes(problem, -reach, reach, 1e-12).changes
     expected = lsq_linear(matrix, -off, (-reach.ravel(), reach.ravel()), tol=1e-14, method="bvls")
     assert bounded.ravel() == pytest.approx(expected.x, abs=1e-6)
     assert (np.abs(bounded) > 0.999 * reach).sum() >= N // 2
+
+
+@pytest.mark.parametrize("delay", [0.0, 2 * STEP, 100.0])
+def test_wheels_that_do_at_once_what_they_are_told_need_no_states_of_their_own(
+    delay: float,
+) -> None:
+    motor = MOTOR._replace(lag=0.0, delay=delay)
+    along = linearised(motion(motor, INPUTS, 0.5), INPUTS, motor, STEP, 0.5)
+    inputs_weights, away = RANDOM.uniform(0.5, 2, (N, 2)), RANDOM.normal(0, 0.01, (N + 1, 3))
+    slopes = WEIGHTS * away, RANDOM.normal(0, 1, (N, 2))
+    full = MotorQuadratic(along, WEIGHTS, inputs_weights, *slopes)
+    weights = np.tile(WEIGHTS[1:], (N + 1, 1))
+    small = LinearQuadratic(of_wheels_at_once(along), weights, inputs_weights, *slopes)
+    expected, gains = full.solution(inputs_weights, slopes[1])
+    found, own = small.solution(inputs_weights, slopes[1])
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    assert own == pytest.approx(gains[:, :, :3], rel=1e-9, abs=1e-9)
+    assert not gains[:, :, 3:].any()
+    assert small.slope(expected) == pytest.approx(full.slope(expected), rel=1e-9, abs=1e-6)
+    assert small.change_of_cost(found) == pytest.approx(full.change_of_cost(expected), rel=1e-9)
 
 
 TARGET = moved(

@@ -120,6 +120,15 @@ def test_motion_at_its_best_stays() -> None:
     assert again.cost <= found.cost
 
 
+def test_search_from_a_standstill_goes_on_though_its_first_step_was_foreseen() -> None:
+    # All wheels at their limit, straight ahead: as linear as it was foreseen, and not the best.
+    model, aim = problem(0, 6.0)
+    inputs = np.zeros((N, 2))
+    found = optimal_motion(model, aim, inputs, moved(model, inputs))
+    further = optimal_motion(model, aim, found.inputs, found.poses)
+    assert further.cost >= found.cost * (1 - 1e-4)
+
+
 def test_search_that_is_cut_short_says_so() -> None:
     model, aim = problem(0, 6.0)
     inputs = np.zeros((N, 2))

@@ -11,6 +11,7 @@ from hypothesis import given, settings, strategies as st
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
 from hilc_cli.laws.norm_optimal.rectified import (
     RectifiedReference,
+    merged_sample,
     rectified_reference,
     tracked,
     trajectory_inputs,
@@ -39,7 +40,26 @@ def rectified(start: Floats, h: int, speed_limit: float = 30.0) -> RectifiedRefe
     return rectified_reference(arc(), start, model_with(speed_limit), h, WEIGHTS)
 
 
+NEAR, FAR = np.array([1e-3, -1e-3, 2e-3]), np.array([0.1, -0.2, 0.5])
 OFFSETS = [(0.2, 0.0, 0.0), (-0.3, 0.1, 1.5), (0.0, 0.4, -0.5)]
+
+
+@pytest.mark.parametrize("offset", OFFSETS)
+def test_way_that_is_known_is_found_again_in_fewer_steps_and_is_as_good(
+    offset: tuple[float, float, float],
+) -> None:
+    """Of nearly the same start, and of one that it is of no use for."""
+    model, start = model_with(30.0), arc()[0] + offset
+    known = rectified(start, 150)
+    for other in (start, start + NEAR, start + FAR):
+        anew = rectified(other, 150)
+        found = rectified_reference(arc(), other, model, 150, WEIGHTS, known)
+        assert found.settled
+        assert found.merged == pytest.approx(anew.merged, abs=1)
+        assert found.motion == pytest.approx(anew.motion, abs=2e-3)
+        assert np.abs(found.inputs).max() <= 30.0
+    again = rectified_reference(arc(), start, model, 150, WEIGHTS, known)
+    assert again.motion == pytest.approx(known.motion, abs=1e-3)
 
 
 @pytest.mark.parametrize("offset", OFFSETS)
@@ -183,3 +203,13 @@ def test_first_guess_comes_to_the_trajectory_within_the_limit(
     assert np.abs(inputs).max() <= 60.0 * (1 + 1e-12)
     assert np.hypot(*(poses - target)[-1, :2]) < 0.15
     assert abs(poses[-1, 2] - target[-1, 2]) < 0.3  # not wrapped
+
+
+def test_motion_has_merged_where_it_stays_within_a_millimetre() -> None:
+    off = np.array([0.1, 0.5e-3, 2e-3, 0.9e-3, 0.0])
+    there = np.zeros((5, 3))
+    away = there + np.stack([0.6 * off, 0.8 * off, np.ones(5)], axis=1)
+    assert merged_sample(away, there) == 3
+    assert merged_sample(there, there) == 0
+    assert merged_sample(away[::-1].copy(), there) is None
+    assert merged_sample(np.full((5, 3), np.nan), there) is None

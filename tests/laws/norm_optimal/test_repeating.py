@@ -7,10 +7,21 @@ import math
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.repeating import repeating
+from hilc_cli.laws.norm_optimal.repeating import Repeating
 from hilc_cli.reference.sampled import Floats
 
 N = 64
+
+
+def repeating(leftovers: Floats, sent: Floats | None = None, most: int = 16) -> Floats:
+    """What is expected to come back after some passes, if no inputs are given of all alike."""
+    n = leftovers.shape[1]
+    kept = Repeating(n, most)
+    for own, inputs in zip(
+        leftovers, np.zeros((*leftovers.shape[:2], 2)) if sent is None else sent, strict=True
+    ):
+        kept.add([own], [inputs])
+    return kept.expected()
 
 
 def wave(half_waves: int) -> Floats:
@@ -119,3 +130,45 @@ def test_inputs_that_come_nearer_are_followed() -> None:
     found = repeating(leftovers, driven(*inputs))
     last, mean = shape * inputs[-1], leftovers.mean(axis=0)
     assert np.abs(found - last).max() < 0.2 * np.abs(mean - last).max()
+
+
+def test_oldest_passes_are_forgotten_and_all_where_that_is_asked_for() -> None:
+    random = np.random.default_rng(5)
+    leftovers, sent = random.normal(size=(11, N, 3)), random.normal(3.0, 0.5, (11, N, 2))
+    last = repeating(leftovers[-4:], sent[-4:])
+    assert repeating(leftovers, sent, most=4) == pytest.approx(last, abs=1e-12)
+    kept = Repeating(N, 4)
+    for own, inputs in zip(leftovers, sent, strict=True):
+        kept.add([own], [inputs])
+    kept.clear()
+    kept.add([*leftovers[:3]], [*sent[:3]])
+    assert kept.expected().tolist() == repeating(leftovers[:3], sent[:3]).tolist()
+
+
+def test_growth_is_the_likeliest_of_those_that_are_tried() -> None:
+    # Restricted maximum likelihood as it stands in textbooks, with matrices.
+    random = np.random.default_rng(6)
+    passes, low, high = 5, 8, 16
+    inputs = random.normal(3.0, 0.5, (passes, N, 2))
+    squares = np.square(inputs - inputs[-1]).mean(axis=(1, 2))
+    differences = squares / squares.mean()
+    amplitudes = random.normal(size=(passes, high - low)) * (1 + 3 * differences[:, None])
+    leftovers = np.zeros((passes, N, 3))
+    leftovers[:, :, 1] = amplitudes @ np.array([wave(k) for k in range(low, high)])
+    one = np.ones(passes)
+    best, expected = np.inf, np.zeros(high - low)
+    for growth in [0.0, *np.logspace(-1, 4, 26)]:
+        inverse = np.diag(1 / (1 + growth * differences))
+        total = one @ inverse @ one
+        centre = inverse - np.outer(inverse @ one, inverse @ one) / total
+        power = np.trace(amplitudes.T @ centre @ amplitudes) / (passes - 1)
+        unlikely = (high - low) * (
+            (passes - 1) * math.log(power) - np.linalg.slogdet(inverse)[1] + math.log(total)
+        ) + (math.log10(max(growth, 1e-2)) - 0.3) ** 2
+        if unlikely < best:
+            mean = one @ inverse @ amplitudes / total
+            square = float(mean @ mean)
+            best, expected = unlikely, mean * max(1 - power / total / square, 0.0)
+    found = np.array([wave(k) for k in range(low, high)]) @ repeating(leftovers, inputs)[:, 1]
+    assert expected.any()
+    assert found == pytest.approx(expected, rel=1e-9)
