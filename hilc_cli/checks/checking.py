@@ -248,13 +248,19 @@ class Check(InNotebooks):
 
 
 def check(
-    scenario: ScenarioSource, *, simulate: bool = False, on_iteration: OnIteration | None = None
+    scenario: ScenarioSource,
+    *,
+    simulate: bool = False,
+    closely: bool = False,
+    on_iteration: OnIteration | None = None,
 ) -> Check:
     """Checks a scenario.
 
     Args:
         scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
         simulate: Run it as well, and put what it does beside what theory says.
+        closely: Predict the error of each iteration at once; else that is done when it is asked
+            for, and what is said of learning follows from less.
         on_iteration: Told of each completed iteration of that run.
     """
     scenario = as_scenario(scenario)
@@ -264,6 +270,8 @@ def check(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         feasibility = scenario.feasibility()
         theory = law_theory(experiment)
+        if closely and theory.forecast is not None:
+            _ = theory.forecast.transient
         findings = {
             "settings": Findings(warnings=tuple(scenario.warnings())),
             "feasibility": judged_feasibility(
