@@ -14,18 +14,14 @@ from contextlib import contextmanager, redirect_stdout
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from importlib import import_module
-from importlib.metadata import (
-    Distribution,
-    EntryPoint,
-    MetadataPathFinder,
-    packages_distributions,
-    version,
-)
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from hilc_cli.errors import UsageError
 from hilc_cli.wording import near_word, printable, shortened
+
+if TYPE_CHECKING:
+    from importlib.metadata import Distribution, EntryPoint
 
 Kind = Literal["law", "plant"]
 
@@ -197,6 +193,8 @@ def _found(kind: Kind, name: str, trust: bool, own: Iterable[str]) -> PlugIn:
 
 def _by_reference(kind: Kind, name: str, trust: bool) -> PlugIn:
     """The class that ``package.module:Class`` means."""
+    from importlib.metadata import EntryPoint, packages_distributions, version  # start slowly
+
     if len(name) > _LONGEST or not re.fullmatch(REFERENCE, name, re.ASCII):
         remedy = "write package.module:Class, or the name of an installed one"
         raise PlugInError(kind, name, f"is no name of a {kind}", remedy)
@@ -212,6 +210,8 @@ def _by_reference(kind: Kind, name: str, trust: bool) -> PlugIn:
 
 def _entry_points(kind: Kind) -> list[tuple[EntryPoint, Distribution]]:
     """All entry points of a kind, each package once: as for modules, the first one counts."""
+    from importlib.metadata import MetadataPathFinder  # start slowly
+
     context = MetadataPathFinder.Context(path=import_path())
     packages: dict[str, Distribution] = {}
     for package in MetadataPathFinder.find_distributions(context):

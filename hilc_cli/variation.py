@@ -327,11 +327,22 @@ class Cases:
         """What one key is in all cases."""
         number = list(self.axes).index(key)
         if self.sampling == "grid":
-            inner = math.prod(self.shape[number + 1 :])
-            once = [value for value in self.ladders[number] for _ in range(inner)]
-            return once * (len(self) // len(once))
+            inner, outer = self._repeats(number)
+            return [value for value in self.ladders[number] for _ in range(inner)] * outer
         points = self._points(0, len(self))
         return [self.axes[key].drawn(unit) for unit in points[:, number].tolist()]
+
+    def numbers(self, key: str) -> NDArray[np.float64]:
+        """What a key of numbers is in all cases of a grid."""
+        number = list(self.axes).index(key)
+        inner, outer = self._repeats(number)
+        ladder = np.array(self.ladders[number], np.float64)
+        return np.tile(np.repeat(ladder, inner), outer)
+
+    def _repeats(self, number: int) -> tuple[int, int]:
+        """How often a value of a grid's key comes at a time, and how often all of them come."""
+        inner = math.prod(self.shape[number + 1 :])
+        return inner, len(self) // (inner * len(self.ladders[number]))
 
     def _of_grid(self, number: int, first: int, last: int) -> list[Value]:
         ladder, inner = self.ladders[number], math.prod(self.shape[number + 1 :])

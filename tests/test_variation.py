@@ -265,6 +265,8 @@ def test_cases_do_not_depend_on_how_they_are_split(sampling: Sampling, cuts: lis
     assert parts == every
     for key in mixed:
         assert cases.column(key) == [case[key] for case in every]
+        if sampling == "grid" and mixed[key].is_numeric:
+            assert cases.numbers(key).tolist() == cases.column(key)
 
 
 @pytest.mark.parametrize("sampling", ["random", "sobol"])

@@ -12,6 +12,7 @@ from hilc_cli.reference.path import POSITION_TOLERANCE
 from hilc_cli.theory.feasibility.plausibility import ON_THE_SPOT
 from hilc_cli.theory.law_theory import LawTheory
 from hilc_cli.theory.noise import deviations
+from hilc_cli.theory.plain_arrays import median
 
 _NOISE = 0.01  # of the path's size: what is larger hides whether 1 % is reached
 _MARGIN = 1e-9  # beyond what rounding may make of a limiting case
@@ -50,7 +51,7 @@ def _disturbances(experiment: Experiment) -> list[str]:
     if reference.size <= ON_THE_SPOT * experiment.robot.half_track:
         return _headings(disturbance.output)  # on the spot there is no size to hold them against
     steps = np.hypot(np.diff(reference.x), np.diff(reference.y))
-    step = float(np.median(steps))
+    step = median(steps)
     found = []
     if max(disturbance.state.bound[:2]) >= step > 0:
         found.append(

@@ -16,7 +16,6 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.loop import MeasuredTrials
 from hilc_cli.files import merge_folder
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.frames import frame
 from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.look import USUAL, Look
 from hilc_cli.results.metrics import MetricsTable
@@ -34,8 +33,8 @@ from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import CLEARLY, FAILED, NEAR, Outcome, seen_outcome
 from hilc_cli.theory.matrices import knows_plant
 from hilc_cli.theory.noise import unsure_findings
-from hilc_cli.theory.proof.bounds import CORRECTED, WITHIN_LIMIT, Bounds, theories
-from hilc_cli.theory.proof.constants import Conditions, conditions
+from hilc_cli.theory.proof.bounds import CORRECTED, WITHIN_LIMIT, Bounds, Proof
+from hilc_cli.theory.proof.constants import Conditions
 from hilc_cli.theory.proof.measured import Comparison, compare as beside
 from hilc_cli.theory.reach import judged_feasibility, start_findings
 from hilc_cli.wording import counted, wrapped
@@ -109,8 +108,8 @@ class Check(InNotebooks):
         law: What theory says of its law.
         lateness: What late wheels do to a pass, computed when it is asked for.
         identifiable: What a pass tells of the robot, likewise.
-        conditions: Those of the paper's theorems; None for a law of which it does not speak.
-        theories: Bounds of the paper's theory, by name; None likewise.
+        proof: What the paper's theorems say, computed when it is asked for; None for a law of which
+            they do not speak.
         simulated: A simulation, if one was asked for and an iteration of it was completed.
         findings: Failures and warnings of each part of the check: ``settings``, ``feasibility``,
             ``start``, ``lateness``, ``learning``, ``prediction``, ``simulation``, ``theory``,
@@ -122,8 +121,7 @@ class Check(InNotebooks):
     law: LawTheory
     lateness: Lateness
     identifiable: Identifiable
-    conditions: Conditions | None
-    theories: Mapping[str, Bounds] | None
+    proof: Proof | None
     simulated: Simulated | None
     findings: Mapping[str, Findings]
 
@@ -145,6 +143,16 @@ class Check(InNotebooks):
             unknown = "law" if knows_plant(self.law.experiment) else "plant"
             return f"nothing wrong with the path, and the {unknown} is not known{warned}"
         return f"works{warned}" if warned else "nothing wrong"
+
+    @property
+    def conditions(self) -> Conditions | None:
+        """Those of the paper's theorems; None for a law of which it does not speak."""
+        return None if self.proof is None else self.proof.conditions
+
+    @property
+    def theories(self) -> Mapping[str, Bounds] | None:
+        """Bounds of the paper's theory, by name; None likewise."""
+        return None if self.proof is None else self.proof.theories
 
     @property
     def forecast(self) -> Forecast | None:
@@ -182,6 +190,7 @@ class Check(InNotebooks):
             MissingPackageError: pandas is not installed.
         """
         from hilc_cli.checks.picture import errors_of  # Matplotlib starts slowly
+        from hilc_cli.results.frames import frame
 
         return frame({"transient": lambda: errors_of(self)}, "transient")
 
@@ -239,13 +248,19 @@ class Check(InNotebooks):
 
 
 def check(
-    scenario: ScenarioSource, *, simulate: bool = False, on_iteration: OnIteration | None = None
+    scenario: ScenarioSource,
+    *,
+    simulate: bool = False,
+    closely: bool = False,
+    on_iteration: OnIteration | None = None,
 ) -> Check:
     """Checks a scenario.
 
     Args:
         scenario: From `load_scenario`, or what it takes: ``example:NAME``, a file, a dictionary.
         simulate: Run it as well, and put what it does beside what theory says.
+        closely: Predict the error of each iteration at once; else that is done when it is asked
+            for, and what is said of learning follows from less.
         on_iteration: Told of each completed iteration of that run.
     """
     scenario = as_scenario(scenario)
@@ -255,6 +270,8 @@ def check(
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         feasibility = scenario.feasibility()
         theory = law_theory(experiment)
+        if closely and theory.forecast is not None:
+            _ = theory.forecast.transient
         findings = {
             "settings": Findings(warnings=tuple(scenario.warnings())),
             "feasibility": judged_feasibility(
@@ -264,13 +281,12 @@ def check(
             "lateness": lateness.findings,
             "learning": theory.findings,
         }
-        premises, bounds = None, None
-        if theory.linear is not None and theory.linear.paper is not None:
-            premises, bounds = conditions(experiment), theories(experiment)
-        seen = None
+        is_paper = theory.linear is not None and theory.linear.paper is not None
+        proof, seen = Proof(experiment) if is_paper else None, None
         if simulate:
+            bounds = {} if proof is None else proof.theories
             findings["simulation"], seen = simulated(
-                scenario, experiment, bounds or {}, theory.expected, on_iteration
+                scenario, experiment, bounds, theory.expected, on_iteration
             )
         if seen is None:
             findings["prediction"] = unsure_findings(experiment, theory.expected)
@@ -285,8 +301,7 @@ def check(
         theory,
         lateness,
         Identifiable(experiment),
-        premises,
-        bounds,
+        proof,
         seen,
         findings,
     )

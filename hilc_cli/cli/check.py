@@ -77,7 +77,12 @@ def check(
     valid = load_scenario(scenario, set_ or [], trust=trust)
     say_notes(valid.notes, quiet=quiet)
     with progress(valid.name, valid.spec.iterations + 1, quiet=quiet or not simulate) as advance:
-        found = check(valid, simulate=simulate, on_iteration=context.obj.counting(advance))
+        found = check(
+            valid,
+            simulate=simulate,
+            closely=verbose or json or plot,
+            on_iteration=context.obj.counting(advance),
+        )
     pictures: list[Path] = []
     if plot:
         folder = out or default_folder(valid.name, set_, "-check")

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -246,6 +245,8 @@ def origin(
 
 def versions(libraries: Sequence[str]) -> dict[str, str]:
     """Versions of this program, of Python and of some packages, by name."""
+    from importlib.metadata import version  # starts slowly
+
     return {
         "hilc": __version__,
         "python": platform.python_version(),

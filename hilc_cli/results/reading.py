@@ -25,7 +25,7 @@ from hilc_cli.errors import UsageError
 from hilc_cli.files import read_file
 from hilc_cli.names import check_name
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.plain_tables import plain_table
+from hilc_cli.results.plain_tables import plain_file, plain_table
 
 MAX_CSV_BYTES = 2_000_000_000
 MAX_JSON_BYTES = 100_000_000
@@ -296,10 +296,11 @@ def read_numbers(
         UsageError: It is no such table, or damaged.
         HilcError: It cannot be read.
     """
-    content = read_file(path, MAX_CSV_BYTES) if content is None else content
     header = [name for name, _ in columns]
-    plain = plain_table(content, header)
-    if plain is not None and (plain.is_full or _may_be_empty(columns)):
+    plain = (
+        plain_file(path, MAX_CSV_BYTES, header) if content is None else plain_table(content, header)
+    )
+    if plain is not None and (plain.full.all() or _may_be_empty(columns)):
         check_columns(path, columns, plain.numbers)
         return plain.numbers
     rows = table_rows(path, header, content)

@@ -16,7 +16,7 @@ from hilc_cli.files import read_file
 from hilc_cli.laws.law import Plan
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.results.metrics import METRICS, MetricsTable
-from hilc_cli.results.plain_tables import plain_table
+from hilc_cli.results.plain_tables import plain_file
 from hilc_cli.results.reading import (
     MAX_CSV_BYTES,
     Numbers,
@@ -394,13 +394,12 @@ def _write(path: Path, header: Sequence[str], rows: Iterable[str]) -> None:
 
 def _large_table(path: Path) -> Floats:
     """The rows of ``samples.csv``, of which there may be millions; empty cells not-a-number."""
-    content = read_file(path, MAX_CSV_BYTES)
-    plain = plain_table(content, SAMPLES_HEADER)
+    plain = plain_file(path, MAX_CSV_BYTES, SAMPLES_HEADER)
     if plain is not None:
-        empty = np.isnan(plain.numbers)
-        if not empty[:, :-2].any() and (empty[:, -2] == empty[:, -1]).all():
+        left, right = np.isnan(plain.numbers[:, -2:]).T
+        if plain.full[:-2].all() and (left == right).all():
             return plain.numbers
-    first, _, body = content.partition(b"\n")
+    first, _, body = read_file(path, MAX_CSV_BYTES).partition(b"\n")
     if first.rstrip(b"\r") != ",".join(SAMPLES_HEADER).encode():
         raise no_such_table(path, SAMPLES_HEADER)
     if not body.strip():

@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from hilc_cli.errors import UsageError
-from hilc_cli.files import read_file
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import CASE_COLUMNS, DIVERGED, ITERATIONS_TO_TOLERANCE, PEAK
-from hilc_cli.results.plain_tables import PlainTable, plain_table
+from hilc_cli.results.plain_tables import PlainTable, plain_file
 from hilc_cli.results.reading import (
     MAX_CSV_BYTES,
     Numbers,
@@ -105,18 +104,17 @@ def read_cases(
     Raises:
         UsageError: It is no such table, or damaged.
     """
-    content = read_file(path, MAX_CSV_BYTES)
     keys, first = list(axes), 1 + len(axes)
     header = [CASE, *map(unrun, keys), *CASE_COLUMNS]
     columns = [(CASE, Numbers(0, whole=True)), *CASE_NUMBERS]
-    plain = plain_table(content, header)
+    plain = plain_file(path, MAX_CSV_BYTES, header)
     known = None if plain is None else _plain_values(plain, axes, is_grid=is_grid)
     if plain is not None and known is not None:
         checked = [columns[0], *((key, Numbers()) for key in keys), *columns[1:]]
         check_columns(path, checked, plain.numbers)
         check_counted(path, CASE, plain.numbers[:, 0])
         return known, _columns(plain.numbers[:, first:])
-    rows = table_rows(path, content=content)
+    rows = table_rows(path)
     if next(rows) != header:
         raise UsageError(f"{path}: is no table of these cases; its first line does not fit")
     raw: list[list[Value]] = [[] for _ in keys]
@@ -143,7 +141,8 @@ def read_cases(
 
 def _columns(numbers: Floats) -> dict[str, Floats]:
     """What was computed of each case, by the names of the columns."""
-    return {name: column.copy() for name, column in zip(CASE_COLUMNS, numbers.T, strict=True)}
+    pieces = map(np.ascontiguousarray, numbers.T)
+    return dict(zip(CASE_COLUMNS, pieces, strict=True))
 
 
 def _plain_values(
@@ -176,9 +175,9 @@ def _plain_values(
                 return None
         elif not ((axis.low <= numbers) & (numbers <= axis.high)).all():
             return None
-        if is_grid and (numbers != np.array(cases.column(key), np.float64)).any():
+        if is_grid and (numbers != cases.numbers(key)).any():
             return None
-        found[key] = numbers.astype(np.int64) if whole else numbers.copy()
+        found[key] = numbers.astype(np.int64) if whole else numbers
     return found
 
 

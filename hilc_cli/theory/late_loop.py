@@ -33,6 +33,7 @@ from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
 from hilc_cli.plants.kinematic import Robot, feedforward, reference_twist
 from hilc_cli.reference.sampled import Floats, Reference
+from hilc_cli.theory.plain_arrays import distinct, median
 
 Complex = NDArray[np.complex128]
 
@@ -169,13 +170,13 @@ class LateLoop:
         logs = np.logspace(-11, math.log10(math.pi), round(11.5 * _PER_DECADE))
         angles = np.concatenate([logs, turn - logs, turn + logs])
         inside = angles[(angles > 0) & (angles < math.pi)]
-        return np.unique(np.concatenate([[0.0], inside, [math.pi]]))
+        return distinct(np.concatenate([[0.0], inside, [math.pi]]))
 
     def _closer(self, angles: Floats, delay: float, lag: float) -> Floats:
         """Returns frequencies with more of them where f is nearest to zero; delay in samples."""
         where = int(self._on(angles).nearest(delay, lag))
         low, high = angles[max(where - 2, 0)], angles[min(where + 2, len(angles) - 1)]
-        return np.unique(np.concatenate([angles, np.linspace(low, high, _NEAR)]))
+        return distinct(np.concatenate([angles, np.linspace(low, high, _NEAR)]))
 
     def _on(self, angles: Floats) -> _Curve:
         """Returns f at frequencies, whatever the delay is."""
@@ -310,7 +311,7 @@ def _telling_samples(speeds: Floats, yaw_rates: Floats) -> list[int]:
         moving = np.flatnonzero(np.abs(yaw_rates) > 0)
     found: dict[tuple[float, float], int] = {}
     if len(moving):
-        middle = np.median(speed[moving])
+        middle = median(speed[moving])
         for strain in (speed, np.abs(yaw_rates), speed * np.abs(yaw_rates), -abs(speed - middle)):
             rounded = strain[moving].round(9)
             ties = moving[rounded == rounded.max()]

@@ -21,6 +21,7 @@ from hilc_cli.theory.learning.forecast import Forecast
 from hilc_cli.theory.learning.outcome import CLEARLY, NEAR, STAYS
 from hilc_cli.theory.matrices import desired_motion, knows_plant, starts_off
 from hilc_cli.theory.noise import open_loop_error
+from hilc_cli.theory.plain_arrays import distinct
 
 _MOSTLY_GONE = 0.1  # of an initial error, or of the path: less in the second half is no failure
 _ROUNDING = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
@@ -206,7 +207,7 @@ def least_error(experiment: Experiment) -> float:
     step = experiment.robot.wheel_radius * experiment.speed_limit * reference.sample_time
     if not math.isfinite(step):
         return 0.0
-    samples = np.unique(np.linspace(0, reference.samples, _MOST_POINTS).astype(int))
+    samples = distinct(np.linspace(0, reference.samples, _MOST_POINTS).astype(int))
     x, y = reference.x[samples], reference.y[samples]
     apart = np.hypot(x[:, None] - x, y[:, None] - y)
     between = (apart - step * np.abs(samples[:, None] - samples)).max() / 2

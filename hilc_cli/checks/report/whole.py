@@ -161,7 +161,7 @@ def _print_findings(
 def _hint(check: Check, *, verbose: bool, theory: bool) -> str:
     """Returns which options show more; empty if all is shown."""
     more = [] if verbose else ["-v (segments, figures)"]
-    if check.conditions is not None and not theory:
+    if check.proof is not None and not theory:
         more.append("--theory (the paper's theorems)")
     if check.simulated is None:
         more.append("--simulate")

@@ -78,15 +78,16 @@ class Cells:
 
     def outline(self, outcome: Outcome) -> Path:
         """The cells of one outcome as one path, neighbours in a row together."""
-        rectangles = []
-        for row, cells in enumerate(self.outcomes == outcome):
-            steps = np.flatnonzero(np.diff(np.concatenate([[0], cells.astype(np.int8), [0]])))
-            bottom, top = self.y_edges[row], self.y_edges[row + 1]
-            for first, last in zip(steps[::2], steps[1::2], strict=True):
-                left, right = self.x_edges[first], self.x_edges[last]
-                corners = [(left, bottom), (right, bottom), (right, top), (left, top)]
-                rectangles.append(Path([*corners, corners[0]], closed=True))
-        return Path.make_compound_path(*rectangles)
+        inside = np.pad(self.outcomes == outcome, ((0, 0), (1, 1)))
+        steps = np.diff(inside.astype(np.int8), axis=1)
+        rows, firsts = np.nonzero(steps == 1)
+        _, ends = np.nonzero(steps == -1)
+        left, right = self.x_edges[firsts], self.x_edges[ends]
+        bottom, top = self.y_edges[rows], self.y_edges[rows + 1]
+        x, y = (left, right, right, left, left), (bottom, bottom, top, top, bottom)
+        corners = np.array([x, y]).transpose(2, 1, 0)  # rectangle by rectangle
+        codes = [Path.MOVETO, *[Path.LINETO] * 3, Path.CLOSEPOLY]
+        return Path(corners.reshape(-1, 2), np.tile(codes, len(rows)))
 
     def border(self, inside: NDArray[np.bool_]) -> Floats:
         """The edges between cells that are inside and others, with a gap behind each.
@@ -172,7 +173,7 @@ def draw_map(axes: Axes, data: SweepData) -> None:
         scale = scale_of(data, cells.medians.ravel(), most=most)
         colors = _norm(scale)
         _draw_cells(axes, x, y, cells, scale, colors)
-        notes += _draw_tolerance(axes, data, x, y)
+        notes += _draw_tolerance(axes, data, x, y, cells)
         if cells.merged != (1, 1):
             notes.append(f"each cell is the median of {cells.merged[0]} x {cells.merged[1]} values")
     else:
@@ -219,18 +220,27 @@ def _draw_cells(
         if count:
             patch = PathPatch(cells.outline(outcome), linewidth=0, **look)
             patch.set_label(outcome_label(outcome, count, "cell"))
-            axes.add_patch(patch)
+            # `add_patch` would ask every corner for the limits of the axes, which are set.
+            axes.add_artist(patch)
 
 
-def _draw_tolerance(axes: Axes, data: SweepData, x: KeyAxis, y: KeyAxis) -> list[str]:
+def _draw_tolerance(axes: Axes, data: SweepData, x: KeyAxis, y: KeyAxis, cells: Cells) -> list[str]:
     """Draws a line around the cells whose maximum error is within the tolerance.
+
+    Args:
+        axes: Where to draw.
+        data: The sweep.
+        x: The key along x.
+        y: The key along y.
+        cells: What is drawn of its metric.
 
     Returns:
         A note in its place where there is no such line.
     """
     if data.tolerance is None:
         return []
-    cells = cells_of(x, y, results_of(replace(data, metric=MAX_ERROR)))
+    if data.metric != MAX_ERROR:
+        cells = cells_of(x, y, results_of(replace(data, metric=MAX_ERROR)))
     within = cells.medians <= data.tolerance
     tolerance = f"{labels.number_text(data.tolerance, 4)} m"
     if within.all() or not within.any():

@@ -222,7 +222,7 @@ def key_axis(data: SweepData, key: str, *, cells: bool = False) -> KeyAxis:
     if cells and isinstance(axis, Choices) and _is_uneven(axis):
         axis = Choices(tuple(sorted(axis.values)))  # type: ignore[type-var]  # numbers
     elif axis.is_numeric:
-        positions = np.fromiter(values, dtype=np.float64, count=len(values))
+        positions = np.asarray(values, dtype=np.float64)
         return KeyAxis(key, positions, axis.is_logarithmic)
     assert isinstance(axis, Choices)  # ranges are numeric
     places: dict[tuple[bool, Value], int] = {}

@@ -13,9 +13,10 @@ from hilc_cli.theory.findings import ExpectedError, expected_of_seeds, extent
 from hilc_cli.theory.learning.ensemble import NoisyLearning, noisy_learning
 from hilc_cli.theory.learning.fixed_point import FixedPoint, fixed_point
 from hilc_cli.theory.learning.gains import MARGIN, RippleGrowth, ripple_growth
+from hilc_cli.theory.learning.glance import glance_ahead
 from hilc_cli.theory.learning.lifted import LiftedIteration
 from hilc_cli.theory.learning.norms import SingularValue, SpectralRadius
-from hilc_cli.theory.learning.outcome import Outcome, Prospects, predicted_outcome
+from hilc_cli.theory.learning.outcome import NEAR, Outcome, Prospects, predicted_outcome
 from hilc_cli.theory.learning.transient import Transient, horizon, predict_transient
 from hilc_cli.theory.linear_law import linear_law
 from hilc_cli.wording import counted, in_short
@@ -81,6 +82,26 @@ class Forecast:
         """
         return predict_transient(self.experiment)
 
+    @cached_property
+    def glance(self) -> Transient:
+        """As much of the same as it takes to say what becomes of learning.
+
+        Errors of the experiment's iterations are those of `transient`. Of later ones it is known
+        whether they are half of the first and whether they are small, and that they do not grow
+        again; where they do, or where it is to be said when, this is `transient` itself, and where
+        that is known already.
+        """
+        found, is_known = None, "transient" in self.__dict__
+        if not is_known and self.settles and not self.ripples_grow and not self.smooths:
+            levels = float(self.first.max_position_error_m[0]) / 2, NEAR * self.path_size_m
+            found = glance_ahead(self.experiment, levels, NEAR * self.extent_m)
+        return self.transient if found is None else found
+
+    @cached_property
+    def first(self) -> Transient:
+        """The errors of iteration 0 alone."""
+        return predict_transient(self.experiment, 0)
+
     @property
     def spectral_radius(self) -> float:
         """The radius, or an estimate of it."""
@@ -126,14 +147,14 @@ class Forecast:
         last = min(self.iterations, horizon(self.experiment))
         if self.is_limited or self.ensemble.iterations > last:
             return self.ensemble.position_m[:, 0]
-        return self.transient.max_position_error_m[: last + 1]
+        return self.glance.max_position_error_m[: last + 1]
 
     @property
     def later_m(self) -> Floats:
         """Largest errors after the experiment, as far as they can be foretold [m]."""
         if self.ensemble.at_limit[-1, 0] > 0:
             return np.zeros(0)
-        return self.transient.max_position_error_m[self.iterations + 1 :]
+        return self.glance.max_position_error_m[self.iterations + 1 :]
 
     @cached_property
     def outcome(self) -> Outcome:
@@ -141,8 +162,7 @@ class Forecast:
         rest, ensemble = self.rest, self.ensemble
         if self.iterations and not self.settles and self.path_size_m == 0:
             return Outcome.CANNOT_CONVERGE  # on the spot no position tells what becomes of it
-        first = predict_transient(self.experiment, 0)
-        near = rest is None or rest.max_position_error_m <= first.range_m
+        near = rest is None or rest.max_position_error_m <= self.first.range_m
         is_disturbed = ensemble.seeds > 1
         return predicted_outcome(
             Prospects(

@@ -35,6 +35,7 @@ from hilc_cli.laws.gain_matrix import GainMatrix
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.theory.linear_law import linear_law
+from hilc_cli.theory.plain_arrays import distinct
 from hilc_cli.yaml_input.expressions import Affine
 
 MARGIN = 1e-9
@@ -147,7 +148,7 @@ def ripple_growth(experiment: Experiment) -> RippleGrowth:
     law, reference = linear_law(experiment), experiment.reference
     eigenvalues = loop_gains_of(experiment, law.matrix)
     # The same ones over and over, but for rounding, if the matrix has the form of Eq. 45.
-    gains = np.unique(eigenvalues.round(12))[:, None]
+    gains = distinct(eigenvalues.round(12))[:, None]
     longest = min(LONGEST_PERIOD, max(2, reference.samples / _LEAST_PERIODS))
     frequencies = np.linspace(2 * np.pi / longest, np.pi, _FREQUENCIES)
     factors = law.ripple_factors(gains, frequencies).max(axis=0)

@@ -33,6 +33,7 @@ class DriftRecursion:
             states: A_k, shape (n, 3, 3).
         """
         self._moves = [np.ascontiguousarray(states[:, axis, 2]) for axis in range(2)]
+        self._turns = states[:, 0, 2] + 1j * states[:, 1, 2]
 
     def solve(self, right: Floats) -> Floats:
         """Returns the errors e.
@@ -44,11 +45,13 @@ class DriftRecursion:
             e, of the same shape.
         """
         errors = np.empty_like(right)
-        heading = np.cumsum(right[:, 2], axis=0, out=errors[:, 2])
-        for axis, moves in enumerate(self._moves):
-            steps = right[:, axis].copy()
-            steps[1:] += (moves * heading[:-1].T).T
-            np.cumsum(steps, axis=0, out=errors[:, axis])
+        heading = np.add.accumulate(right[:, 2], axis=0, out=errors[:, 2])
+        # As complex numbers x and y are summed up at the same time.
+        position = np.empty(heading.shape, np.complex128)
+        position.real, position.imag = right[:, 0], right[:, 1]
+        position[1:] += (self._turns * heading[:-1].T).T
+        np.add.accumulate(position, axis=0, out=position)
+        errors[:, 0], errors[:, 1] = position.real, position.imag
         return errors
 
     def solve_transposed(self, right: Floats) -> Floats:

@@ -226,7 +226,7 @@ def _errors_in_brief(found: Forecast, expected: ExpectedError, iterations: int) 
     reached = len(found.errors_m) - 1
     last = length_text(found.errors_m[-1])
     if not limited:
-        rough = found.transient.rough_from
+        rough = found.glance.rough_from
         last += " (rough)" if rough is not None and reached >= rough else ""
     half = next((i for i, error in enumerate(errors) if error <= errors[0] / 2), None)
     halves = "does not halve" if half is None else f"halves by iteration {half}"

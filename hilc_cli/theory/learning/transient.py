@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +11,8 @@ import numpy as np
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.metrics import first_within, settled_at
-from hilc_cli.theory.learning.lifted import LiftedIteration
-from hilc_cli.theory.matrices import driven_errors
+from hilc_cli.theory.learning.lifted import LiftedIteration, LinearPass
+from hilc_cli.theory.matrices import driven_errors, linearise
 
 ITERATIONS = 5000
 SAMPLES_OF_ALL_ITERATIONS = 12_000_000
@@ -26,6 +27,9 @@ FAR_HEADING = 1.0
 """Heading errors beyond which sines and cosines are no longer linear [rad]."""
 ROUNDING = 1e-14
 """Wheel speeds that an iteration changes by no larger a share have come to rest."""
+
+Measure = Callable[[int, LinearPass], float]
+"""The largest position error of an iteration [m]; if it is not finite, the look ahead ends."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,7 +134,27 @@ def horizon(experiment: Experiment) -> int:
     return max(beyond, within)
 
 
-def predict_transient(experiment: Experiment, iterations: int | None = None) -> Transient:
+class ExactErrors:
+    """The largest position errors of the exact plant, when it drives the inputs of passes [m]."""
+
+    def __init__(self, experiment: Experiment) -> None:
+        """Takes the experiment."""
+        self._experiment = experiment
+        self._feedforward = linearise(experiment).feedforward
+
+    def __call__(self, iteration: int, passed: LinearPass) -> float:
+        """Drives the input of a pass."""
+        return largest(*driven_errors(self._experiment, *(passed.inputs + self._feedforward).T))
+
+
+def largest(x: Floats, y: Floats) -> float:
+    """The largest of errors in x and in y together."""
+    return math.sqrt((x * x + y * y).max())
+
+
+def predict_transient(
+    experiment: Experiment, iterations: int | None = None, measure: Measure | None = None
+) -> Transient:
     """Returns the errors that follow from the experiment's first input by the linear theory.
 
     What is learned is predicted by the linear map of `LiftedIteration`, which holds to first order
@@ -141,19 +165,19 @@ def predict_transient(experiment: Experiment, iterations: int | None = None) -> 
     Args:
         experiment: The experiment; its speed limit and its disturbances are left out.
         iterations: How far to look; `horizon` if not given.
+        measure: What tells position errors; `ExactErrors` if not given.
 
     Raises:
         UsageError: The experiment's law is neither the hybrid law nor law pid.
     """
     last = horizon(experiment) if iterations is None else iterations
+    measure = measure or ExactErrors(experiment)
     lifted, size = LiftedIteration(experiment), experiment.reference.size
     errors, headings = np.full((2, last + 1), math.inf)
     with np.errstate(over="ignore", invalid="ignore"):
         current = lifted.first()
         for iteration in range(last + 1):
-            speeds = current.inputs + lifted.plant.feedforward
-            x, y = driven_errors(experiment, *speeds.T)
-            error = math.sqrt((x * x + y * y).max())
+            error = measure(iteration, current)
             if not math.isfinite(error):
                 break
             errors[iteration] = error

@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE
 from hilc_cli.sweeps.pictures.catalogue import draw_sweep
+from hilc_cli.sweeps.pictures.heat_map import Cells
+from hilc_cli.sweeps.pictures.picking import Groups, Outcome
 from hilc_cli.variation import Axis, Range
 from tests.drawing.reading import legend, line, texts
 from tests.made_up_sweeps import (
@@ -49,6 +51,20 @@ def test_cells_are_the_metric_at_their_place() -> None:
     best = line(axes, "Best")
     assert np.asarray(best.get_xydata()).tolist() == [[1, 1]]
     assert figure.axes[1].get_ylabel() == "Maximum position error after the last iteration [m]"
+
+
+@pytest.mark.parametrize("outcome", Outcome)
+def test_an_outline_is_around_all_cells_of_an_outcome_and_no_other(outcome: Outcome) -> None:
+    random = np.random.default_rng(3)
+    found = random.choice(len(Outcome), (7, 9), p=[0.4, 0.3, 0.2, 0.1])
+    x, y = np.cumsum(random.random(10)), np.cumsum(random.random(8))
+    cells = Cells(x, y, Groups(found.ravel(), np.zeros((63, 5)), found.ravel()), (1, 1))
+    outline = cells.outline(outcome)
+    runs = [np.diff(row == outcome, prepend=False, append=False).sum() // 2 for row in found]
+    assert len(np.asarray(outline.codes)) == 5 * sum(runs)
+    centres = np.stack(np.meshgrid((x[:-1] + x[1:]) / 2, (y[:-1] + y[1:]) / 2), axis=-1)
+    inside = outline.contains_points(centres.reshape(-1, 2)).reshape(7, 9)
+    np.testing.assert_array_equal(inside, found == outcome)
 
 
 def test_scales_are_logarithmic_where_the_numbers_are() -> None:
