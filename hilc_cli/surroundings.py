@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import gc
 import os
-import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 _MADE_SINCE = 30_000
 """So many objects are made until Python looks for those that refer to each other in a circle."""
-_PLUG_INS = "pydantic.plugin._loader"
 _KEPT = ("NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT")
 
 
@@ -72,25 +67,7 @@ def settle() -> None:
         os.environ.pop("NUMBA_DISABLE_JIT", None)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"
-    sys.modules.setdefault(_PLUG_INS, _NoPlugIns(_PLUG_INS))
     gc.set_threshold(_MADE_SINCE, *gc.get_threshold()[1:])
-
-
-class _NoPlugIns(ModuleType):
-    """Stands for the module by which Pydantic finds its plug-ins, of which there are to be none.
-
-    That loads what reads the metadata of packages first, even where it is not to look for any. If
-    Pydantic wants something else of it, it takes its place after all.
-    """
-
-    def get_plugins(self) -> tuple[object, ...]:
-        return ()
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        sys.modules.pop(self.__name__, None)
-        return getattr(import_module(self.__name__), name)
 
 
 def _put(variables: Mapping[str, str | None]) -> None:

@@ -157,24 +157,3 @@ def test_working_folder_that_is_gone_is_named(
     folder.rmdir()
     message = "hilc: the working folder: the system refused: No such file or directory\n"
     assert hilc("sweep", "--merge", "../x") == Outcome(1, "", message)
-
-
-PLUG_INS = """\
-import sys
-from hilc_cli.surroundings import settle
-settle()
-import pydantic
-class Model(pydantic.BaseModel):
-    number: int
-print(Model(number=1).number, "importlib.metadata" in sys.modules)
-from pydantic.plugin._loader import PYDANTIC_ENTRY_POINT_GROUP, get_plugins
-print(PYDANTIC_ENTRY_POINT_GROUP, list(get_plugins()), "importlib.metadata" in sys.modules)
-"""
-
-
-def test_nobody_looks_for_plug_ins_of_pydantic() -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", PLUG_INS], capture_output=True, text=True, check=False
-    )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == "1 False\npydantic [] True\n"
