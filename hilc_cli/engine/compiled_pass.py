@@ -296,7 +296,7 @@ def _numbers(plan: Plan, reference: Reference) -> _Arguments:
         law = feedback.law
         return (
             TRACKING, planned, np.stack(feedback.twist), *nothing,
-            (law.k_x, law.k_y, law.k_theta),
+            (float(law.k_x), float(law.k_y), float(law.k_theta)),  # whole ones: other code
             (law.model.wheel_radius, law.model.signed_half_track), _NOT_LATE,
         )  # fmt: skip
     if isinstance(feedback, np.ndarray):

@@ -90,8 +90,11 @@ class GainsAlong:
         different = [matrix.coefficients for matrix in self.matrices]
         return [different[number] for number in self.numbers.tolist()]
 
-    def parts(self) -> Iterator[tuple[GainMatrix, NDArray[np.bool_]]]:
-        """Each matrix, and at which samples it is, shape (n,)."""
+    def parts(self) -> Iterator[tuple[GainMatrix, NDArray[np.bool_] | slice]]:
+        """Each matrix, and at which samples it is: all of them, or a mask of shape (n,)."""
+        if len(self.matrices) == 1:
+            yield self.matrices[0], slice(None)
+            return
         for number, matrix in enumerate(self.matrices):
             yield matrix, self.numbers == number
 
