@@ -91,7 +91,7 @@ class GainsAlong:
         return [different[number] for number in self.numbers.tolist()]
 
     def parts(self) -> Iterator[tuple[GainMatrix, NDArray[np.bool_] | slice]]:
-        """Each matrix, and the places of the samples at which it is."""
+        """Each matrix, and at which samples it is: all of them, or a mask of shape (n,)."""
         if len(self.matrices) == 1:
             yield self.matrices[0], slice(None)
             return

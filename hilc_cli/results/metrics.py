@@ -141,7 +141,7 @@ def _rms(values: Floats) -> float:
     largest = float(np.abs(values).max())
     if largest == 0 or not math.isfinite(largest):
         return largest
-    return largest * float(np.sqrt(np.mean((values / largest) ** 2)))
+    return largest * math.sqrt(float(np.square(values / largest).sum()) / len(values))
 
 
 def _input_change(trial: Trial, before: Trial | None) -> float:

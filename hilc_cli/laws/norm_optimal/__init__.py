@@ -1,8 +1,9 @@
 """Norm-optimal iterative learning on the robot's own model: one concept a file.
 
 From the bottom: `motor` is the model, from wheel speeds sent to motion; `motion_filter` says where
-a robot was and what the model did not expect, `filter_slopes` and `noise_score` how that changes
-with robot and noise; `identification` finds the model behind passes with `bounded_search`,
+a robot was and what the model did not expect, `driven` what a pass was by all its readings,
+`filter_slopes` and `noise_score` how that changes with robot and noise; `identification` finds the
+model behind passes with `bounded_search`,
 `repeating` what comes back beyond it, `misfit` whether there is more than it knows, both by
 `cosines` along the path and by what `chance` makes; `motor_quadratic` and `motor_plan` find what
 to send under the speed limit, `linear_quadratic`, `optimal_motion` and `rectified` the way into the

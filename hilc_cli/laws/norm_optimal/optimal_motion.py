@@ -154,7 +154,13 @@ def _stepped(
     Returns:
         Wheel speeds, shape (n, 2), poses, shape (n + 1, 3), and their cost.
     """
-    towards, wanted = inputs + length * changes, poses + length * moved
+    towards, wanted = np.empty_like(inputs), np.empty_like(poses)
+    for k in range(len(inputs)):
+        for wheel in range(2):
+            towards[k, wheel] = inputs[k, wheel] + length * changes[k, wheel]
+    for k in range(len(poses)):
+        for i in range(3):
+            wanted[k, i] = poses[k, i] + length * moved[k, i]
     applied, reached = made_loop(poses[0], towards, wanted, gains, model)
     return applied, reached, made_cost(aim, applied, reached)
 
