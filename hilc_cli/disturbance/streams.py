@@ -189,19 +189,26 @@ def _drawn(
     if not source.active:
         return None
     numbers = units(seed, stream, 0 if source.repeat else iteration, count)
+    if source.distribution == "uniform":
+        offsets: Floats = uniform(numbers, np.array(source.bound)[:, np.newaxis])
+        return offsets.T
     columns = [
         scaled(number, source.distribution, bound, deviation)
         for number, bound, deviation in zip(numbers, source.bound, source.deviation, strict=True)
     ]
-    offsets: Floats = np.stack(columns, axis=1)
-    return offsets
+    return np.stack(columns).T
+
+
+def uniform(unit: Floats, bound: Any) -> Any:
+    """Numbers between 0 and 1 as draws between a bound and its negative."""
+    return bound * (2 * unit - 1)
 
 
 def scaled(unit: Floats, distribution: Distribution, bound: float, deviation: float) -> Floats:
     """Numbers between 0 and 1 as draws from a bounded distribution about 0."""
     if distribution == "uniform" or bound == 0:
-        centred: Floats = 2 * unit - 1
-        return bound * centred
+        even: Floats = uniform(unit, bound)
+        return even
     inside, below = probabilities(bound, deviation)
     centre, tail = centre_and_tail(2 * unit - 1, inside, below)
     depths = depth(tail)

@@ -116,8 +116,8 @@ def _drive(
         scalars: l1, l2, l3; k_x, k_y, k_theta; or the rates and the half track of the regulator.
         model: Believed wheel radius and signed half track [m], or both radii of the regulator.
         late: Of the regulator, see there.
-        beta: Disturbance of the state, shape (n, 3); (0, 3): none.
-        alpha: Disturbance of the output, shape (n + 1, 3); (0, 3): none.
+        beta: Disturbance of the state, shape (3, n); (3, 0): none.
+        alpha: Disturbance of the output, shape (3, n + 1); (3, 0): none.
 
     Returns:
         At how many samples the limit acted.
@@ -129,8 +129,8 @@ def _drive(
     before_left = before_right = speed_left = speed_right = 0.0
     for k in range(inputs.shape[1]):
         seen_x, seen_y, seen_heading = x, y, heading
-        if len(alpha):
-            seen_x, seen_y, seen_heading = x + alpha[k, 0], y + alpha[k, 1], heading + alpha[k, 2]
+        if alpha.shape[1]:
+            seen_x, seen_y, seen_heading = x + alpha[0, k], y + alpha[1, k], heading + alpha[2, k]
         cos, sin = math.cos(seen_heading), math.sin(seen_heading)
         error_x, error_y = desired[0, k] - seen_x, desired[1, k] - seen_y
         error_heading = desired[2, k] - seen_heading
@@ -215,8 +215,8 @@ def _drive(
                 distance_gain * (limited_left + limited_right),
                 turn_gain * (limited_left - limited_right),
             )  # fmt: skip
-        if len(beta):
-            x, y, heading = x + beta[k, 0], y + beta[k, 1], heading + beta[k, 2]  # Eq. 11
+        if beta.shape[1]:
+            x, y, heading = x + beta[0, k], y + beta[1, k], heading + beta[2, k]  # Eq. 11
         poses[0, k + 1], poses[1, k + 1], poses[2, k + 1] = x, y, heading
     return saturated
 
@@ -318,13 +318,12 @@ def run_pass(
     reference, n = experiment.reference, experiment.reference.samples
     poses, inputs = np.empty((3, n + 1)), np.empty((2, n))
     poses[:, 0] = start
-    none = np.empty((0, 3))
     saturated = drive(
         _desired(reference), poses, inputs, *_motion(experiment.plant, reference.sample_time),
         float(experiment.speed_limit),
         *_numbers(plan, reference),
-        none if beta is None else np.ascontiguousarray(beta),
-        none if alpha is None else np.ascontiguousarray(alpha),
+        _NONE if beta is None else np.ascontiguousarray(beta.T),
+        _NONE if alpha is None else np.ascontiguousarray(alpha.T),
     )  # fmt: skip
     return poses, inputs, saturated
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
@@ -22,7 +22,7 @@ from hilc_cli.laws.law import Plan
 from hilc_cli.plants.kinematic import limit_wheel_speeds
 from hilc_cli.plants.plant import Plant, Pose
 from hilc_cli.reference.sampled import Floats, Reference
-from hilc_cli.results.metrics import measure
+from hilc_cli.results.metrics import METRICS, measure
 from hilc_cli.results.trial import Trial, is_finite
 
 
@@ -210,9 +210,20 @@ class MeasuredTrials:
         diverged_at: The iteration that left the finite numbers; None if none has.
     """
 
-    def __init__(self, experiment: Experiment, learning: Learning | None = None) -> None:
-        """Takes an experiment, and its learning if plans are to be asked for, see `simulate`."""
-        self._experiment, self._learning = experiment, learning
+    def __init__(
+        self,
+        experiment: Experiment,
+        learning: Learning | None = None,
+        names: Iterable[str] = METRICS,
+    ) -> None:
+        """Takes what is run.
+
+        Args:
+            experiment: The experiment.
+            learning: Its learning if plans are to be asked for, see `simulate`.
+            names: Which metrics are wanted.
+        """
+        self._experiment, self._learning, self._names = experiment, learning, tuple(names)
         self.last: Trial | None = None
         self.diverged_at: int | None = None
 
@@ -221,7 +232,7 @@ class MeasuredTrials:
             # Closed as soon as nobody goes on, so that a plant's program ends with it.
             with closing(simulate(self._experiment, self._learning)) as trials:
                 for trial in trials:
-                    metrics = measure(trial, self._experiment.reference, self.last)
+                    metrics = measure(trial, self._experiment.reference, self.last, self._names)
                     self.last = trial
                     yield trial, metrics
         except DivergedError as error:

@@ -17,9 +17,10 @@ from hilc_cli.leaderboards.plan import Contest
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.metrics import (
+    FASTEST_WHEEL,
     MAX_ERROR,
     MAX_ERROR_SECOND_HALF,
-    MetricsTable,
+    MEAN_ERROR_SECOND_HALF,
     first_within,
     settled_at,
     share_within,
@@ -159,7 +160,7 @@ def compete(contest: Contest, after: Sequence[int], tolerance: float) -> Entry:
     start = time.process_time()
     metrics, diverged_at = _measured(replace(experiment, iterations=0) if same else experiment)
     seconds = time.process_time() - start
-    ran = len(metrics)
+    ran = len(metrics[MAX_ERROR])
     if ran == 0:
         raise DivergedError(0)
 
@@ -169,7 +170,7 @@ def compete(contest: Contest, after: Sequence[int], tolerance: float) -> Entry:
         return np.append(metrics[metric], [last] * (experiment.iterations + 1 - ran))
 
     largest, path = whole(MAX_ERROR_SECOND_HALF), whole(MAX_ERROR)
-    mean, wanted = whole("mean_position_error_second_half_m"), list(after)
+    mean, wanted = whole(MEAN_ERROR_SECOND_HALF), list(after)
     return Entry(
         contest.case,
         contest.belief,
@@ -182,7 +183,7 @@ def compete(contest: Contest, after: Sequence[int], tolerance: float) -> Entry:
         share_within(largest, tolerance),
         settled_at(largest, tolerance),
         float(path[1:].max()) if len(path) > 1 else None,
-        float(metrics["max_wheel_speed_rad_s"].max()),
+        float(metrics[FASTEST_WHEEL].max()),
         contest.scenario.speed_limit,
         diverged_at,
         seconds / ran,
@@ -231,12 +232,15 @@ def compute_entries(
     return tuple(entries[contest] for contest in contests)
 
 
-def _measured(experiment: Experiment) -> tuple[MetricsTable, int | None]:
+_TOLD = (MAX_ERROR, MAX_ERROR_SECOND_HALF, MEAN_ERROR_SECOND_HALF, FASTEST_WHEEL)
+"""The metrics of which entries tell."""
+
+
+def _measured(experiment: Experiment) -> tuple[dict[str, Floats], int | None]:
     """Metrics of each iteration, and the iteration that left the finite numbers, if one did."""
-    trials, metrics = MeasuredTrials(experiment), MetricsTable()
-    for _, row in trials:
-        metrics.append(row)
-    return metrics, trials.diverged_at
+    trials = MeasuredTrials(experiment, names=_TOLD)
+    rows = np.array([list(metrics.values()) for _, metrics in trials]).reshape(-1, len(_TOLD))
+    return dict(zip(_TOLD, rows.T, strict=True)), trials.diverged_at
 
 
 _WARM: set[type[object]] = set()

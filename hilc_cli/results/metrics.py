@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -232,6 +232,8 @@ Means of sums are products with a reciprocal: other last digits would be other f
 """
 
 MAX_ERROR, MAX_ERROR_SECOND_HALF = "max_position_error_m", "max_position_error_second_half_m"
+MEAN_ERROR_SECOND_HALF = "mean_position_error_second_half_m"
+FASTEST_WHEEL = "max_wheel_speed_rad_s"
 ITERATIONS_TO_TOLERANCE = "iterations_to_tolerance"
 PEAK = "peak_max_position_error_m"
 DIVERGED = "diverged"
@@ -250,13 +252,16 @@ CASE_METRICS = tuple(name for name in CASE_COLUMNS if name != DIVERGED)
 """What cases may be ranked by."""
 
 
-def measure(trial: Trial, reference: Reference, before: Trial | None) -> dict[str, float]:
-    """The metrics of one iteration by name, in the order of `METRICS`.
+def measure(
+    trial: Trial, reference: Reference, before: Trial | None, names: Iterable[str] = METRICS
+) -> dict[str, float]:
+    """The metrics of one iteration by name.
 
     Args:
         trial: The iteration.
         reference: The trajectory that it was to follow, of the same number of samples.
         before: The iteration before it, for the change of the input; None for the first.
+        names: Which metrics, in this order; by default all, in the order of `METRICS`.
     """
     # Errors of a run that is about to diverge may overflow: their metrics are then infinite.
     with np.errstate(over="ignore", invalid="ignore"):
@@ -266,8 +271,8 @@ def measure(trial: Trial, reference: Reference, before: Trial | None) -> dict[st
         second_half = position_error[reference.samples - reference.samples // 2 :]
         motion = Motion(trial, before, error_x, error_y, error_heading, position_error, second_half)
         return {
-            name: (int if metric.whole else float)(metric.of_motion(motion))
-            for name, metric in METRICS.items()
+            name: (int if METRICS[name].whole else float)(METRICS[name].of_motion(motion))
+            for name in names
         }
 
 
