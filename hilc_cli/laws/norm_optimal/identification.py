@@ -20,6 +20,7 @@ from hilc_cli.laws.norm_optimal.filter_slopes import parameter_score
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, run_filter
 from hilc_cli.laws.norm_optimal.motor import Motor, made_slopes, steps_and_slopes, steps_of
 from hilc_cli.laws.norm_optimal.noise_score import noise_score
+from hilc_cli.laws.norm_optimal.parameter_errors import consistent_covariance, inverse_of
 from hilc_cli.reference.sampled import Floats
 
 
@@ -277,7 +278,7 @@ class Identification:
         """
         told = self._told_of_parameters(belief, belief.parameters, belief.noise, [like])
         normal = passes * (told.information - _BEFOREHAND) + _BEFOREHAND
-        return _inverse(normal)
+        return inverse_of(normal)
 
     def quietest(self, noise: Noise) -> Noise:
         """Returns the noise, where it is more than rounding."""
@@ -295,7 +296,7 @@ class Identification:
             found = self._likely_parameters(belief, parameters, noise, passes, settled, most_steps)
             parameters = found.at
         if not coarsely:
-            covariance = _covariance(found.told)
+            covariance = consistent_covariance(found.told.information, found.told.by_sample)
         return MotorBelief(belief.first, parameters, covariance, noise)
 
     def _steps(self, first: Motor, parameters: Floats, passes: Sequence[Pass]) -> list[Floats]:
@@ -396,69 +397,3 @@ def _with_delay(belief: MotorBelief, delay: float) -> MotorBelief:
 def _without_lag(parameters: Floats) -> Floats:
     """The same with the lag taken for delay."""
     return np.concatenate([parameters[:3], [parameters[3] + parameters[4], 0.0, parameters[5]]])
-
-
-def _covariance(told: ParametersTold) -> Floats:
-    """Covariance of the parameters' errors, with the larger of two variances.
-
-    The usual ones hold where the innovations are the noise that the model takes them for. The
-    others are made from how the innovations really vary, where those of all passes at a sample may
-    have a common cause and may be alike from sample to sample.
-
-    Args:
-        told: What all passes tell there.
-
-    Source:
-        Newey and West: A simple, positive semi-definite, heteroskedasticity and autocorrelation
-        consistent covariance matrix. Econometrica 55 (1987), 703-708.
-    """
-    scores = told.by_sample
-    covariance = _inverse(told.information)
-    reach = math.ceil(4 * (len(scores) / 100) ** (1 / 3)) * 4
-    # Products of scores up to that far apart, with weights that fall in a straight line: the
-    # squares of all sums of so many in a row.
-    spread = squares_of_sums(scores, reach + 1) / (reach + 1)
-    robust = covariance @ spread @ covariance
-    usual = np.diag(covariance)
-    share = np.divide(np.diag(robust), usual, out=np.ones(len(usual)), where=usual > 0)
-    larger = np.sqrt(np.maximum(share, 1.0))
-    widened: Floats = covariance * np.outer(larger, larger)
-    return widened
-
-
-def _squares_of_sums(scores: Floats, width: int) -> Floats:
-    """Adds up the squares of all sums of so many scores in a row, shape (m, m).
-
-    Args:
-        scores: Shape (n, m).
-        width: How many, the first and last ones of fewer.
-    """
-    n, count = scores.shape
-    window, squares = np.zeros(count), np.zeros((count, count))
-    for k in range(n + width - 1):
-        for i in range(count):
-            if k < n:
-                window[i] += scores[k, i]
-            if k >= width:
-                window[i] -= scores[k - width, i]
-        for i in range(count):
-            for j in range(i + 1):
-                squares[i, j] += window[i] * window[j]
-    for i in range(count):
-        for j in range(i):
-            squares[j, i] = squares[i, j]
-    return squares
-
-
-squares_of_sums = cached(_squares_of_sums)
-
-
-def _inverse(information: Floats) -> Floats:
-    """The inverse, with no negative variance where rounding would make one."""
-    if not np.isfinite(information).all():
-        return np.full_like(information, np.nan)
-    scale = 1 / np.sqrt(np.diag(information))
-    told, directions = np.linalg.eigh(information * scale * scale[:, None])
-    told = told.clip(min=np.finfo(float).eps * told[-1])
-    inverse: Floats = (directions / told) @ directions.T * scale * scale[:, None]
-    return inverse

@@ -13,10 +13,10 @@ from hilc_cli.laws.norm_optimal.identification import (
     Identification,
     MotorBelief,
     Pass,
-    squares_of_sums,
 )
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor
+from hilc_cli.laws.norm_optimal.parameter_errors import squares_of_sums
 from hilc_cli.plants.motor import Motor as RealMotor
 from tests.laws.norm_optimal.real_robot import IDEAL, STEP, driven, real_robot, wandering
 

@@ -22,6 +22,7 @@ from hilc_cli.laws.norm_optimal import (
     motor_quadratic,
     noise_score,
     optimal_motion,
+    parameter_errors,
     pose_regulator,
     rectified,
     repeating,
@@ -127,7 +128,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6))),
     ),
     "smooth_pass": (driven.smooth_pass, (UNREAD, INPUTS, MOTOR, 0.01, 0.5, NOISE, 0.3)),
-    "squares_of_sums": (identification.squares_of_sums, (DRIFT, 4)),
+    "squares_of_sums": (parameter_errors.squares_of_sums, (DRIFT, 4)),
     "steps_and_slopes": (
         motor.steps_and_slopes,
         (MOTOR, INPUTS, 0.01),
