@@ -15,8 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
+from hilc_cli.reference.limits import Limits, Wheels
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.reference.speed_limits import Limits, Stretch, Wheels
+from hilc_cli.reference.speed_limits import Stretch
 from hilc_cli.reference.timing import SpeedProfile, fastest_profile
 
 LIMITS = Limits(1.0, 1.0, 1.0, wheel_speed=22.0, wheel_acceleration=15.0)

@@ -10,7 +10,7 @@ from typing import Any
 import typer.main
 from typer.core import TyperGroup, TyperOption
 
-from hilc_cli.cli.app import PANELS, app
+from hilc_cli.cli.app import PANELS, make_app
 from website.rst import code, contents, heading, literal, page, prose
 
 FOLDER = "docs/reference/commands"
@@ -27,7 +27,7 @@ def write_pages(folder: Path) -> str:
 
 def by_panel() -> dict[str, dict[str, Any]]:
     """Returns the commands by name and by what they are for, in the order of ``hilc --help``."""
-    group = typer.main.get_command(app)
+    group = typer.main.get_command(make_app())
     assert isinstance(group, TyperGroup)
     return {
         panel: {
@@ -58,7 +58,7 @@ def _context(name: str, command: Any, parent: Any) -> Any:
     was asked with.
     """
     if parent is None:
-        group = typer.main.get_command(app)
+        group = typer.main.get_command(make_app())
         parent = group.make_context("hilc", [], resilient_parsing=True)
     return command.make_context(name, [], parent=parent, resilient_parsing=True)
 

@@ -21,8 +21,8 @@ from hilc_cli.errors import UsageError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.frames import Columns
 from hilc_cli.results.look import USUAL, Look
+from hilc_cli.results.metrics import RELATIVE_TOLERANCES
 from hilc_cli.results.run import RunData
-from hilc_cli.results.summary import RELATIVE_TOLERANCES
 from hilc_cli.runs.pictures.error import drawable
 from hilc_cli.theory.learning.transient import Transient
 

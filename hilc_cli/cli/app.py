@@ -2,37 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from importlib import import_module
 from typing import Any
 
 import typer
 from typer.core import TyperGroup
 
-from hilc_cli.cli.check import check
-from hilc_cli.cli.compare import compare
-from hilc_cli.cli.drive import drive
-from hilc_cli.cli.examples import examples
-from hilc_cli.cli.export import export
-from hilc_cli.cli.identify import identify
-from hilc_cli.cli.learn import learn
-from hilc_cli.cli.new import new
 from hilc_cli.cli.options import Verbose, Version
-from hilc_cli.cli.plot import plot
-from hilc_cli.cli.report import report
-from hilc_cli.cli.reproduce import reproduce
-from hilc_cli.cli.run import run
-from hilc_cli.cli.schema import schema
-from hilc_cli.cli.show import show
-from hilc_cli.cli.sweep import sweep
 
-PANELS: dict[str, tuple[Any, ...]] = {
-    "Simulate": (new, check, run),
-    "Look": (show, plot, report),
-    "Many at once": (compare, sweep),
-    "Real robot": (learn, drive, identify),
-    "Paper": (reproduce,),
-    "Files": (export, examples, schema),
+PANELS: dict[str, tuple[str, ...]] = {
+    "Simulate": ("new", "check", "run"),
+    "Look": ("show", "plot", "report"),
+    "Many at once": ("compare", "sweep"),
+    "Real robot": ("learn", "drive", "identify"),
+    "Paper": ("reproduce",),
+    "Files": ("export", "examples", "schema"),
 }
-"""What the commands are for, and which there are, as ``hilc --help`` lists them."""
+"""What the commands are for, and which there are, as ``hilc --help`` lists them.
+
+Each is the function, or the group of commands, of its name in the file of its name.
+"""
+COMMANDS = tuple(name for names in PANELS.values() for name in names)
 
 
 class _InPanels(TyperGroup):
@@ -52,16 +43,28 @@ class _InPanels(TyperGroup):
                 formatter.write_dl(rows)
 
 
-app = typer.Typer(
-    name="hilc",
-    cls=_InPanels,
-    rich_markup_mode=None,  # plain text reads the same in a terminal, a pipe and a log
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 80},
-)
+def make_app(names: Collection[str] = COMMANDS) -> typer.Typer:
+    """The command line, with these of its commands: each one takes time to be loaded and parsed."""
+    app = typer.Typer(
+        name="hilc",
+        cls=_InPanels,
+        rich_markup_mode=None,  # plain text reads the same in a terminal, a pipe and a log
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 80},
+    )
+    app.callback(invoke_without_command=True)(hilc)
+    for panel, its_names in PANELS.items():
+        for name in its_names:
+            if name not in names:
+                continue
+            command = getattr(import_module(f"hilc_cli.cli.{name}"), name)
+            if isinstance(command, typer.Typer):
+                app.add_typer(command, name=name, rich_help_panel=panel)
+            else:
+                app.command(rich_help_panel=panel)(command)
+    return app
 
 
-@app.callback(invoke_without_command=True)
 def hilc(context: typer.Context, verbose: Verbose = False, version: Version = False) -> None:
     """Iterative learning control for differential-drive robots.
 
@@ -77,11 +80,3 @@ def hilc(context: typer.Context, verbose: Verbose = False, version: Version = Fa
     """
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
-
-
-for panel, commands in PANELS.items():
-    for command in commands:
-        if isinstance(command, typer.Typer):
-            app.add_typer(command, name="learn", rich_help_panel=panel)
-        else:
-            app.command(rich_help_panel=panel)(command)

@@ -65,7 +65,7 @@ def check(
     from hilc_cli.checks.checking import check
     from hilc_cli.checks.report.whole import document, print_report
     from hilc_cli.cli.default_folders import default_folder
-    from hilc_cli.runs.running import load_scenario
+    from hilc_cli.scenario.loading import load_scenario
 
     if not plot and (out is not None or formats or force):
         raise UsageError("--out, --format and --force are about the picture; add --plot")

@@ -68,11 +68,14 @@ def _invoke(arguments: Sequence[str], session: Session) -> int:
     import typer
     from typer.main import get_command
 
-    from hilc_cli.cli.app import app
+    from hilc_cli.cli.app import COMMANDS, make_app
     from hilc_cli.cli.completion import REQUEST, complete, use_own_script
 
     use_own_script()
-    command = get_command(app)
+    first = arguments[0] if arguments else ""
+    # Completion may be of any command, and a wrong one is held against all of them.
+    is_alone = first in COMMANDS and REQUEST not in os.environ
+    command = get_command(make_app([first] if is_alone else COMMANDS))
     if REQUEST in os.environ:
         complete(lambda: command.main(args=list(arguments), prog_name="hilc", complete_var=REQUEST))
         return DONE

@@ -15,7 +15,8 @@ from hilc_cli.results.learning import TRUE, LearningTable
 from hilc_cli.results.metrics import MetricsTable, measure
 from hilc_cli.results.run import RunData
 from hilc_cli.results.trial import Trial
-from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
+from hilc_cli.scenario.experiment import Scenario, settings_of
+from hilc_cli.scenario.yardsticks import yardsticks_of
 from hilc_cli.wording import counted, in_short
 
 if TYPE_CHECKING:

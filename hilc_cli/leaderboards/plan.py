@@ -17,7 +17,7 @@ from hilc_cli.laws.parameters import Controller
 from hilc_cli.laws.registry import OWN, ControllerSpec
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plug_ins import packages_of, trusting
-from hilc_cli.reference.timing import TimingError
+from hilc_cli.reference.limits import TimingError
 from hilc_cli.scenario.believed import ModelSpec
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.loading import load_scenario

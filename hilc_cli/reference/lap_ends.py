@@ -14,13 +14,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from hilc_cli.reference.limits import Limits, TimingError, Wheels
 from hilc_cli.reference.reachability import fastest_squares
-from hilc_cli.reference.speed_limits import Limits, Stretch, Wheels
+from hilc_cli.reference.speed_limits import Stretch
 from hilc_cli.reference.timing import (
     FastestMotion,
     Joint,
     SpeedProfile,
-    TimingError,
     fastest_motion,
 )
 

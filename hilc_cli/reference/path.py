@@ -8,11 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hilc_cli.reference.corners import RoundingError, rounded
-from hilc_cli.reference.placed import MAX_SAMPLES, Placed
+from hilc_cli.reference.limits import PathTiming
+from hilc_cli.reference.placed import MAX_SAMPLES, Placed, Share
 from hilc_cli.reference.placing import (
     HEADING_TOLERANCE,
     POSITION_TOLERANCE,
@@ -34,7 +36,6 @@ from hilc_cli.reference.plans import (
     ThroughPlan,
     TurnPlan,
 )
-from hilc_cli.reference.profiled import PathTiming, Profile, Share, profile_of
 from hilc_cli.reference.sampled import Reference
 from hilc_cli.reference.segments import (
     Backward,
@@ -44,8 +45,10 @@ from hilc_cli.reference.segments import (
     nearest_equivalent_angle,
 )
 from hilc_cli.reference.smooth_parts import curvature_jumps
-from hilc_cli.reference.splines import CurveError
-from hilc_cli.reference.through_points import Curve, curve_through
+
+if TYPE_CHECKING:
+    from hilc_cli.reference.profiled import Profile
+    from hilc_cli.reference.through_points import Curve
 
 __all__ = [
     "MAX_SAMPLES",
@@ -184,6 +187,8 @@ class PathBuilder:
         Raises:
             TimingError: The limits do not bound it, or it takes too many samples.
         """
+        from hilc_cli.reference.profiled import profile_of  # few paths have a timing
+
         return profile_of(self._placed, timing, self._sample_time, is_lap=self._is_lap())
 
     def sample(self, name: str, profile: Profile | None = None) -> Reference:
@@ -302,6 +307,10 @@ class PathBuilder:
         return replace(placed, segment=second), replace(before, segment=first)
 
     def _through(self, plan: ThroughPlan) -> Placed:
+        # Few paths have curves through points.
+        from hilc_cli.reference.splines import CurveError
+        from hilc_cli.reference.through_points import curve_through
+
         points, turned = plan.points, math.pi if plan.reverse else 0.0
         heading = None
         slack = self._slack(*map(float, points[0]))

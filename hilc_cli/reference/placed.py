@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from hilc_cli.reference.plans import PathError, SamplesError
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.segments import Segment
-from hilc_cli.reference.through_points import Clock
+
+if TYPE_CHECKING:
+    from hilc_cli.reference.through_points import Clock
 
 MAX_SAMPLES = 1_000_000
 _SAMPLES_TOLERANCE = 1e-9  # relative, on the number of samples of a duration
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """The samples that lie in a segment: number of the first one, and their fractions of it."""
+
+    first: int
+    fractions: Floats
 
 
 @dataclass(frozen=True, slots=True)

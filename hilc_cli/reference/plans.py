@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.segments import Point, Turn
-from hilc_cli.reference.through_points import Through
+
+Through = Literal["spline", "polyline"]
 
 
 class PathError(ValueError):

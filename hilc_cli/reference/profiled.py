@@ -15,49 +15,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.reference.lap_ends import fastest_lap_ends
-from hilc_cli.reference.placed import MAX_SAMPLES, Placed
+from hilc_cli.reference.limits import PathTiming, TimingError
+from hilc_cli.reference.placed import MAX_SAMPLES, Placed, Share
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.segments import Backward, Segment, TurnInPlace, end_of
 from hilc_cli.reference.smooth_parts import SmoothPart, smooth_parts
-from hilc_cli.reference.speed_limits import NOTHING, Limits, Stretch, Wheels
+from hilc_cli.reference.speed_limits import NOTHING, Stretch
 from hilc_cli.reference.splines import Spline
 from hilc_cli.reference.timing import (
-    End,
     Joint,
     SpeedProfile,
-    TimingError,
     fastest_profile,
     fastest_profiles,
 )
 
 _NOTHING_LEFT = 1e-12  # of a segment's length
 _ALIKE = 1e-6  # relative, of curvatures
-
-
-@dataclass(frozen=True, slots=True)
-class WheelLimits:
-    """What a robot is, and what it allows where a trajectory says nothing."""
-
-    wheels: Wheels
-    wheel_speed: float = math.inf  # [rad/s]
-    wheel_acceleration: float = math.inf  # [rad/s^2]
-
-
-@dataclass(frozen=True, slots=True)
-class PathTiming:
-    """How a path is to be driven.
-
-    Attributes:
-        limits: What is to be kept.
-        wheels: The robot's measures; any if no wheel is limited.
-        start: Whether it starts at rest or at whatever speed is fastest.
-        end: Likewise its end.
-    """
-
-    limits: Limits
-    wheels: Wheels
-    start: End = "rest"
-    end: End = "rest"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,14 +51,6 @@ class SlowJump:
     jump: float
     speed: float
     time_lost: float
-
-
-@dataclass(frozen=True, slots=True)
-class Share:
-    """The samples that lie in a segment: number of the first one, and their fractions of it."""
-
-    first: int
-    fractions: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)

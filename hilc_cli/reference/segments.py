@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -132,7 +132,13 @@ class TurnInPlace:
         )
 
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+@cache
+def gauss_legendre() -> tuple[Floats, Floats]:
+    """Nodes in (-1, 1) and weights with which smooth lengths are integrated, shape (12,) each."""
+    from numpy.polynomial.legendre import leggauss  # lines and arcs need none
+
+    nodes, weights = leggauss(12)
+    return nodes, weights
 
 
 @dataclass(frozen=True)
@@ -180,11 +186,12 @@ class Clothoid:
 
     def _moved(self, begin: Floats, end: Floats) -> Floats:
         """How far the curve gets between fractions [m], shape (2, m)."""
+        nodes, weights = gauss_legendre()
         half = (end - begin) / 2
-        at = begin[..., np.newaxis] + half[..., np.newaxis] * (1 + _NODES)
+        at = begin[..., np.newaxis] + half[..., np.newaxis] * (1 + nodes)
         change = self.end_curvature - self.start_curvature
         heading = self.start_heading + self.length * at * (self.start_curvature + change * at / 2)
-        moved: Floats = np.stack([np.cos(heading) @ _WEIGHTS, np.sin(heading) @ _WEIGHTS])
+        moved: Floats = np.stack([np.cos(heading) @ weights, np.sin(heading) @ weights])
         return moved * half * self.length
 
 

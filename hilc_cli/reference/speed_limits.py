@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hilc_cli.reference.limits import Limits, Wheels
 from hilc_cli.reference.reachability import Cells
 from hilc_cli.reference.sampled import Floats
 
@@ -48,20 +49,6 @@ _PLACES = np.array([0, 1 / 3, 2 / 3, 1, 1 / 6, 5 / 6])
 _CUBIC = np.linalg.inv(np.vander(_PLACES[:4]))
 _CUBIC_BETWEEN = (np.vander(_PLACES[4:], 4) @ _CUBIC).T
 _CUBIC_SLOPES = (np.array([[0.0, 0.0, 1.0, 0.0], [3.0, 2.0, 1.0, 0.0]]) @ _CUBIC).T
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What a speed profile has to keep; infinity is no limit.
-
-    The first three are of the wheel midpoint and do not bind a turn in place.
-    """
-
-    speed: float = math.inf  # along the path [m/s]
-    acceleration: float = math.inf  # along the path, and braking [m/s^2]
-    lateral_acceleration: float = math.inf  # curvature times speed squared [m/s^2]
-    wheel_speed: float = math.inf  # of either wheel [rad/s]
-    wheel_acceleration: float = math.inf  # of either wheel [rad/s^2]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -142,20 +129,13 @@ class Stretch:
         return float(self.positions[-1])
 
 
-@dataclass(frozen=True, slots=True)
-class Wheels:
-    """The robot's measures that a wheel's speed depends on."""
-
-    radius: float  # R_c [m]
-    half_track: float  # B_c [m], of either sign
-
-    def rates(self, stretch: Stretch, curvatures: Floats) -> Floats:
-        """How fast each wheel turns with s [rad/m], of a turn in place of one; leading axis."""
-        if stretch.in_place:
-            return np.full((1, *curvatures.shape), abs(self.half_track) / self.radius)
-        turning = self.half_track * curvatures
-        rates: Floats = np.stack([1 + turning, 1 - turning]) / self.radius
-        return rates
+def wheel_rates(wheels: Wheels, stretch: Stretch, curvatures: Floats) -> Floats:
+    """How fast each wheel turns with s [rad/m], of a turn in place of one; leading axis."""
+    if stretch.in_place:
+        return np.full((1, *curvatures.shape), abs(wheels.half_track) / wheels.radius)
+    turning = wheels.half_track * curvatures
+    rates: Floats = np.stack([1 + turning, 1 - turning]) / wheels.radius
+    return rates
 
 
 class SpeedLimits:
@@ -187,7 +167,9 @@ class SpeedLimits:
         jumps = after - before
         allowed = limits.wheel_acceleration * sample_time
         with np.errstate(invalid="ignore"):  # Without any limit there is infinity times 0.
-            rates = np.ptp(wheels.rates(stretch, np.stack([before, after])), axis=1).max(axis=0)
+            rates = np.ptp(wheel_rates(wheels, stretch, np.stack([before, after])), axis=1).max(
+                axis=0
+            )
             speeds = np.sqrt(self._ceilings(np.stack([before, after])).min(axis=0))
             found = rates * speeds > _SMALL_JUMP * allowed
         found &= np.abs(jumps) > _ROUNDING * np.maximum(np.abs(before), np.abs(after))
@@ -276,7 +258,7 @@ class SpeedLimits:
 
         Of each wheel at the start of the cell and at its end, where x is x + 2 length u.
         """
-        rates = self._wheels.rates(self._stretch, curvatures)
+        rates = wheel_rates(self._wheels, self._stretch, curvatures)
         turning = self._wheels.half_track / self._wheels.radius * changes
         for (start, end), (at_start, at_end) in zip(rates, (turning, -turning), strict=False):
             yield start, at_start
@@ -310,7 +292,7 @@ class SpeedLimits:
             Shape (3, n).
         """
         limits = self._limits
-        fastest = np.abs(self._wheels.rates(self._stretch, curvatures)).max(axis=(0, 1))
+        fastest = np.abs(wheel_rates(self._wheels, self._stretch, curvatures)).max(axis=(0, 1))
         by_wheel = (limits.wheel_speed / fastest) ** 2
         if self._stretch.in_place:
             return np.stack([np.full_like(by_wheel, np.inf)] * 2 + [by_wheel])

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.reference.segments import Line, Poses, nearest_equivalent_angle
+from hilc_cli.reference.segments import Line, Poses, gauss_legendre, nearest_equivalent_angle
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _LENGTH_ERROR = 1e-10  # [m], of the whole length
 _FEWEST_PIECES, _MOST_PIECES = 2, 256  # of the curve between two points
 _CHUNK = 20_000  # so many samples at a time
@@ -147,8 +146,9 @@ class Spline:
         self, begin: Floats, end: Floats, legs: NDArray[np.intp] | None = None
     ) -> Floats:
         """Lengths from parameters to parameters [m]; looks for cusps if their legs are given."""
+        nodes, weights = gauss_legendre()
         half = (end - begin) / 2
-        at = begin[:, np.newaxis] + half[:, np.newaxis] * (1 + _NODES)
+        at = begin[:, np.newaxis] + half[:, np.newaxis] * (1 + nodes)
         slopes = self._derivative(at)
         speed = np.hypot(slopes[..., 0], slopes[..., 1])
         if legs is not None:
@@ -162,7 +162,7 @@ class Spline:
                 "smooth a path's noise by 'smoothing', or drive the parts one after the other, one "
                 "of them with 'reverse: true'"
             )
-        length: Floats = half * (speed @ _WEIGHTS)
+        length: Floats = half * (speed @ weights)
         return length
 
 

@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.reference.corners import rounded
+from hilc_cli.reference.plans import Through
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.reference.segments import Chain, Segment
 from hilc_cli.reference.splines import CurveError, Spline, polyline, smoothed
-
-Through = Literal["spline", "polyline"]
 
 _SHARPEST = 1e-9  # [rad]: less is no corner
 _LEAST_LEFT = 0.01  # of the way from point to point, after smoothing

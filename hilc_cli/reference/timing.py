@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hilc_cli.reference.limits import End, Limits, TimingError, Wheels
 from hilc_cli.reference.reachability import fastest_squares
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.reference.speed_limits import Limits, SpeedLimits, Stretch, Wheels
-
-End = Literal["rest", "moving"]
+from hilc_cli.reference.speed_limits import SpeedLimits, Stretch
 
 _MOST_REFINEMENTS = 8
 _MOST_NODES = 25_000  # that are still refined
@@ -22,20 +20,6 @@ _PARTS = 8  # into which a cell with a switch is split
 _MOST_SPLITS = 2000  # cells in one refinement
 _SWITCH_TIME = 0.02  # of a sample, that a cell with a switch may take
 _ROUNDING = 1e-9  # of a number of samples
-
-
-class TimingError(ValueError):
-    """Limits do not bound a profile, or it is too long.
-
-    Attributes:
-        field: Name of the limit that is missing or does not fit; empty for all of them.
-        stretch: Number of the stretch that it is about, from 0 on.
-    """
-
-    def __init__(self, message: str, field: str = "") -> None:
-        self.field = field
-        self.stretch = 0
-        super().__init__(message)
 
 
 @dataclass(frozen=True, slots=True)

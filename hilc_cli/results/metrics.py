@@ -231,6 +231,9 @@ METRICS: Mapping[str, Metric] = {
 Means of sums are products with a reciprocal: other last digits would be other files.
 """
 
+RELATIVE_TOLERANCES = {"1 %": 0.01, "0.1 %": 0.001}
+"""Shares of the path's size that the error is to fall below."""
+
 MAX_ERROR, MAX_ERROR_SECOND_HALF = "max_position_error_m", "max_position_error_second_half_m"
 MEAN_ERROR_SECOND_HALF = "mean_position_error_second_half_m"
 FASTEST_WHEEL = "max_wheel_speed_rad_s"

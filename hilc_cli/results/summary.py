@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hilc_cli.results.metrics import MAX_ERROR, MAX_ERROR_SECOND_HALF, settled_at
+from hilc_cli.results.metrics import (
+    MAX_ERROR,
+    MAX_ERROR_SECOND_HALF,
+    RELATIVE_TOLERANCES,
+    settled_at,
+)
 from hilc_cli.results.run import RunData
 from hilc_cli.wording import in_short
-
-RELATIVE_TOLERANCES = {"1 %": 0.01, "0.1 %": 0.001}
-"""Shares of the path's size that the error is to fall below."""
-
 
 _SHORT = 0.1  # lengths below are told in millimetres [m]
 _MUCH_LESS = 0.5

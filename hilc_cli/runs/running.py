@@ -41,9 +41,10 @@ from hilc_cli.runs.run_folder import (
     read_run,
     robot_to_data,
 )
-from hilc_cli.scenario.experiment import Scenario, settings_of, yardsticks_of
+from hilc_cli.scenario.experiment import Scenario, settings_of
 from hilc_cli.scenario.loading import ScenarioSource, as_scenario, load_scenario
 from hilc_cli.scenario.scenario import recorded_iterations
+from hilc_cli.scenario.yardsticks import yardsticks_of
 from hilc_cli.theory.feasibility.feasibility import beyond_tyres, beyond_wheels
 from hilc_cli.theory.noise import seen_in, seen_warnings
 from hilc_cli.wording import printable

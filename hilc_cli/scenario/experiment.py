@@ -12,13 +12,10 @@ import numpy as np
 from hilc_cli import plug_ins
 from hilc_cli.engine.experiment import Experiment, Learning
 from hilc_cli.engine.robot_learning import RobotLearning, with_standstill
-from hilc_cli.laws.norm_optimal.law import RATIO
 from hilc_cli.laws.parameters import Setting
 from hilc_cli.laws.registry import OWN as LAWS
-from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.registry import OWN as PLANTS
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.learning import BELIEVED, MODEL, TRUE
 from hilc_cli.scenario.identified import FROM
 from hilc_cli.scenario.making import ExperimentMaker, first_input
 from hilc_cli.scenario.scenario import ScenarioSpec
@@ -348,30 +345,3 @@ def _numbers(data: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, fl
             yield from _numbers(value, above if key == "gains" else f"{above}{key}.")
         elif isinstance(value, int | float) and not isinstance(value, bool):
             yield f"{above}{key}", float(value)
-
-
-def yardsticks_of(scenario: Scenario) -> dict[str, dict[str, float]]:
-    """Values to hold the law's figures against.
-
-    Returns:
-        By column of ``learning.csv``, and then by name: ``true``, as the robot is, ``believed``,
-        as the law takes it to be at first, and what the law has of its own, such as ``h``.
-    """
-    controller, setting = scenario.spec.controller, scenario.setting
-    robot, model = scenario.spec.robot.robot(), setting.model
-    believed = setting.drivetrain or Drivetrain(model.wheel_radius, model.wheel_radius)
-    known = {
-        "wheel_radius_m": {TRUE: robot.wheel_radius, BELIEVED: model.wheel_radius},
-        "half_track_m": {TRUE: robot.half_track, BELIEVED: model.half_track},
-        RATIO: {
-            TRUE: robot.wheel_radius / robot.half_track,
-            BELIEVED: model.wheel_radius / model.half_track,
-        },
-        **{
-            column: {TRUE: value, BELIEVED: believed.figures[column]}
-            for column, value in scenario.spec.robot.figures().items()
-        },
-        **controller.yardsticks(setting),
-    }
-    told = {column.removeprefix(MODEL) for column in controller.figures()}
-    return {column: values for column, values in known.items() if column in told}

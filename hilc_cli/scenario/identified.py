@@ -6,8 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem, UsageError
-from hilc_cli.results.learning import LEARNING, read_learning
-from hilc_cli.results.reading import MAX_CSV_BYTES
 from hilc_cli.yaml_input.nodes import (
     MapNode,
     Place,
@@ -83,6 +81,10 @@ def _identified(folder: Path, read: Callable[[Path, int], bytes]) -> dict[str, o
     Raises:
         HilcError: There is no such table, it is damaged, or nothing of it was identified.
     """
+    # Few models are those of another run.
+    from hilc_cli.results.learning import LEARNING, read_learning
+    from hilc_cli.results.reading import MAX_CSV_BYTES
+
     path = folder / LEARNING
     if folder.is_dir() and not path.exists():
         raise UsageError(f"{folder}: holds no {LEARNING}; {_REMEDY}")

@@ -10,10 +10,8 @@ from pydantic import ValidationError, model_validator
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem, UsageError
 from hilc_cli.plug_ins import trusting
+from hilc_cli.reference.limits import TimingError
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.reference.timing import TimingError
-from hilc_cli.results.reading import MAX_CSV_BYTES
-from hilc_cli.results.tables import read_input
 from hilc_cli.scenario.experiment import NAMED_INPUTS, Scenario
 from hilc_cli.scenario.identified import with_identified
 from hilc_cli.scenario.path_files import PathFile, path_notes, with_path_files
@@ -301,6 +299,10 @@ def _initial_input(
     """The wheel speeds of the input file that the scenario names, if it names one."""
     if spec.initial_input in NAMED_INPUTS:
         return None
+    # Few scenarios start from the input of a file.
+    from hilc_cli.results.reading import MAX_CSV_BYTES
+    from hilc_cli.results.tables import read_input
+
     node = tree.entries["initial_input"]
     assert isinstance(node, Scalar)  # validated as text
     path = node.place.source.folder / spec.initial_input

@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hilc_cli.errors import HilcError, InvalidInputError, Problem
-from hilc_cli.reference.waypoints import MAX_BYTES, Waypoints, parse_waypoints
 from hilc_cli.scenario.trajectory import TrajectorySpec
 from hilc_cli.wording import counted
 from hilc_cli.yaml_input.nodes import ListNode, MapNode, Node, Scalar, from_data, with_entry
 from hilc_cli.yaml_input.reading import Inputs, short_path
+
+if TYPE_CHECKING:
+    from hilc_cli.reference.waypoints import Waypoints
 
 _ENOUGH, _SMOOTH = 4.5, 5.0
 """Times the noise of its points that a path may pass from them: with the first it hardly zigzags,
@@ -71,6 +74,8 @@ def with_path_files(tree: MapNode, inputs: Inputs) -> tuple[MapNode, dict[int, P
         ):
             continue
         try:
+            from hilc_cli.reference.waypoints import MAX_BYTES, parse_waypoints  # few paths need it
+
             path = short_path(node.place.source.folder / node.value)
             found = parse_waypoints(path, inputs.file(path, MAX_BYTES))
         except HilcError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -22,10 +22,8 @@ from hilc_cli.laws.registry import ControllerSpec, controller_model
 from hilc_cli.plants.kinematic import Robot
 from hilc_cli.plants.parameters import RobotSpec
 from hilc_cli.plants.registry import RobotSection
-from hilc_cli.reference.profiled import Profile, WheelLimits
+from hilc_cli.reference.limits import TimingError, WheelLimits, Wheels
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.reference.speed_limits import Wheels
-from hilc_cli.reference.timing import TimingError
 from hilc_cli.scenario.believed import ModelSpec
 from hilc_cli.scenario.other_words import OF_POSE
 from hilc_cli.scenario.safety import SafetySpec
@@ -54,6 +52,9 @@ from hilc_cli.yaml_input.quantities import (
     Quantity,
     Seed,
 )
+
+if TYPE_CHECKING:
+    from hilc_cli.reference.profiled import Profile
 
 Bounds = tuple[LengthBound, LengthBound, AngleBound]
 

@@ -16,7 +16,6 @@ from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, Wi
 from pydantic.types import StringConstraints
 
 from hilc_cli.results.metrics import CASE_METRICS, ITERATIONS_TO_TOLERANCE
-from hilc_cli.results.tables import value_text
 from hilc_cli.variation import (
     MOST_KEYS,
     MOST_VALUES,
@@ -68,6 +67,8 @@ def axis_text(axis: Axis) -> str | list[Value]:
 def shown_axis(axis: Axis) -> str:
     """An axis as messages show it: as short as people write it."""
     if isinstance(axis, Choices):
+        from hilc_cli.results.tables import value_text  # few scenarios have a sweep
+
         return ",".join(map(value_text, axis.values))
     if axis.written is None:
         return str(axis_text(axis))

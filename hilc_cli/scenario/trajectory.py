@@ -5,22 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, WrapValidator, model_validator
 
+from hilc_cli.reference.limits import (
+    End,
+    Limits,
+    PathTiming,
+    TimingError,
+    WheelLimits,
+    Wheels,
+)
 from hilc_cli.reference.path import (
     POSITION_TOLERANCE,
     PathBuilder,
     PathError,
     SamplesError,
 )
-from hilc_cli.reference.profiled import PathTiming, Profile, WheelLimits
 from hilc_cli.reference.sampled import Reference
-from hilc_cli.reference.speed_limits import Limits, Wheels
-from hilc_cli.reference.through_points import Curve
-from hilc_cli.reference.timing import End, TimingError
 from hilc_cli.scenario import other_words
 from hilc_cli.scenario.segments import SegmentSpec
 from hilc_cli.theory.feasibility.plausibility import in_degrees_a_second
@@ -37,6 +41,10 @@ from hilc_cli.yaml_input.quantities import (
     WheelAcceleration,
     such_as,
 )
+
+if TYPE_CHECKING:
+    from hilc_cli.reference.profiled import Profile
+    from hilc_cli.reference.through_points import Curve
 
 _MUCH_MOVED = 0.01
 """By so much of a segment's length no coordinate is off that was merely rounded."""

@@ -20,8 +20,8 @@ from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.errors import HilcError, InvalidInputError
 from hilc_cli.numba_loading import DISABLED
+from hilc_cli.reference.limits import TimingError
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.reference.timing import TimingError
 from hilc_cli.results.metrics import ITERATIONS_TO_TOLERANCE, MAX_ERROR, MAX_ERROR_SECOND_HALF, PEAK
 from hilc_cli.scenario.experiment import Scenario
 from hilc_cli.scenario.making import ExperimentMaker

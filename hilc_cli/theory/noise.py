@@ -45,13 +45,14 @@ class NoiseDraws:
             key: Another one for each disturbance.
         """
         self._source, self._seeds = source, seeds
-        self._random = np.random.default_rng(key)
+        # Loaded where something is drawn only.
+        self._random = np.random.default_rng(key) if source.active else None
         self._kept: Floats | None = None
 
     def drawn(self, samples: int) -> Floats | None:
         """Offsets of the next iteration, shape (samples, 3, seeds); None for no disturbance."""
         source = self._source
-        if not source.active:
+        if self._random is None:
             return None
         if source.repeat and self._kept is not None:
             return self._kept

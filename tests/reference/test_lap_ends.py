@@ -8,8 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from hilc_cli.reference.profiled import Profile, WheelLimits
-from hilc_cli.reference.speed_limits import Wheels
+from hilc_cli.reference.limits import WheelLimits, Wheels
+from hilc_cli.reference.profiled import Profile
 from hilc_cli.scenario.trajectory import TrajectorySpec
 
 RADIUS, LENGTH = 0.5, 2.0  # of an oval [m]

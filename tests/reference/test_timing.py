@@ -13,10 +13,11 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import linprog
 from scipy.sparse import csr_array, diags_array, eye_array, vstack
 
+from hilc_cli.reference.limits import Limits, TimingError, Wheels
 from hilc_cli.reference.reachability import fastest_squares
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.reference.speed_limits import BOUNDS, Limits, SpeedLimits, Stretch, Wheels
-from hilc_cli.reference.timing import SpeedProfile, TimingError, fastest_profile, fastest_profiles
+from hilc_cli.reference.speed_limits import BOUNDS, SpeedLimits, Stretch
+from hilc_cli.reference.timing import SpeedProfile, fastest_profile, fastest_profiles
 from tests.reference.timed_paths import (
     DT,
     HALF_TRACK,

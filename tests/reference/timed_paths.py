@@ -15,8 +15,9 @@ import toppra.constraint
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
+from hilc_cli.reference.limits import Limits, Wheels
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.reference.speed_limits import Limits, Stretch, Wheels
+from hilc_cli.reference.speed_limits import Stretch
 from hilc_cli.reference.timing import SpeedProfile
 
 RADIUS, HALF_TRACK = 0.05, 0.2

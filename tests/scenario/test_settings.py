@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
-from hilc_cli.scenario.experiment import settings_of, yardsticks_of
+from hilc_cli.scenario.experiment import settings_of
 from hilc_cli.scenario.loading import load_scenario
+from hilc_cli.scenario.yardsticks import yardsticks_of
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,9 @@ from scipy.interpolate import CubicSpline
 
 from hilc_cli.errors import InvalidInputError
 from hilc_cli.plants.kinematic import feedforward
+from hilc_cli.reference.limits import TimingError
 from hilc_cli.reference.sampled import Floats, Reference
 from hilc_cli.reference.speed_limits import BOUNDS
-from hilc_cli.reference.timing import TimingError
 from hilc_cli.runs.running import run
 from hilc_cli.scenario.believed import ModelSpec
 from hilc_cli.scenario.experiment import Scenario

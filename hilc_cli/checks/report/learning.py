@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from hilc_cli.reporting.terminal import Grid, Section
-from hilc_cli.results.metrics import settled_at
-from hilc_cli.results.summary import RELATIVE_TOLERANCES
+from hilc_cli.results.metrics import RELATIVE_TOLERANCES, settled_at
 from hilc_cli.scenario.units import unit_of
 from hilc_cli.theory.findings import Rows, expected_document, length_text
 from hilc_cli.theory.matrices import knows_plant
 from hilc_cli.theory.noise import wheel_document, wheel_rows
 
 if TYPE_CHECKING:
-    from hilc_cli.checks.checking import Check, Simulated
+    from hilc_cli.checks.checking import Check
+    from hilc_cli.checks.simulating import Simulated
     from hilc_cli.results.summary import Summary
     from hilc_cli.theory.learning.forecast import Forecast
     from hilc_cli.theory.learning.transient import Transient

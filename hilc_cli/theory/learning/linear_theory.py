@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.results.metrics import first_within, settled_at
-from hilc_cli.results.summary import RELATIVE_TOLERANCES
+from hilc_cli.results.metrics import RELATIVE_TOLERANCES, first_within, settled_at
 from hilc_cli.theory.findings import (
     ExpectedError,
     Findings,

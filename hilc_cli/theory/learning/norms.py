@@ -23,6 +23,7 @@ MOST_NUMBERS = 1.2e7
 """Numbers that are kept of the vectors of all steps: 100 MB."""
 _SMALL = 50  # steps
 _ROUNDING = 1e-14  # of the value
+_GOLDEN = (math.sqrt(5) - 1) / 2  # so far from all fractions that the chirp does not repeat
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +34,7 @@ class SingularValue:
         value: An operator of this norm or more: the largest singular value is not below it, but
             for rounding.
         residual: Within this distance of the value there is a singular value for sure. It is the
-            largest one unless the search has missed that, which a random start makes improbable.
+            largest one unless the search has missed that, which its start makes improbable.
     """
 
     value: float
@@ -55,9 +56,9 @@ def largest_singular_value(
 ) -> SingularValue:
     """Runs the Lanczos process on the operator's transpose times it, with full reorthogonalisation.
 
-    It starts from a fixed vector of pseudo-random numbers, which has a share in every direction;
-    a smooth one may have none in the singular vector that is looked for. A learning update is the
-    identity and a smooth part, for which about ten steps are enough. Strong feedback, or hardly
+    It starts from a chirp, which has a share of every frequency and hence in every direction;
+    a smooth vector may have none in the singular vector that is looked for. A learning update is
+    the identity and a smooth part, for which about ten steps are enough. Strong feedback, or hardly
     any learning, leaves many singular values close to the largest one: hundreds of steps then tell
     it to some digits. The more rows the operator has, the fewer steps are taken.
 
@@ -72,7 +73,7 @@ def largest_singular_value(
     Source:
         Parlett, The Symmetric Eigenvalue Problem, SIAM 1998, chapter 13.
     """
-    start = np.random.default_rng(0).standard_normal(math.prod(shape))
+    start = _chirp(math.prod(shape))
     steps = most_steps(start.size)
     basis = np.empty((steps, start.size))  # an operating system gives memory as it is written to
     basis[0] = start / np.linalg.norm(start)
@@ -104,6 +105,16 @@ def largest_singular_value(
                 beside.append(rest)
                 basis[step] = vector / rest
     return found
+
+
+def _chirp(size: int) -> Floats:
+    """Numbers in [-1, 1] that look random: a tone that rises as fast as can be, shape (size,).
+
+    NumPy's random numbers take longer to be imported than all that is computed with them here.
+    """
+    numbers = np.arange(1, size + 1)
+    chirp: Floats = np.cos(_GOLDEN * np.pi * numbers * numbers)
+    return chirp
 
 
 def most_steps(size: int) -> int:
@@ -166,7 +177,7 @@ class SpectralRadius:
 
 
 def estimated_radius(apply: Operator, shape: tuple[int, ...]) -> SpectralRadius:
-    """Returns the growth per step of a vector of pseudo-random numbers over many steps.
+    """Returns the growth per step of a vector with a share of every frequency over many steps.
 
     The norm of the k-th power is about the k-th power of the spectral radius, times how far an
     error may rise on the way, which the k-th root takes away. Eigenvalues themselves are hard to
@@ -181,7 +192,7 @@ def estimated_radius(apply: Operator, shape: tuple[int, ...]) -> SpectralRadius:
         The growth over the second half of the steps; it differs by the spread from that over the
         second quarter.
     """
-    vector = np.random.default_rng(0).standard_normal(shape)
+    vector = _chirp(math.prod(shape)).reshape(shape)
     steps = max(_LEAST_STEPS, min(STEPS, int(MOST_EIGENVALUE_NUMBERS / vector.size)))
     logarithms = [0.0]
     with np.errstate(over="ignore", invalid="ignore"):

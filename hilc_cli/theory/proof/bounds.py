@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,10 +20,8 @@ from hilc_cli.theory.matrices import desired_motion
 from hilc_cli.theory.proof.constants import (
     ALL,
     PRINTED,
-    Conditions,
     Constants,
     Correction,
-    conditions,
     constants,
     constants_within_limit,
     limited_inputs,
@@ -147,31 +144,6 @@ def bounds(experiment: Experiment, constants: Constants, lambda_: float | None =
     A = (c.rho + c.b_B * c.h1 / (value - c.h2)) / rest  # Eq. 37
     B = ((c.h1 + feedback) * (c.b_q0 + c.b_beta * series) + c.b_1) / rest  # Eq. 37
     return Bounds(c, value, A, B, _start(experiment, c, value))
-
-
-def _infinite() -> np.errstate:
-    """Where numbers leave the range of floating point, they end as infinite: above any limit."""
-    return np.errstate(over="ignore", invalid="ignore", divide="ignore")
-
-
-class Proof:
-    """What the paper's theorems say of an experiment, computed when it is asked for."""
-
-    def __init__(self, experiment: Experiment) -> None:
-        """Takes an experiment of the hybrid law."""
-        self._experiment = experiment
-
-    @cached_property
-    def conditions(self) -> Conditions:
-        """Those of the theorems."""
-        with _infinite():
-            return conditions(self._experiment)
-
-    @cached_property
-    def theories(self) -> dict[str, Bounds]:
-        """The bounds by name, see `theories`."""
-        with _infinite():
-            return theories(self._experiment)
 
 
 def theories(experiment: Experiment) -> dict[str, Bounds]:
