@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import hilc_cli as hilc_api
-from hilc_cli.laws.registry import CONTROLLERS
+from hilc_cli.laws.registry import controllers
 from hilc_cli.leaderboards.contests import LeaderboardData, compete
 from hilc_cli.leaderboards.tables import entries_table
 from hilc_cli.yaml_input.nodes import Source, to_data
@@ -29,15 +29,15 @@ def read_yaml(text: str) -> object:
 
 
 def test_each_law_has_a_page() -> None:
-    assert {path.stem for path in PAGES.glob("*.md")} >= set(CONTROLLERS)
+    assert {path.stem for path in PAGES.glob("*.md")} >= set(controllers())
 
 
-@pytest.mark.parametrize("law", CONTROLLERS)
+@pytest.mark.parametrize("law", controllers())
 def test_parameters_of_the_page_are_all_there_and_valid(law: str) -> None:
     (text,) = blocks(law, "yaml")
     controller = read_yaml(text)
     assert isinstance(controller, dict)
-    model = CONTROLLERS[law]
+    model = controllers()[law]
     assert set(controller) == set(model.model_fields)
     scenario = hilc_api.load_scenario("example:fig3-circle", {"controller": controller})
     assert type(scenario.spec.controller) is model
@@ -47,7 +47,7 @@ def test_parameters_of_the_page_are_all_there_and_valid(law: str) -> None:
             assert set(value) == set(type(part).model_fields)
 
 
-@pytest.mark.parametrize("law", CONTROLLERS)
+@pytest.mark.parametrize("law", controllers())
 def test_commands_of_the_page_run(hilc: Hilc, folder: Path, law: str) -> None:
     (script,) = ["".join(blocks(law, "sh"))]
     for line in script.splitlines():

@@ -131,8 +131,7 @@ class LaggingSpec(KinematicSpec):
 def test_a_new_plant_is_a_file_and_an_entry(copy: Path) -> None:
     (copy / "hilc_cli/plants/lagging.py").write_text(PLANT, encoding="utf-8")
     registry = copy / "hilc_cli/plants/registry.py"
-    insert(registry, "import KinematicSpec\n", "from hilc_cli.plants.lagging import LaggingSpec\n")
-    insert(registry, '{"kinematic": KinematicSpec', ', "lagging": LaggingSpec')
+    insert(registry, "OWN = {\n", '    "lagging": "hilc_cli.plants.lagging:LaggingSpec",\n')
     at_once = ("--set", "iterations=1", "--no-plots", "-q")
     robot = "robot={plant: lagging, wheel_radius: 0.2, half_track: 0.5, turn_convention: paper"
     hilc(copy, "run", "example:fig3-circle", *at_once, "--set", f"{robot}, lag: 0.1 s}}")

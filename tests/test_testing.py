@@ -16,7 +16,7 @@ from pydantic import ConfigDict, Field
 
 from hilc_cli.laws.law import Iteration, LastIteration, Learner, Plan, Task
 from hilc_cli.laws.parameters import Controller, Setting
-from hilc_cli.laws.registry import CONTROLLERS
+from hilc_cli.laws.registry import controllers
 from hilc_cli.plants.kinematic import Linearisation, Robot
 from hilc_cli.plants.kinematic_plant import KinematicPlant, KinematicSpec
 from hilc_cli.plants.parameters import RobotSpec
@@ -110,9 +110,9 @@ class Wordy(SameController):
         return "two\nlines"
 
 
-@pytest.mark.parametrize("law", CONTROLLERS)
+@pytest.mark.parametrize("law", controllers())
 def test_laws_of_hilc_keep_their_word(law: str) -> None:
-    check_law(CONTROLLERS[law], {"law": law, **OWN[law]})
+    check_law(controllers()[law], {"law": law, **OWN[law]})
 
 
 @pytest.mark.parametrize(

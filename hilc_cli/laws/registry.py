@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import reduce
+from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib import import_module
-from operator import or_
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from pydantic import (
-    ConfigDict,
-    GetJsonSchemaHandler,
-    SerializeAsAny,
-    WrapValidator,
-)
+from pydantic import ConfigDict, GetJsonSchemaHandler
 from pydantic_core import core_schema
 
 from hilc_cli import plug_ins
 from hilc_cli.laws.parameters import DEFAULT_LAW, Controller, law_named
 from hilc_cli.plug_ins import PlugInError
-from hilc_cli.yaml_input.model import of_named_model
+from hilc_cli.yaml_input.model import NamedModel, of_named_model
 
 OWN = {
     "hybrid": "hilc_cli.laws.hybrid:HybridController",
@@ -30,12 +24,15 @@ OWN = {
 """Where the parameters of each of hilc's own laws are; all else about laws follows from here."""
 
 
-def _own(place: str) -> type[Controller]:
-    module, _, name = place.partition(":")
-    return cast("type[Controller]", getattr(import_module(module), name))
+@cache
+def _own(name: str) -> type[Controller]:
+    module, _, cls = OWN[name].partition(":")
+    return cast("type[Controller]", getattr(import_module(module), cls))
 
 
-CONTROLLERS: Mapping[str, type[Controller]] = {name: _own(place) for name, place in OWN.items()}
+def controllers() -> dict[str, type[Controller]]:
+    """The parameters of all of hilc's own laws, by name."""
+    return {name: _own(name) for name in OWN}
 
 
 class InstalledController(Controller):
@@ -47,7 +44,7 @@ class InstalledController(Controller):
     def meant_by(cls, data: object) -> type[Controller] | None:
         """Returns the model of the law that data names, if it is not one of hilc's own."""
         model = controller_model(data)
-        return None if model in CONTROLLERS.values() else model
+        return None if model in controllers().values() else model
 
     @classmethod
     def chosen_by(cls, data: object = None) -> None:
@@ -64,7 +61,7 @@ class InstalledController(Controller):
 def controller_model(data: object) -> type[Controller] | None:
     """Returns the model of the law that parameters name; None if there is no such law."""
     if not isinstance(data, Mapping):
-        return CONTROLLERS[DEFAULT_LAW]
+        return _own(DEFAULT_LAW)
     try:
         return _named(law_named(data))
     except PlugInError:
@@ -74,8 +71,8 @@ def controller_model(data: object) -> type[Controller] | None:
 def _named(law: object) -> type[Controller]:
     """The model of a law; raises PlugInError where there is none that may be imported."""
     name = law if isinstance(law, str) else ""
-    if name in CONTROLLERS:
-        return CONTROLLERS[name]
+    if name in OWN:
+        return _own(name)
     model = plug_ins.find("law", name, own=OWN).cls
     if not (issubclass(model, Controller) and {"law", "b_w"} <= model.model_fields.keys()):
         remedy = "name a subclass of hilc_cli.laws.parameters.Controller with a field b_w"
@@ -83,23 +80,26 @@ def _named(law: object) -> type[Controller]:
     return model
 
 
-def _of_its_law(data: object, handler: object) -> Controller:
-    """Validates parameters against the model of their law alone.
+class AnyController(NamedModel, Controller):
+    """Stands for every law."""
 
-    So what is wrong with them is told by the keys of that law, as if there were no others.
-    """
-    if isinstance(data, Controller):
-        return data
-    if not isinstance(data, Mapping):
-        return CONTROLLERS[DEFAULT_LAW].model_validate(data)
-    return of_named_model("law", data, lambda: _named(law_named(data)))
+    @classmethod
+    def choices(cls) -> Sequence[type[Controller]]:
+        """All laws."""
+        # The last one only stands for laws, and none is made of it.
+        return [*controllers().values(), InstalledController]  # type: ignore[type-abstract]
+
+    @classmethod
+    def validated(cls, data: object) -> Controller:
+        """Validates parameters against the model of their law."""
+        if isinstance(data, Controller):
+            return data
+        if not isinstance(data, Mapping):
+            return _own(DEFAULT_LAW).model_validate(data)
+        return of_named_model("law", data, lambda: _named(law_named(data)))
 
 
 if TYPE_CHECKING:
     ControllerSpec = Controller
 else:
-    ControllerSpec = Annotated[
-        reduce(or_, (*CONTROLLERS.values(), InstalledController)),
-        WrapValidator(_of_its_law),
-        SerializeAsAny(),
-    ]
+    ControllerSpec = AnyController

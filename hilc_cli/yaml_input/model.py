@@ -10,6 +10,8 @@ from typing import Annotated, Any, ClassVar, Self, TypeVar, get_args, get_origin
 from pydantic import (
     BaseModel,
     ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
     ModelWrapValidatorHandler,
     Strict,
     StringConstraints,
@@ -18,7 +20,7 @@ from pydantic import (
     model_validator,
 )
 from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError, core_schema
 
 from hilc_cli.names import LONGEST_NAME, NAME_PATTERN
 from hilc_cli.plug_ins import PlugInError
@@ -69,6 +71,11 @@ class Model(BaseModel):
         return cls
 
     @classmethod
+    def choices(cls) -> Sequence[type[Model]]:
+        """The models of which what stands here may be, where this one is named."""
+        return (cls,)
+
+    @classmethod
     def misfits(cls, data: dict[str, Any]) -> list[Located]:
         """What does not fit together in data that may not be valid yet."""
         return [
@@ -116,6 +123,36 @@ class Model(BaseModel):
         return {
             key: value for key, value in data.items() if value is not None or key not in optional
         }
+
+
+class NamedModel(Model):
+    """Stands for several models, of which a key of the data names one, such as that of a law.
+
+    Each of them is loaded when it is named, all of them where they are listed.
+    """
+
+    @classmethod
+    def validated(cls, data: object) -> Model:
+        """Validates data against the model that it names, and against no other.
+
+        So what is wrong with it is told by the keys of that model, as if there were no others.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def __get_pydantic_core_schema__(
+        cls, source: object, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        """Returns the schema of whatever `validated` takes."""
+        return core_schema.no_info_plain_validator_function(cls.validated)
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Returns the schema of any of the models."""
+        parts: list[Any] = [TypeAdapter(model).core_schema for model in cls.choices()]
+        return handler(core_schema.union_schema(parts))
 
 
 @lru_cache(maxsize=256)
@@ -260,7 +297,7 @@ def model_in(annotation: object, data: object = None) -> type[Model] | None:
 def models_in(annotation: object) -> list[type[Model]]:
     """All models within an annotation, such as those of an optional one or a union."""
     if isinstance(annotation, type) and issubclass(annotation, Model):
-        return [annotation]
+        return list(annotation.choices())
     return [model for part in get_args(annotation) for model in models_in(part)]
 
 

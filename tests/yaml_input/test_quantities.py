@@ -12,6 +12,7 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from hilc_cli.leaderboards.plan import LeaderboardSpec
 from hilc_cli.scenario.scenario import ScenarioSpec
 from hilc_cli.yaml_input.expressions import PLAIN, evaluate
+from hilc_cli.yaml_input.model import models_in
 from hilc_cli.yaml_input.quantities import PositiveLength, Quantity, such_as
 
 
@@ -19,12 +20,6 @@ def quantities_in(annotation: Any) -> list[Quantity]:
     if isinstance(annotation, Quantity):
         return [annotation]
     return [quantity for part in get_args(annotation) for quantity in quantities_in(part)]
-
-
-def models_in(annotation: Any) -> list[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    return [model for part in get_args(annotation) for model in models_in(part)]
 
 
 def fields(model: type[BaseModel], above: str = "") -> Iterator[tuple[str, Quantity, Any]]:
