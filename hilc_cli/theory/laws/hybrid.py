@@ -63,8 +63,9 @@ class HybridLearning(LinearLaw):
         law, ahead = self._law, self._law.ahead(errors, self._experiment.reference)
         past = law.l1 * ahead
         if law.compensation:
-            weights = self._weights.reshape(-1, *(1,) * (errors.ndim - 1))
-            past = compensated_error(law.l1, ahead, weights, errors[0])
+            weights = self._weights.reshape(-1, *(1,) * (errors.ndim - 2))
+            for axis in range(3):  # one by one, so that each stays where it was in memory
+                past[:, axis] = compensated_error(law.l1, ahead[:, axis], weights, errors[0, axis])
         return inputs + times(self.gains, past)
 
     def transposed(self, inputs: Floats) -> tuple[Floats, Floats]:
