@@ -56,8 +56,8 @@ def philox(counter: tuple[Words, Words, Words, Words], key: int) -> tuple[Words,
     return words
 
 
-def round_keys(key: int) -> list[tuple[int, int]]:
-    """The two key words of each round."""
+def round_keys(key: Any) -> list[tuple[Any, Any]]:
+    """The two key words of each round: of one key, or of each in an array of them."""
     k0, k1 = key & 0xFFFFFFFF, key >> 32
     return [
         ((k0 + i * _KEY_STEP_0) & 0xFFFFFFFF, (k1 + i * _KEY_STEP_1) & 0xFFFFFFFF)

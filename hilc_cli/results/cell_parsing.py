@@ -40,7 +40,7 @@ _UNCERTAIN = 2.0**-100
 """Share of a product by which it may be off: some units in the last place of a pair of floats."""
 
 # Numba makes floats of a sum of numbers with and without sign, so all of these have none.
-_0, _1, _4, _7, _8, _9 = map(np.uint64, (0, 1, 4, 7, 8, 9))
+_0, _1, _3, _4, _8, _9 = map(np.uint64, (0, 1, 3, 4, 8, 9))
 _BYTES = tuple(map(np.uint64, range(0, 64, 8)))
 """How far a word is shifted by so many bytes."""
 _MOST = np.uint64(_MOST_DIGITS)
@@ -80,6 +80,18 @@ def _product_and_sum(typing_context: Any, one: Any, other: Any, added: Any) -> A
 product_and_sum: Any = intrinsic(_product_and_sum)
 
 
+def _zeros_before(typing_context: Any, word: Any) -> Any:
+    """How many bits of a word are zero before its lowest that is not; 64 if all are."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.cttz(*arguments, context.get_constant(types.boolean, False))
+
+    return types.uint64(word), generate
+
+
+zeros_before: Any = intrinsic(_zeros_before)
+
+
 def _number_of(digits: int, power: int, powers: Floats) -> float:
     """The float next to digits times a power of ten; not-a-number if it cannot be told.
 
@@ -92,7 +104,7 @@ def _number_of(digits: int, power: int, powers: Floats) -> float:
         return math.nan
     number, high = float(digits), float(powers[0, _LARGEST_POWER + power])
     product = number * high
-    if digits <= _EXACT_DIGITS and 0 <= power <= _EXACT_POWER:
+    if 0 <= power <= _EXACT_POWER and digits <= _EXACT_DIGITS:
         return product
     low = float(powers[1, _LARGEST_POWER + power])
     lost: float = product_and_sum(number, high, -product)
@@ -115,17 +127,17 @@ def _word_at(content: NDArray[np.uint8], at: np.uint64) -> np.uint64:
 
 def _leading_digits(word: np.uint64) -> np.uint64:
     """How many bytes of a word are digits, from the first on."""
-    others = ((word + _BELOW_HIGHEST) | (word - _ZEROS)) & _HIGHEST
-    before = (others - _1) & ~others
-    return (((before >> _7) & _EACH) * _EACH) >> _BYTES[7]
+    bits: np.uint64 = zeros_before(((word + _BELOW_HIGHEST) | (word - _ZEROS)) & _HIGHEST)
+    return bits >> _3
 
 
 def _value_of(word: np.uint64, count: np.uint64) -> np.uint64:
-    """The number that the first digits of a word make, one or more.
+    """The number that the first digits of a word make.
 
     They are put behind zeros, and taken together in pairs, and then all four pairs.
     """
-    digits = (word - _ZEROS) << (_8 * (_8 - count))
+    half = _4 * (_8 - count)  # no word can be shifted by all of its bits at once
+    digits = (word - _ZEROS) << half << half
     pairs = digits * np.uint64(10) + (digits >> _8)
     odd, even = pairs & _EVERY_FOURTH, (pairs >> _BYTES[2]) & _EVERY_FOURTH
     return (odd * _FIRST_AND_THIRD + even * _SECOND_AND_FOURTH) >> _BYTES[4]
@@ -145,15 +157,23 @@ def _append_digits(
         All of them as a number, and where they end. More than _MOST_DIGITS are not read, and make
         the smallest number of more.
     """
-    count = _8
-    while count == _8:
+    more = True
+    while more:
         word = word_at(content, at)
         count = leading_digits(word)
-        if count:
-            if digits >= _TENS[_MOST - count]:
+        if count == _8:
+            if digits >= _TENS[_MOST - _8]:
                 return _TENS[_MOST], at
-            digits = digits * _TENS[count] + value_of(word, count)
-            at += count
+            digits = digits * _TENS[_8] + value_of(word, _8)
+            at += _8
+            # Whether there is none, some or another eight is not asked: nobody could foresee it.
+            word = word_at(content, at)
+            count = leading_digits(word)
+        if digits >= _TENS[_MOST - count]:
+            return _TENS[_MOST], at
+        digits = digits * _TENS[count] + value_of(word, count)
+        at += count
+        more = bool(np.uint64(content[at]) - _ZERO <= _9)
     return digits, at
 
 

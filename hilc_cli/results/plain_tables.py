@@ -86,8 +86,8 @@ def _plain(file: io.RawIOBase | io.BytesIO, size: int, header: Sequence[str]) ->
     left, cut_off, row = size - len(first), 0, 0
     while read := file.readinto(memoryview(room)[cut_off:_PIECE]):
         there = cut_off + read
-        ends = np.flatnonzero(buffer[:there] == LINE_END) + 1
-        lines, end = len(ends), int(ends[-1]) if len(ends) else 0
+        lines = int(np.count_nonzero(buffer[:there] == LINE_END))
+        end = room.rfind(LINE_END, 0, there) + 1
         if row + lines > table.shape[1]:
             expected = _MORE_ROWS * lines * (cut_off + left) / there
             table = _with_room(table, row, row + max(lines, int(expected)))

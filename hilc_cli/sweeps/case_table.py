@@ -28,6 +28,7 @@ from hilc_cli.variation import Axis, Cases, Choices, Range, Value
 CASES = "cases.csv"
 
 CASE = "case"
+_Column = NumberArray | Sequence[Value]
 _EXACT = 2.0**53
 """Whole numbers below it are floats."""
 _BLOCK = 10_000
@@ -36,7 +37,7 @@ _BLOCK = 10_000
 
 def write_cases(
     path: Path,
-    values: Mapping[str, NumberArray | Sequence[Value]],
+    values: Mapping[str, _Column],
     columns: Mapping[str, Floats],
     go_on: Callable[[], None] = lambda: None,
 ) -> None:
@@ -52,27 +53,23 @@ def write_cases(
     with path.open("w", encoding="utf-8", newline="") as file:
         file.write(",".join([CASE, *map(text_cell, values), *columns]) + "\n")
         for first in range(0, cases, _BLOCK):
-            last = min(first + _BLOCK, cases)
-            block: list[Sequence[str]] = [list(map(str, range(first, last)))]
-            block += [words(column, first, last) for column in values.values()]
+            here = slice(first, first + _BLOCK)
+            block = [list(map(str, range(cases)[here]))]
+            block += [cells(column[here]) for column in values.values()]
             for name, column in columns.items():
-                numbers: list[float] = column[first:last].tolist()
-                block.append(cells(numbers, whole=CASE_COLUMNS[name].whole))
+                block.append(cells(column[here], whole=CASE_COLUMNS[name].whole))
             file.writelines(f"{','.join(row)}\n" for row in zip(*block, strict=True))
             go_on()
 
 
-def cells(numbers: list[float], *, whole: bool = False) -> list[str]:
-    """Numbers as cells of a table; not-a-number leaves one empty."""
-    return ["" if n != n else str(int(n)) if whole else repr(n) for n in numbers]
-
-
-def words(column: NumberArray | Sequence[Value], first: int, last: int) -> list[str]:
-    """Some of the values of a key as cells of a table."""
+def cells(column: _Column, *, whole: bool = False) -> list[str]:
+    """Values as cells of a table; not-a-number leaves one empty."""
     if isinstance(column, np.ndarray):
-        return list(map(repr, column[first:last].tolist()))
-    known: dict[Value, str] = {}
-    return [known.setdefault(value, _cell(value)) for value in column[first:last]]
+        numbers: list[float] = column.tolist()
+        return ["" if n != n else str(int(n)) if whole else repr(n) for n in numbers]
+    # Equal values of other types have other words.
+    words = {kind: _cell(kind[1]) for kind in {(type(value), value) for value in column}}
+    return [words[type(value), value] for value in column]
 
 
 def _cell(value: Value) -> str:

@@ -35,7 +35,8 @@ class CaseSpecs:
             keys: Dotted keys, none of which leads into the value of another one.
         """
         self.base = base
-        self._sections = [_Section(name, tree) for name, tree in _tree(keys).items()]
+        self._sections = [_Section(name, below) for name, below in _tree(keys).items()]
+        self._copies = _Copies()
 
     def of(self, values: Mapping[str, Value], **parts: BaseModel) -> ScenarioSpec:
         """The scenario of a case.
@@ -48,7 +49,7 @@ class CaseSpecs:
         fields = self.base.__dict__
         for section in self._sections:
             changes[section.name] = section.of(fields[section.name], values)
-        return _with_fields(self.base, changes)
+        return self._copies.of(self.base, changes)
 
 
 class _Section:
@@ -56,7 +57,7 @@ class _Section:
 
     def __init__(self, name: Any, below: _KeyTree | str) -> None:
         self.name = name
-        self._below = below
+        self._part = None if isinstance(below, str) else _Part(below)
         self._keys = tuple(_keys(below))
         self._values: tuple[object, ...] = ()
         self._before: Any = None
@@ -69,10 +70,12 @@ class _Section:
             before: The section without them.
             values: Of this section and of others.
         """
+        if self._part is None:
+            return values.get(self._keys[0], before)
         own = tuple([values.get(key, _LEFT_OUT) for key in self._keys])
         if before is self._before and own == self._values and _same_types(own, self._values):
             return self._made
-        self._made = _with_values(before, self._below, values)
+        self._made = self._part.of(before, values)
         self._before, self._values = before, own
         return self._made
 
@@ -106,30 +109,44 @@ def _keys(below: _KeyTree | str) -> list[str]:
     return [key for part in below.values() for key in _keys(part)]
 
 
-def _with_values(part: Any, below: _KeyTree | str, values: Mapping[str, Value]) -> Any:
-    """The part with values in their places, all else as it was."""
-    if isinstance(below, str):
-        return values.get(below, part)
-    if isinstance(part, BaseModel):
-        fields: Mapping[Any, Any] = part.__dict__
-        changes = {at: _with_values(fields[at], tree, values) for at, tree in below.items()}
-        return _with_fields(part, changes)
-    return tuple(
-        _with_values(old, below[index], values) if index in below else old
-        for index, old in enumerate(part)
-    )
+class _Part:
+    """A part of a scenario with the values of one case after another."""
+
+    def __init__(self, below: _KeyTree) -> None:
+        self._keys = {at: key for at, key in below.items() if isinstance(key, str)}
+        self._parts = {at: _Part(tree) for at, tree in below.items() if at not in self._keys}
+        self._copies = _Copies()
+
+    def of(self, part: Any, values: Mapping[str, Value]) -> Any:
+        """The part with values in their places, all else as it was."""
+        is_list = isinstance(part, tuple | list)  # to ask for a model takes far longer
+        fields: Mapping[Any, Any] = dict(enumerate(part)) if is_list else part.__dict__
+        changes: dict[Any, Any] = {at: values.get(k, fields[at]) for at, k in self._keys.items()}
+        for at, below in self._parts.items():
+            changes[at] = below.of(fields[at], values)
+        return tuple({**fields, **changes}.values()) if is_list else self._copies.of(part, changes)
 
 
-def _with_fields(model: _Model, changes: Mapping[Any, Any]) -> _Model:
-    """What ``model_copy`` gives of a model without private attributes, in half its time."""
-    if model.__pydantic_private__ is not None:
-        return model.model_copy(update=changes)
-    copy = _new(model.__class__)
-    _set(copy, "__dict__", {**model.__dict__, **changes})
-    _set(copy, "__pydantic_fields_set__", model.__pydantic_fields_set__.union(changes))
-    _set(copy, "__pydantic_extra__", model.__pydantic_extra__)
-    _set(copy, "__pydantic_private__", None)
-    return copy
+class _Copies:
+    """Makes copies of models in which always the same fields are others."""
+
+    def __init__(self) -> None:
+        self._before: Any = None
+        self._fields_set: set[str] = set()
+
+    def of(self, model: _Model, changes: Mapping[Any, Any]) -> _Model:
+        """What ``model_copy`` gives of a model without private attributes, in half its time."""
+        if model.__pydantic_private__ is not None:
+            return model.model_copy(update=changes)
+        if model.__pydantic_fields_set__ is not self._before:
+            self._before = model.__pydantic_fields_set__
+            self._fields_set = self._before.union(changes)
+        copy = _new(model.__class__)
+        _set(copy, "__dict__", {**model.__dict__, **changes})
+        _set(copy, "__pydantic_fields_set__", self._fields_set)
+        _set(copy, "__pydantic_extra__", model.__pydantic_extra__)
+        _set(copy, "__pydantic_private__", None)
+        return copy
 
 
 _new = object.__new__

@@ -12,7 +12,7 @@ from hilc_cli.errors import needed
 from hilc_cli.results.metrics import CASE_COLUMNS
 from hilc_cli.results.reading import Numbers, check_counted, read_numbers
 from hilc_cli.results.tables import text_cell, value_text
-from hilc_cli.sweeps.case_table import CASE, cells, words
+from hilc_cli.sweeps.case_table import CASE, cells
 from hilc_cli.sweeps.choices import FIGURES, ChoiceTable
 from hilc_cli.sweeps.data import QUANTILES, Bands, SweepData
 
@@ -33,8 +33,8 @@ def write_choices(path: Path, table: ChoiceTable) -> None:
     header += [f"{figure}_{table.metric}" for figure in FIGURES]
     header += ["cases", "diverged", "failed", "worst_case", "rank"]
     columns = [list(map(str, range(count)))]
-    columns += [words(values, 0, count) for values in table.values.values()]
-    columns += [cells(table.figures[figure].tolist()) for figure in FIGURES]
+    columns += [cells(values) for values in table.values.values()]
+    columns += [cells(table.figures[figure]) for figure in FIGURES]
     counts = (table.cases, table.diverged, table.failed)
     columns += [list(map(str, part.tolist())) for part in counts]
     columns += [["" if n < 0 else str(n) for n in table.worst_case.tolist()]]
@@ -56,7 +56,7 @@ def write_bands(path: Path, bands: Bands) -> None:
     with path.open("w", encoding="ascii", newline="") as file:
         file.write(",".join(BANDS_HEADER) + "\n")
         for iteration, (cases, row) in enumerate(
-            zip(bands.cases.tolist(), bands.quantiles.tolist(), strict=True)
+            zip(bands.cases.tolist(), bands.quantiles, strict=True)
         ):
             file.write(f"{iteration},{int(cases)},{','.join(cells(row))}\n")
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from hilc_cli.compiling import is_at_hand
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.iterations import run_iterations
-from hilc_cli.engine.lanes.kinds import Kind, Member, member, offered
+from hilc_cli.engine.lanes.kinds import Kind, Member, kinds_of, member, offers_of
 from hilc_cli.engine.lanes.lanes import LANES, SUM_ROWS
 from hilc_cli.engine.lanes.packs import NEVER as NEVER, Pack
 from hilc_cli.engine.loop import MeasuredTrials
@@ -74,7 +74,7 @@ def simulate_many(experiments: Sequence[Experiment], own_references: bool = Fals
             trajectories share them. That takes longer for those that share their trajectory, and
             changes last digits: whoever compares results decides it for all of them.
     """
-    offers = [None if DISABLED else offered(experiment) for experiment in experiments]
+    offers = [None] * len(experiments) if DISABLED else list(offers_of(experiments))
     in_lanes = [number for number, offer in enumerate(offers) if offer is not None]
     members = [offer for offer in offers if offer is not None]
     if len(members) == len(experiments):
@@ -136,10 +136,10 @@ def groups(
 ) -> Iterator[tuple[Kind, list[int]]]:
     """Numbers of the experiments that can share lanes, and their kind; the shortest first."""
     found: dict[tuple[float, Kind], list[int]] = {}
-    for number, each in enumerate(members):
-        reference = each.experiment.reference
+    for number, kind in enumerate(kinds_of(members, own_references)):
+        reference = members[number].experiment.reference
         shared = reference.sample_time if own_references else id(reference)
-        found.setdefault((shared, Kind.of(each, own_references)), []).append(number)
+        found.setdefault((shared, kind), []).append(number)
     for (_, kind), alike in found.items():
         yield kind, sorted(alike, key=lambda number: members[number].experiment.reference.samples)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 from hilc_cli.disturbance.streams import Bounded
 from hilc_cli.engine.experiment import Experiment
@@ -57,34 +58,8 @@ class Kind(NamedTuple):
     @classmethod
     def of(cls, member: Member, own_reference: bool = False) -> Kind:
         """The kind of an experiment, whose lane may have a reference of its own."""
-        experiment, law, wheels = member.experiment, member.law, member.wheels
-        disturbance = experiment.disturbance
-        compensation = derivative = lateral = rectifying = planned = full_matrix = False
-        heading: GainHeading = "measured"
-        if not isinstance(law, FeedbackLaw):
-            heading, full_matrix = law.gain_heading, not law.matrix.is_kinematic
-        if isinstance(law, PidLaw):
-            planned = law.cutoff is not None or _returns(law, experiment)
-            rectifying = law.rectifying is not None and not planned
-        elif isinstance(law, LaneParameters):
-            compensation, derivative = law.compensation is not None, law.derivative != 0
-            lateral = law.lateral != 0
-        return cls(
-            type(law),
-            compensation,
-            derivative,
-            heading,
-            lateral,
-            full_matrix or lateral,
-            rectifying,
-            planned,
-            experiment.learn_in_first,
-            _distribution(disturbance.state),
-            _distribution(disturbance.output),
-            _distribution(disturbance.initial_pose),
-            None if wheels is None else parts_of(wheels),
-            own_reference,
-        )
+        (kind,) = kinds_of([member], own_reference)
+        return kind
 
     @property
     def disturbed(self) -> bool:
@@ -95,6 +70,46 @@ class Kind(NamedTuple):
     def drawn(self) -> bool:
         """Whether anything is drawn at all."""
         return self.disturbed or self.pose != NONE
+
+
+def kinds_of(members: Sequence[Member], own_references: bool = False) -> Iterator[Kind]:
+    """The kinds of experiments; what does not follow from the law is asked once of each part."""
+    known: dict[tuple[int, int, bool], tuple[Any, ...]] = {}
+    for member in members:
+        experiment = member.experiment
+        part = id(experiment.disturbance), id(member.wheels), experiment.learn_in_first
+        if part not in known:
+            known[part] = (*_all_but_law(member), own_references)
+        yield Kind(*_of_law(member.law, experiment), *known[part])
+
+
+def _of_law(law: LaneLaw, experiment: Experiment) -> tuple[Any, ...]:
+    """The kind up to `Kind.planned`."""
+    if isinstance(law, FeedbackLaw):
+        return FeedbackLaw, False, False, "measured", False, False, False, False
+    full_matrix = not law.matrix.is_kinematic
+    if isinstance(law, PidLaw):
+        planned = law.cutoff is not None or _returns(law, experiment)
+        rectifying = law.rectifying is not None and not planned
+        return PidLaw, False, False, law.gain_heading, False, full_matrix, rectifying, planned
+    lateral = law.lateral != 0
+    return (
+        *(LaneParameters, law.compensation is not None, law.derivative != 0),
+        *(law.gain_heading, lateral, full_matrix or lateral, False, False),
+    )
+
+
+def _all_but_law(member: Member) -> tuple[Any, ...]:
+    """The kind behind `Kind.planned`, up to `Kind.wheels`."""
+    experiment, wheels = member.experiment, member.wheels
+    disturbance = experiment.disturbance
+    return (
+        experiment.learn_in_first,
+        _distribution(disturbance.state),
+        _distribution(disturbance.output),
+        _distribution(disturbance.initial_pose),
+        None if wheels is None else parts_of(wheels),
+    )
 
 
 def _returns(law: PidLaw, experiment: Experiment) -> bool:
@@ -119,12 +134,29 @@ class Member(NamedTuple):
     gains: tuple[float, float]
 
 
+def offers_of(experiments: Sequence[Experiment]) -> Iterator[Member | None]:
+    """Experiments with what they offer to be run here; None where law or plant offers nothing.
+
+    What a plant offers is asked once.
+    """
+    known: dict[tuple[int, float], tuple[LaneWheels | None, tuple[float, float] | None]] = {}
+    for experiment in experiments:
+        law, plant = getattr(experiment.law, "lane_parameters", None), experiment.plant
+        sample_time = experiment.reference.sample_time
+        part = id(plant), sample_time
+        if part not in known:
+            wheels = plant.lane_wheels(sample_time)
+            known[part] = wheels, None if wheels is not None else plant.lane_gains(sample_time)
+        wheels, gains = known[part]
+        if law is None or (wheels is None and gains is None):
+            yield None
+        else:
+            yield Member(experiment, law(), wheels, gains or _NO_GAINS)
+
+
 def offered(experiment: Experiment) -> Member | None:
-    """An experiment with what it offers to be run here; None if its law or plant offers nothing."""
-    law, wheels, gains = _offers(experiment)
-    if law is None or (wheels is None and gains is None):
-        return None
-    return Member(experiment, law, wheels, gains or _NO_GAINS)
+    """The same of one experiment."""
+    return next(offers_of([experiment]))
 
 
 def member(experiment: Experiment) -> Member:
@@ -135,7 +167,7 @@ def member(experiment: Experiment) -> Member:
     """
     found = offered(experiment)
     if found is None:
-        if _offers(experiment)[0] is None:
+        if not hasattr(experiment.law, "lane_parameters"):
             raise UsageError("the batch engine knows the laws hybrid, pid and feedback only")
         raise UsageError("the batch engine does not know the plant")
     return found
@@ -147,17 +179,6 @@ def knows(experiment: Experiment) -> bool:
 
 
 _NO_GAINS = (0.0, 0.0)
-
-
-def _offers(
-    experiment: Experiment,
-) -> tuple[LaneLaw | None, LaneWheels | None, tuple[float, float] | None]:
-    """What law and plant of an experiment offer: parameters; wheels, or gains."""
-    law, plant = getattr(experiment.law, "lane_parameters", None), experiment.plant
-    sample_time = experiment.reference.sample_time
-    wheels = plant.lane_wheels(sample_time)
-    gains = plant.lane_gains(sample_time) if wheels is None else None
-    return None if law is None else law(), wheels, gains
 
 
 def _distribution(source: Bounded) -> int:

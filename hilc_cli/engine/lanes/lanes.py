@@ -15,33 +15,34 @@ LANES = 24
 class Field(IntEnum):
     """Rows of the lane array: parameters of a case, then its running state and metrics."""
 
-    # Parameters.
+    # Parameters of the law.
     L1 = 0  # then l2, l3
-    SPEED_LIMIT = 3
-    TOLERATED = 4  # what counts as within the limit: rounding of the mean may exceed it by a hair
-    DISTANCE_GAIN = 5  # of the wheels' mean speed
-    TURN_GAIN = 6  # of half their difference
-    H = 7
-    PEAK = 8
-    SLOPE = 9
-    RATE = 10  # tau / d_t of the derivative
-    POSE_X = 11  # then y, heading: without its disturbance
-    MATRIX = 14  # 18 rows: the row of the mean, then that of half the difference
-    LATERAL = 32  # what an error of 1 m to the left adds to the mean, then half the difference
+    H = 3
+    PEAK = 4
+    SLOPE = 5
+    RATE = 6  # tau / d_t of the derivative
+    MATRIX = 7  # 18 rows: the row of the mean, then that of half the difference
+    LATERAL = 25  # what an error of 1 m to the left adds to the mean, then half the difference
+    FORGOTTEN = 27  # share of the last input that is not learned from
+    K_X = 28  # then k_y, k_theta of the tracking controller
+    # Parameters of all else.
+    SPEED_LIMIT = 31
+    TOLERATED = 32  # what counts as within the limit: rounding of the mean may exceed it by a hair
+    DISTANCE_GAIN = 33  # of the wheels' mean speed
+    TURN_GAIN = 34  # of half their difference
+    POSE_X = 35  # then y, heading: without its disturbance
     # Of robots as they are, see `LaneWheels`.
-    LEFT_GAIN = 34
-    RIGHT_GAIN = 35
-    PER_HALF_TRACK = 36
-    DRIFT_GAIN = 37
-    LEAD = 38  # share of a sample's turn after which its way is gone
-    FRACTION = 39
-    DEAD_ZONE = 40
-    FOLLOWED = 41
-    MOST = 42
-    LAG = 43
-    SAMPLE_TIME = 44
-    FORGOTTEN = 45  # share of the last input that is not learned from
-    K_X = 46  # then k_y, k_theta of the tracking controller
+    LEFT_GAIN = 38
+    RIGHT_GAIN = 39
+    PER_HALF_TRACK = 40
+    DRIFT_GAIN = 41
+    LEAD = 42  # share of a sample's turn after which its way is gone
+    FRACTION = 43
+    DEAD_ZONE = 44
+    FOLLOWED = 45
+    MOST = 46
+    LAG = 47
+    SAMPLE_TIME = 48
     SAMPLES = 49  # of a reference of its own
     # Parameters of the disturbances, see `NoiseField`.
     STATE = 50

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hilc_cli.disturbance.streams import round_keys
-from hilc_cli.engine.experiment import Experiment
+from hilc_cli.disturbance.streams import Disturbance, round_keys
 from hilc_cli.engine.lanes.between import Planner
 from hilc_cli.engine.lanes.kinds import Kind, Member
 from hilc_cli.engine.lanes.lanes import (
@@ -104,7 +104,7 @@ class Pack:
         cases = len(experiments)
         last = [experiment.iterations for experiment in experiments]
         self.last[:cases], self.last[cases:] = last, NEVER
-        rows = np.array([parameter_rows(member, self.kind, self._direction) for member in members])
+        rows = parameter_rows(members, self.kind, self._direction)
         lanes = self.lanes.reshape(FIELDS, LANES)
         for by_left, by_right in _BY_WHEELS:
             left, right = rows[:, by_left].copy(), rows[:, by_right]
@@ -122,10 +122,9 @@ class Pack:
             first = int(self.late[0])
             self.late_alike = first if (self.late == first).all() else -1
         if self.kind.drawn:
-            words = np.array([_word_rows(experiment) for experiment in experiments], np.uint64)
-            places = self.words.reshape(WORD_ROWS, LANES)
-            places[: words.shape[1], :cases] = words.T
-            places[: words.shape[1], cases:] = words[-1][:, np.newaxis]
+            words = _word_rows([experiment.disturbance for experiment in experiments])
+            places = self.words.reshape(WORD_ROWS, LANES)[: len(words)]
+            places[:, :cases], places[:, cases:] = words, words[:, -1:]
         self.restart(members)
 
     def restart(self, members: Sequence[Member]) -> None:
@@ -192,12 +191,12 @@ def _numbers_late(member: Member) -> int:
     return min(member.wheels.whole, most) * HISTORY_FIELDS * LANES
 
 
-def _word_rows(experiment: Experiment) -> list[int]:
-    """The rows of `Words` up to Words.PASS."""
-    disturbance = experiment.disturbance
-    sources = (disturbance.state, disturbance.output, disturbance.initial_pose)
-    keys = [word for pair in round_keys(disturbance.seed) for word in pair]
-    return [*keys, *(0 if source.repeat else 1 for source in sources)]
+def _word_rows(disturbances: Sequence[Disturbance]) -> NDArray[np.uint64]:
+    """The rows of `Words` up to Words.PASS, shape (rows, disturbances)."""
+    seeds = np.array([disturbance.seed for disturbance in disturbances], np.uint64)
+    sources = zip(*((d.state, d.output, d.initial_pose) for d in disturbances), strict=True)
+    frequencies = [[0 if source.repeat else 1 for source in of_all] for of_all in sources]
+    return np.array([*itertools.chain(*round_keys(seeds)), *frequencies], np.uint64)
 
 
 def aligned(count: int, kind: Any) -> NDArray[Any]:

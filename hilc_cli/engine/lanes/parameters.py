@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+
+import numpy as np
 
 from hilc_cli.disturbance.normal import probabilities
 from hilc_cli.disturbance.streams import Bounded
@@ -12,66 +14,87 @@ from hilc_cli.laws.feedback import FeedbackLaw
 from hilc_cli.laws.gain_matrix import Coefficients, model_gain
 from hilc_cli.laws.hybrid import with_lateral_gain
 from hilc_cli.laws.pid import PidLaw
+from hilc_cli.reference.sampled import Floats
 
 _ROUNDING = 2.0**-50
 """What the absolute values of a mean and half a difference may add to what they are made of."""
 _NONE = (0.0, 0.0, 0.0)
-_NO_WHEELS = (0.0,) * (Field.FORGOTTEN - Field.LEFT_GAIN)
+_NO_WHEELS = (0.0,) * (Field.SAMPLES - Field.LEFT_GAIN)
 
 
-def parameter_rows(member: Member, kind: Kind, direction: float) -> list[float]:
+def parameter_rows(members: Sequence[Member], kind: Kind, direction: float) -> Floats:
     """Returns the rows up to Field.POSITION_GAINS, or to Field.STATE if nothing is drawn.
 
-    Of the matrix and the lateral gain they are those of the wheels.
+    Of the matrix and the lateral gain they are those of the wheels. What experiments have in common
+    beside their law is put into numbers once.
 
     Args:
-        member: Of the kind.
-        kind: Of the member.
+        members: Of the kind.
+        kind: Of the members.
         direction: By which a lateral gain comes to the gain matrix, see `LaneParameters`.
+
+    Returns:
+        Shape (members, rows).
     """
-    experiment = member.experiment
-    sample_time, limit = experiment.reference.sample_time, experiment.speed_limit
-    law = _law_rows(member.law, kind, direction, sample_time)
-    gains, wheels = _motion(member, sample_time)
-    parameters = [
-        *law.gains, limit, limit * (1 + _ROUNDING), *gains, *law.falling, law.rate,
-        *experiment.initial_pose, *law.matrix, *law.lateral, *wheels, law.forgotten, *law.tracking,
-        experiment.reference.samples,
-    ]  # fmt: skip
+    laws, rest = [], []
+    others: dict[tuple[float, ...], list[float]] = {}
+    for member in members:
+        experiment = member.experiment
+        reference, disturbance = experiment.reference, experiment.disturbance
+        laws.append(_law_rows(member.law, kind, direction, reference.sample_time))
+        part = (
+            experiment.speed_limit,
+            *map(
+                id, (reference, member.wheels, member.gains, experiment.initial_pose, disturbance)
+            ),
+        )
+        if part not in others:
+            others[part] = _other_rows(member, kind)
+        rest.append(others[part])
+    return np.hstack([np.array(laws), np.array(rest)])
+
+
+def _other_rows(member: Member, kind: Kind) -> list[float]:
+    """Those behind the law's."""
+    experiment, limit = member.experiment, member.experiment.speed_limit
+    reference, disturbance = experiment.reference, experiment.disturbance
+    gains, wheels = _motion(member, reference.sample_time)
+    rows = [limit, limit * (1 + _ROUNDING), *gains, *experiment.initial_pose]
+    rows += [*wheels, reference.samples]
     if kind.drawn:
-        disturbance = experiment.disturbance
         for source in (disturbance.state, disturbance.output, disturbance.initial_pose):
-            parameters += _noise_rows(source)
-    return parameters
+            rows += _noise_rows(source)
+    return rows
 
 
-class _LawRows(NamedTuple):
-    """Those of a law, from Field.L1 on."""
+def _rows_of(
+    gains: tuple[float, float, float],
+    matrix: Coefficients,
+    falling: tuple[float, float, float] = (1.0, 0.0, 0.0),
+    rate: float = 0.0,
+    lateral: tuple[float, float] = (0.0, 0.0),
+    forgotten: float = 0.0,
+    tracking: tuple[float, float, float] = _NONE,
+) -> list[float]:
+    """Those of a law; ``falling`` are H, PEAK and SLOPE."""
+    return [*gains, *falling, rate, *matrix, *lateral, forgotten, *tracking]
 
-    gains: tuple[float, float, float]
-    matrix: Coefficients
-    falling: tuple[float, float, float] = (1.0, 0.0, 0.0)  # H, PEAK, SLOPE
-    rate: float = 0.0
-    lateral: tuple[float, float] = (0.0, 0.0)
-    forgotten: float = 0.0
-    tracking: tuple[float, float, float] = _NONE
 
-
-def _law_rows(law: LaneLaw, kind: Kind, direction: float, sample_time: float) -> _LawRows:
+def _law_rows(law: LaneLaw, kind: Kind, direction: float, sample_time: float) -> list[float]:
     if isinstance(law, FeedbackLaw):
         # Eq. 45 makes wheel speeds of the mean and of half the difference, too.
         tracking, matrix = (law.k_x, law.k_y, law.k_theta), model_gain(law.model).coefficients
-        return _LawRows((1.0, 0.0, 0.0), matrix, forgotten=1.0, tracking=tracking)
+        return _rows_of((1.0, 0.0, 0.0), matrix, forgotten=1.0, tracking=tracking)
     if isinstance(law, PidLaw):
         matrix = law.matrix.coefficients
         if kind.planned:
-            return _LawRows((1.0, 0.0, 0.0), matrix)
+            return _rows_of((1.0, 0.0, 0.0), matrix)
         gains = law.kp, law.ki * sample_time, law.kd / sample_time
         h = law.rectifying or 1  # which is not looked at without a pulse
-        return _LawRows(gains, matrix, (h, 2 / h, 0.0), forgotten=law.forgetting)
+        return _rows_of(gains, matrix, (h, 2 / h, 0.0), forgotten=law.forgetting)
     h = law.compensation or 1  # which Eq. 17 does not look at
     peak = (law.derivative or 1.0) * (2 / (sample_time * h))
-    return _LawRows(
+    return _rows_of(
         law.gains,
         with_lateral_gain(law.matrix, direction * law.lateral).coefficients,
         (h, peak, peak / h),
