@@ -272,6 +272,7 @@ def _commands_for(motor: Motor, steps: Floats, sample_time: float) -> Floats:
     return commands
 
 
+made_commands = compiled(_commands_for)
 commands_for = cached(_commands_for)
 
 
