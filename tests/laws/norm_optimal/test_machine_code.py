@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from hilc_cli.laws.norm_optimal import (
+    belief,
     bounded_changes,
     bounded_search,
+    cosines,
     driven,
     filter_slopes,
     free_step,
-    identification,
+    kept_passes,
     linear_quadratic,
     misfit,
     motion_filter,
@@ -25,6 +27,7 @@ from hilc_cli.laws.norm_optimal import (
     noise_score,
     optimal_motion,
     parameter_errors,
+    passes_told,
     pose_regulator,
     rectified,
     repeating,
@@ -52,6 +55,7 @@ INSIDE = bounded_changes.Inside(RANDOM.normal(0, 1, (N, 2)), *RANDOM.uniform(0.1
 WITHIN = RANDOM.normal(0, 1, (4, N, 2))
 MOTOR = motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0)
 NOISE = motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5)
+PASSES = np.array([POSES, POSES[::-1]])
 AIM = POSES + 0.1, WEIGHTS, INPUTS + 1, INPUTS**2
 ALONG = POSES, INPUTS, MOTOR, 0.01, 0.5
 
@@ -115,7 +119,65 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         motor_plan.stepped,
         (INPUTS, INPUTS + 2, 0.5, 60.0, MOTOR, POSES[0], DRIFT, 0.01, 0.5, *AIM),
     ),
-    "drift": (identification.drift, (MOTOR, np.eye(6), INPUTS, 0.01)),
+    "drift": (belief.drift, (MOTOR, np.eye(6), INPUTS, 0.01)),
+    "received": (
+        kept_passes.received,
+        (
+            POSES,
+            (POSES[:, 0] + 1, POSES[:, 1] + 0, POSES[:, 2] * 2),
+            (INPUTS[:, 0] + 1, INPUTS[:, 1] + 0),
+            9.0,
+            1e3,
+        ),
+    ),
+    "squares_off": (kept_passes.squares_off, (POSES, POSES + 0.1, 2, (3.0, 2.0))),
+    "parameters_told": (
+        passes_told.parameters_told,
+        (
+            MOTOR,
+            0.1 * np.arange(6.0),
+            NOISE,
+            PASSES,
+            np.array([INPUTS, INPUTS + 1]),
+            0.3,
+            0.01,
+            0.5,
+        ),
+    ),
+    "noise_told": (
+        passes_told.noise_told,
+        (np.array(NOISE), PASSES, np.array([1, 0]), np.array([INPUTS, INPUTS + 1]) / 100, 0.3, 0.5),
+    ),
+    "steps_of_passes": (
+        passes_told.steps_of_passes,
+        (MOTOR, np.array([INPUTS, INPUTS + 1]), np.array([1, 0]), 0.01),
+    ),
+    "next_tried": (
+        bounded_search.next_tried,
+        (
+            np.ones(3),
+            np.diag([3.0, 2.0, 9.0]) + 1,
+            np.array([-9.0, 2.0, 3.0]),
+            np.zeros(3),
+            np.full(3, 2.0),
+            0.5,
+            0.1,
+        ),
+    ),
+    "waves_in_order": (cosines.waves_in_order, (POSES,)),
+    "in_series": (cosines.in_series, (POSES,)),
+    "shares_of_waves": (
+        cosines.shares_of_waves,
+        (np.fft.rfft(POSES.T), RANDOM.normal(0, 1, (N // 2 + 2, 2)), np.zeros((3, N + 1))),
+    ),
+    "waves_of_shares": (
+        cosines.waves_of_shares,
+        (POSES.T.copy(), RANDOM.normal(0, 1, (N // 2 + 2, 2))),
+    ),
+    "worst_powers": (
+        misfit.worst_powers,
+        (POSES.T.copy(), 0.3, np.array([0, 1, 2, 4, N + 1]), np.array([4.0, 3.0, 2.0, 2.0])),
+    ),
     "regulated": (pose_regulator.regulated, (INPUTS, POSES, POSES + 0.1, 2, 0.01, 3.0)),
     "along": (linear_quadratic.linearised, (POSES, 0.1, 0.2)),
     "moved": (motor.moved, (POSES[0], INPUTS / 100, DRIFT, 0.5)),
@@ -132,7 +194,21 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         filter_slopes.parameter_score,
         (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6))),
     ),
-    "smooth_pass": (driven.smooth_pass, (UNREAD, INPUTS, MOTOR, 0.01, 0.5, NOISE, 0.3)),
+    "smooth_passes": (
+        driven.smooth_passes,
+        (
+            np.array([POSES, UNREAD]),
+            np.array([INPUTS, INPUTS + 1]),
+            1,
+            MOTOR,
+            0.01,
+            0.5,
+            NOISE,
+            0.3,
+            np.zeros((2, 3)),
+            np.zeros((2, N, 3)),
+        ),
+    ),
     "squares_of_sums": (parameter_errors.squares_of_sums, (DRIFT, 4)),
     "steps_and_slopes": (
         motor.steps_and_slopes,
@@ -143,7 +219,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "moved_inside": (bounded_changes.moved_inside, (INSIDE, WITHIN[0], WITHIN[1], 0.1, 0.99)),
     "distances": (
         repeating.distances,
-        (RANDOM.normal(1, 1, (4, 3, N)), repeating.octaves(N), 2, np.zeros((3, 5, 4, 4))),
+        (RANDOM.normal(1, 1, (4, 3, N)), repeating.octaves(N), 1, 3, np.zeros((3, 5, 4, 4))),
     ),
     "differences": (repeating.differences, (RANDOM.normal(3, 1, (4, N, 2)), 1)),
     "in_common": (misfit.in_common, (RANDOM.normal(0, 1, (4, N, 3)), np.zeros((3, N)))),
@@ -152,6 +228,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (
             RANDOM.normal(1, 1, (4, 3, N)),
             np.array([[0, 1], [1, 2], [2, 4], [4, N]]),
+            N,
             RANDOM.uniform(1, 2, (3, 4, 4, 4)),
             np.array([1.0, 0.5, 0.1, 0.0]),
             np.array([0.0, 0.1, 10.0]),
