@@ -9,7 +9,7 @@ import numpy as np
 
 from hilc_cli.compiling import cached, compiled
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
-from hilc_cli.laws.norm_optimal.motor import Motor, made_slopes, steps_and_slopes
+from hilc_cli.laws.norm_optimal.motor import Motor, slopes_of_step, steps_and_slopes, timing
 from hilc_cli.reference.sampled import Floats
 
 NAMES = ("mean radius", "radius ratio", "half track", "delay", "lag", "friction")
@@ -117,13 +117,14 @@ def _drift(
     motor: Motor, covariance: Floats, inputs: Floats, sample_time: float
 ) -> tuple[float, float]:
     """What `MotorBelief.drift` returns: the largest variances of sums of steps."""
-    _, slopes = made_slopes(motor, inputs, sample_time)
+    late, wheels, slopes = timing(motor, sample_time), np.zeros((2, 4)), np.empty((2, 6))
     gone, most = np.zeros((2, 6)), np.zeros(2)
     for k in range(len(inputs)):
+        slopes_of_step(motor, inputs, k, sample_time, late, wheels, slopes)
         for part in range(2):
             variance = 0.0
             for i in range(6):
-                gone[part, i] += slopes[k, part, i]
+                gone[part, i] += slopes[part, i]
                 row = 0.0
                 for j in range(i):
                     row += covariance[i, j] * gone[part, j]
@@ -132,7 +133,7 @@ def _drift(
     return most[0], most[1]
 
 
-drift = cached(_drift, parts=[made_slopes])
+drift = cached(_drift, parts=[timing])
 
 
 def parameters_at_first(motor: Motor) -> Floats:
