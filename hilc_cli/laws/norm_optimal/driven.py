@@ -17,7 +17,7 @@ from hilc_cli.laws.norm_optimal.motion_filter import (
     pulled_back,
     weighed,
 )
-from hilc_cli.laws.norm_optimal.motor import Motor, body_step, made_steps
+from hilc_cli.laws.norm_optimal.motor import Motor, body_step, steps_of
 from hilc_cli.reference.sampled import Floats
 
 
@@ -71,7 +71,7 @@ def _smooth_pass(
     Returns:
         The mean square of that.
     """
-    steps = made_steps(motor, sent, sample_time)
+    steps = steps_of(motor, sent, sample_time)
     pose = (measured[0, 0], measured[0, 1], measured[0, 2])
     covariance = at_start(noise, start_share)
     squares, read = 0.0, 0
@@ -84,7 +84,7 @@ def _smooth_pass(
             pose, covariance, steps[k, 0], steps[k, 1], lead, noise
         )
         if math.isnan(measured[k + 1, 0]):
-            white[k] = math.nan
+            white[k, 0] = white[k, 1] = white[k, 2] = math.nan
             continue
         root, gain = weighed(covariance, cos, sin, noise)
         own = innovation(measured[k + 1], pose, cos, sin, root)
@@ -150,8 +150,9 @@ def _smooth_passes(
             measured[place], sent[place], motor, sample_time, lead, noise, start_share,
             poses, halves, beyond[place], white[place],
         )  # fmt: skip
-        begun[place] = poses[0]
+        for i in range(3):
+            begun[place, i] = poses[0, i]
     return poses, beyond, surprise
 
 
-smooth_passes = cached(_smooth_passes, parts=[foreseen_pose, made_steps])
+smooth_passes = cached(_smooth_passes, parts=[foreseen_pose, steps_of])

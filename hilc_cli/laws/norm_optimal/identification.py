@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.belief import PRIOR, MotorBelief, motor_of
+from hilc_cli.laws.norm_optimal.belief import PRIOR, MotorBelief, motor_of, parameters_at_first
 from hilc_cli.laws.norm_optimal.bounded_search import Found, likeliest
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor
@@ -172,9 +172,9 @@ class Identification:
         self, belief: MotorBelief, parameters: Floats, noise: Noise, passes: Passes
     ) -> ParametersTold:
         """What passes tell of the robot at some parameters."""
-        seen = passes.measured, passes.sent, passes.start_share
-        known = *seen, self._sample_time, self._lead
-        return ParametersTold(*parameters_told(belief.first, parameters, noise, *known))
+        first = belief.first, parameters_at_first(belief.first)
+        seen = passes.measured, passes.sent, passes.start_share, self._sample_time, self._lead
+        return ParametersTold(*parameters_told(*first, parameters, noise, *seen))
 
 
 def _with_delay(belief: MotorBelief, delay: float) -> MotorBelief:

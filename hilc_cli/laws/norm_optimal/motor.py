@@ -163,7 +163,6 @@ def _steps_of(motor: Motor, inputs: Floats, sample_time: float) -> Floats:
     return steps  # type: ignore[no-any-return]
 
 
-made_steps = compiled(_steps_of)
 steps_of = cached(_steps_of)
 
 
@@ -305,7 +304,6 @@ def _commands_for(motor: Motor, steps: Floats, sample_time: float) -> Floats:
     return commands
 
 
-made_commands = compiled(_commands_for)
 commands_for = cached(_commands_for)
 
 
@@ -343,7 +341,6 @@ def _chord(half_turn: float) -> float:
 
 
 chord = compiled(_chord)
-made_poses = compiled(_moved)
 moved = cached(_moved)
 
 

@@ -20,9 +20,9 @@ from hilc_cli.laws.norm_optimal.motor import (
     Motor,
     arriving,
     body_step,
-    made_commands,
-    made_poses,
-    made_steps,
+    commands_for,
+    moved,
+    steps_of,
 )
 from hilc_cli.laws.norm_optimal.motor_motion import linearised, linearised_at_once
 from hilc_cli.laws.norm_optimal.motor_quadratic import MotorQuadratic
@@ -166,19 +166,21 @@ def _easy_commands(
         model, shape (n, 3): nothing where the robot stands.
     """
     n = len(beside)
-    steps, own, weights = np.empty((n, 2)), beside.copy(), np.empty((n, 2))
+    steps, own, weights = np.empty((n, 2)), np.zeros((n, 3)), np.empty((n, 2))
     for k in range(n):
         ahead, left, turn = body_step(target, k, lead)
-        if ahead == 0.0 and left == 0.0 and turn == 0.0:
-            own[k] = 0.0
+        if ahead != 0.0 or left != 0.0 or turn != 0.0:
+            own[k, 0], own[k, 1], own[k, 2] = beside[k, 0], beside[k, 1], beside[k, 2]
         steps[k, 0], steps[k, 1] = ahead - own[k, 0], turn - own[k, 2]
-    commands, fastest = made_commands(motor, steps, sample_time), 0.0
+    commands, fastest = commands_for(motor, steps, sample_time), 0.0
     for k in range(n):
-        fastest = max(fastest, abs(commands[k, 0]), abs(commands[k, 1]))
-    weight = (free * fastest + 1e-9) ** -2
+        for wheel in range(2):
+            fastest = max(fastest, abs(commands[k, wheel]))
+    weight = free * fastest + 1e-9
+    weight = 1.0 / (weight * weight)
     for k in range(n):
         stands = commands[k, 0] == 0.0 and commands[k, 1] == 0.0
-        weights[k] = _STANDING * weight if stands else weight
+        weights[k, 0] = weights[k, 1] = _STANDING * weight if stands else weight
     return commands, weights, own
 
 
@@ -219,7 +221,7 @@ def _stepped(
         for wheel in range(2):
             wanted = inputs[k, wheel] + length * changes[k, wheel]
             sent[k, wheel] = min(max(wanted, -speed_limit), speed_limit)
-    poses = made_poses(start, made_steps(motor, sent, sample_time), beside, lead)
+    poses = moved(start, steps_of(motor, sent, sample_time), beside, lead)
     for k in range(len(inputs)):
         for wheel in range(2):
             spent = sent[k, wheel] - easy[k, wheel]

@@ -12,7 +12,7 @@ from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.belief import PRIOR, made_motor
 from hilc_cli.laws.norm_optimal.filter_slopes import PARAMETERS, parameter_score
 from hilc_cli.laws.norm_optimal.motion_filter import Noise, foreseen_pose
-from hilc_cli.laws.norm_optimal.motor import Motor, made_steps
+from hilc_cli.laws.norm_optimal.motor import Motor, steps_of
 from hilc_cli.laws.norm_optimal.noise_score import VARIANCES, noise_score
 from hilc_cli.reference.sampled import Floats
 
@@ -80,6 +80,7 @@ class NoiseTold(NamedTuple):
 
 def _parameters_told(
     first: Motor,
+    at_first: Floats,
     parameters: Floats,
     noise: Noise,
     measured: Floats,
@@ -92,6 +93,7 @@ def _parameters_told(
 
     Args:
         first: What was believed beforehand.
+        at_first: The parameters of that, shape (6,).
         parameters: As `belief.NAMES` says, shape (6,).
         noise: The variances.
         measured: As `Passes` has them, shape (passes, n + 1, 3).
@@ -105,7 +107,6 @@ def _parameters_told(
     """
     p, value = parameters, 0.0
     motor = made_motor(first, p[0], p[1], p[2], p[3], p[4], p[5])
-    beforehand = (0.0, 0.0, 0.0, first.delay, first.lag, first.friction)
     by_sample, score = np.zeros((sent.shape[1], PARAMETERS)), np.zeros(PARAMETERS)
     information = np.zeros((PARAMETERS, PARAMETERS))
     for i in range(PARAMETERS):
@@ -119,7 +120,7 @@ def _parameters_told(
         for i in range(PARAMETERS):
             score[i] += by_sample[k, i]
     for i in range(PARAMETERS):
-        off = (p[i] - beforehand[i]) / PRIOR[i]
+        off = (p[i] - at_first[i]) / PRIOR[i]
         value -= 0.5 * off * off
         score[i] -= off / PRIOR[i]
     return value, score, information, by_sample
@@ -174,11 +175,13 @@ def _steps_of_passes(
     """What `motor.steps_of` says of the passes at some places, shape (places, n, 2)."""
     steps = np.empty((len(places), sent.shape[1], 2))
     for each in range(len(places)):
-        steps[each] = made_steps(motor, sent[places[each]], sample_time)
+        own = steps_of(motor, sent[places[each]], sample_time)
+        for k in range(len(own)):
+            steps[each, k, 0], steps[each, k, 1] = own[k, 0], own[k, 1]
     return steps
 
 
-_PARTS = [made_steps, foreseen_pose, made_motor, parameter_score, noise_score]
+_PARTS = [steps_of, foreseen_pose, made_motor, parameter_score, noise_score]
 parameters_told = cached(_parameters_told, parts=_PARTS)
 noise_told = cached(_noise_told, parts=_PARTS)
 steps_of_passes = cached(_steps_of_passes, parts=_PARTS)

@@ -135,6 +135,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         passes_told.parameters_told,
         (
             MOTOR,
+            0.2 * np.arange(6.0),
             0.1 * np.arange(6.0),
             NOISE,
             PASSES,
