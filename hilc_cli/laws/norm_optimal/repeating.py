@@ -26,6 +26,7 @@ _SLOWEST = 16  # cosines with fewer half waves than this are told apart after tw
 _GROWTHS = np.concatenate([[0.0], np.logspace(-1, 4, 26)])
 """Variances that inputs as different as usual may add to that of a pass itself, as shares of it."""
 _EXPECTED, _SPREAD = 0.3, 1.0  # decimal logarithm of that share, where passes do not tell
+_ROUNDING = 1e-9  # share of a number
 _UNUSUAL = np.square((np.log10(_GROWTHS.clip(min=1e-2)) - _EXPECTED) / _SPREAD)
 
 
@@ -192,7 +193,8 @@ def _coming_back(
                 own /= totals[g] * (passes - 1)  # power, at unit variance
                 power_log = math.log(max(own, 1e-307))
                 unlikely = count * ((passes - 1) * power_log + spreads[g]) + unusual[g]
-                if unlikely < least:
+                # Two passes tell nothing of it; of two that are as usual, rounding is not to choose.
+                if unlikely <= least + _ROUNDING * abs(unlikely):
                     least, chance, best = unlikely, own / totals[g], g
             for p in range(passes):
                 share = weights[best, p] / totals[best]
