@@ -7,7 +7,7 @@ Source:
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -39,6 +39,16 @@ def from_cosines(shares: Floats) -> Floats:
     n = shares.shape[-1]
     ordered = np.fft.irfft(waves_of_shares(shares.reshape(-1, n), _quarter_turns(n)), n)
     return in_series(ordered).reshape(shares.shape)  # type: ignore[no-any-return]
+
+
+@cache
+def octaves(n: int) -> NDArray[np.int64]:
+    """The first and last cosines of each octave, the last not included, shape (octaves, 2).
+
+    The last octave is a part of one unless n is a power of two.
+    """
+    first = np.array([0, *(1 << np.arange((n - 1).bit_length())).tolist()])
+    return np.stack([first, np.append(first[1:], n)], axis=1)
 
 
 @lru_cache(4)  # the paths of one process are few, and may be long

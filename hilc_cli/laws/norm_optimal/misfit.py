@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.chance import seldom_above
-from hilc_cli.laws.norm_optimal.cosines import cosines
+from hilc_cli.laws.norm_optimal.cosines import cosines, octaves
 from hilc_cli.reference.sampled import Floats
 
 _CLEARLY = 2.0
@@ -41,16 +41,14 @@ def misfits(innovations: NDArray[np.float64]) -> Floats:
         return np.full(3, np.nan)
     common = np.zeros((3, n))
     measured = in_common(innovations, common)
-    return worst_powers(cosines(common), max(measured, 1) / n, *_octaves(n))  # type: ignore[no-any-return]
+    return worst_powers(cosines(common), max(measured, 1) / n, octaves(n), _allowed(n))  # type: ignore[no-any-return]
 
 
 @cache
-def _octaves(n: int) -> tuple[NDArray[np.int64], Floats]:
-    """The first cosine of each octave, and n; and the mean power that noise may make in each."""
-    lowest = np.array([0, *(1 << np.arange((n - 1).bit_length())).tolist()])
-    edges = np.append(lowest, n)
-    allowed = [max(_CLEARLY, seldom_above(length, _RARELY)) for length in np.diff(edges).tolist()]
-    return edges, np.array(allowed)
+def _allowed(n: int) -> Floats:
+    """The mean power that noise may make in each octave."""
+    lengths = np.diff(octaves(n)).ravel().tolist()
+    return np.array([max(_CLEARLY, seldom_above(length, _RARELY)) for length in lengths])
 
 
 def _in_common(innovations: Floats, common: Floats) -> int:
@@ -78,23 +76,23 @@ def _in_common(innovations: Floats, common: Floats) -> int:
 
 
 def _worst_powers(
-    shares: Floats, usual: float, edges: NDArray[np.int64], allowed: Floats
+    shares: Floats, usual: float, octaves: NDArray[np.int64], allowed: Floats
 ) -> Floats:
     """The largest power of an octave by what noise may make there, of each row.
 
     Args:
         shares: Of cosines, shape (rows, n).
         usual: What the square of a share of noise is on average.
-        edges: First cosine of each octave, and n.
+        octaves: See `cosines.octaves`.
         allowed: Mean power that noise may make in each octave, where it is 1 on average.
     """
     worst = np.zeros(len(shares))
     for row in range(len(shares)):
         for octave in range(len(allowed)):
-            power = 0.0
-            for k in range(edges[octave], edges[octave + 1]):
+            power, low, high = 0.0, octaves[octave, 0], octaves[octave, 1]
+            for k in range(low, high):
                 power += shares[row, k] * shares[row, k]
-            power /= (edges[octave + 1] - edges[octave]) * allowed[octave] * usual
+            power /= (high - low) * allowed[octave] * usual
             if not power <= worst[row]:
                 worst[row] = power
     return worst

@@ -11,14 +11,12 @@ squared difference of the inputs (Patterson and Thompson 1971).
 from __future__ import annotations
 
 import math
-from functools import cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.compiling import cached
-from hilc_cli.laws.norm_optimal.cosines import cosines, from_cosines
+from hilc_cli.laws.norm_optimal.cosines import cosines, from_cosines, octaves
 from hilc_cli.reference.sampled import Floats
 
 _PASSES = 3  # so many passes tell whether something comes back
@@ -83,14 +81,6 @@ class Repeating:
         return np.ascontiguousarray(from_cosines(expected).T)
 
 
-@cache
-def octaves(samples: int) -> NDArray[np.int64]:
-    """The first and last cosines of each octave, the last not included, shape (octaves, 2)."""
-    edges = [0, *(1 << np.arange(samples.bit_length())).tolist()]
-    found = [(low, min(high, samples)) for low, high in pairwise(edges) if low < samples]
-    return np.array(found)
-
-
 def _distances(
     waves: Floats, octaves: NDArray[np.int64], first: int, end: int, apart: Floats
 ) -> None:
@@ -98,7 +88,7 @@ def _distances(
 
     Args:
         waves: Cosines of each pass and component, shape (passes, 3, n).
-        octaves: See `octaves`.
+        octaves: See `cosines.octaves`.
         first: Place of the first of them.
         end: Behind the last of them.
         apart: Gets the squared distances of octaves, shape (3, octaves, p, p) with a p up to which
@@ -158,7 +148,7 @@ def _coming_back(
 
     Args:
         waves: Cosines of each pass and component, shape (passes, 3, n).
-        octaves: See `octaves`.
+        octaves: See `cosines.octaves`.
         known: Of octaves that end beyond it nothing comes back.
         apart: How far passes are from each other, see `_distances`.
         differences: Of the inputs of each pass from the last ones, shape (passes,).
@@ -193,7 +183,7 @@ def _coming_back(
                 own /= totals[g] * (passes - 1)  # power, at unit variance
                 power_log = math.log(max(own, 1e-307))
                 unlikely = count * ((passes - 1) * power_log + spreads[g]) + unusual[g]
-                # Two passes tell nothing of it; of two that are as usual, rounding is not to choose.
+                # Of two that are as likely, as some are after two passes, rounding is not to choose.
                 if unlikely <= least + _ROUNDING * abs(unlikely):
                     least, chance, best = unlikely, own / totals[g], g
             for p in range(passes):

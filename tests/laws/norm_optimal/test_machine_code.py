@@ -177,7 +177,12 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     ),
     "worst_powers": (
         misfit.worst_powers,
-        (POSES.T.copy(), 0.3, np.array([0, 1, 2, 4, N + 1]), np.array([4.0, 3.0, 2.0, 2.0])),
+        (
+            POSES.T.copy(),
+            0.3,
+            np.array([[0, 1], [1, 2], [2, 4], [4, N + 1]]),
+            np.array([4.0, 3.0, 2.0, 2.0]),
+        ),
     ),
     "regulated": (pose_regulator.regulated, (INPUTS, POSES, POSES + 0.1, 2, 0.01, 3.0)),
     "along": (linear_quadratic.linearised, (POSES, 0.1, 0.2)),
@@ -220,7 +225,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "moved_inside": (bounded_changes.moved_inside, (INSIDE, WITHIN[0], WITHIN[1], 0.1, 0.99)),
     "distances": (
         repeating.distances,
-        (RANDOM.normal(1, 1, (4, 3, N)), repeating.octaves(N), 1, 3, np.zeros((3, 5, 4, 4))),
+        (RANDOM.normal(1, 1, (4, 3, N)), cosines.octaves(N), 1, 3, np.zeros((3, 5, 4, 4))),
     ),
     "differences": (repeating.differences, (RANDOM.normal(3, 1, (4, N, 2)), 1)),
     "in_common": (misfit.in_common, (RANDOM.normal(0, 1, (4, N, 3)), np.zeros((3, N)))),

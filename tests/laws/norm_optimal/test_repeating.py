@@ -173,3 +173,9 @@ def test_growth_is_the_likeliest_of_those_that_are_tried() -> None:
     found = np.array([wave(k) for k in range(low, high)]) @ repeating(leftovers, inputs)[:, 1]
     assert expected.any()
     assert found == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_fastest_waves_come_back_too() -> None:
+    # 100 samples have waves beyond the last power of two.
+    common = np.random.default_rng(7).normal(size=(100, 3))
+    assert repeating(np.array([common] * 3)) == pytest.approx(common, abs=1e-12)
