@@ -86,12 +86,14 @@ def likeliest(
     """
     at, here, damping, idle = start, told(start), 0.0, 0
     for _ in range(most_steps):
+        nearest = np.maximum(lowest, kept * at) if kept else lowest
         for _ in range(_MOST_TRIES):
-            tried, expected = next_tried(
-                at, here.information, here.score, lowest, highest, kept, damping
+            step, expected = bounded_step(
+                here.information, here.score, nearest - at, highest - at, damping
             )
             if not expected > settled:
                 return Found(at, here)
+            tried = (at + step).clip(lowest, highest)
             there = told(tried)
             gain = there.value - here.value
             idle = idle + 1 if abs(gain) < _IDLE * settled else 0
@@ -228,30 +230,3 @@ def _solved_for_free(matrix: Floats, aim: Floats, at: Floats, free: NDArray[np.b
 
 solved_for_free = compiled(_solved_for_free)
 bounded_step = cached(_bounded_step)
-
-
-def _next_tried(
-    at: Floats,
-    information: Floats,
-    score: Floats,
-    lowest: Floats,
-    highest: Floats,
-    kept: float,
-    damping: float,
-) -> tuple[Floats, float]:
-    """Where the next step leads, shape (m,), and what it gains by score and information.
-
-    The arguments are those of `likeliest` and `bounded_step`.
-    """
-    count = len(at)
-    down, up = np.empty(count), np.empty(count)
-    for i in range(count):
-        nearest = max(lowest[i], kept * at[i]) if kept > 0.0 else lowest[i]
-        down[i], up[i] = nearest - at[i], highest[i] - at[i]
-    tried, gain = bounded_step(information, score, down, up, damping)
-    for i in range(count):
-        tried[i] = min(max(at[i] + tried[i], lowest[i]), highest[i])
-    return tried, gain
-
-
-next_tried = cached(_next_tried)

@@ -76,44 +76,6 @@ class KeptPasses:
         return Passes(measured, self.sent, places, 1.0 if start is None else 1 / count)
 
 
-def _received(
-    target: Floats,
-    errors: tuple[Floats, Floats, Floats],
-    sent: tuple[Floats, Floats],
-    far: float,
-    limit: float,
-) -> tuple[Floats, Floats, bool, bool]:
-    """What was measured in a pass, and sent.
-
-    Args:
-        target: Where it should have been, shape (n + 1, 3).
-        errors: How far it was off in x and y [m] and in its heading [rad], shape (n + 1,) each.
-        sent: Wheel speeds of the left and the right wheel [rad/s], shape (n,) each.
-        far: Errors beyond that teach nothing [m and rad].
-        limit: Nor do such wheel speeds [rad/s].
-
-    Returns:
-        Measured poses, shape (n + 1, 3); inputs, shape (n, 2); whether nothing is beyond; and
-        whether the wheels were told anything.
-    """
-    n = len(target) - 1
-    measured, inputs = np.empty((n + 1, 3)), np.empty((n, 2))
-    near, moves = True, False
-    for k in range(n + 1):
-        for part in range(3):
-            error = errors[part][k]
-            near = near and abs(error) <= far
-            measured[k, part] = target[k, part] - error
-    for k in range(n):
-        for wheel in range(2):
-            inputs[k, wheel] = own = sent[wheel][k]
-            near, moves = near and abs(own) <= limit, moves or own != 0.0
-    return measured, inputs, near, moves
-
-
-received = cached(_received)
-
-
 def _squares_off(poses: Floats, target: Floats, first: int, weights: tuple[float, float]) -> float:
     """The mean of weighted squares of how far poses are off, from a sample on.
 

@@ -15,7 +15,7 @@ from hilc_cli.laws.norm_optimal.belief import MotorBelief
 from hilc_cli.laws.norm_optimal.chance import seldom_above
 from hilc_cli.laws.norm_optimal.driven import Driven, smooth_passes
 from hilc_cli.laws.norm_optimal.identification import Identification
-from hilc_cli.laws.norm_optimal.kept_passes import KeptPasses, received, squares_off
+from hilc_cli.laws.norm_optimal.kept_passes import KeptPasses, squares_off
 from hilc_cli.laws.norm_optimal.law import IDENTIFIED, MERGE_TIME, MISFITS, NormOptimalLaw
 from hilc_cli.laws.norm_optimal.misfit import misfits
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
@@ -136,19 +136,17 @@ class NormOptimalLearner:
 
     def learn(self, iteration: Iteration) -> Figures:
         """Takes in a pass that is over."""
-        # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
-        far = _FARTHEST * max(self._size, 1.0)
-        sent = np.ascontiguousarray(iteration.left), np.ascontiguousarray(iteration.right)
-        *poses_and_inputs, is_near, moves = received(
-            self._target, iteration.errors, sent, far, _LIMIT
-        )
-        latest = Pass(*poses_and_inputs)
+        error = np.stack(iteration.errors, axis=1)
+        latest = Pass(self._target - error, np.stack([iteration.left, iteration.right], axis=1))
         if iteration.read is not None:  # what lies between readings tells nothing new
             latest.measured[1:][~iteration.read[1:]] = np.nan
+        # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
+        far = _FARTHEST * max(self._size, 1.0)
+        is_near = np.abs(error).max() <= far and np.abs(latest.sent).max() <= _LIMIT
         plan, self._plan = self._plan, None
         returns = self._safeguard.returns
         misfit = _UNKNOWN
-        if is_near and moves:
+        if is_near and latest.sent.any():
             misfit = self._take_in(latest)
         elif is_near:
             self._stood.append(np.nanmean(latest.measured, axis=0))

@@ -183,7 +183,7 @@ def _coming_back(
                 own /= totals[g] * (passes - 1)  # power, at unit variance
                 power_log = math.log(max(own, 1e-307))
                 unlikely = count * ((passes - 1) * power_log + spreads[g]) + unusual[g]
-                # Of two that are as likely, as some are after two passes, rounding is not to choose.
+                # After two passes some are as likely: rounding is not to choose.
                 if unlikely <= least + _ROUNDING * abs(unlikely):
                     least, chance, best = unlikely, own / totals[g], g
             for p in range(passes):

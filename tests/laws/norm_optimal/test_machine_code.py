@@ -120,16 +120,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (INPUTS, INPUTS + 2, 0.5, 60.0, MOTOR, POSES[0], DRIFT, 0.01, 0.5, *AIM),
     ),
     "drift": (belief.drift, (MOTOR, np.eye(6), INPUTS, 0.01)),
-    "received": (
-        kept_passes.received,
-        (
-            POSES,
-            (POSES[:, 0] + 1, POSES[:, 1] + 0, POSES[:, 2] * 2),
-            (INPUTS[:, 0] + 1, INPUTS[:, 1] + 0),
-            9.0,
-            1e3,
-        ),
-    ),
     "squares_off": (kept_passes.squares_off, (POSES, POSES + 0.1, 2, (3.0, 2.0))),
     "parameters_told": (
         passes_told.parameters_told,
@@ -152,18 +142,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "steps_of_passes": (
         passes_told.steps_of_passes,
         (MOTOR, np.array([INPUTS, INPUTS + 1]), np.array([1, 0]), 0.01),
-    ),
-    "next_tried": (
-        bounded_search.next_tried,
-        (
-            np.ones(3),
-            np.diag([3.0, 2.0, 9.0]) + 1,
-            np.array([-9.0, 2.0, 3.0]),
-            np.zeros(3),
-            np.full(3, 2.0),
-            0.5,
-            0.1,
-        ),
     ),
     "waves_in_order": (cosines.waves_in_order, (POSES,)),
     "in_series": (cosines.in_series, (POSES,)),
