@@ -143,16 +143,6 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         passes_told.steps_of_passes,
         (MOTOR, np.array([INPUTS, INPUTS + 1]), np.array([1, 0]), 0.01),
     ),
-    "waves_in_order": (cosines.waves_in_order, (POSES,)),
-    "in_series": (cosines.in_series, (POSES,)),
-    "shares_of_waves": (
-        cosines.shares_of_waves,
-        (np.fft.rfft(POSES.T), RANDOM.normal(0, 1, (N // 2 + 2, 2)), np.zeros((3, N + 1))),
-    ),
-    "waves_of_shares": (
-        cosines.waves_of_shares,
-        (POSES.T.copy(), RANDOM.normal(0, 1, (N // 2 + 2, 2))),
-    ),
     "worst_powers": (
         misfit.worst_powers,
         (
