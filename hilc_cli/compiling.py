@@ -33,8 +33,10 @@ def compiled(function: Callable[..., Any], liberties: frozenset[str] = EXACT) ->
         liberties: That may be taken with floating-point numbers, as Numba's ``fastmath`` names
             them.
     """
-    # With Python's rules of division each of them would bring a branch.
-    return njit(function, error_model="numpy", fastmath=set(liberties))
+    # With Python's rules of division each of them would bring a branch. Nobody calls it from C, and
+    # what would be needed for that takes time to compile.
+    bare: Any = {"no_cfunc_wrapper": True}
+    return njit(function, error_model="numpy", fastmath=set(liberties), **bare)
 
 
 def inner(function: Callable[..., Any]) -> Any:

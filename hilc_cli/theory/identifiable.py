@@ -109,8 +109,10 @@ class Identifiable:
     def of_a_pass(self) -> PassInformation:
         """What one pass tells."""
         # The compiler starts slowly.
-        from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
+        from hilc_cli.laws.norm_optimal.belief import MotorBelief
+        from hilc_cli.laws.norm_optimal.identification import Identification
         from hilc_cli.laws.norm_optimal.motor import Motor, moved, steps_of
+        from hilc_cli.laws.norm_optimal.passes_told import Pass
 
         experiment = self._experiment
         reference, robot = experiment.reference, DrivenRobot.of(experiment)

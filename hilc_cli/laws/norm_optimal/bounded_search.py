@@ -70,7 +70,7 @@ def likeliest(
     settled: float,
     *,
     most_steps: int,
-    kept: float | None = None,
+    kept: float = 0.0,
 ) -> Found[Told]:
     """Returns the likeliest numbers near a start, by Fisher's scoring.
 
@@ -82,11 +82,11 @@ def likeliest(
         settled: Where no more than this is to be gained of the likelihood's logarithm, the search
             ends; an eighth is half a standard error of one number.
         most_steps: It ends after so many steps.
-        kept: Share that a step leaves of each number at least; None: numbers may have any sign.
+        kept: Share that a step leaves of each number at least; 0: numbers may have any sign.
     """
     at, here, damping, idle = start, told(start), 0.0, 0
     for _ in range(most_steps):
-        nearest = lowest if kept is None else np.maximum(lowest, kept * at)
+        nearest = np.maximum(lowest, kept * at) if kept else lowest
         for _ in range(_MOST_TRIES):
             step, expected = bounded_step(
                 here.information, here.score, nearest - at, highest - at, damping

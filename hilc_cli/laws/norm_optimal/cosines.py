@@ -7,9 +7,10 @@ Source:
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hilc_cli.reference.sampled import Floats
 
@@ -47,6 +48,16 @@ def from_cosines(shares: Floats) -> Floats:
     series[..., ::2] = ordered[..., : (n + 1) // 2]
     series[..., 1::2] = ordered[..., (n + 1) // 2 :][..., ::-1]
     return series
+
+
+@cache
+def octaves(n: int) -> NDArray[np.int64]:
+    """The first and last cosines of each octave, the last not included, shape (octaves, 2).
+
+    The last octave is a part of one unless n is a power of two.
+    """
+    first = np.array([0, *(1 << np.arange((n - 1).bit_length())).tolist()])
+    return np.stack([first, np.append(first[1:], n)], axis=1)
 
 
 @lru_cache(4)  # the paths of one process are few, and may be long

@@ -22,7 +22,7 @@ from hilc_cli.laws.norm_optimal.motion_filter import (
     innovation,
     weighed,
 )
-from hilc_cli.laws.norm_optimal.motor import Motor, chord, made_slopes
+from hilc_cli.laws.norm_optimal.motor import Motor, chord, slopes_of_step, timing
 from hilc_cli.reference.sampled import Floats
 
 PARAMETERS = 6  # of a robot: `identification.NAMES`
@@ -163,18 +163,19 @@ def _parameter_score(
     Returns:
         Half the sum of the innovations' squares.
     """
-    steps, step_slopes = made_slopes(motor, sent, sample_time)
+    late, wheels, step_slopes = timing(motor, sample_time), np.zeros((2, 4)), np.empty((2, 6))
     pose = (measured[0, 0], measured[0, 1], measured[0, 2])
     covariance = at_start(noise, start_share)
     lanes = np.zeros(_ROWS * _LANES)
     squares = 0.0
-    for k in range(len(steps)):
-        step, x, y = (steps[k, 0], steps[k, 1]), pose[0], pose[1]
+    for k in range(len(sent)):
+        step = slopes_of_step(motor, sent, k, sample_time, late, wheels, step_slopes)
+        x, y = pose[0], pose[1]
         pose, covariance, cos, sin = foreseen_pose(pose, covariance, *step, lead, noise)
         is_read = not math.isnan(measured[k + 1, 0])
         root, gain = weighed(covariance, cos, sin, noise)
         went = pose[0] - x, pose[1] - y
-        slopes_of_sample(lanes, step_slopes[k], step, lead, went, (cos, sin), root, gain, is_read)
+        slopes_of_sample(lanes, step_slopes, step, lead, went, (cos, sin), root, gain, is_read)
         if not is_read:
             continue
         own = innovation(measured[k + 1], pose, cos, sin, root)
@@ -204,4 +205,4 @@ def _told_by_sample(lanes: Floats, white: tuple[float, float, float]) -> None:
 
 
 told_by_sample = compiled(_told_by_sample)
-parameter_score = cached(_parameter_score, parts=[made_slopes, foreseen_pose])
+parameter_score = cached(_parameter_score, parts=[timing, foreseen_pose])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
@@ -12,15 +11,18 @@ from typing import NamedTuple
 import numpy as np
 
 from hilc_cli.laws.law import Figures, Iteration, Plan
+from hilc_cli.laws.norm_optimal.belief import MotorBelief
 from hilc_cli.laws.norm_optimal.chance import seldom_above
-from hilc_cli.laws.norm_optimal.driven import Driven, smooth_pass
-from hilc_cli.laws.norm_optimal.identification import Identification, MotorBelief, Pass
+from hilc_cli.laws.norm_optimal.driven import Driven, smooth_passes
+from hilc_cli.laws.norm_optimal.identification import Identification
+from hilc_cli.laws.norm_optimal.kept_passes import KeptPasses, squares_off
 from hilc_cli.laws.norm_optimal.law import IDENTIFIED, MERGE_TIME, MISFITS, NormOptimalLaw
-from hilc_cli.laws.norm_optimal.misfit import Innovations
+from hilc_cli.laws.norm_optimal.misfit import misfits
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for
 from hilc_cli.laws.norm_optimal.motor_plan import motor_plan
 from hilc_cli.laws.norm_optimal.optimal_motion import Model
+from hilc_cli.laws.norm_optimal.passes_told import Pass, Passes
 from hilc_cli.laws.norm_optimal.pose_regulator import bandwidths, regulator
 from hilc_cli.laws.norm_optimal.rectified import (
     RectifiedReference,
@@ -53,6 +55,7 @@ CLEARLY = 3.0
 _RARELY = 1e-3
 """How often readings of one start scatter more than is taken for that."""
 _VAGUE = 1e-3  # [m and rad]: noise before anything was measured
+_UNKNOWN = np.full(len(MISFITS), np.nan)
 _FARTHEST = 1e3
 """A pass that is off by more than so many sizes of the path, meters or radians teaches nothing."""
 
@@ -85,9 +88,8 @@ class Starts(NamedTuple):
     passes: int
 
     @classmethod
-    def of(cls, poses: Iterable[Floats]) -> Starts:
-        """Returns what some poses have in common."""
-        rows = np.array(list(poses))
+    def of(cls, rows: Floats) -> Starts:
+        """Returns what some poses have in common, shape (passes, 3)."""
         mean = rows.sum(axis=0) / len(rows)
         variances = np.square(rows - mean).sum(axis=0) / max(len(rows) - 1, 1)
         return cls(mean, variances, len(rows))
@@ -106,8 +108,8 @@ class NormOptimalLearner:
         """
         self._law, self._reference, self._target = law, reference, reference.poses
         self._speed_limit = min(speed_limit, _LIMIT)
-        size = reference.size + 1e-3
-        self._identification = Identification(reference.sample_time, law.lead, size)
+        self._size = reference.size
+        self._identification = Identification(reference.sample_time, law.lead, self._size + 1e-3)
         radius, half_track = law.model.wheel_radius, law.model.signed_half_track
         motor = Motor(radius, radius, half_track, 0.0, 0.0, 0.0)
         if law.drivetrain is not None:
@@ -116,10 +118,8 @@ class NormOptimalLearner:
             late = known.delay, known.lag, known.dead_zone, known.acceleration
             motor = Motor(*radii, half_track, *late)
         self._belief = MotorBelief.at_first(motor, Noise(*[_VAGUE**2] * 5))
-        self._passes: deque[Pass] = deque(maxlen=MEMORY)
+        self._kept = KeptPasses(reference.samples, MEMORY)
         self._repeating = Repeating(reference.samples, MEMORY)
-        self._innovations = Innovations(reference.samples, MEMORY)
-        self._begun: deque[Floats] = deque(maxlen=MEMORY)  # where the passes began
         self._stood: deque[Floats] = deque(maxlen=MEMORY)  # where passes at rest were
         self._starts: Starts | None = None
         self._learned = Learned(self._belief.parameters, np.zeros((reference.samples, 3)))
@@ -127,7 +127,6 @@ class NormOptimalLearner:
         self._plan: NormOptimalPlan | None = None  # of the pass that runs
         self._way: RectifiedReference | None = None  # of the last plan
         self._known_way: RectifiedReference | None = None  # of a plan that has been learned from
-        self._seen = 0
         self._usual = 1.0
 
     @property
@@ -138,21 +137,20 @@ class NormOptimalLearner:
     def learn(self, iteration: Iteration) -> Figures:
         """Takes in a pass that is over."""
         error = np.stack(iteration.errors, axis=1)
-        measured = self._target - error
+        latest = Pass(self._target - error, np.stack([iteration.left, iteration.right], axis=1))
         if iteration.read is not None:  # what lies between readings tells nothing new
-            measured[1:][~iteration.read[1:]] = np.nan
-        latest = Pass(measured, np.stack([iteration.left, iteration.right], axis=1))
+            latest.measured[1:][~iteration.read[1:]] = np.nan
+        # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
+        far = _FARTHEST * max(self._size, 1.0)
+        is_near = np.abs(error).max() <= far and np.abs(latest.sent).max() <= _LIMIT
         plan, self._plan = self._plan, None
         returns = self._safeguard.returns
-        misfit = np.full(len(MISFITS), np.nan)
-        # On the way to divergence nothing is learned; neither is at rest, but where the robot is.
-        far = _FARTHEST * max(self._reference.size, 1.0)
-        if np.abs(error).max() <= far and np.abs(latest.sent).max() <= _LIMIT:
-            if latest.sent.any():
-                misfit = self._take_in(latest)
-            else:
-                self._stood.append(np.nanmean(latest.measured, axis=0))
-                self._starts = Starts.of(chain(self._begun, self._stood))
+        misfit = _UNKNOWN
+        if is_near and latest.sent.any():
+            misfit = self._take_in(latest)
+        elif is_near:
+            self._stood.append(np.nanmean(latest.measured, axis=0))
+            self._starts = Starts.of(np.concatenate([self._kept.begun, self._stood]))
         merge_time, settled = self._of_plan(plan)
         return {
             **self._identified(),
@@ -185,72 +183,48 @@ class NormOptimalLearner:
 
     def _take_in(self, latest: Pass) -> Floats:
         """Learns from a pass, and returns by how much the model does not fit, see `misfits`."""
-        self._passes.append(latest)
-        self._seen += 1
+        kept = self._kept
+        kept.add(latest)
         self._known_way = self._way
-        placed = self._placed()
-        early = self._seen <= _ALWAYS or self._seen & (self._seen - 1) == 0
-        seen = None if early else self._smoothed(placed(latest))
+        passes = kept.passes(self._common_start())
+        first, seen = kept.last, None
+        if kept.seen > _ALWAYS and kept.seen & (kept.seen - 1) != 0:
+            seen = self._smoothed(passes, first, first + 1)
         if seen is None or seen.surprise > _NEW * self._usual:
-            passes = [placed(each) for each in self._passes]
             self._belief = self._identification.update(self._belief, passes)
-            self._repeating.clear()
-            self._innovations.clear()
-            self._begun.clear()
-            driven = [self._smoothed(each) for each in passes]
-            self._keep(driven, passes)
-            seen = driven[-1]
+            first, seen = 0, self._smoothed(passes, 0, kept.count)
             self._usual = max(seen.surprise, 1.0)
-        else:
-            self._keep([seen], [latest])
+        self._repeating.put(first, seen.beyond)
         self._stood.clear()
-        self._starts = Starts.of(self._begun)
-        beside = self._repeating.expected()
+        self._starts = Starts.of(kept.begun)
+        beside = self._repeating.expected(kept.sent, kept.last)
         learned = Learned(self._belief.parameters, beside)
         self._learned = self._safeguard.next(self._error(seen.poses), learned)
-        return self._innovations.misfits()
+        return misfits(kept.white)
 
-    def _keep(self, driven: Sequence[Driven], passes: Sequence[Pass]) -> None:
-        """Keeps what passes were, and what was sent in them."""
-        self._repeating.add([each.beyond for each in driven], [each.sent for each in passes])
-        for each in driven:
-            self._innovations.add(each.white)
-            self._begun.append(each.poses[0])
-
-    def _placed(self) -> Callable[[Pass], Pass]:
-        """Gives passes what they tell together of where they start.
+    def _common_start(self) -> Floats | None:
+        """Where all passes start, shape (3,), if that is one pose.
 
         As long as starts differ no more than readings of them would, all are at one place, which
         so many readings tell.
         """
-        count, noise = len(self._passes), self._belief.noise
+        count, noise = self._kept.count, self._belief.noise
         if count < 2:
-            return lambda each: each
-        starts = Starts.of(each.measured[0] for each in self._passes)
+            return None
+        starts = Starts.of(self._kept.first_readings)
         usual = seldom_above(count - 1, _RARELY)
-        read = np.array([noise.position, noise.position, noise.heading])
-        if np.any(starts.variances > usual * read):
-            return lambda each: each
-        start = starts.mean if self._is_clearly_off(starts) else self._target[0]
-
-        def placed(each: Pass) -> Pass:
-            measured = each.measured.copy()
-            measured[0] = start
-            return each._replace(measured=measured, start_share=1 / count)
-
-        return placed
+        for variance, read in zip(starts.variances.tolist(), _of_pose(noise), strict=True):
+            if variance > usual * read:
+                return None
+        return starts.mean if self._is_clearly_off(starts) else self._target[0]
 
     def _error(self, poses: Floats) -> float:
         """RMS of what was off in a pass, from a start off the trajectory in its second half.
 
         1 counts as one.
         """
-        position, heading = self._law.squared_weights
-        x, y, turned = np.square(poses - self._target).T
-        squares = position * (x + y) + heading * turned
-        if not self._start_on_it():
-            squares = squares[len(squares) // 2 :]
-        return float(np.sqrt(squares.mean()))
+        first = 0 if self._start_on_it() else len(poses) // 2
+        return math.sqrt(squares_off(poses, self._target, first, self._law.squared_weights))
 
     def _start_on_it(self) -> bool:
         """Whether passes start on the trajectory, as far as they clearly tell."""
@@ -258,8 +232,7 @@ class NormOptimalLearner:
 
     def _is_clearly_off(self, starts: Starts) -> bool:
         """Whether some starts tell another one than the trajectory's."""
-        noise = self._belief.noise
-        read = noise.position, noise.position, noise.heading
+        read = _of_pose(self._belief.noise)
         parts = (part.tolist() for part in (starts.mean, self._target[0], starts.variances))
         each = zip(*parts, strict=True)
         return any(
@@ -267,11 +240,12 @@ class NormOptimalLearner:
             for own, (mean, there, variance) in zip(read, each, strict=True)
         )
 
-    def _smoothed(self, each: Pass) -> Driven:
-        """What a pass was as the belief and all its readings say."""
-        belief, sample_time = self._belief, self._reference.sample_time
-        known = belief.motor, sample_time, self._law.lead, belief.noise
-        return Driven(*smooth_pass(each.measured, each.sent, *known, each.start_share))
+    def _smoothed(self, passes: Passes, first: int, end: int) -> Driven:
+        """What some passes were as the belief and all their readings say."""
+        belief, kept, sample_time = self._belief, self._kept, self._reference.sample_time
+        known = belief.motor, sample_time, self._law.lead, belief.noise, passes.start_share
+        told = passes.measured[first:end], passes.sent[first:end], kept.last - first
+        return Driven(*smooth_passes(*told, *known, kept.begun[first:end], kept.white[first:end]))
 
     def _way_in(self, motor: Motor, start: Floats) -> RectifiedReference:
         """A way into the trajectory from a start off it."""
@@ -334,7 +308,7 @@ class NormOptimalLearner:
         motor, sample_time = self._belief.motor, self._reference.sample_time
         if self._safeguard.share < 1:  # it is not what passes have made it be
             motor = self._belief.with_parameters(self._learned.parameters).motor
-        if not self._seen or self._safeguard.share < 1:
+        if not self._kept.seen or self._safeguard.share < 1:
             untold = min(_UNTOLD, _UNTOLD_SHARE * self._reference.samples * sample_time)
             motor = motor._replace(delay=motor.delay + untold)
         return bandwidths(motor, self._noise_with_drift(inputs), sample_time, limit)
@@ -359,6 +333,11 @@ class NormOptimalLearner:
             left=noise.left + max(x, y) / n,
             turn=noise.turn + (heading + turn) / n,
         )
+
+
+def _of_pose(noise: Noise) -> tuple[float, float, float]:
+    """Variances of a reading of x, y and heading."""
+    return noise.position, noise.position, noise.heading
 
 
 def _is_near(start: Floats, other: Floats) -> bool:

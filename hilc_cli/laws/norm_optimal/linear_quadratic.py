@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hilc_cli.compiling import cached, compiled
+from hilc_cli.compiling import cached
 from hilc_cli.reference.sampled import Floats
 
 
@@ -150,7 +150,6 @@ def _linear_motion(motion: Linearised, changes: Floats) -> Floats:
     return moved
 
 
-made_motion = compiled(_linear_motion)
 linear_motion = cached(_linear_motion)
 
 
@@ -172,7 +171,7 @@ def _change_of_cost(
         input_slopes: v, shape (n, 2).
         changes: c [rad/s], shape (n, 2).
     """
-    moved = made_motion(motion, changes)
+    moved = linear_motion(motion, changes)
     total = 0.0
     for k in range(len(changes)):
         for wheel in range(2):

@@ -16,40 +16,13 @@ from numpy.typing import NDArray
 
 from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.chance import seldom_above
-from hilc_cli.laws.norm_optimal.cosines import cosines
+from hilc_cli.laws.norm_optimal.cosines import cosines, octaves
 from hilc_cli.reference.sampled import Floats
 
 _CLEARLY = 2.0
 """Power that is something new however sure it is: noise is never quite as it is fitted."""
 _RARELY = 1e-5
 """How often noise alone makes more in an octave."""
-
-
-class Innovations:
-    """Those of passes, of which the oldest are forgotten where there are many."""
-
-    def __init__(self, samples: int, most: int) -> None:
-        """Begins with no pass.
-
-        Args:
-            samples: n.
-            most: Passes that are kept.
-        """
-        self._kept = np.empty((most, samples, 3))
-        self._seen = 0
-
-    def clear(self) -> None:
-        """Forgets all passes."""
-        self._seen = 0
-
-    def add(self, white: Floats) -> None:
-        """Takes in a pass, shape (n, 3), as `misfits` takes them."""
-        self._kept[self._seen % len(self._kept)] = white
-        self._seen += 1
-
-    def misfits(self) -> Floats:
-        """Returns `misfits` of the passes that are kept."""
-        return misfits(self._kept[: min(self._seen, len(self._kept))])
 
 
 def misfits(innovations: NDArray[np.float64]) -> Floats:
@@ -68,20 +41,14 @@ def misfits(innovations: NDArray[np.float64]) -> Floats:
         return np.full(3, np.nan)
     common = np.zeros((3, n))
     measured = in_common(innovations, common)
-    power: Floats = np.square(cosines(common)) / (max(measured, 1) / n)
-    lowest, lengths, allowed = _octaves(n)
-    found: Floats = np.add.reduceat(power, lowest, axis=1) / (lengths * allowed)
-    worst: Floats = found.max(axis=1)
-    return worst
+    return worst_powers(cosines(common), max(measured, 1) / n, octaves(n), _allowed(n))  # type: ignore[no-any-return]
 
 
 @cache
-def _octaves(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats]:
-    """The first cosine of each octave, their number, and the mean power that noise may make."""
-    lowest = np.array([0, *(1 << np.arange((n - 1).bit_length())).tolist()])
-    lengths = np.diff(lowest, append=n)
-    allowed = [max(_CLEARLY, seldom_above(length, _RARELY)) for length in lengths.tolist()]
-    return lowest, lengths, np.array(allowed)
+def _allowed(n: int) -> Floats:
+    """The mean power that noise may make in each octave."""
+    lengths = np.diff(octaves(n)).ravel().tolist()
+    return np.array([max(_CLEARLY, seldom_above(length, _RARELY)) for length in lengths])
 
 
 def _in_common(innovations: Floats, common: Floats) -> int:
@@ -108,4 +75,28 @@ def _in_common(innovations: Floats, common: Floats) -> int:
     return measured
 
 
+def _worst_powers(
+    shares: Floats, usual: float, octaves: NDArray[np.int64], allowed: Floats
+) -> Floats:
+    """The largest power of an octave by what noise may make there, of each row.
+
+    Args:
+        shares: Of cosines, shape (rows, n).
+        usual: What the square of a share of noise is on average.
+        octaves: See `cosines.octaves`.
+        allowed: Mean power that noise may make in each octave, where it is 1 on average.
+    """
+    worst = np.zeros(len(shares))
+    for row in range(len(shares)):
+        for octave in range(len(allowed)):
+            power, low, high = 0.0, octaves[octave, 0], octaves[octave, 1]
+            for k in range(low, high):
+                power += shares[row, k] * shares[row, k]
+            power /= (high - low) * allowed[octave] * usual
+            if not power <= worst[row]:
+                worst[row] = power
+    return worst
+
+
 in_common = cached(_in_common)
+worst_powers = cached(_worst_powers)

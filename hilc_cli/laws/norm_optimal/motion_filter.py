@@ -269,7 +269,6 @@ def _filtered(
     return white, likelihood, states, covariances, foreseen, foreseen_covariances
 
 
-made_filter = compiled(_filtered)
 filtered = cached(_filtered, parts=[chord])
 
 
@@ -286,12 +285,58 @@ def run_filter(
     return Filtered(*filtered(measured, steps, lead, noise, start_share, keep))
 
 
+def _half(matrix: Floats) -> Symmetric:
+    """Reads the upper half of a symmetric matrix."""
+    return matrix[0, 0], matrix[0, 1], matrix[0, 2], matrix[1, 1], matrix[1, 2], matrix[2, 2]
+
+
+half = compiled(_half)
+
+
+def _pulled_back(
+    pose: Pose, covariance: Symmetric, foreseen: Pose, after: Symmetric, following: Pose
+) -> Pose:
+    """A filtered pose with what comes after it: P F'Q^-1 times what that is off is added.
+
+    Args:
+        pose: As filtered.
+        covariance: P of its error.
+        foreseen: The next pose as it was foreseen from that one.
+        after: Q of that.
+        following: The next pose as it is known by now.
+    """
+    x, y, heading = pose
+    xx, xy, xh, yy, yh, hh = covariance
+    axx, axy, axh, ayy, ayh, ahh = after
+    dx, dy = foreseen[0] - x, foreseen[1] - y
+    # Q by its Cholesky factor; scaled, since variances may be tiny.
+    sx, sy, sh = 1.0 / math.sqrt(axx), 1.0 / math.sqrt(ayy), 1.0 / math.sqrt(ahh)
+    l10, l20 = axy * sx * sy, axh * sx * sh
+    i11 = 1.0 / math.sqrt(max(1.0 - l10 * l10, 1e-300))
+    l21 = (ayh * sy * sh - l20 * l10) * i11
+    i22 = 1.0 / math.sqrt(max(1.0 - l20 * l20 - l21 * l21, 1e-300))
+    w0 = (following[0] - foreseen[0]) * sx
+    w1 = ((following[1] - foreseen[1]) * sy - l10 * w0) * i11
+    w2 = ((following[2] - foreseen[2]) * sh - l20 * w0 - l21 * w1) * i22
+    w2 *= i22
+    w1 = (w1 - l21 * w2) * i11
+    w0 = (w0 - l10 * w1 - l20 * w2) * sx
+    w1, w2 = w1 * sy, w2 * sh
+    w2 += dx * w1 - dy * w0  # times F'
+    return (
+        x + (xx * w0 + xy * w1 + xh * w2),
+        y + (xy * w0 + yy * w1 + yh * w2),
+        heading + (xh * w0 + yh * w1 + hh * w2),
+    )
+
+
+pulled_back = compiled(_pulled_back)
+
+
 def _smoothed(
     poses: Floats, covariances: Floats, foreseen: Floats, foreseen_covariances: Floats
 ) -> None:
     """Changes filtered poses into smoothed ones, from the last one back.
-
-    Each gets P F'Q^-1 times how far the next one is from what was foreseen, with Q its covariance.
 
     Args:
         poses: Filtered, shape (n + 1, 3); gets the smoothed ones.
@@ -300,28 +345,15 @@ def _smoothed(
         foreseen_covariances: Of their errors, shape (n + 1, 3, 3).
     """
     for k in range(len(poses) - 2, -1, -1):
-        before, after = covariances[k], foreseen_covariances[k + 1]
-        dx, dy = foreseen[k + 1, 0] - poses[k, 0], foreseen[k + 1, 1] - poses[k, 1]
-        # Q by its Cholesky factor; scaled, since variances may be tiny.
-        sx, sy = 1.0 / math.sqrt(after[0, 0]), 1.0 / math.sqrt(after[1, 1])
-        sh = 1.0 / math.sqrt(after[2, 2])
-        l10, l20 = after[0, 1] * sx * sy, after[0, 2] * sx * sh
-        i11 = 1.0 / math.sqrt(max(1.0 - l10 * l10, 1e-300))
-        l21 = (after[1, 2] * sy * sh - l20 * l10) * i11
-        i22 = 1.0 / math.sqrt(max(1.0 - l20 * l20 - l21 * l21, 1e-300))
-        w0 = (poses[k + 1, 0] - foreseen[k + 1, 0]) * sx
-        w1 = ((poses[k + 1, 1] - foreseen[k + 1, 1]) * sy - l10 * w0) * i11
-        w2 = ((poses[k + 1, 2] - foreseen[k + 1, 2]) * sh - l20 * w0 - l21 * w1) * i22
-        w2 *= i22
-        w1 = (w1 - l21 * w2) * i11
-        w0 = (w0 - l10 * w1 - l20 * w2) * sx
-        w1, w2 = w1 * sy, w2 * sh
-        w2 += dx * w1 - dy * w0  # times F'
-        for i in range(3):
-            poses[k, i] += before[i, 0] * w0 + before[i, 1] * w1 + before[i, 2] * w2
+        poses[k, 0], poses[k, 1], poses[k, 2] = pulled_back(
+            (poses[k, 0], poses[k, 1], poses[k, 2]),
+            half(covariances[k]),
+            (foreseen[k + 1, 0], foreseen[k + 1, 1], foreseen[k + 1, 2]),
+            half(foreseen_covariances[k + 1]),
+            (poses[k + 1, 0], poses[k + 1, 1], poses[k + 1, 2]),
+        )
 
 
-made_smoother = compiled(_smoothed)
 smoothed = cached(_smoothed)
 
 

@@ -163,8 +163,85 @@ def _steps_of(motor: Motor, inputs: Floats, sample_time: float) -> Floats:
     return steps  # type: ignore[no-any-return]
 
 
-made_steps = compiled(_steps_of)
 steps_of = cached(_steps_of)
+
+
+def _timing(motor: Motor, sample_time: float) -> tuple[int, float, float, float, float]:
+    """What is the same in all samples.
+
+    Returns:
+        Whole samples of the delay, and the fraction left; the share of a wheel's speed that a
+        sample leaves, and its derivative by the lag [1/s]; and the most that a speed changes.
+    """
+    whole, fraction = _arriving(motor.delay, sample_time)
+    kept = kept_share(motor.lag, sample_time)
+    by_lag = kept * sample_time / (motor.lag * motor.lag) if motor.lag > NO_LAG else 0.0
+    return whole, fraction, kept, by_lag, motor.acceleration * sample_time
+
+
+timing = compiled(_timing)
+
+
+def _slopes_of_step(
+    motor: Motor,
+    inputs: Floats,
+    k: int,
+    sample_time: float,
+    late: tuple[int, float, float, float, float],
+    wheels: Floats,
+    slopes: Floats,
+) -> tuple[float, float]:
+    """The way ahead [m] and the turn [rad] in a sample, and how they change with the robot.
+
+    Args:
+        motor: The robot.
+        inputs: Wheel speeds sent [rad/s], shape (n, 2); before them stood none.
+        k: The sample.
+        sample_time: d_t [s].
+        late: What `_timing` says.
+        wheels: Of each wheel its speed and how that changes with delay, lag and friction, shape
+            (2, 4); gets them after the sample.
+        slopes: Gets the slopes, shape (2, 6), see `_steps_and_slopes`.
+    """
+    whole, fraction, kept, kept_by_lag, most = late
+    for wheel in range(2):
+        command = arrived(inputs, k, wheel, whole, fraction)
+        driven, slope = effective(command, motor.friction)
+        later = inputs[k - whole, wheel] if k >= whole else 0.0
+        before = inputs[k - whole - 1, wheel] if k > whole else 0.0
+        by_delay = slope * (before - later) / sample_time
+        by_friction = -slope * driven / math.sqrt(driven * driven + FRICTION_EDGE**2)
+        speed = wheels[wheel, 0]
+        change = (1.0 - kept) * (driven - speed)
+        if abs(change) > most:  # whatever is told, the wheel does no more
+            change = math.copysign(most, change)
+            slopes[wheel, 0] = sample_time * (speed + change / 2)
+            for i in range(1, 4):
+                slopes[wheel, 2 + i] = sample_time * wheels[wheel, i]
+        else:
+            slopes[wheel, 0] = sample_time * driven - motor.lag * change
+            for i, own in ((1, by_delay), (2, 0.0), (3, by_friction)):
+                changes = (1.0 - kept) * (own - wheels[wheel, i])
+                if i == 2:
+                    changes -= kept_by_lag * (driven - speed)
+                slopes[wheel, 2 + i] = sample_time * own - motor.lag * changes
+                if i == 2:
+                    slopes[wheel, 2 + i] -= change
+                wheels[wheel, i] += changes
+        wheels[wheel, 0] += change
+    # From both wheels to way and turn.
+    left, right = motor.left_radius * slopes[0, 0], motor.right_radius * slopes[1, 0]
+    ahead, turn = (left + right) / 2, (left - right) / (2 * motor.half_track)
+    slopes[0, 0], slopes[1, 0] = ahead, turn
+    slopes[0, 1], slopes[1, 1] = (left - right) / 4, (left + right) / (4 * motor.half_track)
+    slopes[0, 2], slopes[1, 2] = 0.0, -turn
+    for i in range(3, 6):
+        left, right = motor.left_radius * slopes[0, i], motor.right_radius * slopes[1, i]
+        slopes[0, i], slopes[1, i] = (left + right) / 2, (left - right) / (2 * motor.half_track)
+    return ahead, turn
+
+
+slopes_of_step = compiled(_slopes_of_step)
 
 
 def _steps_and_slopes(motor: Motor, inputs: Floats, sample_time: float) -> tuple[Floats, Floats]:
@@ -178,60 +255,15 @@ def _steps_and_slopes(motor: Motor, inputs: Floats, sample_time: float) -> tuple
         inputs: Wheel speeds sent [rad/s], shape (n, 2).
         sample_time: d_t [s].
     """
-    n, lag, friction = len(inputs), motor.lag, motor.friction
+    n, late, wheels = len(inputs), timing(motor, sample_time), np.zeros((2, 4))
     steps, slopes = np.empty((n, 2)), np.empty((n, 2, 6))
-    whole, fraction = _arriving(motor.delay, sample_time)
-    kept = kept_share(lag, sample_time)
-    kept_by_lag = kept * sample_time / (lag * lag) if lag > NO_LAG else 0.0
-    most = motor.acceleration * sample_time
-    speeds, by_parameters = np.zeros(2), np.zeros((2, 3))  # of delay, lag and friction
     for k in range(n):
-        for wheel in range(2):
-            command = arrived(inputs, k, wheel, whole, fraction)
-            driven, slope = effective(command, friction)
-            later = inputs[k - whole, wheel] if k >= whole else 0.0
-            before = inputs[k - whole - 1, wheel] if k > whole else 0.0
-            by_delay = slope * (before - later) / sample_time
-            by_friction = -slope * driven / math.sqrt(driven * driven + FRICTION_EDGE**2)
-            speed, of_speed = speeds[wheel], by_parameters[wheel]
-            change = (1.0 - kept) * (driven - speed)
-            if abs(change) > most:  # whatever is told, the wheel does no more
-                change = math.copysign(most, change)
-                way = sample_time * (speed + change / 2)
-                for i in range(3):
-                    slopes[k, wheel, 3 + i] = sample_time * of_speed[i]
-            else:
-                way = sample_time * driven - lag * change
-                for i, own in ((0, by_delay), (1, 0.0), (2, by_friction)):
-                    changes = (1.0 - kept) * (own - of_speed[i])
-                    if i == 1:
-                        changes -= kept_by_lag * (driven - speed)
-                    slopes[k, wheel, 3 + i] = sample_time * own - lag * changes
-                    if i == 1:
-                        slopes[k, wheel, 3 + i] -= change
-                    of_speed[i] += changes
-            speeds[wheel] += change
-            steps[k, wheel] = way
-        # From both wheels to way and turn.
-        left, right = motor.left_radius * steps[k, 0], motor.right_radius * steps[k, 1]
-        ahead, turn = (left + right) / 2, (left - right) / (2 * motor.half_track)
-        steps[k, 0], steps[k, 1] = ahead, turn
-        slopes[k, 0, 0], slopes[k, 1, 0] = ahead, turn
-        slopes[k, 0, 1], slopes[k, 1, 1] = (
-            (left - right) / 4,
-            (left + right) / (4 * motor.half_track),
+        steps[k, 0], steps[k, 1] = slopes_of_step(
+            motor, inputs, k, sample_time, late, wheels, slopes[k]
         )
-        slopes[k, 0, 2], slopes[k, 1, 2] = 0.0, -turn
-        for i in range(3, 6):
-            left, right = motor.left_radius * slopes[k, 0, i], motor.right_radius * slopes[k, 1, i]
-            slopes[k, 0, i], slopes[k, 1, i] = (
-                (left + right) / 2,
-                (left - right) / (2 * motor.half_track),
-            )
     return steps, slopes
 
 
-made_slopes = compiled(_steps_and_slopes)
 steps_and_slopes = cached(_steps_and_slopes)
 
 
@@ -309,7 +341,6 @@ def _chord(half_turn: float) -> float:
 
 
 chord = compiled(_chord)
-made_poses = compiled(_moved)
 moved = cached(_moved)
 
 

@@ -14,21 +14,18 @@ import numpy as np
 
 from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.bounded_changes import bounded_changes
+from hilc_cli.laws.norm_optimal.free_step import around, free_at_once, free_of_motors, sent_earlier
 from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic
 from hilc_cli.laws.norm_optimal.motor import (
     Motor,
     arriving,
     body_step,
     commands_for,
-    made_poses,
-    made_steps,
+    moved,
+    steps_of,
 )
-from hilc_cli.laws.norm_optimal.motor_quadratic import (
-    MotorMotion,
-    MotorQuadratic,
-    linearised,
-    of_wheels_at_once,
-)
+from hilc_cli.laws.norm_optimal.motor_motion import linearised, linearised_at_once
+from hilc_cli.laws.norm_optimal.motor_quadratic import MotorQuadratic
 from hilc_cli.laws.norm_optimal.optimal_motion import ends
 from hilc_cli.reference.sampled import Floats
 
@@ -88,48 +85,36 @@ def motor_plan(
         free: Share of the fastest command by which a command may be off at a cost of one.
     """
     pose_weights = np.array([weights[0], weights[0], weights[1]])
-    delayed, _ = arriving(motor.delay, sample_time)
-    delayed = min(delayed, len(target) - 1)
-    steps, beside = wanted(target, beside, lead)
-    easy = commands_for(motor, steps, sample_time)
-    command = np.full_like(easy, (free * float(np.abs(easy).max()) + 1e-9) ** -2)
-    command[(easy[:, 0] == 0) & (easy[:, 1] == 0)] *= _STANDING
+    delayed, under_way = arriving(motor.delay, sample_time)
+    delayed = min(delayed, len(beside))
+    at_once = motor.lag == 0 and under_way == 0 and math.isinf(motor.acceleration)
+    easy, command, beside = easy_commands(motor, target, beside, sample_time, lead, free)
     motion = motor, start, beside, sample_time, lead
     aim = target, pose_weights, easy, command
-
-    inputs = easy.clip(-speed_limit, speed_limit)
-    poses, cost = made_motion(inputs, *motion, *aim)
-    settled = False
+    inputs, poses, cost = stepped(easy, easy, 0.0, speed_limit, *motion, *aim)
+    settled, free_step = False, free_at_once if at_once else free_of_motors
+    bound = False  # whether the limit was in the way
     for _ in range(_MOST_STEPS):
         if not math.isfinite(cost):
             break
-        pose_slopes, input_slopes, lowest, highest = around(inputs, poses, *aim, speed_limit)
-        problem = _quadratic(
-            motor,
-            linearised(poses, inputs, motor, sample_time, lead),
-            pose_weights,
-            _arrived(command, delayed, command),
-            pose_slopes,
-            _arrived(input_slopes, delayed),
-        )
-        if delayed:  # what comes too late to arrive is held by its weight alone
-            lowest = _arrived(lowest, delayed, np.full_like(inputs, -speed_limit))
-            highest = _arrived(highest, delayed, np.full_like(inputs, speed_limit))
         exact = _EXACT * (1 + cost)
         far = cost > _FAR * len(inputs)
-        near = _EXACT_FAR * cost if far else exact
-        best = bounded_changes(problem, lowest, highest, near)
-        foreseen = -problem.change_of_cost(best.changes)
+        here = poses, inputs, motor, sample_time, lead
+        if not bound:
+            bound, changes, foreseen = free_step(*here, *aim, speed_limit, delayed)
+        if bound:
+            *slopes, lowest, highest = around(poses, inputs, *aim, speed_limit, delayed)
+            problem = _quadratic(at_once, here, pose_weights, *slopes)
+            near = _EXACT_FAR * cost if far else exact
+            changes = bounded_changes(problem, lowest, highest, near).changes
+            foreseen = -problem.change_of_cost(changes)
+            changes = sent_earlier(changes, delayed)
         if foreseen <= exact:
             settled = True
             break
-        changes = best.changes
-        if delayed:
-            changes = np.concatenate([changes[delayed:], np.zeros((delayed, 2))])
         length = 1.0
         while length >= _SHORTEST:
-            tried = (inputs + length * changes).clip(-speed_limit, speed_limit)
-            reached, there = made_motion(tried, *motion, *aim)
+            tried, reached, there = stepped(inputs, changes, length, speed_limit, *motion, *aim)
             if there <= cost + exact:  # near the optimum, a step is as good as none
                 break
             length /= 2
@@ -144,46 +129,66 @@ def motor_plan(
 
 
 def _quadratic(
-    motor: Motor,
-    motion: MotorMotion,
+    at_once: bool,
+    motion: tuple[Floats, Floats, Motor, float, float],
     pose_weights: Floats,
-    input_weights: Floats,
     pose_slopes: Floats,
+    input_weights: Floats,
     input_slopes: Floats,
 ) -> LinearQuadratic | MotorQuadratic:
     """The problem along a motion: with as many states as the motor needs."""
-    if motor.lag > 0 or motion.under_way > 0 or math.isfinite(motor.acceleration):
-        return MotorQuadratic(motion, pose_weights, input_weights, pose_slopes, input_slopes)
+    slopes = pose_slopes, input_slopes
+    if not at_once:
+        return MotorQuadratic(linearised(*motion), pose_weights, input_weights, *slopes)
     everywhere = np.empty((len(pose_slopes), 2))
     everywhere[:] = pose_weights[1:]
-    at_once = of_wheels_at_once(motion)
-    return LinearQuadratic(at_once, everywhere, input_weights, pose_slopes, input_slopes)
+    return LinearQuadratic(linearised_at_once(*motion), everywhere, input_weights, *slopes)
 
 
-def _wanted(target: Floats, beside: Floats, lead: float) -> tuple[Floats, Floats]:
-    """What is left to the wheels: way ahead [m] and turn [rad] in each sample, shape (n, 2).
+def _easy_commands(
+    motor: Motor, target: Floats, beside: Floats, sample_time: float, lead: float, free: float
+) -> tuple[Floats, Floats, Floats]:
+    """The commands that a robot without limits would get.
 
-    A robot that stands does nothing beside that; what passes show there is noise of readings.
+    A robot that stands does nothing beside what it is told; what passes show there is noise of
+    readings.
 
     Args:
+        motor: The believed robot.
         target: Poses to be at, shape (n + 1, 3).
         beside: Motion beyond the model: ahead, to the left [m], turn [rad], shape (n, 3).
+        sample_time: d_t [s].
         lead: See `motor.moved`.
+        free: See `motor_plan`.
 
     Returns:
-        That, and what is beside it, shape (n, 3): none where the robot stands.
+        Commands [rad/s], shape (n, 2); what their squares weigh, likewise; and what is beside the
+        model, shape (n, 3): nothing where the robot stands.
     """
-    steps, own = np.empty((len(beside), 2)), beside.copy()
-    for k in range(len(beside)):
+    n = len(beside)
+    steps, own, weights = np.empty((n, 2)), np.zeros((n, 3)), np.empty((n, 2))
+    for k in range(n):
         ahead, left, turn = body_step(target, k, lead)
-        if ahead == 0.0 and left == 0.0 and turn == 0.0:
-            own[k] = 0.0
+        if ahead != 0.0 or left != 0.0 or turn != 0.0:
+            own[k, 0], own[k, 1], own[k, 2] = beside[k, 0], beside[k, 1], beside[k, 2]
         steps[k, 0], steps[k, 1] = ahead - own[k, 0], turn - own[k, 2]
-    return steps, own
+    commands, fastest = commands_for(motor, steps, sample_time), 0.0
+    for k in range(n):
+        for wheel in range(2):
+            fastest = max(fastest, abs(commands[k, wheel]))
+    weight = free * fastest + 1e-9
+    weight = 1.0 / (weight * weight)
+    for k in range(n):
+        stands = commands[k, 0] == 0.0 and commands[k, 1] == 0.0
+        weights[k, 0] = weights[k, 1] = _STANDING * weight if stands else weight
+    return commands, weights, own
 
 
-def _made_motion(
+def _stepped(
     inputs: Floats,
+    changes: Floats,
+    length: float,
+    speed_limit: float,
     motor: Motor,
     start: Floats,
     beside: Floats,
@@ -193,11 +198,14 @@ def _made_motion(
     pose_weights: Floats,
     easy: Floats,
     command: Floats,
-) -> tuple[Floats, float]:
-    """Where commands bring the believed robot, shape (n + 1, 3), and what that costs.
+) -> tuple[Floats, Floats, float]:
+    """Commands after a step, where they bring the believed robot, and what that costs.
 
     Args:
-        inputs: Wheel speeds to send [rad/s], shape (n, 2).
+        inputs: Wheel speeds to send before the step [rad/s], shape (n, 2).
+        changes: Likewise.
+        length: Of the step, as a share of the changes.
+        speed_limit: b_w [rad/s].
         motor: The believed robot.
         start: Pose of sample 0, shape (3,).
         beside: Motion beyond the model, shape (n, 3).
@@ -208,66 +216,21 @@ def _made_motion(
         easy: Commands that cost nothing [rad/s], shape (n, 2).
         command: Weights of squares of commands, shape (n, 2).
     """
-    poses = made_poses(start, made_steps(motor, inputs, sample_time), beside, lead)
-    cost = 0.0
+    sent, cost = np.empty(inputs.shape), 0.0
     for k in range(len(inputs)):
         for wheel in range(2):
-            spent = inputs[k, wheel] - easy[k, wheel]
+            wanted = inputs[k, wheel] + length * changes[k, wheel]
+            sent[k, wheel] = min(max(wanted, -speed_limit), speed_limit)
+    poses = moved(start, steps_of(motor, sent, sample_time), beside, lead)
+    for k in range(len(inputs)):
+        for wheel in range(2):
+            spent = sent[k, wheel] - easy[k, wheel]
             cost += command[k, wheel] * spent * spent
         for i in range(3):
             error = poses[k + 1, i] - target[k + 1, i]
             cost += pose_weights[i] * error * error
-    return poses, cost / 2
+    return sent, poses, cost / 2
 
 
-def _around(
-    inputs: Floats,
-    poses: Floats,
-    target: Floats,
-    pose_weights: Floats,
-    easy: Floats,
-    command: Floats,
-    speed_limit: float,
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """How the cost of a motion changes, and how much room commands have about theirs.
-
-    Args:
-        inputs: Commands of the motion [rad/s], shape (n, 2).
-        poses: Its poses, shape (n + 1, 3).
-        target: As for `_made_motion`, as all that follow.
-        pose_weights: Likewise.
-        easy: Likewise.
-        command: Likewise.
-        speed_limit: b_w [rad/s].
-
-    Returns:
-        Derivatives by the poses, shape (n + 1, 3), and by the commands, shape (n, 2); bounds of
-        their changes [rad/s], shape (n, 2) each.
-    """
-    n = len(inputs)
-    pose_slopes, input_slopes = np.empty((n + 1, 3)), np.empty((n, 2))
-    lowest, highest = np.empty((n, 2)), np.empty((n, 2))
-    for k in range(n + 1):
-        for i in range(3):
-            pose_slopes[k, i] = pose_weights[i] * (poses[k, i] - target[k, i])
-    for k in range(n):
-        for wheel in range(2):
-            own = inputs[k, wheel]
-            input_slopes[k, wheel] = command[k, wheel] * (own - easy[k, wheel])
-            lowest[k, wheel], highest[k, wheel] = -speed_limit - own, speed_limit - own
-    return pose_slopes, input_slopes, lowest, highest
-
-
-around = cached(_around)
-wanted = cached(_wanted, parts=[body_step])
-made_motion = cached(_made_motion, parts=[body_step])
-
-
-def _arrived(sent: Floats, delayed: int, before: Floats | float = 0.0) -> Floats:
-    """What was sent, by the sample at which it arrives; before the first stands something else."""
-    if not delayed:
-        return sent
-    arrived = np.empty_like(sent)
-    arrived[delayed:] = sent[: len(sent) - delayed]
-    arrived[:delayed] = before[:delayed] if isinstance(before, np.ndarray) else before
-    return arrived
+easy_commands = cached(_easy_commands, parts=[body_step])
+stepped = cached(_stepped, parts=[body_step])

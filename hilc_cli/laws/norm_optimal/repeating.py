@@ -11,15 +11,12 @@ squared difference of the inputs (Patterson and Thompson 1971).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from functools import cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hilc_cli.compiling import cached
-from hilc_cli.laws.norm_optimal.cosines import cosines, from_cosines
+from hilc_cli.laws.norm_optimal.cosines import cosines, from_cosines, octaves
 from hilc_cli.reference.sampled import Floats
 
 _PASSES = 3  # so many passes tell whether something comes back
@@ -27,14 +24,12 @@ _SLOWEST = 16  # cosines with fewer half waves than this are told apart after tw
 _GROWTHS = np.concatenate([[0.0], np.logspace(-1, 4, 26)])
 """Variances that inputs as different as usual may add to that of a pass itself, as shares of it."""
 _EXPECTED, _SPREAD = 0.3, 1.0  # decimal logarithm of that share, where passes do not tell
+_ROUNDING = 1e-9  # share of a number
 _UNUSUAL = np.square((np.log10(_GROWTHS.clip(min=1e-2)) - _EXPECTED) / _SPREAD)
 
 
 class Repeating:
-    """What passes did beyond the model, of which each is taken apart once.
-
-    Of many passes the oldest are forgotten.
-    """
+    """What passes did beyond the model, of which each is taken apart once."""
 
     def __init__(self, samples: int, most: int) -> None:
         """Begins with no pass.
@@ -45,47 +40,40 @@ class Repeating:
         """
         self._octaves = octaves(samples)
         self._waves = np.empty((most, 3, samples))
-        self._sent = np.empty((most, samples, 2))
         self._apart = np.zeros((3, len(self._octaves), most, most))
-        self._seen = 0
+        self._kept = 0
 
-    def clear(self) -> None:
-        """Forgets all passes."""
-        self._seen = 0
-
-    def add(self, leftovers: Sequence[Floats], sent: Sequence[Floats]) -> None:
-        """Takes in passes, no more than are kept.
+    def put(self, place: int, beyond: Floats) -> None:
+        """Takes in passes, instead of what was at their places.
 
         Args:
-            leftovers: Motion beyond the model of each: ahead [m], to the left [m], turn [rad],
-                shape (n, 3).
-            sent: Inputs of each [rad/s], shape (n, 2).
+            place: Of the first, from 0 to how many are kept.
+            beyond: Motion beyond the model of each: ahead [m], to the left [m], turn [rad], shape
+                (passes, 3, n).
         """
-        most = len(self._waves)
-        for waves, inputs in zip(
-            cosines(np.array(leftovers).transpose(0, 2, 1)), sent, strict=True
-        ):
-            place, kept = self._seen % most, min(self._seen + 1, most)
-            self._waves[place], self._sent[place] = waves, inputs
-            distances(self._waves[:kept], self._octaves, place, self._apart)
-            self._seen += 1
+        end = place + len(beyond)
+        self._waves[place:end], self._kept = cosines(beyond), max(self._kept, end)
+        distances(self._waves[: self._kept], self._octaves, place, end, self._apart)
 
-    def expected(self) -> Floats:
+    def expected(self, sent: Floats, last: int) -> Floats:
         """Returns what is expected to come back in the next pass, shape (n, 3).
 
         Nothing as long as there is one pass only.
+
+        Args:
+            sent: Inputs [rad/s] of all passes, shape (passes, n, 2).
+            last: Place of the last one.
         """
-        _, parts, n = self._waves.shape
-        kept, last = min(self._seen, len(self._waves)), (self._seen - 1) % len(self._waves)
+        kept, (_, parts, n) = self._kept, self._waves.shape
         if kept < 2:
             return np.zeros((n, parts))
-        told = [low for low, high in self._octaves if kept >= _PASSES or high <= _SLOWEST]
         expected = np.zeros((parts, n))
         coming_back(
             self._waves[:kept],
-            self._octaves[: len(told)],
+            self._octaves,
+            n if kept >= _PASSES else _SLOWEST,
             self._apart,
-            differences(self._sent[:kept], last),
+            differences(sent, last),
             _GROWTHS,
             _UNUSUAL,
             expected,
@@ -93,33 +81,32 @@ class Repeating:
         return np.ascontiguousarray(from_cosines(expected).T)
 
 
-@cache
-def octaves(samples: int) -> NDArray[np.int64]:
-    """The first and last cosines of each octave, the last not included, shape (octaves, 2)."""
-    edges = [0, *(1 << np.arange(samples.bit_length())).tolist()]
-    found = [(low, min(high, samples)) for low, high in pairwise(edges) if low < samples]
-    return np.array(found)
-
-
-def _distances(waves: Floats, octaves: NDArray[np.int64], place: int, apart: Floats) -> None:
-    """How far a pass is from all others.
+def _distances(
+    waves: Floats, octaves: NDArray[np.int64], first: int, end: int, apart: Floats
+) -> None:
+    """How far passes are from all others.
 
     Args:
         waves: Cosines of each pass and component, shape (passes, 3, n).
-        octaves: See `octaves`.
-        place: Of the pass.
-        apart: Gets the squared distances of its octaves, shape (3, octaves, p, p) with a p up to
-            which there may be passes.
+        octaves: See `cosines.octaves`.
+        first: Place of the first of them.
+        end: Behind the last of them.
+        apart: Gets the squared distances of octaves, shape (3, octaves, p, p) with a p up to which
+            there may be passes.
     """
-    for part in range(waves.shape[1]):
-        own = waves[place, part]
-        for other in range(len(waves)):
-            row = waves[other, part]
-            for octave in range(len(octaves)):
-                total = 0.0
-                for k in range(octaves[octave, 0], octaves[octave, 1]):
-                    total += (own[k] - row[k]) * (own[k] - row[k])
-                apart[part, octave, place, other] = apart[part, octave, other, place] = total
+    for place in range(first, end):
+        for part in range(waves.shape[1]):
+            own = waves[place, part]
+            for other in range(len(waves)):
+                if first <= other < place:
+                    continue  # it has been seen from there
+                row = waves[other, part]
+                for octave in range(len(octaves)):
+                    total = 0.0
+                    for k in range(octaves[octave, 0], octaves[octave, 1]):
+                        total += (own[k] - row[k]) * (own[k] - row[k])
+                    apart[part, octave, place, other] = total
+                    apart[part, octave, other, place] = total
 
 
 def _differences(sent: Floats, last: int) -> Floats:
@@ -147,6 +134,7 @@ def _differences(sent: Floats, last: int) -> Floats:
 def _coming_back(
     waves: Floats,
     octaves: NDArray[np.int64],
+    known: int,
     apart: Floats,
     differences: Floats,
     growths: Floats,
@@ -160,7 +148,8 @@ def _coming_back(
 
     Args:
         waves: Cosines of each pass and component, shape (passes, 3, n).
-        octaves: See `octaves`.
+        octaves: See `cosines.octaves`.
+        known: Of octaves that end beyond it nothing comes back.
         apart: How far passes are from each other, see `_distances`.
         differences: Of the inputs of each pass from the last ones, shape (passes,).
         growths: That are tried.
@@ -179,6 +168,8 @@ def _coming_back(
     for part in range(parts):
         for octave in range(len(octaves)):
             low, high = octaves[octave, 0], octaves[octave, 1]
+            if high > known:
+                break
             count = high - low
             distances = apart[part, octave]
             least, chance, best = math.inf, 0.0, 0
@@ -192,7 +183,8 @@ def _coming_back(
                 own /= totals[g] * (passes - 1)  # power, at unit variance
                 power_log = math.log(max(own, 1e-307))
                 unlikely = count * ((passes - 1) * power_log + spreads[g]) + unusual[g]
-                if unlikely < least:
+                # After two passes some are as likely: rounding is not to choose.
+                if unlikely <= least + _ROUNDING * abs(unlikely):
                     least, chance, best = unlikely, own / totals[g], g
             for p in range(passes):
                 share = weights[best, p] / totals[best]

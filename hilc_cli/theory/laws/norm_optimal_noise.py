@@ -45,7 +45,7 @@ from hilc_cli.theory.noise import (
 )
 
 if TYPE_CHECKING:
-    from hilc_cli.laws.norm_optimal.identification import MotorBelief
+    from hilc_cli.laws.norm_optimal.belief import MotorBelief
     from hilc_cli.laws.norm_optimal.learner import NormOptimalPlan
 
 _WITHIN = 1e-9  # relative: a limit that is met exactly is met in spite of rounding
@@ -165,13 +165,12 @@ def _carried(states: Floats, pushed: Floats) -> Floats:
 
 def _belief(experiment: Experiment, law: NormOptimalLaw, plan: NormOptimalPlan) -> MotorBelief:
     """Returns what the law believes of the robot and of the noise once it has seen some passes."""
-    from hilc_cli.laws.norm_optimal.identification import (
-        Identification,
-        MotorBelief,
-        Pass,
-    )  # the compiler starts slowly
+    # The compiler starts slowly.
+    from hilc_cli.laws.norm_optimal.belief import MotorBelief
+    from hilc_cli.laws.norm_optimal.identification import Identification
     from hilc_cli.laws.norm_optimal.motion_filter import Noise
     from hilc_cli.laws.norm_optimal.motor import Motor
+    from hilc_cli.laws.norm_optimal.passes_told import Pass
 
     robot, reference = experiment.robot, experiment.reference
     radius, half_track = robot.wheel_radius, robot.signed_half_track
@@ -243,7 +242,7 @@ def _identified_errors(
 
 def _nearest_possible(covariance: Floats, errors: Floats) -> Floats:
     """The nearest parameters of which none is below what there may be."""
-    from hilc_cli.laws.norm_optimal.identification import AT_LEAST_NONE
+    from hilc_cli.laws.norm_optimal.belief import AT_LEAST_NONE
 
     best, least = errors, np.inf
     for count in range(len(AT_LEAST_NONE) + 1):

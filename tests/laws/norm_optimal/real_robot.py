@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hilc_cli.laws.norm_optimal.identification import Pass
+from hilc_cli.laws.norm_optimal.passes_told import Pass
 from hilc_cli.plants.drivetrain import Drivetrain
 from hilc_cli.plants.imperfect_plant import ImperfectPlant
 from hilc_cli.plants.kinematic import Robot

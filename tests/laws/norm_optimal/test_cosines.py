@@ -8,7 +8,7 @@ from scipy.fft import dct
 from scipy.special import gammainccinv
 
 from hilc_cli.laws.norm_optimal.chance import seldom_above
-from hilc_cli.laws.norm_optimal.cosines import cosines, from_cosines
+from hilc_cli.laws.norm_optimal.cosines import cosines, from_cosines, octaves
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 64, 97, 1000])
@@ -24,3 +24,11 @@ def test_cosines_are_those_of_scipy_and_lead_back(n: int) -> None:
 def test_tail_of_sums_of_squares_is_that_of_scipy(count: int, seldom: float) -> None:
     expected = 2 * gammainccinv(count / 2, seldom) / count
     assert seldom_above(count, seldom) == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 5, 8, 2000])
+def test_octaves_have_each_cosine_once(n: int) -> None:
+    found = [list(range(low, high)) for low, high in octaves(n).tolist()]
+    assert [k for each in found for k in each] == list(range(n))
+    assert all(len(each) == max(each[0], 1) for each in found[:-1])
+    assert 0 < len(found[-1]) <= max(found[-1][0], 1)

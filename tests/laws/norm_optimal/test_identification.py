@@ -9,14 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.identification import (
-    Identification,
-    MotorBelief,
-    Pass,
-)
+from hilc_cli.laws.norm_optimal.belief import MotorBelief
+from hilc_cli.laws.norm_optimal.identification import Identification
 from hilc_cli.laws.norm_optimal.motion_filter import Noise
 from hilc_cli.laws.norm_optimal.motor import Motor
 from hilc_cli.laws.norm_optimal.parameter_errors import squares_of_sums
+from hilc_cli.laws.norm_optimal.passes_told import Pass, Passes
 from hilc_cli.plants.motor import Motor as RealMotor
 from tests.laws.norm_optimal.real_robot import IDEAL, STEP, driven, real_robot, wandering
 
@@ -29,7 +27,7 @@ def identified(passes: Sequence[Pass], lead: float = 0.5) -> MotorBelief:
     identification = Identification(STEP, lead, 1.0)
     belief = MotorBelief.at_first(BELIEVED, Noise(*[1e-6] * 5))
     for number in range(len(passes)):
-        belief = identification.update(belief, passes[: number + 1])
+        belief = identification.update(belief, Passes.of(passes[: number + 1]))
     return belief
 
 

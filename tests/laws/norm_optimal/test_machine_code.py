@@ -9,20 +9,25 @@ import numpy as np
 import pytest
 
 from hilc_cli.laws.norm_optimal import (
+    belief,
     bounded_changes,
     bounded_search,
+    cosines,
     driven,
     filter_slopes,
-    identification,
+    free_step,
+    kept_passes,
     linear_quadratic,
     misfit,
     motion_filter,
     motor,
+    motor_motion,
     motor_plan,
     motor_quadratic,
     noise_score,
     optimal_motion,
     parameter_errors,
+    passes_told,
     pose_regulator,
     rectified,
     repeating,
@@ -41,7 +46,7 @@ UNREAD = POSES.copy()
 UNREAD[3] = np.nan
 FEEDBACK, DRIFT = RANDOM.normal(0, 10, (N, 2, 3)), RANDOM.normal(0, 0.01, (N, 3))
 MODEL = optimal_motion.Model(DISTANCE_GAIN, TURN_GAIN, DRIFT, 60.0)
-MOTOR_MOTION = motor_quadratic.MotorMotion._make(
+MOTOR_MOTION = motor_motion.MotorMotion._make(
     [*RANDOM.normal(0, 0.5, (7, N, 2)), (0.3, -0.2), 0.3, 2]
 )
 GAINS_7, WEIGHTS = RANDOM.normal(0, 0.1, (N, 2, 7)), np.array([1.0, 2.0, 3.0])
@@ -50,6 +55,9 @@ INSIDE = bounded_changes.Inside(RANDOM.normal(0, 1, (N, 2)), *RANDOM.uniform(0.1
 WITHIN = RANDOM.normal(0, 1, (4, N, 2))
 MOTOR = motor.Motor(0.1, 0.11, -0.2, 0.013, 0.02, 0.5, 900.0)
 NOISE = motion_filter.Noise(0.1, 0.2, 0.3, 0.4, 0.5)
+PASSES = np.array([POSES, POSES[::-1]])
+AIM = POSES + 0.1, WEIGHTS, INPUTS + 1, INPUTS**2
+ALONG = POSES, INPUTS, MOTOR, 0.01, 0.5
 
 CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "factorised": (
@@ -96,21 +104,54 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "trajectory_inputs": (rectified.trajectory_inputs, (POSES, MODEL)),
     "longest_step": (rectified.longest_step, (POSES,)),
     "last_away": (rectified.last_away, (POSES, POSES + np.linspace(1, 0, N + 1)[:, None], 0.5)),
-    "around": (
-        motor_plan.around,
-        (INPUTS, POSES, POSES + 0.1, WEIGHTS, INPUTS + 1, INPUTS**2, 60.0),
-    ),
+    "around": (free_step.around, (POSES, INPUTS, *AIM, 60.0, 2)),
+    "free_at_once": (free_step.free_at_once, (*ALONG, *AIM, 1e9, 2)),
+    "free_of_motors": (free_step.free_of_motors, (*ALONG, *AIM, 1e9, 2)),
+    "limit in the way": (free_step.free_at_once, (*ALONG, *AIM, 60.0, 2)),
+    "sent_earlier": (free_step.sent_earlier, (INPUTS, 2)),
     "tracked": (rectified.tracked, (POSES[0], POSES, INPUTS, 0.05, 0.01, MODEL)),
     "wheel_ways": (motor.wheel_ways, (INPUTS, 0.013, 0.02, 0.5, 900.0, 0.01)),
     "steps_of": (motor.steps_of, (MOTOR, INPUTS, 0.01)),
     "commands_for": (motor.commands_for, (MOTOR, INPUTS / 100, 0.01)),
     "body_steps": (motor.body_steps, (POSES, 0.5)),
-    "wanted": (motor_plan.wanted, (POSES, DRIFT, 0.5)),
-    "made_motion": (
-        motor_plan.made_motion,
-        (INPUTS, MOTOR, POSES[0], DRIFT, 0.01, 0.5, POSES, WEIGHTS, INPUTS + 1, INPUTS**2),
+    "easy_commands": (motor_plan.easy_commands, (MOTOR, POSES, DRIFT, 0.01, 0.5, 0.05)),
+    "stepped plan": (
+        motor_plan.stepped,
+        (INPUTS, INPUTS + 2, 0.5, 60.0, MOTOR, POSES[0], DRIFT, 0.01, 0.5, *AIM),
     ),
-    "drift": (identification.drift, (MOTOR, np.eye(6), INPUTS, 0.01)),
+    "drift": (belief.drift, (MOTOR, np.eye(6), INPUTS, 0.01)),
+    "squares_off": (kept_passes.squares_off, (POSES, POSES + 0.1, 2, (3.0, 2.0))),
+    "parameters_told": (
+        passes_told.parameters_told,
+        (
+            MOTOR,
+            0.2 * np.arange(6.0),
+            0.1 * np.arange(6.0),
+            NOISE,
+            PASSES,
+            np.array([INPUTS, INPUTS + 1]),
+            0.3,
+            0.01,
+            0.5,
+        ),
+    ),
+    "noise_told": (
+        passes_told.noise_told,
+        (np.array(NOISE), PASSES, np.array([1, 0]), np.array([INPUTS, INPUTS + 1]) / 100, 0.3, 0.5),
+    ),
+    "steps_of_passes": (
+        passes_told.steps_of_passes,
+        (MOTOR, np.array([INPUTS, INPUTS + 1]), np.array([1, 0]), 0.01),
+    ),
+    "worst_powers": (
+        misfit.worst_powers,
+        (
+            POSES.T.copy(),
+            0.3,
+            np.array([[0, 1], [1, 2], [2, 4], [4, N + 1]]),
+            np.array([4.0, 3.0, 2.0, 2.0]),
+        ),
+    ),
     "regulated": (pose_regulator.regulated, (INPUTS, POSES, POSES + 0.1, 2, 0.01, 3.0)),
     "along": (linear_quadratic.linearised, (POSES, 0.1, 0.2)),
     "moved": (motor.moved, (POSES[0], INPUTS / 100, DRIFT, 0.5)),
@@ -127,7 +168,21 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         filter_slopes.parameter_score,
         (MOTOR, INPUTS, 0.01, POSES, 0.5, NOISE, 0.3, np.ones((N, 6)), np.ones((6, 6))),
     ),
-    "smooth_pass": (driven.smooth_pass, (UNREAD, INPUTS, MOTOR, 0.01, 0.5, NOISE, 0.3)),
+    "smooth_passes": (
+        driven.smooth_passes,
+        (
+            np.array([POSES, UNREAD]),
+            np.array([INPUTS, INPUTS + 1]),
+            1,
+            MOTOR,
+            0.01,
+            0.5,
+            NOISE,
+            0.3,
+            np.zeros((2, 3)),
+            np.zeros((2, N, 3)),
+        ),
+    ),
     "squares_of_sums": (parameter_errors.squares_of_sums, (DRIFT, 4)),
     "steps_and_slopes": (
         motor.steps_and_slopes,
@@ -138,7 +193,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "moved_inside": (bounded_changes.moved_inside, (INSIDE, WITHIN[0], WITHIN[1], 0.1, 0.99)),
     "distances": (
         repeating.distances,
-        (RANDOM.normal(1, 1, (4, 3, N)), repeating.octaves(N), 2, np.zeros((3, 5, 4, 4))),
+        (RANDOM.normal(1, 1, (4, 3, N)), cosines.octaves(N), 1, 3, np.zeros((3, 5, 4, 4))),
     ),
     "differences": (repeating.differences, (RANDOM.normal(3, 1, (4, N, 2)), 1)),
     "in_common": (misfit.in_common, (RANDOM.normal(0, 1, (4, N, 3)), np.zeros((3, N)))),
@@ -147,6 +202,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (
             RANDOM.normal(1, 1, (4, 3, N)),
             np.array([[0, 1], [1, 2], [2, 4], [4, N]]),
+            N,
             RANDOM.uniform(1, 2, (3, 4, 4, 4)),
             np.array([1.0, 0.5, 0.1, 0.0]),
             np.array([0.0, 0.1, 10.0]),
@@ -155,7 +211,11 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         ),
     ),
     "linearised": (
-        motor_quadratic.linearised,
+        motor_motion.linearised,
+        (POSES, INPUTS, MOTOR, 0.01, 0.5),
+    ),
+    "linearised_at_once": (
+        motor_motion.linearised_at_once,
         (POSES, INPUTS, MOTOR, 0.01, 0.5),
     ),
     **{
@@ -164,8 +224,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
             (motor_quadratic.factorise, (WEIGHTS, INPUTS**2 + 1, GAINS_7, np.zeros((N, 3)))),
             (motor_quadratic.solve, (GAINS_7, INPUTS[:, [0, 0, 1]], POSES, INPUTS)),
             (motor_quadratic.input_slopes_after, (WEIGHTS, POSES, INPUTS)),
-            (motor_quadratic.change_of_cost, (WEIGHTS, INPUTS**2, POSES, INPUTS, INPUTS + 1)),
-            (motor_quadratic.of_wheels_at_once, ()),
+            (motor_quadratic.change_of_motors, (WEIGHTS, INPUTS**2, POSES, INPUTS, INPUTS + 1)),
         )
     },
     "smoother": (motion_filter.smoothed, (POSES, COVARIANCES, POSES + 0.1, COVARIANCES + 0.2)),

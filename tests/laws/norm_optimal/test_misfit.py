@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hilc_cli.laws.norm_optimal.misfit import Innovations, misfits
+from hilc_cli.laws.norm_optimal.misfit import misfits
 
 N = 200
 
@@ -50,13 +50,3 @@ def test_what_is_of_a_single_pass_is_none() -> None:
 def test_one_pass_has_nothing_in_common() -> None:
     assert np.isnan(misfits(np.ones((1, N, 3)))).all()
     assert np.isfinite(misfits(np.ones((2, 1, 3)))).all()
-
-
-def test_oldest_passes_are_forgotten() -> None:
-    passes = np.random.default_rng(4).normal(size=(7, N, 3))
-    kept = Innovations(N, 4)
-    for white in passes:
-        kept.add(white)
-    assert kept.misfits() == pytest.approx(misfits(passes[-4:]), rel=1e-12)
-    kept.clear()
-    assert np.isnan(kept.misfits()).all()

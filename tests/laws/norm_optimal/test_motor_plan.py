@@ -9,13 +9,9 @@ from scipy.optimize import lsq_linear, minimize
 from hilc_cli.laws.norm_optimal.bounded_changes import bounded_changes
 from hilc_cli.laws.norm_optimal.linear_quadratic import LinearQuadratic
 from hilc_cli.laws.norm_optimal.motor import Motor, body_steps, commands_for, moved, steps_of
+from hilc_cli.laws.norm_optimal.motor_motion import MotorMotion, linearised, linearised_at_once
 from hilc_cli.laws.norm_optimal.motor_plan import MotorPlan, motor_plan
-from hilc_cli.laws.norm_optimal.motor_quadratic import (
-    MotorMotion,
-    MotorQuadratic,
-    linearised,
-    of_wheels_at_once,
-)
+from hilc_cli.laws.norm_optimal.motor_quadratic import MotorQuadratic
 from hilc_cli.reference.sampled import Floats
 
 N, STEP = 15, 0.05
@@ -120,7 +116,12 @@ def test_wheels_that_do_at_once_what_they_are_told_need_no_states_of_their_own(
     slopes = WEIGHTS * away, RANDOM.normal(0, 1, (N, 2))
     full = MotorQuadratic(along, WEIGHTS, inputs_weights, *slopes)
     weights = np.tile(WEIGHTS[1:], (N + 1, 1))
-    small = LinearQuadratic(of_wheels_at_once(along), weights, inputs_weights, *slopes)
+    small = LinearQuadratic(
+        linearised_at_once(motion(motor, INPUTS, 0.5), INPUTS, motor, STEP, 0.5),
+        weights,
+        inputs_weights,
+        *slopes,
+    )
     expected, gains = full.solution(inputs_weights, slopes[1])
     found, own = small.solution(inputs_weights, slopes[1])
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)

@@ -15,13 +15,14 @@ N = 64
 
 def repeating(leftovers: Floats, sent: Floats | None = None, most: int = 16) -> Floats:
     """What is expected to come back after some passes, if no inputs are given of all alike."""
-    n = leftovers.shape[1]
+    passes, n, _ = leftovers.shape
     kept = Repeating(n, most)
-    for own, inputs in zip(
-        leftovers, np.zeros((*leftovers.shape[:2], 2)) if sent is None else sent, strict=True
-    ):
-        kept.add([own], [inputs])
-    return kept.expected()
+    inputs = np.zeros((min(passes, most), n, 2))
+    for number, own in enumerate(leftovers):
+        kept.put(number % most, own.T[None])
+        if sent is not None:
+            inputs[number % most] = sent[number]
+    return kept.expected(inputs, (passes - 1) % most)
 
 
 def wave(half_waves: int) -> Floats:
@@ -132,17 +133,17 @@ def test_inputs_that_come_nearer_are_followed() -> None:
     assert np.abs(found - last).max() < 0.2 * np.abs(mean - last).max()
 
 
-def test_oldest_passes_are_forgotten_and_all_where_that_is_asked_for() -> None:
+def test_a_pass_takes_the_place_of_an_older_one() -> None:
     random = np.random.default_rng(5)
     leftovers, sent = random.normal(size=(11, N, 3)), random.normal(3.0, 0.5, (11, N, 2))
     last = repeating(leftovers[-4:], sent[-4:])
     assert repeating(leftovers, sent, most=4) == pytest.approx(last, abs=1e-12)
     kept = Repeating(N, 4)
-    for own, inputs in zip(leftovers, sent, strict=True):
-        kept.add([own], [inputs])
-    kept.clear()
-    kept.add([*leftovers[:3]], [*sent[:3]])
-    assert kept.expected().tolist() == repeating(leftovers[:3], sent[:3]).tolist()
+    for own in leftovers[4:8]:
+        kept.put(0, own.T[None])
+    kept.put(0, leftovers[:4].transpose(0, 2, 1))
+    expected = repeating(leftovers[:4], sent[:4])
+    assert kept.expected(sent[:4], 3) == pytest.approx(expected, rel=1e-12, abs=1e-15)
 
 
 def test_growth_is_the_likeliest_of_those_that_are_tried() -> None:
@@ -172,3 +173,9 @@ def test_growth_is_the_likeliest_of_those_that_are_tried() -> None:
     found = np.array([wave(k) for k in range(low, high)]) @ repeating(leftovers, inputs)[:, 1]
     assert expected.any()
     assert found == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_fastest_waves_come_back_too() -> None:
+    # 100 samples have waves beyond the last power of two.
+    common = np.random.default_rng(7).normal(size=(100, 3))
+    assert repeating(np.array([common] * 3)) == pytest.approx(common, abs=1e-12)
