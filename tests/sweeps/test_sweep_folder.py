@@ -106,6 +106,14 @@ def columns_of(cases: int) -> dict[str, Floats]:
     return {name: np.arange(cases, dtype=np.float64) for name in CASE_COLUMNS}
 
 
+def test_equal_words_of_other_kinds_keep_their_texts(tmp_path: Path) -> None:
+    words = ["feedback", 1, True, 1.0, False, 0]
+    write_cases(tmp_path / "cases.csv", {"a": words}, columns_of(len(words)))
+    lines = (tmp_path / "cases.csv").read_text(encoding="utf-8").splitlines()[1:]
+    told = [line.split(",")[1] for line in lines]
+    assert told == ["feedback", "1", "true", "1.0", "false", "0"]
+
+
 AXES: Mapping[str, Axis] = {"a": Choices(("x", "y")), "b": Range(0.5, 2.5, "linear", 3)}
 
 
