@@ -107,7 +107,7 @@ def columns_of(cases: int) -> dict[str, Floats]:
 
 
 def test_equal_words_of_other_kinds_keep_their_texts(tmp_path: Path) -> None:
-    words = ["feedback", 1, True, 1.0, False, 0]
+    words: list[Value] = ["feedback", 1, True, 1.0, False, 0]
     write_cases(tmp_path / "cases.csv", {"a": words}, columns_of(len(words)))
     lines = (tmp_path / "cases.csv").read_text(encoding="utf-8").splitlines()[1:]
     told = [line.split(",")[1] for line in lines]
