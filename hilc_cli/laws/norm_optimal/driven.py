@@ -156,3 +156,23 @@ def _smooth_passes(
 
 
 smooth_passes = cached(_smooth_passes, parts=[foreseen_pose, steps_of])
+
+
+def _squares_off(poses: Floats, target: Floats, first: int, weights: tuple[float, float]) -> float:
+    """The mean of weighted squares of how far poses are off, from a sample on.
+
+    Args:
+        poses: Shape (n + 1, 3).
+        target: Likewise.
+        first: That sample.
+        weights: Of squares of the position and of the heading.
+    """
+    total = 0.0
+    for k in range(first, len(poses)):
+        x, y = poses[k, 0] - target[k, 0], poses[k, 1] - target[k, 1]
+        turned = poses[k, 2] - target[k, 2]
+        total += weights[0] * (x * x + y * y) + weights[1] * turned * turned
+    return total / (len(poses) - first)
+
+
+squares_off = cached(_squares_off)

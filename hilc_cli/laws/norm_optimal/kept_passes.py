@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from hilc_cli.compiling import cached
 from hilc_cli.laws.norm_optimal.passes_told import Pass, Passes
 from hilc_cli.reference.sampled import Floats
 
@@ -74,23 +73,3 @@ class KeptPasses:
         measured[:, 0] = self.first_readings if start is None else start
         places = np.arange(self.seen - count, self.seen) % len(self._sent)
         return Passes(measured, self.sent, places, 1.0 if start is None else 1 / count)
-
-
-def _squares_off(poses: Floats, target: Floats, first: int, weights: tuple[float, float]) -> float:
-    """The mean of weighted squares of how far poses are off, from a sample on.
-
-    Args:
-        poses: Shape (n + 1, 3).
-        target: Likewise.
-        first: That sample.
-        weights: Of squares of the position and of the heading.
-    """
-    total = 0.0
-    for k in range(first, len(poses)):
-        x, y = poses[k, 0] - target[k, 0], poses[k, 1] - target[k, 1]
-        turned = poses[k, 2] - target[k, 2]
-        total += weights[0] * (x * x + y * y) + weights[1] * turned * turned
-    return total / (len(poses) - first)
-
-
-squares_off = cached(_squares_off)

@@ -13,9 +13,9 @@ import numpy as np
 from hilc_cli.laws.law import Figures, Iteration, Plan
 from hilc_cli.laws.norm_optimal.belief import MotorBelief
 from hilc_cli.laws.norm_optimal.chance import seldom_above
-from hilc_cli.laws.norm_optimal.driven import Driven, smooth_passes
+from hilc_cli.laws.norm_optimal.driven import Driven, smooth_passes, squares_off
 from hilc_cli.laws.norm_optimal.identification import Identification
-from hilc_cli.laws.norm_optimal.kept_passes import KeptPasses, squares_off
+from hilc_cli.laws.norm_optimal.kept_passes import KeptPasses
 from hilc_cli.laws.norm_optimal.law import IDENTIFIED, MERGE_TIME, MISFITS, NormOptimalLaw
 from hilc_cli.laws.norm_optimal.misfit import misfits
 from hilc_cli.laws.norm_optimal.motion_filter import Noise

@@ -93,8 +93,7 @@ def _worst_powers(
             for k in range(low, high):
                 power += shares[row, k] * shares[row, k]
             power /= (high - low) * allowed[octave] * usual
-            if not power <= worst[row]:
-                worst[row] = power
+            worst[row] = max(worst[row], power)
     return worst
 
 

@@ -16,7 +16,6 @@ from hilc_cli.laws.norm_optimal import (
     driven,
     filter_slopes,
     free_step,
-    kept_passes,
     linear_quadratic,
     misfit,
     motion_filter,
@@ -120,7 +119,7 @@ CALLS: dict[str, tuple[Any, tuple[Any, ...]]] = {
         (INPUTS, INPUTS + 2, 0.5, 60.0, MOTOR, POSES[0], DRIFT, 0.01, 0.5, *AIM),
     ),
     "drift": (belief.drift, (MOTOR, np.eye(6), INPUTS, 0.01)),
-    "squares_off": (kept_passes.squares_off, (POSES, POSES + 0.1, 2, (3.0, 2.0))),
+    "squares_off": (driven.squares_off, (POSES, POSES + 0.1, 2, (3.0, 2.0))),
     "parameters_told": (
         passes_told.parameters_told,
         (
