@@ -24,7 +24,7 @@ from hilc_cli.leaderboards.comparing import (
     compare_laws as compare_laws,
     plot_leaderboard as plot_leaderboard,
 )
-from hilc_cli.leaderboards.contests import LeaderboardData as LeaderboardData
+from hilc_cli.leaderboards.entries import LeaderboardData as LeaderboardData
 from hilc_cli.leaderboards.folder import read_leaderboard as read_leaderboard
 from hilc_cli.leaderboards.plan import (
     Leaderboard as Leaderboard,

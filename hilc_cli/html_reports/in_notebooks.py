@@ -44,7 +44,7 @@ from hilc_cli.labs.lab import Lab
 from hilc_cli.labs.report import TRIALS_HEADER, next_rows, trial_row, warnings_of
 from hilc_cli.labs.state import LabState
 from hilc_cli.leaderboards.comparing import LawComparison
-from hilc_cli.leaderboards.contests import LeaderboardData
+from hilc_cli.leaderboards.entries import LeaderboardData
 from hilc_cli.leaderboards.picture import leaderboard_figure
 from hilc_cli.paper.claim_texts import count_texts, readings_of
 from hilc_cli.paper.reproducing import Reproduction

@@ -11,7 +11,7 @@ from hilc_cli.comparisons.formats import Cell, Grid
 from hilc_cli.comparisons.table import number_text
 from hilc_cli.html_reports.chapter import Chapter, Table, comparison, names_and_values, picture
 from hilc_cli.leaderboards.comparing import LawComparison
-from hilc_cli.leaderboards.contests import LeaderboardData
+from hilc_cli.leaderboards.entries import LeaderboardData
 from hilc_cli.leaderboards.picture import leaderboard_figure
 from hilc_cli.results.metrics import CASE_COLUMNS, CASE_METRICS
 from hilc_cli.results.picture_kinds import SWEEP_PICTURES

@@ -26,7 +26,7 @@ from hilc_cli.html_reports.of_runs import comparison_chapter, run_chapter
 from hilc_cli.html_reports.of_tables import leaderboard_chapter, sweep_chapter
 from hilc_cli.html_reports.templates import own_file, template
 from hilc_cli.leaderboards.comparing import LawComparison
-from hilc_cli.leaderboards.contests import LeaderboardData
+from hilc_cli.leaderboards.entries import LeaderboardData
 from hilc_cli.leaderboards.folder import is_leaderboard, read_leaderboard
 from hilc_cli.results.run import RunData
 from hilc_cli.runs.run_folder import ITERATIONS, LAB_FOLDER

@@ -14,7 +14,7 @@ from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
 from hilc_cli.comparisons.table import ComparisonTable, Value
 from hilc_cli.errors import UsageError
 from hilc_cli.files import merge_folder
-from hilc_cli.leaderboards.contests import LeaderboardData, compete, compute_entries
+from hilc_cli.leaderboards.entries import LeaderboardData
 from hilc_cli.leaderboards.folder import LEADERBOARD_FOLDER, TABLES, read_leaderboard
 from hilc_cli.leaderboards.plan import Leaderboard, load_leaderboard
 from hilc_cli.leaderboards.tables import (
@@ -205,6 +205,9 @@ def compare_laws(
         FailedContestError: A run cannot be computed.
         WorkersError: Processes cannot be started.
     """
+    # The compiler starts slowly.
+    from hilc_cli.leaderboards.contests import compete, compute_entries
+
     if not isinstance(leaderboard, Leaderboard):
         leaderboard = load_leaderboard(leaderboard)
     started, clock = datetime.now(UTC), time.perf_counter()

@@ -1,21 +1,23 @@
-"""The runs of a leaderboard: what becomes of each law in each case, and who computes that."""
+"""The runs of a leaderboard: how entries are made of them, and who computes them."""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
+from hilc_cli.engine.lanes.batch import measure_batch
+from hilc_cli.engine.lanes.kinds import Kind, member
 from hilc_cli.engine.loop import MeasuredTrials, prepare_machine_code
 from hilc_cli.errors import DivergedError, HilcError
+from hilc_cli.leaderboards.entries import Entry
+from hilc_cli.leaderboards.heats import Heat, experiment_of, heats
 from hilc_cli.leaderboards.plan import Contest
 from hilc_cli.reference.sampled import Floats
-from hilc_cli.results.in_notebooks import InNotebooks
 from hilc_cli.results.metrics import (
     FASTEST_WHEEL,
     MAX_ERROR,
@@ -25,152 +27,53 @@ from hilc_cli.results.metrics import (
     settled_at,
     share_within,
 )
-from hilc_cli.wording import in_short, listed
-from hilc_cli.workers.crews import Alone, Crew, Processes, hand_out
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """One law in one case.
-
-    Errors are position errors over the second half of the trajectory, unless something else is
-    said. A run that diverges has infinite errors from there on.
-
-    Attributes:
-        case: Name of the case.
-        belief: Name of what the controller believes.
-        disturbance: Name of the disturbance.
-        law: Name of the law.
-        max_m: Largest error after each number of iterations that is looked at [m].
-        mean_m: Mean error, likewise [m].
-        whole_max_m: Largest error over the whole path, likewise [m].
-        within_at: First iteration whose largest error is within the tolerance; None if none is.
-        within_share: Share of the iterations from that one to the last that are; None likewise.
-        settled_at: First iteration from which on the largest error keeps the tolerance; None if
-            the last does not.
-        peak_m: Largest error over the whole path in any iteration but 0, which is mostly the first
-            input alone and tells nothing of the law [m]; None if there is no other.
-        fastest_wheel_rad_s: Largest wheel speed in any iteration [rad/s].
-        speed_limit_rad_s: b_w [rad/s]; None for no limit.
-        diverged_at: The iteration that left the finite numbers; None if none did.
-        seconds_per_iteration: Processor time of the whole program for an iteration [s].
-    """
-
-    case: str
-    belief: str
-    disturbance: str
-    law: str
-    max_m: tuple[float, ...]
-    mean_m: tuple[float, ...]
-    whole_max_m: tuple[float, ...]
-    within_at: int | None
-    within_share: float | None
-    settled_at: int | None
-    peak_m: float | None
-    fastest_wheel_rad_s: float
-    speed_limit_rad_s: float | None
-    diverged_at: int | None
-    seconds_per_iteration: float
-
-    @property
-    def keeps_limit(self) -> bool | None:
-        """Whether no wheel was faster than the limit in any sample of any iteration.
-
-        None if there is no limit.
-        """
-        limit = self.speed_limit_rad_s
-        return None if limit is None else self.fastest_wheel_rad_s <= limit
-
-
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LeaderboardData(InNotebooks):
-    """The entries of a leaderboard.
-
-    Attributes:
-        name: Of the leaderboard.
-        after: Numbers of iterations after which errors are told.
-        tolerance: Largest error that counts as reached [m].
-        entries: Cases in their order; of each the beliefs, the disturbances, and the laws.
-    """
-
-    name: str
-    after: tuple[int, ...]
-    tolerance: float
-    entries: tuple[Entry, ...]
-
-    def __repr__(self) -> str:
-        title = f"LeaderboardData {self.name!r}: {len(self.entries)} runs"
-        return in_short(title, f"laws: {listed(self.laws)}")
-
-    def to_pandas(self) -> DataFrame:
-        """A data frame of pandas with a row per run and the columns of leaderboard.csv.
-
-        Raises:
-            MissingPackageError: pandas is not installed.
-        """
-        from hilc_cli.leaderboards.tables import entries_table  # which is made of this
-
-        return entries_table(self).to_pandas()
-
-    @property
-    def laws(self) -> tuple[str, ...]:
-        """Names of the laws in their order."""
-        return tuple(dict.fromkeys(entry.law for entry in self.entries))
-
-    @property
-    def disturbances(self) -> tuple[str, ...]:
-        """Names of the disturbances in their order."""
-        return tuple(dict.fromkeys(entry.disturbance for entry in self.entries))
-
-    def of(self, law: str, disturbance: str) -> list[Entry]:
-        """The entries of a law with a disturbance."""
-        return [
-            entry for entry in self.entries if entry.law == law and entry.disturbance == disturbance
-        ]
-
-    @property
-    def settings(self) -> tuple[tuple[str, str], ...]:
-        """Beliefs with disturbances in their order."""
-        return tuple(dict.fromkeys((entry.belief, entry.disturbance) for entry in self.entries))
+from hilc_cli.workers.crews import Alone, Crew, Outcome, Processes, hand_out
 
 
 class FailedContestError(HilcError):
     """A run of a leaderboard could not be computed."""
 
 
-def compete(contest: Contest, after: Sequence[int], tolerance: float) -> Entry:
-    """Runs one law in one case.
+_Run = tuple[Floats, int | None]
+"""The metrics of which entries tell, shape (completed iterations, metrics), and the iteration that
+left the finite numbers, if one did."""
 
-    Where all iterations are the same, since nothing is learned and nothing disturbed, one is run
-    and stands for all.
+_TOLD = (MAX_ERROR, MAX_ERROR_SECOND_HALF, MEAN_ERROR_SECOND_HALF, FASTEST_WHEEL)
+
+
+def compete(heat: Heat, after: Sequence[int], tolerance: float) -> list[Entry]:
+    """Runs laws in cases, side by side where a heat has several.
 
     Args:
-        contest: The law and the case.
+        heat: The laws and the cases.
         after: Numbers of iterations after which errors are told.
         tolerance: Largest error that counts as reached [m].
+
+    Raises:
+        DivergedError: A run left the finite numbers in iteration 0.
     """
     prepare_machine_code()
-    experiment = contest.scenario.experiment()
-    law, disturbance = contest.scenario.spec.controller, contest.scenario.spec.disturbance
-    same = not law.learns and not disturbance.active
-    _warm_up(experiment)
+    experiments = [experiment_of(contest) for contest in heat.contests]
+    _warm_up(experiments, heat.kind)
     start = time.process_time()
-    metrics, diverged_at = _measured(replace(experiment, iterations=0) if same else experiment)
+    runs = _measured(experiments, heat.kind)
     seconds = time.process_time() - start
-    ran = len(metrics[MAX_ERROR])
-    if ran == 0:
+    if any(len(metrics) == 0 for metrics, _ in runs):
         raise DivergedError(0)
+    each = seconds / sum(len(metrics) for metrics, _ in runs)
+    pairs = zip(heat.contests, runs, strict=True)
+    return [_entry(contest, run, after, tolerance, each) for contest, run in pairs]
 
-    def whole(metric: str) -> Floats:
-        """Errors of all iterations: infinite where diverged, the last where all are alike."""
-        last = metrics[metric][-1] if diverged_at is None else math.inf
-        return np.append(metrics[metric], [last] * (experiment.iterations + 1 - ran))
 
-    largest, path = whole(MAX_ERROR_SECOND_HALF), whole(MAX_ERROR)
-    mean, wanted = whole(MEAN_ERROR_SECOND_HALF), list(after)
+def _entry(
+    contest: Contest, run: _Run, after: Sequence[int], tolerance: float, seconds: float
+) -> Entry:
+    metrics, diverged_at = run
+    missing = contest.scenario.spec.iterations + 1 - len(metrics)
+    # Iterations that are missing are like the one that is not, or have diverged.
+    rest = metrics[-1] if diverged_at is None else np.full(len(_TOLD), math.inf)
+    path, largest, mean, _ = np.concatenate([metrics, np.tile(rest, (missing, 1))]).T
+    wanted = list(after)
     return Entry(
         contest.case,
         contest.belief,
@@ -183,16 +86,16 @@ def compete(contest: Contest, after: Sequence[int], tolerance: float) -> Entry:
         share_within(largest, tolerance),
         settled_at(largest, tolerance),
         float(path[1:].max()) if len(path) > 1 else None,
-        float(metrics[FASTEST_WHEEL].max()),
+        float(metrics[:, _TOLD.index(FASTEST_WHEEL)].max()),
         contest.scenario.speed_limit,
         diverged_at,
-        seconds / ran,
+        seconds,
     )
 
 
 def compute_entries(
     contests: Sequence[Contest],
-    work: Callable[[Contest], Entry],
+    work: Callable[[Heat], list[Entry]],
     workers: int,
     on_runs: Callable[[int], None] = lambda runs: None,
     go_on: Callable[[], None] = lambda: None,
@@ -201,7 +104,7 @@ def compute_entries(
 
     Args:
         contests: The runs.
-        work: Makes the entry of one.
+        work: Makes the entries of a heat.
         workers: How many processes.
         on_runs: Told how many runs are done, each time there are more.
         go_on: Called now and then; may raise to stop.
@@ -214,42 +117,59 @@ def compute_entries(
         WorkersError: Processes cannot be started.
     """
     prepare_machine_code()
-    crew: Crew[Contest, Entry] = (
-        Alone(work) if workers == 1 else Processes(work, min(workers, len(contests)))
+    pieces = heats(contests)
+    crew: Crew[Heat, list[Entry]] = (
+        Alone(work) if workers == 1 else Processes(work, min(workers, len(pieces)))
     )
     entries: dict[Contest, Entry] = {}
     try:
-        for outcome in hand_out(contests, crew, go_on):
-            contest = outcome.piece
+        for outcome in _outcomes(pieces, crew, go_on):
+            runs = outcome.piece.contests
             if outcome.result is None:
+                (contest,) = runs
                 where = f"law {contest.law}, case {contest.case}, belief {contest.belief}"
                 where += f", disturbance {contest.disturbance}"
                 raise FailedContestError(f"{where}: {outcome.reason}") from outcome.error
-            entries[contest] = outcome.result
+            entries.update(zip(runs, outcome.result, strict=True))
             on_runs(len(entries))
     finally:
         crew.dismiss()
     return tuple(entries[contest] for contest in contests)
 
 
-_TOLD = (MAX_ERROR, MAX_ERROR_SECOND_HALF, MEAN_ERROR_SECOND_HALF, FASTEST_WHEEL)
-"""The metrics of which entries tell."""
+def _outcomes(
+    pieces: Sequence[Heat], crew: Crew[Heat, list[Entry]], go_on: Callable[[], None]
+) -> Iterator[Outcome[Heat, list[Entry]]]:
+    """What becomes of heats; one of several that fails is parted, to find out which run did."""
+    parted: list[Heat] = []
+    for outcome in hand_out(pieces, crew, go_on):
+        runs = outcome.piece.contests
+        if outcome.result is None and len(runs) > 1:
+            parted += [Heat((contest,)) for contest in runs]
+        else:
+            yield outcome
+    yield from hand_out(parted, crew, go_on)
 
 
-def _measured(experiment: Experiment) -> tuple[dict[str, Floats], int | None]:
-    """Metrics of each iteration, and the iteration that left the finite numbers, if one did."""
-    trials = MeasuredTrials(experiment, names=_TOLD)
+def _measured(experiments: Sequence[Experiment], kind: Kind | None) -> list[_Run]:
+    """Runs experiments in lanes, or where they have no kind one by one in the loop engine."""
+    if kind is not None:
+        return measure_batch([member(experiment) for experiment in experiments], kind, _TOLD)
+    return [_of_trials(MeasuredTrials(each, names=_TOLD)) for each in experiments]
+
+
+def _of_trials(trials: MeasuredTrials) -> _Run:
     rows = np.array([list(metrics.values()) for _, metrics in trials]).reshape(-1, len(_TOLD))
-    return dict(zip(_TOLD, rows.T, strict=True)), trials.diverged_at
+    return rows, trials.diverged_at
 
 
-_WARM: set[type[object]] = set()
-"""Laws that have run in this process, so that nothing of theirs is still to be loaded or compiled,
-which would count as their time."""
+_WARM: set[Hashable] = set()
+"""Laws and kinds that have run in this process, so that nothing of theirs is still to be loaded or
+compiled, which would count as their time."""
 
 
-def _warm_up(experiment: Experiment) -> None:
-    kind = type(experiment.law)
-    if kind not in _WARM:
-        _measured(replace(experiment, iterations=min(2, experiment.iterations)))
-        _WARM.add(kind)
+def _warm_up(experiments: Sequence[Experiment], kind: Kind | None) -> None:
+    what = type(experiments[0].law) if kind is None else kind
+    if what not in _WARM:
+        _measured([replace(each, iterations=min(2, each.iterations)) for each in experiments], kind)
+        _WARM.add(what)

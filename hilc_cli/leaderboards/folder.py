@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field, Strict
 
 from hilc_cli.errors import UsageError
-from hilc_cli.leaderboards.contests import Entry, LeaderboardData
+from hilc_cli.leaderboards.entries import Entry, LeaderboardData
 from hilc_cli.leaderboards.tables import ERRORS, NAMES, OTHERS, error_name
 from hilc_cli.names import check_name
 from hilc_cli.results.folder import ResultFolder

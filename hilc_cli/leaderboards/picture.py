@@ -18,7 +18,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from hilc_cli.drawing import labels, layout, style
 from hilc_cli.drawing.save import save_pictures
-from hilc_cli.leaderboards.contests import LeaderboardData
+from hilc_cli.leaderboards.entries import LeaderboardData
 from hilc_cli.leaderboards.folder import LEADERBOARD_PICTURE
 from hilc_cli.reference.sampled import Floats
 from hilc_cli.results.look import USUAL, Look

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from statistics import median
 
 from hilc_cli.comparisons.table import Column, ComparisonTable, Row, Value
-from hilc_cli.leaderboards.contests import Entry, LeaderboardData
+from hilc_cli.leaderboards.entries import Entry, LeaderboardData
 from hilc_cli.wording import counted
 
 NAMES = ("case", "belief", "disturbance", "law")

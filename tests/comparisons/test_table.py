@@ -9,7 +9,7 @@ import pytest
 from hilc_cli.comparisons import formats
 from hilc_cli.comparisons.formats import print_comparison
 from hilc_cli.comparisons.table import Column, ComparisonTable, Row
-from hilc_cli.leaderboards.contests import Entry, LeaderboardData
+from hilc_cli.leaderboards.entries import Entry, LeaderboardData
 from hilc_cli.leaderboards.tables import entries_table, laws_table
 from hilc_cli.reporting import terminal
 

@@ -21,7 +21,7 @@ from hilc_cli.errors import ExistingResultsError, UsageError
 from hilc_cli.html_reports.report import Place, Results, read_results, report
 from hilc_cli.html_reports.templates import template
 from hilc_cli.labs.lab import Lab
-from hilc_cli.leaderboards.contests import LeaderboardData
+from hilc_cli.leaderboards.entries import LeaderboardData
 from hilc_cli.results.run import RunData
 from hilc_cli.results.summary import summarise
 from hilc_cli.sweeps.data import SweepData

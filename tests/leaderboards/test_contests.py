@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import astuple, replace
 from itertools import islice
 
 import numpy as np
@@ -12,14 +12,12 @@ import pytest
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import DivergedError
-from hilc_cli.leaderboards.contests import (
-    Entry,
-    FailedContestError,
-    compete,
-    compute_entries,
-)
+from hilc_cli.leaderboards.contests import FailedContestError, compete, compute_entries
+from hilc_cli.leaderboards.entries import Entry
+from hilc_cli.leaderboards.heats import Heat, heats
 from hilc_cli.leaderboards.plan import Contest, load_leaderboard
 from hilc_cli.results.trial import Trial
+from hilc_cli.scenario.experiment import Scenario
 
 ENTRY = Entry(
     *("bend", "exact", "none", "slow"),
@@ -52,6 +50,11 @@ UNDISTURBED = [
 ]
 
 
+def alone(contest: Contest, after: list[int], tolerance: float) -> Entry:
+    (entry,) = compete(Heat((contest,)), after, tolerance)
+    return entry
+
+
 def name(contest: Contest) -> str:
     return f"{contest.case}-{contest.belief}"
 
@@ -79,9 +82,8 @@ HARD = [
 def test_norm_optimal_learning_is_within_5_mm_after_5_iterations(contest: Contest) -> None:
     scenario = contest.scenario
     spec = scenario.spec.model_copy(update={"iterations": 5})
-    entry = compete(
-        Contest(contest.case, contest.belief, "none", contest.law, type(scenario)(spec)), [5], 0.005
-    )
+    short = Contest(contest.case, contest.belief, "none", contest.law, type(scenario)(spec))
+    entry = alone(short, [5], 0.005)
     assert entry.speed_limit_rad_s == 180
     assert entry.fastest_wheel_rad_s <= 180
     assert entry.max_m[0] <= 0.005
@@ -92,7 +94,7 @@ def test_norm_optimal_learning_is_within_5_mm_after_5_iterations(contest: Contes
 def test_law_that_does_not_learn_is_run_once_where_nothing_is_disturbed() -> None:
     contest = next(each for each in SHIPPED.contests() if each.law == "feedback")
     assert contest.disturbance == "none"
-    entry = compete(contest, [1, 100], 0.01)
+    entry = alone(contest, [1, 100], 0.01)
     assert entry.max_m[0] == entry.max_m[1] < 0.01
     assert (entry.within_at, entry.within_share, entry.settled_at) == (0, 1, 0)
     assert entry.peak_m == entry.whole_max_m[0]
@@ -123,7 +125,7 @@ OFF = (20.0, 3.0, 0.5, 2.0, 0.25, 0.5, math.inf, math.inf)
 
 
 def test_what_is_told_of_the_iterations(made_up: Contest, monkeypatch: pytest.MonkeyPatch) -> None:
-    lost = compete(made_up, [1, 7], 0.75)
+    lost = alone(made_up, [1, 7], 0.75)
     assert lost.max_m == lost.whole_max_m
     assert list(lost.max_m) == pytest.approx([3, math.inf])
     # Of iterations 2 to 7, those numbered 2, 4 and 5 are within 0.75 m.
@@ -131,22 +133,87 @@ def test_what_is_told_of_the_iterations(made_up: Contest, monkeypatch: pytest.Mo
     assert (lost.peak_m, lost.diverged_at) == (math.inf, 6)
     spec = made_up.scenario.spec
     whole = spec.model_copy(update={"iterations": 5})
-    entry = compete(replace(made_up, scenario=type(made_up.scenario)(whole)), [0, 5], 0.75)
+    entry = alone(replace(made_up, scenario=type(made_up.scenario)(whole)), [0, 5], 0.75)
     assert list(entry.max_m) == pytest.approx([20, 0.5])
     assert (entry.within_at, entry.within_share, entry.settled_at) == (2, 3 / 4, 4)
     assert entry.peak_m == pytest.approx(3)
-    never = compete(made_up, [7], 0.2)
+    never = alone(made_up, [7], 0.2)
     assert (never.within_at, never.within_share, never.settled_at) == (None, None, None)
     first = spec.model_copy(update={"iterations": 0})
-    entry = compete(replace(made_up, scenario=type(made_up.scenario)(first)), [0], 0.75)
+    entry = alone(replace(made_up, scenario=type(made_up.scenario)(first)), [0], 0.75)
     assert entry.peak_m is None
 
 
 def test_run_that_cannot_be_computed_is_told() -> None:
-    def work(contest: Contest) -> Entry:
+    def work(heat: Heat) -> list[Entry]:
         raise ZeroDivisionError("nothing to divide by")
 
     runs = list(islice(SHIPPED.contests(), 1))
     told = r"law paper-17, case circle, belief exact, disturbance none: ZeroDivisionError: nothing"
     with pytest.raises(FailedContestError, match=told):
         compute_entries(runs, work, workers=1)
+
+
+def test_run_that_cannot_be_computed_is_found_among_others() -> None:
+    def work(heat: Heat) -> list[Entry]:
+        if any(contest.law == "paper-21" for contest in heat.contests):
+            raise ZeroDivisionError("nothing to divide by")
+        return [ENTRY] * len(heat.contests)
+
+    sizes = [len(heat.contests) for heat in heats(LEARNING)]
+    assert max(sizes) > 1
+    told = r"law paper-21, case circle, belief exact, disturbance none: ZeroDivisionError: nothing"
+    with pytest.raises(FailedContestError, match=told):
+        compute_entries(LEARNING, work, workers=1)
+
+
+LEARNING = [each for each in SHIPPED.contests() if each.law != "norm-optimal"]
+
+
+def test_laws_share_machine_code_as_far_as_they_can() -> None:
+    contests = list(SHIPPED.contests())
+    found = heats(contests)
+    side_by_side = [heat for heat in found if heat.kind is not None]
+    laws = [{contest.law for contest in heat.contests} for heat in side_by_side]
+    assert laws == [{"paper-17", "derivative", "lateral"}, {"paper-21"}, {"pid"}, {"feedback"}]
+    assert [len(heat.contests) for heat in side_by_side] == [3 * 48, 48, 48, 48]
+    assert [heat for heat in found if heat.kind is None] == [
+        Heat((contest,)) for contest in contests if contest.law == "norm-optimal"
+    ]
+    # What lanes take is compiled by one worker while another compiles what the other law takes.
+    assert [heat.kind is None for heat in found[:6]] == [True, *[False] * 4, True]
+
+
+def test_few_samples_are_not_worth_machine_code_of_their_own() -> None:
+    robots = load_leaderboard("example:leaderboard-robots")
+    assert all(heat.kind is None for heat in heats(list(robots.contests())))
+
+
+def test_lanes_and_the_loop_engine_make_the_same_entries() -> None:
+    """Of every law with and without noise; a pack of 24 lanes ends in the midst of a heat."""
+    shown = {
+        law: [replace(each, scenario=shortened(each)) for each in LEARNING if each.law == law]
+        for law in ("paper-17", "derivative", "lateral", "pid", "feedback")
+    }
+    kinds = {contest.law: heat.kind for heat in heats(LEARNING) for contest in heat.contests}
+    for law, contests in shown.items():
+        heat = Heat(tuple(contests[::-1]), kinds[law])
+        entries = compete(heat, [0, 3], 0.05)[::-1]
+        assert {entry.seconds_per_iteration > 0 for entry in entries} == {True}
+        for contest, entry in list(zip(contests, entries, strict=True))[::7]:
+            expected = alone(contest, [0, 3], 0.05)
+            told = replace(entry, seconds_per_iteration=expected.seconds_per_iteration)
+            assert rounded(told) == rounded(expected)
+
+
+def shortened(contest: Contest) -> Scenario:
+    return Scenario(contest.scenario.spec.model_copy(update={"iterations": 3}))
+
+
+def rounded(entry: Entry) -> list[object]:
+    """Its fields; numbers to nine digits."""
+    return [
+        tuple(float(f"{number:.9g}") for number in field) if isinstance(field, tuple)
+        else float(f"{field:.9g}") if isinstance(field, float) else field
+        for field in astuple(entry)
+    ]  # fmt: skip

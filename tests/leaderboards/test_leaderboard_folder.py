@@ -13,7 +13,7 @@ from hypothesis import given, settings, strategies as st
 
 from hilc_cli.errors import HilcError
 from hilc_cli.leaderboards.comparing import LawComparison
-from hilc_cli.leaderboards.contests import Entry, LeaderboardData
+from hilc_cli.leaderboards.entries import Entry, LeaderboardData
 from hilc_cli.leaderboards.folder import read_leaderboard
 from tests.leaderboards.test_contests import ENTRY, FAST
 

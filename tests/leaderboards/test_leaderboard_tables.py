@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from hilc_cli.comparisons.formats import csv_text, latex_text, markdown_text
-from hilc_cli.leaderboards.contests import Entry, LeaderboardData
+from hilc_cli.leaderboards.entries import Entry, LeaderboardData
 from hilc_cli.leaderboards.tables import (
     cases_table,
     entries_table,

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hilc_cli.errors import UsageError
-from hilc_cli.leaderboards.contests import LeaderboardData
+from hilc_cli.leaderboards.entries import LeaderboardData
 from hilc_cli.leaderboards.picture import leaderboard_figure, save_leaderboard
 from tests.drawing.reading import overlaps
 from tests.leaderboards.test_contests import ENTRY, FAST

@@ -121,6 +121,53 @@ def _simulate(members: Sequence[Member], own_references: bool) -> BatchResult:
     return BatchResult(final, errors, diverged_at)
 
 
+def measure_batch(
+    members: Sequence[Member], kind: Kind, names: Sequence[str]
+) -> list[tuple[Floats, int | None]]:
+    """Metrics of each iteration, not of the last one alone.
+
+    Args:
+        members: Experiments of one kind; those that draw nothing may be with those that do.
+        kind: Theirs.
+        names: Which metrics.
+
+    Returns:
+        Of each experiment its metrics, shape (completed iterations, names), and the iteration that
+        left the finite numbers; None if none did.
+    """
+    longest = max((each.experiment.reference for each in members), key=lambda each: each.samples)
+    pack, found = Pack(longest, kind), []
+    for first in range(0, len(members), LANES):
+        some = members[first : first + LANES]
+        pack.fill(some)
+        table = _each_iteration(pack, some, names)
+        for each, rows, diverged_at in zip(some, table, pack.diverged_at.tolist(), strict=False):
+            ends = each.experiment.iterations + 1 if diverged_at == NEVER else diverged_at
+            found.append((rows[:ends], None if diverged_at == NEVER else diverged_at))
+    return found
+
+
+def _each_iteration(pack: Pack, members: Sequence[Member], names: Sequence[str]) -> Floats:
+    """The metrics of lanes, shape (members, iterations + 1, names), of no meaning behind ends."""
+    lasts = pack.last.copy()
+    iterations = int(lasts.max()) + 1
+    values = arguments(pack, np.empty((iterations, LANES)))
+    samples = np.array([each.experiment.reference.samples for each in members])
+    sums = pack.sums.reshape(-1, LANES)[:, : len(members)]
+    table = np.empty((len(members), iterations, len(names)))
+    for iteration in range(iterations):
+        goes_on = (lasts >= iteration) & (pack.diverged_at == NEVER)
+        # What metrics are made of is noted of a lane's last iteration: this is its last for now.
+        pack.last[:] = np.where(goes_on, iteration, NEVER)
+        pack.plan(iteration)
+        run_iterations(*values, iteration, iteration + 1)
+        noted = Sums(samples, *sums)
+        with np.errstate(invalid="ignore", over="ignore"):  # of lanes that have diverged
+            for number, name in enumerate(names):
+                table[:, iteration, number] = METRICS[name].of_sums(noted)
+    return table
+
+
 def _one(experiment: Experiment, result: BatchResult, number: int) -> None:
     """Runs one in the loop engine and notes it like the batch engine."""
     trials = MeasuredTrials(experiment)

@@ -83,6 +83,39 @@ def kinds_of(members: Sequence[Member], own_references: bool = False) -> Iterato
         yield Kind(*_of_law(member.law, experiment), *known[part])
 
 
+def joined(kinds: Sequence[Kind]) -> list[Kind]:
+    """Kinds as few others that can run them.
+
+    Those that differ in terms of their laws alone get the terms of all, which are zero where a law
+    has none; those that draw nothing become the first that does. That takes longer than machine
+    code of their own, but there is less of it to compile.
+    """
+    widest: dict[Kind, Kind] = {}
+    for kind in kinds:
+        bare = _bare(kind)
+        widest[bare] = _wider(widest.get(bare, bare), kind)
+    wide = [_wider(kind, widest[_bare(kind)]) for kind in kinds]
+    drawn = {_undisturbed(kind): kind for kind in reversed(wide) if kind.drawn}
+    return [drawn.get(kind, kind) for kind in wide]
+
+
+def _wider(kind: Kind, other: Kind) -> Kind:
+    """The first with the terms of both."""
+    return kind._replace(
+        derivative=kind.derivative or other.derivative,
+        lateral=kind.lateral or other.lateral,
+        full_matrix=kind.full_matrix or other.full_matrix,
+    )
+
+
+def _bare(kind: Kind) -> Kind:
+    return _undisturbed(kind)._replace(derivative=False, lateral=False, full_matrix=False)
+
+
+def _undisturbed(kind: Kind) -> Kind:
+    return kind._replace(state=NONE, output=NONE, pose=NONE)
+
+
 def _of_law(law: LaneLaw, experiment: Experiment) -> tuple[Any, ...]:
     """The kind up to `Kind.planned`."""
     if isinstance(law, FeedbackLaw):

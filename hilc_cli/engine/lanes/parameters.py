@@ -118,8 +118,9 @@ def _motion(member: Member, sample_time: float) -> tuple[tuple[float, float], tu
 
 def _noise_rows(source: Bounded) -> list[float]:
     """The rows of `NoiseField`."""
-    if source.distribution == "uniform":
-        return [*source.bound, *[0.0] * 9]
+    if source.distribution == "uniform" or not source.active:
+        # Where others draw from the normal distribution, the middle of none: zero.
+        return [*source.bound, *_NONE, *[0.5] * 3, *_NONE]
     pairs = [probabilities(b, d) for b, d in zip(source.bound, source.deviation, strict=True)]
     inside, below = zip(*pairs, strict=True)
     return [*source.bound, *inside, *below, *source.deviation]
