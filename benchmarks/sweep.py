@@ -11,6 +11,7 @@ GNU Octave for its row.
 """
 
 import argparse
+import json
 import os
 import shutil
 import subprocess
@@ -41,10 +42,13 @@ GAINS = ("0.1", "0.25", "0.25")
 SAMPLES = 101 * 2000
 PACKS = 4
 SEED, STATE_BOUND, OUTPUT_BOUND = 1, 1e-4, 1e-3
-HILC = (
-    *(sys.executable, "-m", "hilc_cli", "sweep", "example:fig8a"),
-    *("--vary", "controller.gains.l1=0.05:1", "--vary", "controller.gains.l2=0:1"),
-)
+HILC = (sys.executable, "-m", "hilc_cli", "sweep", "example:fig8a")
+RANGES = {
+    "hybrid": ("l1=0.05:1", "l2=0:1"),
+    "pid": ("kp=0.1:1", "ki=0:1"),
+    "feedback": ("k_x=1:10",),
+}
+"""Of the gains that are varied, by law."""
 LATE: dict[str, object] = {"robot.motor.delay": "25 ms", "robot.motor.lag": "50 ms"}
 REAL: dict[str, object] = {
     **LATE,
@@ -67,6 +71,8 @@ OTHERS: dict[str, dict[str, object]] = {
     "feedback, delay and lag": {"controller": FEEDBACK, **LATE},
 }
 """What is changed of the benchmark's scenario."""
+WHOLE = ("hybrid, delay and lag", "pid", "feedback")
+"""Those of them that are swept by the command, too."""
 KINDS = {"uniform": "uniform", "normal": "truncated-normal"}
 
 
@@ -142,9 +148,9 @@ def batch(name: str, scenario: hilc.Scenario, repeats: int, own_references: bool
     return Row(name, taken / len(cases), last)
 
 
-def sweep(name: str, workers: int) -> Row:
+def sweep(name: str, workers: int, scenario: hilc.Scenario | None = None) -> Row:
     """A case of a whole sweep, the start of its processes taken off."""
-    few, many = (command(cases * workers, workers).seconds for cases in (2_000, 12_000))
+    few, many = (command(cases * workers, workers, scenario).seconds for cases in (2_000, 12_000))
     return Row(name, (many - few) / (10_000 * workers))
 
 
@@ -161,9 +167,23 @@ class Cost:
     memory: float
 
 
-def command(cases: int, workers: int) -> Cost:
-    """``hilc sweep`` over two gains, with all it writes but pictures."""
-    drawn = ("--sample", "random", "--cases", str(cases), "--workers", str(workers))
+def command(cases: int, workers: int, scenario: hilc.Scenario | None = None) -> Cost:
+    """``hilc sweep`` over gains, with all it writes but pictures.
+
+    Args:
+        cases: How many.
+        workers: Processes.
+        scenario: What is swept; None for the benchmark's scenario.
+    """
+    drawn = ["--sample", "random", "--cases", str(cases), "--workers", str(workers)]
+    law = "hybrid"
+    if scenario is not None:
+        law = scenario.spec.controller.law
+        for part in ("controller", "robot", "disturbance"):
+            data = getattr(scenario.spec, part).model_dump(mode="json", exclude_unset=True)
+            drawn += ["--set", f"{part}={json.dumps(data)}"]
+    for given in RANGES[law]:
+        drawn += ["--vary", f"controller.gains.{given}"]
     with tempfile.TemporaryDirectory() as folder:
         start = time.perf_counter()
         process = subprocess.Popen(
@@ -247,6 +267,7 @@ def noisy_rows(kind: str, repeats: int) -> Iterable[Row]:
     last = float(hilc.run(scenario).metrics["max_position_error_m"][-1])
     yield from loop_engine(scenario, last)
     yield batch("batch engine", scenario, repeats)
+    yield sweep("hilc sweep, 1 worker", 1, scenario)
     for name in ("hybrid, robot as it is", "pid", "feedback"):
         yield batch(f"batch engine, {name}", noisy(KINDS[kind], OTHERS[name]), repeats)
 
@@ -258,7 +279,10 @@ def other_rows(repeats: int) -> Iterable[Row]:
     yield batch("Eq. 17", scenario, repeats)
     yield batch("Eq. 17, references of their own", scenario, repeats, own_references=True)
     for name, changes in OTHERS.items():
-        yield batch(name, hilc.load_scenario("example:fig8a", changes), repeats)
+        scenario = hilc.load_scenario("example:fig8a", changes)
+        yield batch(name, scenario, repeats)
+        if name in WHOLE:
+            yield sweep("  hilc sweep, 1 worker", 1, scenario)
 
 
 def show(title: str, rows: Iterable[Row]) -> None:
