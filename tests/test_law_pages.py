@@ -12,7 +12,6 @@ import hilc_cli as hilc_api
 from hilc_cli.laws.registry import controllers
 from hilc_cli.leaderboards.contests import compete
 from hilc_cli.leaderboards.entries import LeaderboardData
-from hilc_cli.leaderboards.heats import Heat
 from hilc_cli.leaderboards.tables import entries_table
 from hilc_cli.yaml_input.nodes import Source, to_data
 from hilc_cli.yaml_input.tree import parse_yaml
@@ -70,7 +69,7 @@ def test_leaderboard_of_the_overview_is_whole_and_runs(folder: Path) -> None:
     assert leaderboard.cases["late"].spec.robot.imperfections() == {"motor.delay": 0.05}
     # The best law with noise, on the circle.
     contest = [each for each in leaderboard.contests() if each.case == "circle-off"][-1]
-    (entry,) = compete(Heat((contest,)), [1, 2], 0.01)
+    entry = compete(contest, [1, 2], 0.01)
     assert entry.keeps_limit
     assert entry.max_m[1] < 0.1
 

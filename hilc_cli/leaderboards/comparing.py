@@ -206,14 +206,14 @@ def compare_laws(
         WorkersError: Processes cannot be started.
     """
     # The compiler starts slowly.
-    from hilc_cli.leaderboards.contests import compete, compute_entries
+    from hilc_cli.leaderboards.contests import compute_entries, run_heat
 
     if not isinstance(leaderboard, Leaderboard):
         leaderboard = load_leaderboard(leaderboard)
     started, clock = datetime.now(UTC), time.perf_counter()
     spec = leaderboard.spec
     contests = list(leaderboard.contests())
-    work = partial(compete, after=spec.after, tolerance=spec.tolerance)
+    work = partial(run_heat, after=spec.after, tolerance=spec.tolerance)
     entries = compute_entries(contests, work, workers or available_cores(), on_runs, go_on)
     return LawComparison(
         LeaderboardData(spec.name, spec.after, spec.tolerance, entries),

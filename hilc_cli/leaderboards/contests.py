@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.engine.lanes.batch import measure_batch
-from hilc_cli.engine.lanes.kinds import Kind, member
+from hilc_cli.engine.lanes.kinds import member
 from hilc_cli.engine.loop import MeasuredTrials, prepare_machine_code
 from hilc_cli.errors import DivergedError, HilcError
 from hilc_cli.leaderboards.entries import Entry
@@ -27,48 +27,98 @@ from hilc_cli.results.metrics import (
     settled_at,
     share_within,
 )
-from hilc_cli.workers.crews import Alone, Crew, Outcome, Processes, hand_out
+from hilc_cli.workers.crews import Alone, Crew, Processes, hand_out
 
 
 class FailedContestError(HilcError):
     """A run of a leaderboard could not be computed."""
 
 
-_Run = tuple[Floats, int | None]
+_Measured = tuple[Floats, int | None]
 """The metrics of which entries tell, shape (completed iterations, metrics), and the iteration that
 left the finite numbers, if one did."""
 
 _TOLD = (MAX_ERROR, MAX_ERROR_SECOND_HALF, MEAN_ERROR_SECOND_HALF, FASTEST_WHEEL)
 
+_TIMED = 2
+"""The last iteration that the loop engine runs, too, of runs in lanes: to tell what it takes."""
 
-def compete(heat: Heat, after: Sequence[int], tolerance: float) -> list[Entry]:
-    """Runs laws in cases, side by side where a heat has several.
+
+def compete(contest: Contest, after: Sequence[int], tolerance: float) -> Entry:
+    """Runs one law in one case, in the loop engine.
 
     Args:
-        heat: The laws and the cases.
+        contest: The law and the case.
         after: Numbers of iterations after which errors are told.
         tolerance: Largest error that counts as reached [m].
 
     Raises:
-        DivergedError: A run left the finite numbers in iteration 0.
+        DivergedError: It left the finite numbers in iteration 0.
     """
     prepare_machine_code()
-    experiments = [experiment_of(contest) for contest in heat.contests]
-    _warm_up(experiments, heat.kind)
-    start = time.process_time()
-    runs = _measured(experiments, heat.kind)
-    seconds = time.process_time() - start
-    if any(len(metrics) == 0 for metrics, _ in runs):
+    measured, seconds = _by_loop(experiment_of(contest))
+    if not len(measured[0]):
         raise DivergedError(0)
-    each = seconds / sum(len(metrics) for metrics, _ in runs)
-    pairs = zip(heat.contests, runs, strict=True)
-    return [_entry(contest, run, after, tolerance, each) for contest, run in pairs]
+    return _entry(contest, measured, after, tolerance, seconds)
+
+
+def run_heat(heat: Heat, after: Sequence[int], tolerance: float) -> list[Entry | str]:
+    """Runs laws in cases, side by side where a heat has a kind.
+
+    Args:
+        heat: The laws and the cases.
+        after: As for `compete`.
+        tolerance: Likewise.
+
+    Returns:
+        The entry of each run; of one side by side with others that left the finite numbers in
+        iteration 0, what there is to say of it.
+
+    Raises:
+        DivergedError: A run that is alone did.
+    """
+    if heat.kind is None:
+        return [compete(contest, after, tolerance) for contest in heat.contests]
+    prepare_machine_code()
+    experiments = [experiment_of(contest) for contest in heat.contests]
+    in_lanes = measure_batch([member(each) for each in experiments], heat.kind, _TOLD)
+    found: list[Entry | str] = []
+    for contest, experiment, measured in zip(heat.contests, experiments, in_lanes, strict=True):
+        short = replace(experiment, iterations=min(experiment.iterations, _TIMED))
+        if len(measured[0]):
+            found.append(_entry(contest, measured, after, tolerance, _by_loop(short)[1]))
+        else:
+            found.append(f"{DivergedError.__name__}: {DivergedError(0)}")
+    return found
+
+
+def _by_loop(experiment: Experiment) -> tuple[_Measured, float]:
+    """Runs one in the loop engine; also returns the processor time of an iteration [s]."""
+    law = type(experiment.law)
+    if law not in _WARM:
+        _measured(replace(experiment, iterations=min(2, experiment.iterations)))
+        _WARM.add(law)
+    start = time.process_time()
+    measured = _measured(experiment)
+    seconds = time.process_time() - start
+    return measured, seconds / max(len(measured[0]), 1)
+
+
+_WARM: set[type[object]] = set()
+"""Laws that have run in this process, so that nothing of theirs is still to be loaded or compiled,
+which would count as their time."""
+
+
+def _measured(experiment: Experiment) -> _Measured:
+    trials = MeasuredTrials(experiment, names=_TOLD)
+    rows = np.array([list(metrics.values()) for _, metrics in trials]).reshape(-1, len(_TOLD))
+    return rows, trials.diverged_at
 
 
 def _entry(
-    contest: Contest, run: _Run, after: Sequence[int], tolerance: float, seconds: float
+    contest: Contest, measured: _Measured, after: Sequence[int], tolerance: float, seconds: float
 ) -> Entry:
-    metrics, diverged_at = run
+    metrics, diverged_at = measured
     missing = contest.scenario.spec.iterations + 1 - len(metrics)
     # Iterations that are missing are like the one that is not, or have diverged.
     rest = metrics[-1] if diverged_at is None else np.full(len(_TOLD), math.inf)
@@ -95,7 +145,7 @@ def _entry(
 
 def compute_entries(
     contests: Sequence[Contest],
-    work: Callable[[Heat], list[Entry]],
+    work: Callable[[Heat], list[Entry | str]],
     workers: int,
     on_runs: Callable[[int], None] = lambda runs: None,
     go_on: Callable[[], None] = lambda: None,
@@ -118,58 +168,29 @@ def compute_entries(
     """
     prepare_machine_code()
     pieces = heats(contests)
-    crew: Crew[Heat, list[Entry]] = (
+    crew: Crew[Heat, list[Entry | str]] = (
         Alone(work) if workers == 1 else Processes(work, min(workers, len(pieces)))
     )
     entries: dict[Contest, Entry] = {}
     try:
-        for outcome in _outcomes(pieces, crew, go_on):
+        for outcome in hand_out(pieces, crew, go_on):
             runs = outcome.piece.contests
             if outcome.result is None:
-                (contest,) = runs
-                where = f"law {contest.law}, case {contest.case}, belief {contest.belief}"
-                where += f", disturbance {contest.disturbance}"
-                raise FailedContestError(f"{where}: {outcome.reason}") from outcome.error
-            entries.update(zip(runs, outcome.result, strict=True))
+                raise _failed(runs, outcome.reason) from outcome.error
+            for contest, entry in zip(runs, outcome.result, strict=True):
+                if isinstance(entry, str):
+                    raise _failed([contest], entry)
+                entries[contest] = entry
             on_runs(len(entries))
     finally:
         crew.dismiss()
     return tuple(entries[contest] for contest in contests)
 
 
-def _outcomes(
-    pieces: Sequence[Heat], crew: Crew[Heat, list[Entry]], go_on: Callable[[], None]
-) -> Iterator[Outcome[Heat, list[Entry]]]:
-    """What becomes of heats; one of several that fails is parted, to find out which run did."""
-    parted: list[Heat] = []
-    for outcome in hand_out(pieces, crew, go_on):
-        runs = outcome.piece.contests
-        if outcome.result is None and len(runs) > 1:
-            parted += [Heat((contest,)) for contest in runs]
-        else:
-            yield outcome
-    yield from hand_out(parted, crew, go_on)
-
-
-def _measured(experiments: Sequence[Experiment], kind: Kind | None) -> list[_Run]:
-    """Runs experiments in lanes, or where they have no kind one by one in the loop engine."""
-    if kind is not None:
-        return measure_batch([member(experiment) for experiment in experiments], kind, _TOLD)
-    return [_of_trials(MeasuredTrials(each, names=_TOLD)) for each in experiments]
-
-
-def _of_trials(trials: MeasuredTrials) -> _Run:
-    rows = np.array([list(metrics.values()) for _, metrics in trials]).reshape(-1, len(_TOLD))
-    return rows, trials.diverged_at
-
-
-_WARM: set[Hashable] = set()
-"""Laws and kinds that have run in this process, so that nothing of theirs is still to be loaded or
-compiled, which would count as their time."""
-
-
-def _warm_up(experiments: Sequence[Experiment], kind: Kind | None) -> None:
-    what = type(experiments[0].law) if kind is None else kind
-    if what not in _WARM:
-        _measured([replace(each, iterations=min(2, each.iterations)) for each in experiments], kind)
-        _WARM.add(what)
+def _failed(runs: Sequence[Contest], reason: str) -> FailedContestError:
+    first, others = runs[0], len(runs) - 1
+    where = f"law {first.law}, case {first.case}, belief {first.belief}"
+    where += f", disturbance {first.disturbance}"
+    if others:
+        where += f", or one of {others} that are run with it"
+    return FailedContestError(f"{where}: {reason}")

@@ -36,8 +36,8 @@ class Entry:
         fastest_wheel_rad_s: Largest wheel speed in any iteration [rad/s].
         speed_limit_rad_s: b_w [rad/s]; None for no limit.
         diverged_at: The iteration that left the finite numbers; None if none did.
-        seconds_per_iteration: Processor time of the whole program for an iteration [s]; runs
-            that are computed side by side share it equally.
+        seconds_per_iteration: Processor time of the whole program for an iteration in the loop
+            engine [s].
     """
 
     case: str

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from typing import NamedTuple
 
 from hilc_cli.engine.experiment import Experiment
-from hilc_cli.engine.lanes.kinds import Kind, joined, kinds_of, offers_of
+from hilc_cli.engine.lanes.kinds import Kind, Member, joined, kinds_of, offered
 from hilc_cli.engine.lanes.lanes import LANES
 from hilc_cli.leaderboards.plan import Contest
 from hilc_cli.numba_loading import DISABLED
 
-_PAYS = 4_000_000
-"""Samples of a heat from which on its lanes are worth the seconds in which they are compiled."""
+_PAYS = 5_000_000
+"""Samples of runs from which on lanes are worth the seconds in which they are compiled, once: the
+loop engine takes about one for them, each time."""
+
+_FEWEST = 8
+"""Runs from which on lanes, most of which would be empty otherwise, are faster by far."""
+
+_LONGEST = 20_000
+"""Samples of a trajectory up to which the numbers of all lanes stay near the processor."""
 
 _MOST = 8 * LANES
 """The most runs of a heat, so that many are shared out among workers."""
@@ -46,27 +54,45 @@ def heats(contests: Sequence[Contest]) -> list[Heat]:
     """All runs in the order in which they are best begun.
 
     First comes one of each law that is run alone, then those that take lanes: so what there is to
-    compile is compiled by one worker each, not by all of them at the same time.
+    compile is mostly compiled by one worker, not by all of them at the same time.
 
     Laws and cases share machine code as far as they can, since that takes seconds to compile. So
-    what runs a contest depends on the others: by the last digits of its errors.
+    which engine computes a run, and what else it could, depends on the other runs: by the last
+    digits of errors, and by what grows out of those where a law leads to chaos.
     """
-    experiments = [experiment_of(contest) for contest in contests]
-    offers = [] if DISABLED else offers_of(experiments)
-    members = {number: member for number, member in enumerate(offers) if member is not None}
+    members = {
+        number: member
+        for number, member in enumerate(map(_member, contests))
+        if member is not None and member.experiment.reference.samples <= _LONGEST
+    }
     kinds = joined(list(kinds_of(list(members.values()), own_references=True)))
     alike: dict[tuple[float, Kind], list[int]] = {}
-    for number, kind in zip(members, kinds, strict=True):
-        sample_time = experiments[number].reference.sample_time
-        alike.setdefault((sample_time, kind), []).append(number)
-    in_lanes: list[Heat] = []
+    for (number, member), kind in zip(members.items(), kinds, strict=True):
+        alike.setdefault((member.experiment.reference.sample_time, kind), []).append(number)
     alone = dict(enumerate(contests))
+    rounds: list[list[Heat]] = []
     for (_, kind), numbers in alike.items():
-        runs = [experiments[number] for number in numbers]
-        if sum(run.reference.samples * (run.iterations + 1) for run in runs) >= _PAYS:
-            together = [alone.pop(number) for number in numbers]
-            for first in range(0, len(together), _MOST):
-                in_lanes.append(Heat(tuple(together[first : first + _MOST]), kind))
-    begun = {type(experiments[number].law): number for number in reversed(alone)}
-    firsts = [Heat((alone.pop(number),)) for number in reversed(begun.values())]
+        if len(numbers) >= _FEWEST and sum(_samples(members[each]) for each in numbers) >= _PAYS:
+            runs = [alone.pop(number) for number in numbers]
+            parts = range(0, len(runs), _MOST)
+            rounds.append([Heat(tuple(runs[first : first + _MOST]), kind) for first in parts])
+    in_lanes = [heat for each in zip_longest(*rounds) for heat in each if heat is not None]
+    begun: dict[type[object], int] = {}
+    for number, contest in alone.items():
+        begun.setdefault(type(contest.scenario.spec.controller), number)
+    firsts = [Heat((alone.pop(number),)) for number in begun.values()]
     return [*firsts, *in_lanes, *(Heat((contest,)) for contest in alone.values())]
+
+
+def _member(contest: Contest) -> Member | None:
+    """What a run offers to lanes; None where it offers nothing, or cannot even be made."""
+    if DISABLED:
+        return None
+    try:
+        return offered(experiment_of(contest))
+    except Exception:  # of any law or plant; it is told when the run is to be computed
+        return None
+
+
+def _samples(member: Member) -> int:
+    return member.experiment.reference.samples * (member.experiment.iterations + 1)

@@ -12,7 +12,14 @@ import pytest
 
 from hilc_cli.engine.experiment import Experiment
 from hilc_cli.errors import DivergedError
-from hilc_cli.leaderboards.contests import FailedContestError, compete, compute_entries
+from hilc_cli.laws.feedback import FeedbackController
+from hilc_cli.leaderboards.comparing import compare_laws
+from hilc_cli.leaderboards.contests import (
+    FailedContestError,
+    compete,
+    compute_entries,
+    run_heat,
+)
 from hilc_cli.leaderboards.entries import Entry
 from hilc_cli.leaderboards.heats import Heat, heats
 from hilc_cli.leaderboards.plan import Contest, load_leaderboard
@@ -50,11 +57,6 @@ UNDISTURBED = [
 ]
 
 
-def alone(contest: Contest, after: list[int], tolerance: float) -> Entry:
-    (entry,) = compete(Heat((contest,)), after, tolerance)
-    return entry
-
-
 def name(contest: Contest) -> str:
     return f"{contest.case}-{contest.belief}"
 
@@ -83,7 +85,7 @@ def test_norm_optimal_learning_is_within_5_mm_after_5_iterations(contest: Contes
     scenario = contest.scenario
     spec = scenario.spec.model_copy(update={"iterations": 5})
     short = Contest(contest.case, contest.belief, "none", contest.law, type(scenario)(spec))
-    entry = alone(short, [5], 0.005)
+    entry = compete(short, [5], 0.005)
     assert entry.speed_limit_rad_s == 180
     assert entry.fastest_wheel_rad_s <= 180
     assert entry.max_m[0] <= 0.005
@@ -94,7 +96,7 @@ def test_norm_optimal_learning_is_within_5_mm_after_5_iterations(contest: Contes
 def test_law_that_does_not_learn_is_run_once_where_nothing_is_disturbed() -> None:
     contest = next(each for each in SHIPPED.contests() if each.law == "feedback")
     assert contest.disturbance == "none"
-    entry = alone(contest, [1, 100], 0.01)
+    entry = compete(contest, [1, 100], 0.01)
     assert entry.max_m[0] == entry.max_m[1] < 0.01
     assert (entry.within_at, entry.within_share, entry.settled_at) == (0, 1, 0)
     assert entry.peak_m == entry.whole_max_m[0]
@@ -125,7 +127,7 @@ OFF = (20.0, 3.0, 0.5, 2.0, 0.25, 0.5, math.inf, math.inf)
 
 
 def test_what_is_told_of_the_iterations(made_up: Contest, monkeypatch: pytest.MonkeyPatch) -> None:
-    lost = alone(made_up, [1, 7], 0.75)
+    lost = compete(made_up, [1, 7], 0.75)
     assert lost.max_m == lost.whole_max_m
     assert list(lost.max_m) == pytest.approx([3, math.inf])
     # Of iterations 2 to 7, those numbered 2, 4 and 5 are within 0.75 m.
@@ -133,41 +135,53 @@ def test_what_is_told_of_the_iterations(made_up: Contest, monkeypatch: pytest.Mo
     assert (lost.peak_m, lost.diverged_at) == (math.inf, 6)
     spec = made_up.scenario.spec
     whole = spec.model_copy(update={"iterations": 5})
-    entry = alone(replace(made_up, scenario=type(made_up.scenario)(whole)), [0, 5], 0.75)
+    entry = compete(replace(made_up, scenario=type(made_up.scenario)(whole)), [0, 5], 0.75)
     assert list(entry.max_m) == pytest.approx([20, 0.5])
     assert (entry.within_at, entry.within_share, entry.settled_at) == (2, 3 / 4, 4)
     assert entry.peak_m == pytest.approx(3)
-    never = alone(made_up, [7], 0.2)
+    never = compete(made_up, [7], 0.2)
     assert (never.within_at, never.within_share, never.settled_at) == (None, None, None)
     first = spec.model_copy(update={"iterations": 0})
-    entry = alone(replace(made_up, scenario=type(made_up.scenario)(first)), [0], 0.75)
+    entry = compete(replace(made_up, scenario=type(made_up.scenario)(first)), [0], 0.75)
     assert entry.peak_m is None
 
 
+LEARNING = [each for each in SHIPPED.contests() if each.law != "norm-optimal"]
+NOTHING = "ZeroDivisionError: nothing to divide by"
+
+
 def test_run_that_cannot_be_computed_is_told() -> None:
-    def work(heat: Heat) -> list[Entry]:
+    def work(heat: Heat) -> list[Entry | str]:
         raise ZeroDivisionError("nothing to divide by")
 
     runs = list(islice(SHIPPED.contests(), 1))
-    told = r"law paper-17, case circle, belief exact, disturbance none: ZeroDivisionError: nothing"
+    told = f"law paper-17, case circle, belief exact, disturbance none: {NOTHING}"
     with pytest.raises(FailedContestError, match=told):
         compute_entries(runs, work, workers=1)
+    many = "law paper-17, case circle, .*, or one of 143 that are run with it: Zero"
+    with pytest.raises(FailedContestError, match=many):
+        compute_entries(LEARNING, work, workers=1)
 
 
 def test_run_that_cannot_be_computed_is_found_among_others() -> None:
-    def work(heat: Heat) -> list[Entry]:
-        if any(contest.law == "paper-21" for contest in heat.contests):
-            raise ZeroDivisionError("nothing to divide by")
-        return [ENTRY] * len(heat.contests)
+    def work(heat: Heat) -> list[Entry | str]:
+        return [NOTHING if each is LEARNING[77] else ENTRY for each in heat.contests]
 
-    sizes = [len(heat.contests) for heat in heats(LEARNING)]
-    assert max(sizes) > 1
-    told = r"law paper-21, case circle, belief exact, disturbance none: ZeroDivisionError: nothing"
+    wrong = LEARNING[77]
+    assert next(heat for heat in heats(LEARNING) if wrong in heat.contests).contests[0] != wrong
+    told = f"law {wrong.law}, case {wrong.case}, belief {wrong.belief}, disturbance .*: {NOTHING}"
     with pytest.raises(FailedContestError, match=told):
         compute_entries(LEARNING, work, workers=1)
 
 
-LEARNING = [each for each in SHIPPED.contests() if each.law != "norm-optimal"]
+def test_run_that_cannot_even_be_made_is_left_to_who_computes_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def offer(experiment: Experiment) -> object:
+        raise ZeroDivisionError("nothing to divide by")
+
+    monkeypatch.setattr("hilc_cli.leaderboards.heats.offered", offer)
+    assert sorted(map(len, (heat.contests for heat in heats(LEARNING)))) == [1] * len(LEARNING)
 
 
 def test_laws_share_machine_code_as_far_as_they_can() -> None:
@@ -184,36 +198,78 @@ def test_laws_share_machine_code_as_far_as_they_can() -> None:
     assert [heat.kind is None for heat in found[:6]] == [True, *[False] * 4, True]
 
 
-def test_few_samples_are_not_worth_machine_code_of_their_own() -> None:
+def test_large_heats_are_shared_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = heats(LEARNING)
+    monkeypatch.setattr("hilc_cli.leaderboards.heats._MOST", 50)
+    parts = heats(LEARNING)
+    assert [len(heat.contests) for heat in parts] == [50, 48, 48, 48, 50, 44]
+    assert parts[0].contests + parts[4].contests + parts[5].contests == whole[0].contests
+
+
+def test_few_samples_or_runs_are_not_worth_machine_code_of_their_own() -> None:
     robots = load_leaderboard("example:leaderboard-robots")
     assert all(heat.kind is None for heat in heats(list(robots.contests())))
+    few = [replace(each, scenario=of_iterations(each, 2000)) for each in LEARNING[:6]]
+    assert all(heat.kind is None for heat in heats(few))
 
 
 def test_lanes_and_the_loop_engine_make_the_same_entries() -> None:
-    """Of every law with and without noise; a pack of 24 lanes ends in the midst of a heat."""
-    shown = {
-        law: [replace(each, scenario=shortened(each)) for each in LEARNING if each.law == law]
-        for law in ("paper-17", "derivative", "lateral", "pid", "feedback")
-    }
-    kinds = {contest.law: heat.kind for heat in heats(LEARNING) for contest in heat.contests}
-    for law, contests in shown.items():
-        heat = Heat(tuple(contests[::-1]), kinds[law])
-        entries = compete(heat, [0, 3], 0.05)[::-1]
-        assert {entry.seconds_per_iteration > 0 for entry in entries} == {True}
+    """Of every law with and without noise, in packs of several laws and in half full ones."""
+    for heat in heats(LEARNING):
+        contests = [replace(each, scenario=of_iterations(each, 3)) for each in heat.contests[4:]]
+        entries = run_heat(Heat(tuple(contests), heat.kind), [0, 3], 0.05)
         for contest, entry in list(zip(contests, entries, strict=True))[::7]:
-            expected = alone(contest, [0, 3], 0.05)
-            told = replace(entry, seconds_per_iteration=expected.seconds_per_iteration)
-            assert rounded(told) == rounded(expected)
+            assert isinstance(entry, Entry)
+            assert entry.seconds_per_iteration > 0
+            assert rounded(entry) == rounded(compete(contest, [0, 3], 0.05))
 
 
-def shortened(contest: Contest) -> Scenario:
-    return Scenario(contest.scenario.spec.model_copy(update={"iterations": 3}))
+def test_run_that_leaves_the_finite_numbers_at_once_is_told_of_lanes() -> None:
+    tracking = [heat for heat in heats(LEARNING) if heat.contests[0].law == "feedback"]
+    kind = tracking[0].kind
+    tame = [replace(each, scenario=of_iterations(each, 1)) for each in tracking[0].contests[24:26]]
+    controller = FeedbackController.model_validate({"law": "feedback", "gains": {"k_x": 1e12}})
+    spec = tame[1].scenario.spec.model_copy(update={"controller": controller})
+    wild = replace(tame[1], scenario=Scenario(spec))
+    with pytest.raises(DivergedError, match="iteration 0"):
+        compete(wild, [1], 0.01)
+    entry, reason = run_heat(Heat((tame[0], wild), kind), [1], 0.01)
+    assert isinstance(entry, Entry)
+    expected = "DivergedError: the simulation diverged to non-finite values in iteration 0"
+    assert reason == expected
+
+
+def test_entries_do_not_depend_on_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hilc_cli.leaderboards.heats._PAYS", 0)
+    laws = {f"hybrid-{gain}": {"law": "hybrid", "gains": {"l1": gain}} for gain in (0.1, 0.5)}
+    board = {
+        "name": "small",
+        "cases": {"circle": "example:fig6a", "spiral": "example:fig3-spiral"},
+        "beliefs": {"exact": {}, "large": {"wheel_radius": 1.1}},
+        "laws": laws,
+        "after": [1, 2],
+    }
+    contests = list(load_leaderboard(board).contests())
+    assert [len(heat.contests) for heat in heats(contests)] == [8]
+    alone, shared = (compare_laws(board, workers=workers).data.entries for workers in (1, 2))
+    assert [timeless(entry) for entry in alone] == [timeless(entry) for entry in shared]
+    assert [rounded(entry) for entry in alone] == [
+        rounded(compete(contest, [1, 2], 0.01)) for contest in contests
+    ]
+
+
+def of_iterations(contest: Contest, iterations: int) -> Scenario:
+    return Scenario(contest.scenario.spec.model_copy(update={"iterations": iterations}))
+
+
+def timeless(entry: Entry) -> Entry:
+    return replace(entry, seconds_per_iteration=0.0)
 
 
 def rounded(entry: Entry) -> list[object]:
-    """Its fields; numbers to nine digits."""
+    """Its fields but the time; numbers to nine digits."""
     return [
         tuple(float(f"{number:.9g}") for number in field) if isinstance(field, tuple)
         else float(f"{field:.9g}") if isinstance(field, float) else field
-        for field in astuple(entry)
+        for field in astuple(timeless(entry))
     ]  # fmt: skip

@@ -9,7 +9,6 @@ import pytest
 
 import hilc_cli as hilc
 from hilc_cli.leaderboards.contests import compete
-from hilc_cli.leaderboards.heats import Heat
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "laws.md").read_text(encoding="utf-8")
 _, _, TABLES = PAGE.partition("## Robots as they are")
@@ -47,7 +46,7 @@ def test_a_case_keeps_what_it_does_not_change() -> None:
 def test_figures_of_the_page() -> None:
     leaderboard = hilc.load_leaderboard("example:leaderboard-robots")
     found = [
-        1000 * compete(Heat((contest,)), leaderboard.spec.after, 0.01)[0].max_m[-1]
+        1000 * compete(contest, leaderboard.spec.after, 0.01).max_m[-1]
         for contest in leaderboard.contests()
         if (contest.law, contest.disturbance) == ("feedback", "none")
     ]
@@ -63,8 +62,7 @@ def test_norm_optimal_finds_out_what_robot_it_has() -> None:
         for each in leaderboard.contests()
         if (each.case, each.law, each.disturbance) == ("combined", "norm-optimal", "none")
     ]
-    (entry,) = compete(Heat((contest,)), [1, 2], 0.01)
-    after_one, after_two = entry.max_m
+    after_one, after_two = compete(contest, [1, 2], 0.01).max_m
     assert "2.2 mm after one pass of `combined`" in TABLES
     assert 1000 * after_one == pytest.approx(2.2, abs=0.1)
     assert after_two < after_one / 2

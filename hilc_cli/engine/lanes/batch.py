@@ -127,8 +127,8 @@ def measure_batch(
     """Metrics of each iteration, not of the last one alone.
 
     Args:
-        members: Experiments of one kind; those that draw nothing may be with those that do.
-        kind: Theirs.
+        members: Experiments with references of their own.
+        kind: What all of them can be run as, see `joined`.
         names: Which metrics.
 
     Returns:
@@ -157,6 +157,8 @@ def _each_iteration(pack: Pack, members: Sequence[Member], names: Sequence[str])
     table = np.empty((len(members), iterations, len(names)))
     for iteration in range(iterations):
         goes_on = (lasts >= iteration) & (pack.diverged_at == NEVER)
+        if not goes_on.any():
+            break
         # What metrics are made of is noted of a lane's last iteration: this is its last for now.
         pack.last[:] = np.where(goes_on, iteration, NEVER)
         pack.plan(iteration)

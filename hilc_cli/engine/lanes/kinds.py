@@ -84,7 +84,7 @@ def kinds_of(members: Sequence[Member], own_references: bool = False) -> Iterato
 
 
 def joined(kinds: Sequence[Kind]) -> list[Kind]:
-    """Kinds as few others that can run them.
+    """For each kind one that can run it, few different ones in all.
 
     Those that differ in terms of their laws alone get the terms of all, which are zero where a law
     has none; those that draw nothing become the first that does. That takes longer than machine
@@ -109,10 +109,12 @@ def _wider(kind: Kind, other: Kind) -> Kind:
 
 
 def _bare(kind: Kind) -> Kind:
+    """What kinds have in common that can be joined."""
     return _undisturbed(kind)._replace(derivative=False, lateral=False, full_matrix=False)
 
 
 def _undisturbed(kind: Kind) -> Kind:
+    """The kind if nothing were drawn."""
     return kind._replace(state=NONE, output=NONE, pose=NONE)
 
 
