@@ -55,10 +55,11 @@ class _GlancedErrors:
             self._least = error = self._exact(iteration, passed)
             self.grow = not math.isfinite(error)
             return error
-        error, off = self._bounds.of(passed)
-        if not self._is_told_by(error - off, error + off):
-            error, off = self._bounds.closer(passed)
-        if not self._is_told_by(error - off, error + off):
+        for bounds in (self._bounds.of, self._bounds.closer):
+            error, off = bounds(passed)
+            if self._is_told_by(error - off, error + off):
+                break
+        else:
             error, off = self._exact(iteration, passed), 0.0
         self.grow = not error + off <= max(CLEARLY * self._least, self._small)
         self._least = min(self._least, error - off)
