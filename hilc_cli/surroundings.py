@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-_MADE_SINCE = 30_000
+_MADE_SINCE = 100_000
 """So many objects are made until Python looks for those that refer to each other in a circle."""
 _KEPT = ("NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT")
 
